@@ -1,0 +1,85 @@
+# Shared settings and the three commands every folder uses:
+#   tetsuame_module(NAME [SOURCES …] [DEPENDS modules …] [LIBRARIES targets …])
+#   tetsuame_program(NAME SOURCE DEPENDS …)
+#   tetsuame_test(NAME SOURCES … DEPENDS … [LABELS …] [RANKS n …])
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+set(TETSUAME_ARCH "x86-64-v3" CACHE STRING "-march= of every target (native: this machine only)")
+option(TETSUAME_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
+
+add_library(tetsuame_options INTERFACE)
+# -ffp-contract=off: a particle's sum must have the same bits wherever it stands
+# in an array, so the compiler may not fuse differently in a loop's body and tail.
+target_compile_options(tetsuame_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
+  -march=${TETSUAME_ARCH} -ffp-contract=off -fno-math-errno -fno-trapping-math)
+target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
+if(TETSUAME_SANITIZE)
+  target_compile_options(tetsuame_options INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(tetsuame_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+function(tetsuame_module name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
+  # <name/header.hpp> is found only through this target: a link to the module's
+  # folder in an include root of its own, so that an undeclared include fails.
+  set(root ${CMAKE_BINARY_DIR}/include/${name})
+  file(MAKE_DIRECTORY ${root})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${root}/${name} SYMBOLIC)
+  if(arg_SOURCES)
+    set(scope PUBLIC)
+    add_library(${name} STATIC ${arg_SOURCES})
+  else()
+    set(scope INTERFACE)
+    add_library(${name} INTERFACE)
+  endif()
+  target_include_directories(${name} ${scope} ${root})
+  target_link_libraries(${name} ${scope} tetsuame_options ${arg_DEPENDS} ${arg_LIBRARIES})
+endfunction()
+
+function(tetsuame_program name source)
+  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/programs)
+endfunction()
+
+# One Boost.Test executable. With RANKS the test runs under mpirun once for each
+# number given (named NAME.n), else as a plain process.
+function(tetsuame_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;DEPENDS;LABELS;RANKS" ${ARGN})
+  if(NOT arg_LABELS)
+    set(arg_LABELS unit)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  add_executable(test_${name} ${arg_SOURCES})
+  target_compile_definitions(test_${name} PRIVATE BOOST_TEST_DYN_LINK
+    TETSUAME_SOURCE_DIR="${CMAKE_SOURCE_DIR}" TETSUAME_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} tetsuame_options Boost::unit_test_framework)
+  set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  set(mpi_environment
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1)
+  if(arg_RANKS)
+    foreach(ranks IN LISTS arg_RANKS)
+      add_test(NAME ${name}.${ranks}
+        COMMAND ${MPIEXEC_EXECUTABLE} --bind-to none -n ${ranks} $<TARGET_FILE:test_${name}>)
+      set_tests_properties(${name}.${ranks} PROPERTIES LABELS "${arg_LABELS};mpi"
+        ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT} PROCESSORS ${ranks})
+    endforeach()
+  else()
+    add_test(NAME ${name} COMMAND test_${name})
+    set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}"
+      ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT})
+  endif()
+endfunction()

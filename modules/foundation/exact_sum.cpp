@@ -1,0 +1,98 @@
+#include <foundation/exact_sum.hpp>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace tetsuame::foundation {
+
+namespace {
+
+constexpr std::int64_t low_32 = 0xffffffff;
+constexpr std::size_t plus_infinity = exact_sum::chunks;
+constexpr std::size_t minus_infinity = exact_sum::chunks + 1;
+constexpr std::size_t not_a_number = exact_sum::chunks + 2;
+// An addition changes a chunk by less than 2^32: this many fit beside a carried value.
+constexpr std::uint32_t additions_before_carry = 1U << 30;
+
+}  // namespace
+
+void exact_sum::add(double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const auto biased = static_cast<std::uint32_t>(bits >> 52) & 0x7ff;
+  auto mantissa = static_cast<std::int64_t>(bits & ((std::uint64_t{1} << 52) - 1));
+  const bool negative = (bits >> 63) != 0;
+  if (biased == 0x7ff) {
+    ++data_[mantissa != 0 ? not_a_number : negative ? minus_infinity : plus_infinity];
+    return;
+  }
+  if (biased != 0) mantissa |= std::int64_t{1} << 52;
+  // value = +-mantissa * 2^(shift - 1074)
+  const std::uint32_t shift = biased != 0 ? biased - 1 : 0;
+  const std::uint32_t k = shift / 32, s = shift % 32;
+  const std::int64_t low = (mantissa << s) & low_32;
+  const std::int64_t middle = (mantissa >> (32 - s)) & low_32;
+  const std::int64_t high = s == 0 ? 0 : mantissa >> (64 - s);
+  if (negative) {
+    data_[k] -= low;
+    data_[k + 1] -= middle;
+    data_[k + 2] -= high;
+  } else {
+    data_[k] += low;
+    data_[k + 1] += middle;
+    data_[k + 2] += high;
+  }
+  if (++pending_ == additions_before_carry) normalise();
+}
+
+void exact_sum::add(const exact_sum& other) {
+  exact_sum carried = other;
+  carried.normalise();
+  for (std::size_t k = 0; k < data_.size(); ++k) data_[k] += carried.data_[k];
+  if (++pending_ == additions_before_carry) normalise();
+}
+
+void exact_sum::normalise() {
+  for (std::size_t k = 0; k + 1 < chunks; ++k) {
+    data_[k + 1] += data_[k] >> 32;
+    data_[k] &= low_32;
+  }
+  pending_ = 0;
+}
+
+double exact_sum::value() const {
+  if (data_[not_a_number] > 0 || (data_[plus_infinity] > 0 && data_[minus_infinity] > 0))
+    return std::numeric_limits<double>::quiet_NaN();
+  if (data_[plus_infinity] > 0) return std::numeric_limits<double>::infinity();
+  if (data_[minus_infinity] > 0) return -std::numeric_limits<double>::infinity();
+
+  exact_sum magnitude = *this;
+  magnitude.normalise();
+  const bool negative = magnitude.data_[chunks - 1] < 0;
+  if (negative) {
+    for (std::size_t k = 0; k < chunks; ++k) magnitude.data_[k] = -magnitude.data_[k];
+    magnitude.normalise();
+  }
+  std::size_t top = chunks;
+  while (top > 0 && magnitude.data_[top - 1] == 0) --top;
+  if (top == 0) return 0.0;
+  --top;
+
+  // The leading 65 to 128 bits, and one sticky bit for all that lies below, so that
+  // the conversion's own rounding is that of the whole number.
+  const auto chunk = [&](std::ptrdiff_t k) {
+    return k >= 0 ? static_cast<unsigned __int128>(magnitude.data_[static_cast<std::size_t>(k)])
+                  : static_cast<unsigned __int128>(0);
+  };
+  const auto k = static_cast<std::ptrdiff_t>(top);
+  unsigned __int128 leading = (chunk(k) << 64) | (chunk(k - 1) << 32) | chunk(k - 2);
+  for (std::ptrdiff_t below = k - 3; below >= 0; --below)
+    if (magnitude.data_[static_cast<std::size_t>(below)] != 0) {
+      leading |= 1;
+      break;
+    }
+  const double result = std::ldexp(static_cast<double>(leading), static_cast<int>(32 * (k - 2)) - 1074);
+  return negative ? -result : result;
+}
+
+}  // namespace tetsuame::foundation
