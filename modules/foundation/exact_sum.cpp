@@ -8,6 +8,8 @@ namespace tetsuame::foundation {
 
 namespace {
 
+__extension__ using uint128 = unsigned __int128;
+
 constexpr std::int64_t low_32 = 0xffffffff;
 constexpr std::size_t plus_infinity = exact_sum::chunks;
 constexpr std::size_t minus_infinity = exact_sum::chunks + 1;
@@ -81,11 +83,11 @@ double exact_sum::value() const {
   // The leading 65 to 128 bits, and one sticky bit for all that lies below, so that
   // the conversion's own rounding is that of the whole number.
   const auto chunk = [&](std::ptrdiff_t k) {
-    return k >= 0 ? static_cast<unsigned __int128>(magnitude.data_[static_cast<std::size_t>(k)])
-                  : static_cast<unsigned __int128>(0);
+    return k >= 0 ? static_cast<uint128>(magnitude.data_[static_cast<std::size_t>(k)])
+                  : static_cast<uint128>(0);
   };
   const auto k = static_cast<std::ptrdiff_t>(top);
-  unsigned __int128 leading = (chunk(k) << 64) | (chunk(k - 1) << 32) | chunk(k - 2);
+  uint128 leading = (chunk(k) << 64) | (chunk(k - 1) << 32) | chunk(k - 2);
   for (std::ptrdiff_t below = k - 3; below >= 0; --below)
     if (magnitude.data_[static_cast<std::size_t>(below)] != 0) {
       leading |= 1;
