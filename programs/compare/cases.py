@@ -8,7 +8,7 @@ ITERATING = ("A", "B")  # the programs that find Y by the Hosono iteration
 
 # The cures of the iteration are run where they are of interest: at 10 GPa, where a
 # solution exists and only the plain iteration misses it.
-CURES = ("anderson", "newton")
+CURES = ("newton", "anderson")
 CURED_INPUTS = ("12", "13", "13_linear")
 # At 1e5 Pa on this lattice no solver can help, since there is nothing to find;
 # dividing by the kernel sum makes a solution exist.

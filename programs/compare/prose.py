@@ -66,7 +66,7 @@ def walls(outcomes: list[Outcome]) -> list[str]:
     """What a missing half of the kernel does."""
     text = [
         f"Without boundary correction nothing stands behind a wall. In the row next to it the kernel sums to {FIRST_ROW_SUM}, "
-        f"so that the smoothed pressure is {1 - FIRST_ROW_SUM:.0%} low there. In B the first pass takes that for a density "
+        f"so that the smoothed pressure is {100 * (1 - FIRST_ROW_SUM):.0f} % low there. In B the first pass takes that for a density "
         "27 % low, which a liquid answers with a negative pressure: it stops in the first step. In D the density is "
         "integrated and survives, but the pressure drops towards the wall and drives the outermost rows towards it: "
         "these are the displacements near the walls. With virtual markers (A, C, E, F) the wall particles carry "

@@ -18,7 +18,7 @@ def page(outcomes: list[Outcome], drawn: list[Figure], settings: tuple[str, ...]
     parts = [head(outcomes, settings), crashes(outcomes), overview(outcomes), beside_the_note(outcomes),
              section("Why the plain iteration diverges", prose.iteration(outcomes)),
              images(drawn, "residual", "Residual of the iteration by pass. Plain runs are shown in the evaluation that "
-                    "diverged (×: last value), the others in the one with most passes. Dotted grey: the growth "
+                    "diverged (×: last value), the others in the one with most passes. Broad grey: the growth "
                     "|G| = (κ − 1)(1 − S_min) from the first residual."),
              section("A limit that no solver removes", prose.limit(outcomes)),
              section("What the walls do", prose.walls(outcomes)),
@@ -40,15 +40,24 @@ def section(title: str, paragraphs: list[str]) -> str:
     return f"<h2>{title}</h2>\n" + "\n".join(f"<p>{text}</p>" for text in paragraphs)
 
 
+# Displacement maps that show what file 13's show, only smaller or alike: folded when others are there.
+FOLDED = {"11", "12", "13_linear"}
+
+
 def images(drawn: list[Figure], kind: str, caption: str) -> str:
-    blocks = []
-    for figure in drawn:
-        if figure.kind == kind:
-            data = base64.b64encode(figure.path.read_bytes()).decode()
-            text = caption.format(file=escape(figure.file))
-            blocks.append(f"<figure><img alt=\"{text}\" src=\"data:image/png;base64,{data}\">"
-                          f"<figcaption>{text}</figcaption></figure>")
-    return "\n".join(blocks)
+    chosen = [figure for figure in drawn if figure.kind == kind]
+    fold = not all(figure.file in FOLDED for figure in chosen)
+    return "\n".join(image(figure, caption, fold and figure.file in FOLDED) for figure in chosen)
+
+
+def image(figure: Figure, caption: str, folded: bool) -> str:
+    data = base64.b64encode(figure.path.read_bytes()).decode()
+    text = caption.format(file=escape(figure.file))
+    block = (f"<figure><img alt=\"{escape(text)}\" src=\"data:image/png;base64,{data}\">"
+             f"<figcaption>{text}</figcaption></figure>")
+    if not folded:
+        return block
+    return f"<details><summary>Displacement, file {escape(figure.file)}</summary>\n{block}</details>"
 
 
 def head(outcomes: list[Outcome], settings: tuple[str, ...]) -> str:
@@ -75,7 +84,7 @@ def state_class(outcome: Outcome) -> str:
 
 
 def program_cell(label: str) -> str:
-    return f"<td><span class=\"key\" style=\"background:{COLOUR[label[0]]}\"></span>{escape(label)}</td>"
+    return f"<td class=\"name\"><span class=\"key\" style=\"background:{COLOUR[label[0]]}\"></span>{escape(label)}</td>"
 
 
 def table(header: list[str], rows: list[str], kind: str = "", numbers: frozenset[int] = frozenset()) -> str:
@@ -137,23 +146,35 @@ def scientific(value: float | None) -> str:
 def all_runs(outcomes: list[Outcome]) -> str:
     rows, last_file = [], None
     for o in outcomes:
-        share, cost = wall_share(o), cost_per_step(o)
+        # The time of a step and its shares mean something only over many steps.
+        share, cost = (wall_share(o), cost_per_step(o)) if o.kind == COMPLETED else (None, None)
         values = [*(scientific(error(o, name)) for name in
                     ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
-                  scientific(number(o.summary, "conservation", "momentum")),
-                  scientific(number(o.summary, "conservation", "energy")),
-                  "" if cost is None else f"{1e3 * cost:.2g}", "" if share is None else f"{share:.0%}"]
+                  "" if cost is None else f"{1e3 * cost:.2g}", "" if share is None else f"{100 * share:.0f} %"]
+        where = f", {place(o)}" if place(o) else ""
         first = " class=\"first\"" if o.case.file != last_file else ""
         last_file = o.case.file
         rows.append(f"<tr{first}><td>{escape(o.case.file)}</td>{program_cell(o.case.label)}"
-                    f"<td class=\"{state_class(o)}\">{escape(verdict(o))}{': ' + escape(o.reason) if o.reason else ''}</td>"
+                    f"<td class=\"{state_class(o)}\">{escape(verdict(o) + where)}</td>"
                     + "".join(f"<td class=\"number\">{value}</td>" for value in values) + "</tr>")
     return ("<h2>All runs</h2>\n"
             + table(["File", "Program", "Outcome", "p error, mean", "p error, max", "ρ error, max",
-                     "moved/Δx, max", "momentum drift", "energy drift", "ms/step", "walls"], rows, "wide",
-                    frozenset(range(3, 11)))
-            + "\n<p class=\"small\">Errors and drifts are relative. The same table with more columns: table.csv beside this page; "
-            "every run's output: the folder runs.</p>")
+                     "moved/Δx, max", "ms/step", "walls"], rows, "wide", frozenset(range(3, 9)))
+            + "\n<p class=\"small\">Errors are relative; walls: their share of the time. With more columns: table.csv "
+            "beside this page; every run's output: the folder runs.</p>" + reasons(outcomes))
+
+
+def reasons(outcomes: list[Outcome]) -> str:
+    """What the runs that stopped said, once for those that said the same."""
+    said: dict[str, list[str]] = {}
+    for outcome in outcomes:
+        if outcome.kind not in (COMPLETED, CRASHED):
+            said.setdefault(outcome.reason, []).append(f"{outcome.case.label} on {outcome.case.file}")
+    if not said:
+        return ""
+    items = "\n".join(f"<li>{escape('; '.join(names))}: <code>{escape(reason)}</code></li>"
+                      for reason, names in said.items())
+    return f"\n<p>What the programs said when they stopped:</p>\n<ul class=\"small\">\n{items}\n</ul>"
 
 
 def how_to(settings: tuple[str, ...]) -> str:

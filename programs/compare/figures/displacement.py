@@ -1,16 +1,18 @@
 """How far the particles have moved, where nothing should: one map for each program on one input."""
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import LogNorm
+from matplotlib import colormaps
+from matplotlib.colors import ListedColormap, LogNorm
 
 from ..results import last_snapshot, representatives
 from ..runner import Outcome
 from . import style
 
 SMALLEST, LARGEST = 1e-9, 1e-1  # of the spacing: the range of the colours
-ARROW = 0.9                     # length of the longest arrow, in spacings
+ARROW = 0.85                    # length of the longest arrow, in spacings
+# The darkest part is left out: the arrows are drawn over the colours.
+COLOURS = ListedColormap(colormaps["YlOrBr"](np.linspace(0.1, 0.72, 256)))
 
 
 def draw(outcomes: list[Outcome], file: str, path: Path) -> bool:
@@ -18,7 +20,8 @@ def draw(outcomes: list[Outcome], file: str, path: Path) -> bool:
               if (snapshot := last_snapshot(outcome.folder)) is not None and snapshot.displacement is not None]
     if not states:
         return False
-    figure, axes = style.panels(len(states), 3, 3.3, sharex=True, sharey=True)
+    figure, axes = style.panels(len(states), 3 if len(states) != 4 else 2, 3.6 if len(states) != 4 else 4.4,
+                                sharex=True, sharey=True)
     norm = LogNorm(SMALLEST, LARGEST, clip=True)
     points = None
     for ax, (case, snapshot) in zip(axes, states):
@@ -38,17 +41,20 @@ def draw_map(ax, case, snapshot, norm):
     position, moved = snapshot.position[:, :2] / 1e3, snapshot.displacement[:, :2]
     distance = np.hypot(*moved.T) / snapshot.spacing
     largest = distance.max()
+    # Tiles that nearly touch, in points squared: the panel is about 2.6 inches for the box and its walls.
+    size = (0.8 * 72 * ax.get_position().width * style.WIDTH * 0.86 / (snapshot.length[0] / snapshot.spacing + 6.4)) ** 2
     wall = snapshot.wall_position[:, :2] / 1e3
-    ax.scatter(*wall.T, s=7, marker="s", color="#d0d0d0", linewidths=0)
-    points = ax.scatter(*position.T, s=20, c=np.maximum(distance, SMALLEST), norm=norm, cmap=plt.cm.cividis_r,
+    ax.scatter(*wall.T, s=size / 6, marker="s", color="#bdbdbd", linewidths=0)
+    points = ax.scatter(*position.T, s=size, marker="s", c=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS,
                         linewidths=0)
     # Below the colours' range the directions are those of round-off.
     if largest > SMALLEST:
         arrows = moved / snapshot.spacing / largest * ARROW * snapshot.spacing / 1e3
         longer = distance > 0.05 * largest
         ax.quiver(*position[longer].T, *arrows[longer].T, angles="xy", scale_units="xy", scale=1,
-                  color=style.INK, width=0.004, headwidth=4, headlength=4)
-    ax.set_title(f"{case.label}: at most {largest:.1e} spacings")
+                  pivot="mid", color=style.INK, width=0.0035, headwidth=4, headlength=4, headaxislength=3.5)
+    ax.set_title(f"{case.label}\n", pad=2)
+    ax.text(0, 1.015, f"largest: {largest:.1e} spacings", transform=ax.transAxes, fontsize=8.5, color=style.GREY)
     ax.set_aspect("equal")
     ax.grid(False)
     margin = 3.2 * snapshot.spacing / 1e3

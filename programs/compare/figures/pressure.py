@@ -46,7 +46,7 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     axes[0].set_ylim(bottom=0)
     axes[0].invert_yaxis()
     for ax in axes[:-1]:
-        ax.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1], ["≤ 1e-16", "1e-12", "1e-8", "1e-4", "1"])
+        ax.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1], ["≤ 1e-16", "1e-12", "1e-8", "1e-4", ""])
         ax.tick_params(labelbottom=True)
         ax.set_xlabel("mean |p − p_ref| / p_ref in a row")
         if ax.get_subplotspec().is_first_col():

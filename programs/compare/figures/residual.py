@@ -2,12 +2,15 @@
 from pathlib import Path
 
 import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from ..results import Residuals, number, residuals
 from ..runner import COMPLETED, Outcome
 from . import style
 
 DASHES = {"": "-", "anderson": (0, (5, 2)), "newton": (0, (1, 1.2)), "under_relaxed": (0, (5, 1.5, 1, 1.5))}
+NAMES = {"": "solver as in the input", "anderson": "Anderson", "newton": "Newton", "under_relaxed": "under-relaxed"}
 
 
 def shown(outcome: Outcome) -> Residuals | None:
@@ -19,45 +22,52 @@ def shown(outcome: Outcome) -> Residuals | None:
 
 
 def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
-    curves = {}
-    for outcome in outcomes:
-        if (history := shown(outcome)) is not None:
-            curves.setdefault((outcome.case.file, outcome.case.program), []).append((outcome, history))
+    curves = [(outcome, history) for outcome in outcomes if (history := shown(outcome)) is not None]
     if not curves:
         return False
-    shown_files = [file for file in files if any(key[0] == file for key in curves)]
-    figure, axes = style.panels(len(shown_files), 3, 3.2)
+    shown_files = [file for file in files if any(outcome.case.file == file for outcome, _ in curves)]
+    # One panel more than there are inputs holds the legend.
+    figure, axes = style.panels(len(shown_files) + 1, 3, 2.9)
     for ax, file in zip(axes, shown_files):
-        for (_, program), lines in ((key, value) for key, value in curves.items() if key[0] == file):
-            for outcome, history in lines:
-                draw_line(ax, program, outcome, history)
+        for outcome, history in curves:
+            if outcome.case.file == file:
+                draw_line(ax, outcome, history)
         ax.set_yscale("log")
-        ax.set_xscale("log")
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.set_title(f"File {file}")
         ax.set_xlabel("pass")
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel("largest relative change of Y")
-        ax.legend(fontsize=7.5, handlelength=2.6)
+    draw_legend(axes[-1], curves)
     style.save(figure, path)
     return True
 
 
-def draw_line(ax, program: str, outcome: Outcome, history: Residuals) -> None:
-    variant = outcome.case.variant
-    stopped = outcome.kind != COMPLETED
-    where = f", step {history.step}" if stopped else ""
-    positive = history.residual > 0
-    passes, values = history.iteration[positive], history.residual[positive]
+def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
+    variant, stopped = outcome.case.variant, outcome.kind != COMPLETED
+    good = (history.residual > 0) & np.isfinite(history.residual)
+    passes, values = history.iteration[good], history.residual[good]
     if len(passes) == 0:
         return
-    ax.plot(passes, values, color=style.COLOUR[program], linestyle=DASHES.get(variant.split(",")[0], "-"),
-            marker="x" if stopped else style.MARKER[program], markersize=5 if stopped else 2.5,
-            markevery=[-1] if stopped else None, markeredgewidth=2 if stopped else 1,
-            label=f"{outcome.case.label}{where}")
+    colour = style.COLOUR[outcome.case.program]
+    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"))
+    if stopped:
+        ax.plot(passes[-1], values[-1], color=colour, marker="x", markersize=7, markeredgewidth=2)
     growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
     if not variant and growth is not None and growth > 1:
         # As many passes as were made, at least three so that the slope is seen, from the first residual.
         line = np.arange(passes[0], passes[0] + max(len(passes), 3))
-        ax.plot(line, values[0] * growth ** (line - line[0]), color=style.GREY, linewidth=1,
-                linestyle=(0, (2, 2)), zorder=1,
-                label=f"theory: × {growth:.3g} a pass ({program})")
+        ax.plot(line, values[0] * growth ** (line - line[0]), color=style.GREY, linewidth=4, alpha=0.35, zorder=1)
+
+
+def draw_legend(ax, curves: list) -> None:
+    ax.set_axis_off()
+    programs = sorted({outcome.case.program for outcome, _ in curves})
+    solvers = list(dict.fromkeys(outcome.case.variant.split(",")[0] for outcome, _ in curves))
+    handles = [Line2D([], [], color=style.COLOUR[name], linewidth=3, label=f"program {name}") for name in programs]
+    handles += [Line2D([], [], color=style.INK, linestyle=DASHES.get(name, "-"), label=NAMES.get(name, name))
+                for name in solvers]
+    handles += [Line2D([], [], color=style.INK, marker="x", linestyle="", markersize=7, markeredgewidth=2,
+                       label="stopped here"),
+                Line2D([], [], color=style.GREY, linewidth=4, alpha=0.35, label="theory, × |G| a pass")]
+    ax.legend(handles=handles, loc="center left", fontsize=9.5, labelspacing=0.6, handlelength=2.8)
