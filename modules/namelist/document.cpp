@@ -4,6 +4,7 @@
 #include <fstream>
 #include <namelist/document.hpp>
 #include <namelist/parse.hpp>
+#include <system_error>
 #include <utility>
 
 namespace tetsuame::namelist {
@@ -40,6 +41,9 @@ document parse_text(std::string_view text, std::string name) {
 
 document parse_file(const std::filesystem::path& path) {
   const std::string name = path.string();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    foundation::fail_input(fmt::format("{}: this is a folder, not an input file", name));
   std::ifstream file(path, std::ios::binary);
   if (!file) foundation::fail_input(fmt::format("{}: the input file cannot be opened: is the path right?", name));
   // One byte more than allowed, which parse_text then refuses: a device has no end.

@@ -37,7 +37,7 @@ class reader {
   [[noreturn]] void fail(const std::string& message) const { fail(line_, message); }
   [[noreturn]] void fail(std::size_t line, const std::string& message) const;
 
-  bool group_begins();
+  std::string read_group_name(bool line_begins);
   void read_group(group& into);
   bool group_ends(const group& into);
   assignment read_key();
@@ -98,33 +98,48 @@ void reader::count_item() {
   if (++items_ > maximum_items) fail(fmt::format("more than {} groups, keys and values", maximum_items));
 }
 
-// As in Fortran, all that stands between groups is ignored.
+// As in Fortran, what stands between groups is ignored, save for what can only be meant
+// as a group.
 std::vector<group> reader::groups() {
   if (text_.size() > maximum_bytes) fail(fmt::format("longer than {} bytes: this is no input", maximum_bytes));
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (text_.starts_with(byte_order_mark)) at_ = byte_order_mark.size();
   std::vector<group> result;
   std::map<std::string, std::size_t> lines;
+  bool line_begins = true, empty = true;
   while (!ended()) {
     if (starts_comment(at_)) {
       skip_comment();
       continue;
     }
     if (!next_is('&') && !next_is('$')) {
+      empty = empty && is_blank(next());
+      line_begins = next() == '\n' || (line_begins && is_blank(next()));
       step();
       continue;
     }
-    step();
-    group found{lower(name()), line_, {}};
-    const bool complete = ended() || is_separator(next());
-    if (found.name.empty() || found.name == "end" || !complete) continue;
+    group found{read_group_name(line_begins), line_, {}};
+    line_begins = empty = false;
+    if (found.name.empty() || found.name == "end") continue;
     const auto [earlier, first] = lines.emplace(found.name, line_);
     if (!first) fail(fmt::format("group &{} was given before, in line {}", found.name, earlier->second));
     count_item();
     read_group(found);
     result.push_back(std::move(found));
   }
+  if (result.empty() && !empty) fail("no group (&name ... /) was found: is this a namelist file?");
   return result;
+}
+
+// Empty if this & or $ is part of the text between groups.
+std::string reader::read_group_name(bool line_begins) {
+  const bool dollar = next_is('$');
+  step();
+  const std::string result = lower(name());
+  if (!result.empty() && (ended() || is_separator(next()))) return result;
+  if (line_begins && result.empty() && !dollar) fail("expected the name of a group directly behind &");
+  if (line_begins && !result.empty()) fail(fmt::format("expected a blank behind the name of group &{}", result));
+  return "";
 }
 
 void reader::read_group(group& into) {
@@ -287,6 +302,8 @@ void reader::read_word(value& into) {
   const std::size_t begin = at_;
   while (!ended() && !is_separator(next()) && (mode_ == syntax::argument || next() != '=')) step();
   into.content = text_.substr(begin, at_ - begin);
+  if (mode_ == syntax::file && into.content.find_first_of("&$") != std::string::npos)
+    fail(fmt::format("expected a blank before & or $ in '{}'", excerpt(into.content)));
 }
 
 // As gfortran does, a text runs on over the ends of lines, which are not part of it.

@@ -133,8 +133,7 @@ bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& fille
   for (const value& v : c.from.values) {
     const bool null = v.what == value::kind::null;
     if (used == room && null && !v.counted) continue;
-    if (v.repeat > room - used)
-      c.fail(&v, fmt::format("too many values: at most {} {} here", room, room == 1 ? "fits" : "fit"));
+    if (v.repeat > room - used) c.fail(&v, fmt::format("too many values: at most {} fit, found more", room));
     if (null) {
       used += v.repeat;
       continue;
