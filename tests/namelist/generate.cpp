@@ -50,17 +50,18 @@ class writer {
         result += digits(5);
         break;
       case 1:
-        result += digits(3) + '.';
+        result += digits(3) + ".";
         break;
       case 2:
-        result += '.' + digits(17);
+        result.append(".").append(digits(17));
         break;
       default:
-        result += digits(3) + '.' + digits(17);
+        result += digits(3) + "." + digits(17);
     }
     if (one_in(2)) return result;
     result += any(std::array<std::string_view, 10>{"e", "E", "d", "D", "q", "e+", "d-", "E-", "+", "-"});
-    return result + (one_in(8) ? "3" + digits(2) : digits(2));
+    if (one_in(8)) result.append("3");
+    return result + digits(2);
   }
   std::string integer() { return any(std::array<std::string_view, 3>{"", "-", "+"}) + digits(18); }
   std::string logical() {

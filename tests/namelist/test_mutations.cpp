@@ -97,7 +97,7 @@ BOOST_AUTO_TEST_CASE(changed_corpus) {
   std::mt19937_64 bits(20240229);
   for (const std::string& text : texts) {
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-    for (int k = 0; k < 4000; ++k) {
+    for (int k = 0; k < 15000; ++k) {
       std::string other = text;
       for (std::uint64_t rounds = bits() % 3 + 1; rounds > 0; --rounds) other = changed(other, texts, bits);
       BOOST_TEST_CONTEXT("input: " << other)
