@@ -94,15 +94,6 @@ int call_residual(N_Vector x, N_Vector f, void* data) {
   return std::isfinite(p.result.residuals.back()) ? 0 : 1;
 }
 
-// F for a difference along a vector: not an iterate, so not in the history of residuals.
-int call_residual_nearby(N_Vector x, N_Vector f, void* data) {
-  problem& p = problem_of(data);
-  const auto from = p.read(x);
-  const auto to = problem::write(f);
-  ++p.result.evaluations;
-  return p.guard([&] { return (*p.residual)(from, to); });
-}
-
 int call_product(N_Vector v, N_Vector jv, N_Vector x, booleantype*, void* data) {
   problem& p = problem_of(data);
   const auto at = p.read(x), direction = p.read(v);
@@ -194,6 +185,7 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
                                const jacobian_times& jv, const jacobian_diagonal& diagonal,
                                const newton_options& options) {
   check_common(options.tolerance, options.max_iterations);
+  if (!jv) fail_input("Newton's method needs the product of the Jacobian with a vector");
   if (options.krylov_dimension < 1 || options.krylov_restarts < 0 || !(options.largest_step > 0.0))
     fail_input("krylov_dimension must be >= 1, krylov_restarts >= 0 and largest_step > 0");
 
@@ -217,9 +209,8 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
   require(p, solver != nullptr && SUNLinSol_SPGMRSetMaxRestarts(solver.get(), options.krylov_restarts) == 0 &&
                  // classical Gram–Schmidt: one message instead of one a vector
                  SUNLinSol_SPGMRSetGSType(solver.get(), SUN_CLASSICAL_GS) == 0 &&
-                 KINSetLinearSolver(k, solver.get(), nullptr) == KIN_SUCCESS);
-  require(p,
-          (jv ? KINSetJacTimesVecFn(k, call_product) : KINSetJacTimesVecSysFn(k, call_residual_nearby)) == KIN_SUCCESS);
+                 KINSetLinearSolver(k, solver.get(), nullptr) == KIN_SUCCESS &&
+                 KINSetJacTimesVecFn(k, call_product) == KIN_SUCCESS);
   if (diagonal) {
     p.diagonal_values.reset(N_VClone(p.home.get()));
     require(p, KINSetPreconditioner(k, set_up_diagonal, apply_diagonal) == KIN_SUCCESS &&

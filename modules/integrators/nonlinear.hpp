@@ -61,10 +61,9 @@ struct nonlinear_result {
 nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixed_point_map& g,
                           const anderson_options& options = {});
 
-// x as above; when converged max |F(x)| <= tolerance. Without `jv` products are differences of F; without `diagonal`
-// there is no preconditioner.
+// x as above; when converged max |F(x)| <= tolerance. Without `diagonal` there is no preconditioner.
 nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const residual_function& f,
-                               const jacobian_times& jv = {}, const jacobian_diagonal& diagonal = {},
+                               const jacobian_times& jv, const jacobian_diagonal& diagonal = {},
                                const newton_options& options = {});
 
 }  // namespace tetsuame::integrators

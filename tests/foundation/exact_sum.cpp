@@ -22,7 +22,7 @@ constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
-double significand(double x) {
+double fraction_of(double x) {
   int exponent = 0;
   return std::frexp(x, &exponent);
 }
@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(agrees_with_the_big_integer) {
     // Exponents near one another too, or the largest number alone would decide.
     if (trial % 2 == 0)
       for (double& v : values)
-        v = std::ldexp(significand(v), static_cast<int>(random() % 120) - (trial % 4 == 0 ? 1070 : 60));
+        v = std::ldexp(fraction_of(v), static_cast<int>(random() % 120) - (trial % 4 == 0 ? 1070 : 60));
     BOOST_REQUIRE_EQUAL(bits(exact(values)), bits(reference(values)));
   }
 }
