@@ -244,7 +244,12 @@ double explicit_integrator::implementation::first_dt(double t_stop) {
   if (options.dt > 0.0) return options.dt;
   const vector_handle weight(N_VClone(home.get()));
   weights(home.get(), weight.get());
-  const double state = N_VWrmsNorm(home.get(), weight.get());
+  const vector_handle magnitude(N_VClone(home.get()));
+  const auto y = values(home.get());
+  const auto size = values_to_overwrite(magnitude.get());
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) size[k][i] = fields[k].scale > 0.0 ? fields[k].scale : y[k][i];
+  const double state = N_VWrmsNorm(magnitude.get(), weight.get());
   const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
   return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
 }
