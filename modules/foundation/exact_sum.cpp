@@ -1,6 +1,5 @@
 #include <foundation/exact_sum.hpp>
 
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,37 +13,11 @@ constexpr std::int64_t low_32 = 0xffffffff;
 constexpr std::size_t plus_infinity = exact_sum::chunks;
 constexpr std::size_t minus_infinity = exact_sum::chunks + 1;
 constexpr std::size_t not_a_number = exact_sum::chunks + 2;
-// An addition changes a chunk by less than 2^32: this many fit beside a carried value.
-constexpr std::uint32_t additions_before_carry = 1U << 30;
 
 }  // namespace
 
-void exact_sum::add(double value) {
-  const auto bits = std::bit_cast<std::uint64_t>(value);
-  const auto biased = static_cast<std::uint32_t>(bits >> 52) & 0x7ff;
-  auto mantissa = static_cast<std::int64_t>(bits & ((std::uint64_t{1} << 52) - 1));
-  const bool negative = (bits >> 63) != 0;
-  if (biased == 0x7ff) {
-    ++data_[mantissa != 0 ? not_a_number : negative ? minus_infinity : plus_infinity];
-    return;
-  }
-  if (biased != 0) mantissa |= std::int64_t{1} << 52;
-  // value = +-mantissa * 2^(shift - 1074)
-  const std::uint32_t shift = biased != 0 ? biased - 1 : 0;
-  const std::uint32_t k = shift / 32, s = shift % 32;
-  const std::int64_t low = (mantissa << s) & low_32;
-  const std::int64_t middle = (mantissa >> (32 - s)) & low_32;
-  const std::int64_t high = s == 0 ? 0 : mantissa >> (64 - s);
-  if (negative) {
-    data_[k] -= low;
-    data_[k + 1] -= middle;
-    data_[k + 2] -= high;
-  } else {
-    data_[k] += low;
-    data_[k + 1] += middle;
-    data_[k + 2] += high;
-  }
-  if (++pending_ == additions_before_carry) normalise();
+void exact_sum::add_special(double value) {
+  ++data_[std::isnan(value) ? not_a_number : value < 0 ? minus_infinity : plus_infinity];
 }
 
 void exact_sum::add(const exact_sum& other) {
@@ -83,8 +56,7 @@ double exact_sum::value() const {
   // The leading 65 to 128 bits, and one sticky bit for all that lies below, so that
   // the conversion's own rounding is that of the whole number.
   const auto chunk = [&](std::ptrdiff_t k) {
-    return k >= 0 ? static_cast<uint128>(magnitude.data_[static_cast<std::size_t>(k)])
-                  : static_cast<uint128>(0);
+    return k >= 0 ? static_cast<uint128>(magnitude.data_[static_cast<std::size_t>(k)]) : static_cast<uint128>(0);
   };
   const auto k = static_cast<std::ptrdiff_t>(top);
   uint128 leading = (chunk(k) << 64) | (chunk(k - 1) << 32) | chunk(k - 2);

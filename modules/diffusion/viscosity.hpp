@@ -1,0 +1,53 @@
+// Viscous force and dissipation [S2]:
+//   m_i Dv_i/Dt ⊃ Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j (x_ij·∇_i W_ij/|x_ij|²) v_ij
+//   Φ_i         = -½ Σ_j [the same factor] v_ij²        (W, goes into heat)
+// x·∇W/|x|² is the pair's F. What a pair loses in motion, its two halves gain in heat.
+#pragma once
+
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::diffusion {
+
+// 4 a b/(a + b): zero where both vanish.
+inline pairs::real harmonic(const pairs::real& a, const pairs::real& b) {
+  const pairs::real sum = a + b;
+  pairs::real mean = 4.0 * a * b / sum;
+  pairs::stdx::where(sum == 0.0, mean) = 0.0;
+  return mean;
+}
+
+template <int D>
+struct viscosity {
+  using real = pairs::real;
+
+  std::array<const double*, D> v;  // m/s
+  const double* eta;               // Pa s
+  const double* dV;                // m^D
+  const double* m;                 // kg
+  std::array<double*, D> dv;       // m/s2, added to
+  double* heat;                    // W, added to; null: not wanted
+
+  struct me {
+    real eta, dV;
+    pairs::vec<real, D> v, force;
+    real dissipation;
+  };
+
+  me begin(std::size_t i) const {
+    me a{real(eta[i]), real(dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
+    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
+    return a;
+  }
+  void add(me& a, const pairs::pair<D>& ij) const {
+    const real factor = harmonic(a.eta, pairs::gather(eta, ij.j)) * a.dV * pairs::gather(dV, ij.j) * ij.F;
+    const auto v_ij = a.v - pairs::gather<D>(v, ij.j);
+    a.force += factor * v_ij;
+    a.dissipation -= 0.5 * factor * foundation::dot(v_ij, v_ij);
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) dv[k][i] += pairs::sum(a.force[k]) / m[i];
+    if (heat != nullptr) heat[i] += pairs::sum(a.dissipation);
+  }
+};
+
+}  // namespace tetsuame::diffusion

@@ -1,0 +1,62 @@
+#include <domain/communicator.hpp>
+#include <limits>
+
+namespace tetsuame::domain {
+
+communicator communicator::world() {
+  communicator world;
+  MPI_Comm_rank(world.comm, &world.rank);
+  MPI_Comm_size(world.comm, &world.size);
+  return world;
+}
+
+double communicator::maximum(double value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return value;
+}
+
+double communicator::minimum(double value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MIN, comm);
+  return value;
+}
+
+std::int64_t communicator::sum(std::int64_t value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT64_T, MPI_SUM, comm);
+  return value;
+}
+
+double communicator::exact(foundation::exact_sum sum) const {
+  sum.normalise();
+  auto& chunks = sum.raw();
+  MPI_Allreduce(MPI_IN_PLACE, chunks.data(), static_cast<int>(chunks.size()), MPI_INT64_T, MPI_SUM, comm);
+  return sum.value();
+}
+
+std::string communicator::broadcast(std::string text) const {
+  auto length = static_cast<std::int64_t>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT64_T, 0, comm);
+  text.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(text.data(), static_cast<int>(length), MPI_CHAR, 0, comm);
+  return text;
+}
+
+void communicator::agree_on_fault(std::int64_t id, const std::string& message,
+                                  foundation::exit_status status) const {
+  constexpr auto no_fault = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t mine = message.empty() ? no_fault : id;
+  std::int64_t lowest = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
+  if (lowest == no_fault) return;
+  int teller = mine == lowest ? rank : size;
+  MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, comm);
+  int code = static_cast<int>(status);
+  auto length = static_cast<std::int64_t>(message.size());
+  MPI_Bcast(&code, 1, MPI_INT, teller, comm);
+  MPI_Bcast(&length, 1, MPI_INT64_T, teller, comm);
+  std::string told = message;
+  told.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(told.data(), static_cast<int>(length), MPI_CHAR, teller, comm);
+  throw foundation::error(static_cast<foundation::exit_status>(code), told);
+}
+
+}  // namespace tetsuame::domain

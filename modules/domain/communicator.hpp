@@ -1,0 +1,32 @@
+// The few collective operations the physics needs, each with a result that does
+// not depend on how the particles are spread over the ranks.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <foundation/error.hpp>
+#include <foundation/exact_sum.hpp>
+#include <string>
+
+namespace tetsuame::domain {
+
+struct communicator {
+  MPI_Comm comm = MPI_COMM_WORLD;
+  int rank = 0;
+  int size = 1;
+
+  static communicator world();
+
+  double maximum(double value) const;
+  double minimum(double value) const;
+  std::int64_t sum(std::int64_t value) const;
+  double exact(foundation::exact_sum sum) const;  // the rounded sum over all ranks' terms
+  std::string broadcast(std::string text) const;  // rank 0's text
+
+  // Each rank hands in the fault it saw, keyed by particle ID (no fault: empty text);
+  // every rank throws the fault of the lowest ID, or none does.
+  void agree_on_fault(std::int64_t id, const std::string& message, foundation::exit_status status) const;
+};
+
+}  // namespace tetsuame::domain

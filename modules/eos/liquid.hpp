@@ -1,0 +1,58 @@
+// A liquid on a reference isotherm with Mie-Grueneisen thermal pressure:
+//   p(rho, T) = p0 + p_ref(rho) + gamma rho [E(rho, T) - E(rho, T0)]
+//   E(rho, T) = c [T + e T^2],  e = e0 (rho0/rho)^g,  gamma = gamma0 (rho0/rho)^q
+//   c_V = dE/dT = c (1 + 2 e T),   alpha K_T = (dp/dT)_rho = gamma rho c_V
+// The difference of E, not c_V (T - T0), is what makes gamma the same in the pressure, in
+// alpha K_T and on the adiabat when c_V depends on T; with e0 = 0 both are the same.
+// Liquid iron: Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020), c = 3R/M.
+#pragma once
+
+#include <cmath>
+#include <eos/inversion.hpp>
+#include <eos/properties.hpp>
+#include <eos/reference_curves.hpp>
+
+namespace tetsuame::eos {
+
+struct thermal_part {
+  double T0;         // K
+  double gamma0, q;  // dimensionless
+  double c;          // J/(kg K)
+  double e0, g;      // 1/K, dimensionless
+};
+
+template <class Curve>
+struct liquid {
+  description about;
+  double p0, rho0;  // Pa, kg/m^3: the reference state
+  Curve reference;  // isotherm at T0
+  thermal_part thermal;
+
+  double pressure(double rho, double T) const {
+    const double L = std::log(rho / rho0);
+    const double e = thermal.e0 * std::exp(-thermal.g * L);
+    return p0 + reference.at(L).p + gamma_rho(rho, L) * energy_difference(T, e);
+  }
+
+  properties evaluate(double rho, double T) const {
+    const double L = std::log(rho / rho0);
+    const curve_point cold = reference.at(L);
+    const double e = thermal.e0 * std::exp(-thermal.g * L);
+    const double gr = gamma_rho(rho, L), E = energy_difference(T, e);
+    // d ln(gamma rho)/d ln rho = 1 - q,  d e/d ln rho = -g e
+    const double dE = -thermal.g * thermal.c * e * (T * T - thermal.T0 * thermal.T0);
+    const double c_V = thermal.c * (1.0 + 2.0 * e * T);
+    return from_derivatives(rho, T, p0 + cold.p + gr * E, cold.K + gr * ((1.0 - thermal.q) * E + dE), gr * c_V, c_V);
+  }
+
+  // kg/m^3; fail_calculation outside the pressures of the stable branch.
+  double density(double p, double T) const { return invert(*this, p, T, {0.2 * rho0, rho0, 4.0 * rho0}); }
+
+ private:
+  double gamma_rho(double rho, double L) const { return thermal.gamma0 * std::exp(-thermal.q * L) * rho; }
+  double energy_difference(double T, double e) const {
+    return thermal.c * (T - thermal.T0) * (1.0 + e * (T + thermal.T0));
+  }
+};
+
+}  // namespace tetsuame::eos

@@ -1,0 +1,75 @@
+// The parameters a user may give for a material, and each equation of state's own defaults.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetsuame::eos {
+
+// Everything left empty takes the default of the equation of state named; a parameter that
+// this equation does not have is an error, never ignored.
+struct material_options {
+  std::string name = "linear";
+  std::string curve;      // liquid_silicate: 'vinet' or 'birch_murnaghan'
+  std::string tillotson;  // tillotson: 'iron', 'granite' or 'basalt'
+  std::optional<double> reference_pressure, reference_density, reference_temperature;
+  std::optional<double> bulk_modulus, bulk_modulus_derivative, bulk_modulus_second_derivative;
+  std::optional<double> thermal_expansivity, heat_capacity;
+  std::optional<double> gruneisen, gruneisen_exponent, electronic_coefficient, electronic_exponent;
+  std::optional<double> gamma, p_infinity;
+};
+
+// One numeric parameter: its key, unit, lowest allowed value and meaning, for inputs and messages.
+struct parameter {
+  enum class range { any, not_negative, positive, above_one };
+  std::string_view key;
+  std::optional<double> material_options::*member;
+  std::string_view unit;
+  range allowed;
+  std::string_view meaning;
+};
+
+inline constexpr std::array<parameter, 14> parameters{{
+    {"reference_pressure", &material_options::reference_pressure, "Pa", parameter::range::any,
+     "pressure at the reference state"},
+    {"reference_density", &material_options::reference_density, "kg/m^3", parameter::range::positive,
+     "density at the reference state"},
+    {"reference_temperature", &material_options::reference_temperature, "K", parameter::range::positive,
+     "temperature of the reference state"},
+    {"bulk_modulus", &material_options::bulk_modulus, "Pa", parameter::range::positive,
+     "bulk modulus on the reference curve"},
+    {"bulk_modulus_derivative", &material_options::bulk_modulus_derivative, "", parameter::range::any,
+     "its first derivative by pressure"},
+    {"bulk_modulus_second_derivative", &material_options::bulk_modulus_second_derivative, "1/Pa", parameter::range::any,
+     "its second derivative by pressure"},
+    {"thermal_expansivity", &material_options::thermal_expansivity, "1/K", parameter::range::any,
+     "expansivity at the reference state"},
+    {"heat_capacity", &material_options::heat_capacity, "J/(kg K)", parameter::range::positive,
+     "c_V, for liquid_iron its part that is constant (3R/M)"},
+    {"gruneisen", &material_options::gruneisen, "", parameter::range::any,
+     "Grueneisen parameter gamma0 at the reference density"},
+    {"gruneisen_exponent", &material_options::gruneisen_exponent, "", parameter::range::any,
+     "q in gamma = gamma0 (rho0/rho)^q"},
+    {"electronic_coefficient", &material_options::electronic_coefficient, "1/K", parameter::range::not_negative,
+     "e0 in E = c [T + e0 (rho0/rho)^g T^2]"},
+    {"electronic_exponent", &material_options::electronic_exponent, "", parameter::range::any,
+     "g in E = c [T + e0 (rho0/rho)^g T^2]"},
+    {"gamma", &material_options::gamma, "", parameter::range::above_one, "ratio of specific heats"},
+    {"p_infinity", &material_options::p_infinity, "Pa", parameter::range::not_negative, "stiffening pressure"},
+}};
+
+// Names of the equations of state, in the order they are offered.
+const std::vector<std::string_view>& names();
+
+// The full set that make() would use: defaults with the given values over them; parameters
+// the equation of state does not have stay empty. fail_input for an unknown name, a
+// parameter it does not have, or a value out of range.
+material_options resolve(const material_options& given);
+
+// Keys of the parameters that differ from the defaults of the same equation of state.
+std::vector<std::string_view> changed(const material_options& resolved);
+
+}  // namespace tetsuame::eos

@@ -1,0 +1,78 @@
+// Tillotson's equation of state for impacts [J. H. Tillotson, GA-3216 (1962); H. J. Melosh,
+// Impact Cratering (1989), appendix II; W. Benz, E. Asphaug, Icarus 142, 5 (1999)].
+// With eta = rho/rho0, mu = eta - 1, omega = u/(E0 eta^2) + 1:
+//   condensed, rho >= rho0 or u <= E_iv:
+//     p_c = (a + b/omega) rho u + A mu + B mu^2
+//   expanded and hot, rho < rho0 and u >= E_cv:
+//     p_e = a rho u + [b rho u/omega + A mu exp(-beta (1/eta - 1))] exp(-alpha (1/eta - 1)^2)
+//   between E_iv and E_cv: linear in u from p_c to p_e.
+// It is a function of (rho, u) and knows no temperature. Here
+//   u = u_s(rho) + c_V [T - T_s(rho)],
+// where u_s, T_s is the isentrope through (rho0, u = 0, T0):
+//   du_s/drho = p(rho, u_s)/rho^2,  d ln T_s/d ln rho = (1/rho)(dp/du)_rho.
+// So p(rho0, T0) = 0, c_V is constant and dT = (u - u_s changes)/c_V. For p linear in u
+// (omega constant) this is an exact potential; otherwise T is an approximation, while p and
+// the speed of sound, c^2 = (dp/drho)_u + (p/rho^2)(dp/du)_rho, are Tillotson's own.
+// Below rho0 the work of tension is left out (u_s = 0, T_s = T0 eta^(a+b)): A mu + B mu^2
+// does not vanish as rho -> 0, and its integral would diverge.
+#pragma once
+
+#include <eos/inversion.hpp>
+#include <eos/properties.hpp>
+#include <string_view>
+#include <vector>
+
+namespace tetsuame::eos {
+
+struct tillotson_parameters {
+  std::string_view material;
+  double rho0, A, B;   // kg/m^3, Pa, Pa
+  double a, b, E0;     // dimensionless, dimensionless, J/kg
+  double E_iv, E_cv;   // J/kg: incipient and complete vaporisation
+  double alpha, beta;  // dimensionless
+};
+
+// 'iron', 'granite' or 'basalt'; fail_input for another name.
+const tillotson_parameters& find_tillotson(std::string_view material);
+
+struct tillotson_state {
+  double p, p_rho, p_u;  // Pa, (dp/drho)_u, (dp/du)_rho
+};
+
+// The pressure of rho (kg/m^3) and u (J/kg) with its derivatives.
+tillotson_state tillotson_pressure(const tillotson_parameters& material, double rho, double u);
+
+struct tillotson {
+  static constexpr double largest_compression = 5.0;  // rho/rho0 to which the isentrope is tabulated
+
+  description about;
+  tillotson_parameters material;
+  double T0, c_V;  // K, J/(kg K)
+
+  // T0 > 0, c_V > 0. Integrates the reference isentrope.
+  tillotson(description about_, const tillotson_parameters& material_, double T0_, double c_V_);
+
+  // Above largest_compression * rho0 all results are not a number.
+  double pressure(double rho, double T) const;
+  properties evaluate(double rho, double T) const;
+  // kg/m^3; fail_calculation outside the pressures of the stable branch.
+  double density(double p, double T) const;
+
+  double internal_energy(double rho, double T) const;  // J/kg
+  double temperature(double rho, double u) const;      // K
+
+ private:
+  struct isentrope_point {
+    double u, T, u_slope, T_slope;  // J/kg, K, and their d/drho
+  };
+  isentrope_point isentrope(double rho) const;
+
+  // At equal steps of ln(rho/rho0): u_s, ln T_s and their d/d ln rho, for cubic Hermite pieces.
+  struct node {
+    double u, u_slope, ln_T, ln_T_slope;
+  };
+  std::vector<node> table_;
+  double step_;
+};
+
+}  // namespace tetsuame::eos

@@ -1,0 +1,33 @@
+// Continuity in DISPH form: D ln ρ_i/Dt = Σ_j (Y_j/p_j) v_ij·∇_i W_ij  [S0],
+// and with the same sum the velocity divergence ∇·v = -D ln ρ/Dt.
+#pragma once
+
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::gradient {
+
+template <int D>
+struct continuity {
+  using real = pairs::real;
+
+  std::array<const double*, D> v;  // m/s
+  const double* dV;                // m^D, Y/p
+  double* dlnrho;                  // 1/s, set
+
+  struct me {
+    pairs::vec<real, D> v;
+    real sum;
+  };
+
+  me begin(std::size_t i) const {
+    me a{{}, real(0.0)};
+    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
+    return a;
+  }
+  void add(me& a, const pairs::pair<D>& ij) const {
+    a.sum += pairs::gather(dV, ij.j) * ij.F * foundation::dot(a.v - pairs::gather<D>(v, ij.j), ij.x_ij);
+  }
+  void end(std::size_t i, const me& a) const { dlnrho[i] = pairs::sum(a.sum); }
+};
+
+}  // namespace tetsuame::gradient

@@ -1,0 +1,52 @@
+// Pressure gradient, pattern 1 [S0 eq. (1), S2]:
+//   m_i Dv_i/Dt = -Σ_j (Y_i²/p_i + Y_j²/p_j) ∇_i W_ij
+//   m_i Du_i/Dt =  ½ Σ_j (Y_i²/p_i + Y_j²/p_j) v_ij·∇_i W_ij
+// Written with ΔV = Y/p as Y²/p = p ΔV², which needs no division by p: the same for
+// smoothed and non-smoothed pressure. Momentum and energy are exchanged pair by pair.
+#pragma once
+
+#include <gradient/rates.hpp>
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::gradient {
+
+struct pattern_1 {
+  static constexpr const char* name = "pattern_1";
+  template <int D>
+  struct term;
+};
+
+template <int D>
+struct pattern_1::term {
+  using real = pairs::real;
+
+  std::array<const double*, D> v;  // m/s
+  const double* p;                 // Pa
+  const double* dV;                // m^D
+  const double* m;                 // kg
+  rates<D> out;
+
+  struct me {
+    real stress;                   // J m^D, p ΔV² of particle i
+    pairs::vec<real, D> v, force;  // force in N, its sign reversed
+    real work;                     // W
+  };
+
+  me begin(std::size_t i) const {
+    me a{real(p[i] * dV[i] * dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
+    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
+    return a;
+  }
+  void add(me& a, const pairs::pair<D>& ij) const {
+    const real dV_j = pairs::gather(dV, ij.j);
+    const auto pull = (a.stress + pairs::gather(p, ij.j) * dV_j * dV_j) * ij.gradient();
+    a.force += pull;
+    a.work += foundation::dot(a.v - pairs::gather<D>(v, ij.j), pull);
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) out.dv[k][i] -= pairs::sum(a.force[k]) / m[i];
+    out.du[i] += 0.5 * pairs::sum(a.work) / m[i];
+  }
+};
+
+}  // namespace tetsuame::gradient

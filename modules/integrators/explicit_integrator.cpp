@@ -1,0 +1,430 @@
+#include <integrators/explicit_integrator.hpp>
+// arkode_butcher.h needs FILE declared
+#include <cstdio>
+
+#include <arkode/arkode_erkstep.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <integrators/reduce.hpp>
+#include <integrators/state_vector.hpp>
+#include <utility>
+
+namespace tetsuame::integrators {
+
+namespace {
+
+using foundation::fail_calculation;
+using foundation::fail_input;
+
+struct release_table {
+  void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
+};
+using table_handle = std::unique_ptr<ARKodeButcherTableMem, release_table>;
+
+struct release_arkode {
+  void operator()(void* memory) const { ERKStepFree(&memory); }
+};
+using arkode_handle = std::unique_ptr<void, release_arkode>;
+
+table_handle euler_table() {
+  double c[] = {0.0}, a[] = {0.0}, b[] = {1.0};
+  return table_handle(ARKodeButcherTable_Create(1, 1, 0, c, a, b, nullptr));
+}
+
+// A. Ralston, Math. Comp. 16, 431 (1962): of the two-stage methods of order 2 the one with the
+// smallest bound on the error; forward Euler is embedded.
+table_handle ralston_table() {
+  double c[] = {0.0, 2.0 / 3.0}, a[] = {0.0, 0.0, 2.0 / 3.0, 0.0}, b[] = {0.25, 0.75}, d[] = {1.0, 0.0};
+  return table_handle(ARKodeButcherTable_Create(2, 2, 1, c, a, b, d));
+}
+
+table_handle table_of_order(int order) {
+  switch (order) {
+    case 1:
+      return euler_table();
+    case 2:
+      return ralston_table();
+    case 3:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_BOGACKI_SHAMPINE_4_2_3));
+    case 4:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_ZONNEVELD_5_3_4));
+    default:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_DORMAND_PRINCE_7_4_5));
+  }
+}
+
+int order_of(const explicit_options& o) {
+  const std::map<std::string, int> fixed = {
+      {"euler", 1}, {"order_2", 2}, {"order_3", 3}, {"order_4", 4}, {"order_5", 5}};
+  if (const auto found = fixed.find(o.method); found != fixed.end()) return found->second;
+  if (o.method != "adaptive")
+    fail_input(
+        fmt::format("time integration method '{}' is unknown: give 'euler', 'order_2', 'order_3', 'order_4', "
+                    "'order_5' or 'adaptive'",
+                    o.method));
+  if (o.order < 2 || o.order > 5)
+    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
+  return o.order;
+}
+
+void check(const explicit_options& o, bool adaptive) {
+  if (!adaptive) {
+    if (!(o.dt > 0.0) || !std::isfinite(o.dt))
+      fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
+    return;
+  }
+  if (!(o.dt >= 0.0) || !std::isfinite(o.dt)) fail_input(fmt::format("the first step dt must be >= 0, not {}", o.dt));
+  if (!(o.rtol > 0.0 && o.rtol < 1.0)) fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
+  if (!(o.dt_max > 0.0)) fail_input(fmt::format("dt_max must be > 0, not {}", o.dt_max));
+  if (!(o.safety > 0.0 && o.safety < 1.0)) fail_input(fmt::format("safety must lie between 0 and 1, not {}", o.safety));
+  if (!(o.max_growth > 1.0)) fail_input(fmt::format("max_growth must be > 1, not {}", o.max_growth));
+  if (o.max_attempts < 1) fail_input(fmt::format("max_attempts must be >= 1, not {}", o.max_attempts));
+}
+
+void check(const std::vector<field>& fields, bool adaptive) {
+  for (const field& f : fields) {
+    if (!(f.absolute_tolerance >= 0.0) || !(f.scale >= 0.0))
+      fail_input(fmt::format("tolerance and scale of {} must be >= 0", f.name));
+    if (adaptive && f.absolute_tolerance == 0.0 && f.scale == 0.0)
+      fail_input(fmt::format(
+          "{} needs an absolute tolerance or a scale: where it vanishes a relative one means nothing", f.name));
+  }
+}
+
+std::vector<double*> arrays(const std::vector<field>& fields) {
+  std::vector<double*> result;
+  for (const field& f : fields) result.push_back(f.data);
+  return result;
+}
+
+}  // namespace
+
+struct explicit_integrator::implementation {
+  enum class outcome { accepted, rejected, unevaluable };
+  struct plan {
+    double dt;
+    std::string limited_by;
+    bool reaches_stop, cut_for_output;
+  };
+
+  MPI_Comm communicator;
+  std::vector<field> fields;
+  std::size_t n;
+  explicit_options options;
+  rhs_function rhs;
+  limit_function limit;
+
+  int order = order_of(options);
+  bool adaptive = options.method == "adaptive";
+  table_handle table = table_of_order(order);
+
+  double t;
+  double previous_error = 0.0;
+  explicit_statistics statistics{};
+
+  sundials_context context{};
+  sundials_messages messages{};
+  exception_carrier thrown{};
+  vector_handle home{};         // over the particle arrays; ARKODE forms every stage in it
+  vector_handle start_rate{};   // f(t, y) if rate_known
+  vector_handle latest_rate{};  // what f gave last
+  arkode_handle arkode{};
+  bool rate_known = false;
+  bool starting = false;    // ARKODE's next call of f is that at the start of the step
+  int rhs_status = 0;       // the last value of f that was not 0
+  double step_error = 0.0;  // e of the last attempt
+
+  void build();
+  int evaluate(double at, N_Vector rate);
+  int called_by_arkode(double at, N_Vector state, N_Vector rate);
+  void weights(N_Vector state, N_Vector weight) const;
+  void know_rate();
+  double first_dt(double t_stop);
+  plan choose(double t_stop);
+  plan choose_fixed(double t_stop) const;
+  void cut_for_stop(double t_stop, plan& p) const;
+  outcome attempt(double dt);
+  void raise_rhs_failure();
+  double accepted_factor(bool after_failure) const;
+  double failed_factor(outcome why) const;
+  double embedding_exponent() const { return 1.0 / (table->p + 1); }
+};
+
+void explicit_integrator::implementation::build() {
+  arkode.reset();
+  start_rate.reset();
+  latest_rate.reset();
+  home = make_state_vector(context, communicator, arrays(fields), n, adaptive ? norms::computed : norms::skipped);
+  start_rate.reset(N_VClone(home.get()));
+  latest_rate.reset(N_VClone(home.get()));
+  rate_known = false;
+
+  const ARKRhsFn call_rhs = [](double at, N_Vector y, N_Vector ydot, void* data) {
+    return static_cast<implementation*>(data)->called_by_arkode(at, y, ydot);
+  };
+  const ARKEwtFn call_weights = [](N_Vector y, N_Vector w, void* data) {
+    const auto* self = static_cast<const implementation*>(data);
+    if (self->adaptive) self->weights(y, w);
+    return 0;
+  };
+  // ARKODE's only word on the error estimate; the step that follows is chosen here, not there.
+  const ARKAdaptFn note_error = [](N_Vector, double, double h, double, double, double e, double, double, int, int,
+                                   double* h_new, void* data) {
+    static_cast<implementation*>(data)->step_error = e;
+    *h_new = h;
+    return 0;
+  };
+
+  arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
+  void* m = arkode.get();
+  if (m == nullptr || ERKStepSetErrHandlerFn(m, sundials_messages::handler, &messages) != ARK_SUCCESS ||
+      ERKStepSetUserData(m, this) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
+      ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
+      ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
+      ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)
+    fail_calculation("ARKODE could not be set up: " + messages.last);
+}
+
+int explicit_integrator::implementation::evaluate(double at, N_Vector rate) {
+  const int own = thrown.guard([&] { return rhs(at, values_to_overwrite(rate)); });
+  ++statistics.evaluations;
+  const int status = worst_allreduce(communicator, own);
+  if (status != 0) rhs_status = status;
+  return status;
+}
+
+int explicit_integrator::implementation::called_by_arkode(double at, N_Vector state, N_Vector rate) {
+  if (std::exchange(starting, false)) {
+    N_VScale(1.0, start_rate.get(), rate);
+    return 0;
+  }
+  if (!holds_values_of(home.get(), state)) N_VScale(1.0, state, home.get());
+  const int status = evaluate(at, rate);
+  if (status == 0) N_VScale(1.0, rate, latest_rate.get());
+  return status;
+}
+
+void explicit_integrator::implementation::weights(N_Vector state, N_Vector weight) const {
+  const auto y = values(state);
+  const auto w = values_to_overwrite(weight);
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const double *yk = y[k], rtol = options.rtol, atol = fields[k].absolute_tolerance, scale = fields[k].scale;
+    double* wk = w[k];
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i) wk[i] = 1.0 / (rtol * (scale > 0.0 ? scale : std::fabs(yk[i])) + atol);
+  }
+}
+
+void explicit_integrator::implementation::raise_rhs_failure() {
+  thrown.rethrow();
+  if (rhs_status < 0)
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated in the step from t = {:.17g} s (on this or "
+                    "another rank, which says why)",
+                    t));
+}
+
+void explicit_integrator::implementation::know_rate() {
+  if (rate_known) return;
+  rhs_status = 0;
+  if (evaluate(t, start_rate.get()) != 0) {
+    raise_rhs_failure();
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
+  }
+  rate_known = true;
+}
+
+// A change of one percent of the state, or of one tolerance, whichever allows more.
+// [E. Hairer, S. P. Nørsett, G. Wanner, Solving ODEs I, II.4, first guess]
+double explicit_integrator::implementation::first_dt(double t_stop) {
+  if (options.dt > 0.0) return options.dt;
+  const vector_handle weight(N_VClone(home.get()));
+  weights(home.get(), weight.get());
+  const vector_handle magnitude(N_VClone(home.get()));
+  const auto y = values(home.get());
+  const auto size = values_to_overwrite(magnitude.get());
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) size[k][i] = fields[k].scale > 0.0 ? fields[k].scale : y[k][i];
+  const double state = N_VWrmsNorm(magnitude.get(), weight.get());
+  const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
+  return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
+}
+
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose_fixed(double t_stop) const {
+  const double rest = t_stop - t, dt = options.dt;
+  // Rounding accumulated over many steps must not leave a sliver before an output time.
+  if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, "fixed", true, false};
+  if (rest < dt) return {rest, "output", true, true};
+  return {dt, "fixed", false, false};
+}
+
+void explicit_integrator::implementation::cut_for_stop(double t_stop, plan& p) const {
+  const double rest = t_stop - t;
+  if (p.dt >= rest) {
+    p.cut_for_output = p.dt > rest;
+    p.reaches_stop = true;
+    p.dt = rest;
+    // so that the last stage's time is t_stop in every bit
+    for (int k = 0; k < 4 && t + p.dt != t_stop; ++k) p.dt = std::nextafter(p.dt, t + p.dt < t_stop ? 2 * rest : 0.0);
+  } else if (p.dt > 0.5 * rest) {  // two equal steps rather than one and a sliver
+    p.cut_for_output = true;
+    p.dt = 0.5 * rest;
+  }
+  if (p.cut_for_output) p.limited_by = "output";
+}
+
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop) {
+  if (!adaptive) return choose_fixed(t_stop);
+  if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
+  plan p{statistics.next_dt, "accuracy", false, false};
+  if (options.dt_max < p.dt) p = {options.dt_max, "maximum", false, false};
+  if (limit) {
+    const step_limit stable = limit(t);
+    if (!(stable.dt > 0.0))
+      fail_calculation(
+          fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+    if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
+  }
+  cut_for_stop(t_stop, p);
+  return p;
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt(double dt) {
+  if (!(t + dt > t))
+    fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
+  ++statistics.attempts;
+  starting = true;
+  rhs_status = 0;
+  step_error = 0.0;
+  messages.last.clear();
+  void* m = arkode.get();
+  double reached = t;
+  int flag = adaptive ? ERKStepSetInitStep(m, dt) : ERKStepSetFixedStep(m, dt);
+  if (flag == ARK_SUCCESS) flag = ERKStepReset(m, t, home.get());
+  if (flag == ARK_SUCCESS) flag = ERKStepEvolve(m, t + dt, home.get(), &reached, ARK_ONE_STEP);
+  if (flag == ARK_SUCCESS) return outcome::accepted;
+
+  raise_rhs_failure();
+  if (rhs_status > 0 && adaptive) return outcome::unevaluable;
+  if (rhs_status > 0)
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
+                    "try a smaller dt or method = 'adaptive'",
+                    dt, t));
+  if (flag == ARK_ERR_FAILURE && !(step_error <= 1.0)) return outcome::rejected;
+  if (flag == ARK_TOO_MUCH_ACC)
+    fail_calculation(
+        fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
+  fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
+}
+
+double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
+  const double smallest = 1e-10;  // an error of 0 must not divide
+  const double e = std::max(step_error, smallest), k = embedding_exponent();
+  const double raw = previous_error > 0.0 ? options.safety * std::pow(e, -0.7 * k) *
+                                                std::pow(std::max(previous_error, smallest), 0.4 * k)
+                                          : options.safety * std::pow(e, -k);
+  return std::clamp(raw, 0.2, after_failure ? 1.0 : options.max_growth);
+}
+
+double explicit_integrator::implementation::failed_factor(outcome why) const {
+  if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
+  return std::clamp(options.safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
+}
+
+explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
+                                         explicit_options options, rhs_function rhs, limit_function limit)
+    : self_(new implementation{.communicator = communicator,
+                               .fields = std::move(fields),
+                               .n = n,
+                               .options = std::move(options),
+                               .rhs = std::move(rhs),
+                               .limit = std::move(limit),
+                               .t = t}) {
+  check(self_->options, self_->adaptive);
+  check(self_->fields, self_->adaptive);
+  self_->build();
+}
+
+explicit_integrator::~explicit_integrator() = default;
+
+double explicit_integrator::step(double t_stop) {
+  implementation& s = *self_;
+  if (!(t_stop > s.t)) fail_input(fmt::format("the stop time {} s must lie after t = {} s", t_stop, s.t));
+  s.know_rate();
+  implementation::plan p = s.choose(t_stop);
+
+  int failures = 0;
+  for (;; ++failures) {
+    if (failures == s.options.max_attempts)
+      fail_calculation(
+          fmt::format("no step from t = {:.17g} s passed in {} attempts, the last one of {} s with error {} "
+                      "of the tolerance: the state there may be unphysical",
+                      s.t, failures, p.dt, s.step_error));
+    const auto outcome = s.attempt(p.dt);
+    if (outcome == implementation::outcome::accepted) break;
+    ++(outcome == implementation::outcome::rejected ? s.statistics.rejections : s.statistics.unevaluable);
+    p = {p.dt * s.failed_factor(outcome), "accuracy", false, false};
+  }
+
+  const double t_stages = s.t + p.dt;  // where f was evaluated last
+  s.t = p.reaches_stop ? t_stop : t_stages;
+  N_VScale(1.0, s.latest_rate.get(), s.start_rate.get());
+  s.rate_known = s.t == t_stages;
+
+  explicit_statistics& statistics = s.statistics;
+  ++statistics.steps;
+  ++statistics.limited_by[p.limited_by];
+  statistics.last_dt = p.dt;
+  statistics.last_error = s.step_error;
+  if (!s.adaptive) {
+    statistics.next_dt = s.options.dt;
+    return s.t;
+  }
+  const double next = p.dt * s.accepted_factor(failures > 0);
+  // A step cut short for an output time says little about the next one.
+  statistics.next_dt = p.cut_for_output ? std::max(next, statistics.next_dt) : next;
+  if (!p.cut_for_output) s.previous_error = s.step_error;
+  return s.t;
+}
+
+double explicit_integrator::time() const { return self_->t; }
+
+void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
+  implementation& s = *self_;
+  check(fields, s.adaptive);
+  const bool changed = n != s.n || fields.size() != s.fields.size();
+  s.fields = std::move(fields);
+  s.n = n;
+  if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0)
+    s.build();
+  else
+    set_home_arrays(s.home.get(), arrays(s.fields));
+  s.rate_known = false;
+}
+
+void explicit_integrator::state_changed() {
+  home_was_changed(self_->home.get());
+  self_->rate_known = false;
+}
+
+const explicit_statistics& explicit_integrator::statistics() const { return self_->statistics; }
+long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }
+
+explicit_memory explicit_integrator::save() const {
+  return {self_->t, self_->statistics.next_dt, self_->previous_error, self_->statistics};
+}
+
+void explicit_integrator::restore(const explicit_memory& memory) {
+  self_->t = memory.t;
+  self_->previous_error = memory.previous_error;
+  self_->statistics = memory.statistics;
+  self_->statistics.next_dt = memory.next_dt;
+  state_changed();
+}
+
+}  // namespace tetsuame::integrators

@@ -1,0 +1,50 @@
+// The smoothing kernels by name. A kernel is a small value with
+//   value(r)            W, 1/m^D              gradient_over_r(r)   W'(r)/r, 1/m^(D+2)
+//   both(r, w, f)       the two at once, for the pair loop; grad_i W_ij = f x_ij
+//   support(), self()   S in m, W(0) in 1/m^D
+// for r a double or several lanes (std::experimental::simd), without branches: beyond
+// the support both are exactly zero (to r = 1e90 S, where the polynomials would overflow:
+// fill idle lanes with a finite r). At r = 0 f is finite: the analytic limit for the
+// Wendland kernels, zero for the splines; either way the force f x_ij is zero.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <variant>
+
+#include <kernels/cubic_spline.hpp>
+#include <kernels/quintic_spline.hpp>
+#include <kernels/wendland.hpp>
+
+namespace tetsuame::kernels {
+
+template <int D>
+using any = std::variant<quintic_spline<D>, cubic_spline<D>, wendland_c2<D>, wendland_c4<D>, wendland_c6<D>>;
+
+// The support S is support_over_h * h, with h = h_over_dx * dx.
+struct entry {
+  std::string_view name;
+  double support_over_h;
+  double default_h_over_dx;
+};
+
+// Default h_over_dx: the quintic's is the notes' own; C2, C4 and C6 have the supports
+// 2.6, 4.5 and 5 dx that gave the best convection and Rayleigh-Taylor results; for the
+// cubic spline 1.2 is customary.
+inline constexpr std::array<entry, 5> table{{
+    {quintic_spline<2>::name, quintic_spline<2>::support_over_h, quintic_spline<2>::default_h_over_dx},
+    {cubic_spline<2>::name, cubic_spline<2>::support_over_h, cubic_spline<2>::default_h_over_dx},
+    {wendland_c2<2>::name, wendland_c2<2>::support_over_h, wendland_c2<2>::default_h_over_dx},
+    {wendland_c4<2>::name, wendland_c4<2>::support_over_h, wendland_c4<2>::default_h_over_dx},
+    {wendland_c6<2>::name, wendland_c6<2>::support_over_h, wendland_c6<2>::default_h_over_dx},
+}};
+
+// The table's line of that name; fail_input with all the names if there is none.
+const entry& find(std::string_view name);
+
+// The kernel of that name and smoothing length h (m); fail_input for an unknown name or
+// an h that is not finite and positive.
+template <int D>
+any<D> make(std::string_view name, double h);
+
+}  // namespace tetsuame::kernels

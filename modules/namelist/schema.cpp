@@ -1,0 +1,318 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <namelist/schema.hpp>
+#include <namelist/schema_text.hpp>
+#include <namelist/text.hpp>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+namespace tetsuame::namelist {
+
+namespace {
+
+// One assignment on its way to its key.
+struct context {
+  const document& input;
+  const assignment& from;
+  const std::string& group;
+  const key& to;
+
+  [[noreturn]] void fail(const value* at, const std::string& message) const {
+    const std::string place = at != nullptr ? input.where(from, *at) : input.where(from);
+    foundation::fail_input(fmt::format("{}: &{} {}: {}", place, group, to.name, message));
+  }
+  [[noreturn]] void fail_found(const value& at) const {
+    const std::string found =
+        at.what == value::kind::text ? "the text " + quote(excerpt(at.content)) : excerpt(at.content);
+    fail(&at, fmt::format("expected {}, found {}", expected(to), found));
+  }
+};
+
+double convert(const context& c, const value& v, double*) {
+  const auto number = v.what == value::kind::word ? to_real(v.content) : std::nullopt;
+  if (!number) c.fail_found(v);
+  if (!std::isfinite(*number))
+    c.fail(&v, fmt::format("expected {}, found {}, which is not finite", expected(c.to), excerpt(v.content)));
+  if (!in_range(*number, c.to.info)) c.fail_found(v);
+  return *number;
+}
+
+std::int64_t convert(const context& c, const value& v, std::int64_t*) {
+  bool out_of_range = false;
+  const auto number = v.what == value::kind::word ? to_integer(v.content, out_of_range) : std::nullopt;
+  if (out_of_range)
+    c.fail(&v, fmt::format("expected {}, found {}, which 64 bits cannot hold", expected(c.to), excerpt(v.content)));
+  if (!number || !in_range(static_cast<double>(*number), c.to.info)) c.fail_found(v);
+  return *number;
+}
+
+int convert(const context& c, const value& v, int*) {
+  const std::int64_t number = convert(c, v, static_cast<std::int64_t*>(nullptr));
+  if (!std::in_range<int>(number))
+    c.fail(&v, fmt::format("expected {}, found {}, which 32 bits cannot hold", expected(c.to), number));
+  return static_cast<int>(number);
+}
+
+bool convert(const context& c, const value& v, bool*) {
+  const auto truth = v.what == value::kind::word ? to_logical(v.content) : std::nullopt;
+  if (!truth) c.fail_found(v);
+  return *truth;
+}
+
+// Blanks at the end do not count when Fortran compares texts.
+std::string_view without_trailing_blanks(std::string_view text) {
+  return text.substr(0, text.find_last_not_of(' ') + 1);
+}
+
+std::string convert(const context& c, const value& v, std::string*) {
+  const std::vector<std::string>& choices = c.to.info.choices;
+  const bool bare = v.what == value::kind::word;
+  if (bare && c.from.set.empty()) {
+    const std::string meant = choices.empty() ? v.content : nearest(v.content, choices);
+    c.fail(&v, fmt::format("expected {} in quotes, found {}; did you mean {}?", expected(c.to), excerpt(v.content),
+                           quote(excerpt(meant))));
+  }
+  if (choices.empty()) return v.content;
+  const std::string wanted = lower(without_trailing_blanks(v.content));
+  for (const std::string& choice : choices)
+    if (lower(choice) == wanted) return choice;
+  c.fail(&v, fmt::format("expected {}, found {}; the nearest is {}", expected(c.to), quote(excerpt(v.content)),
+                         quote(nearest(v.content, choices))));
+}
+
+template <class T>
+bool assign_scalar(const context& c, T& to) {
+  if (c.from.index) c.fail(nullptr, "takes a single value: no subscript is possible");
+  bool assigned = false;
+  for (std::size_t k = 0; k < c.from.values.size(); ++k) {
+    const value& v = c.from.values[k];
+    // Empty places behind a comma too much mean nothing.
+    if (k > 0 && v.what == value::kind::null && !v.counted) continue;
+    if (k > 0 || v.repeat > 1)
+      c.fail(&v, fmt::format("takes a single value, found {}",
+                             v.repeat > 1 ? fmt::format("{} of them", v.repeat) : "a second, " + excerpt(v.content)));
+    if (v.what == value::kind::null) continue;
+    to = convert(c, v, static_cast<T*>(nullptr));
+    assigned = true;
+  }
+  return assigned;
+}
+
+// The elements that an assignment's values go to, from 1: first, first + stride, …
+struct elements {
+  std::int64_t first = 1, last = 0, stride = 1;
+};
+
+elements addressed(const context& c) {
+  const auto size = static_cast<std::int64_t>(c.to.info.maximum_size);
+  elements e{1, size, 1};
+  if (!c.from.index) return e;
+  const subscript& index = *c.from.index;
+  e.stride = index.stride;
+  e.first = index.first.value_or(e.stride > 0 ? 1 : size);
+  // As in gfortran, a(2) = 5, 6 goes on with a(3).
+  e.last = index.last.value_or(e.stride > 0 ? size : 1);
+  const auto inside = [&](std::int64_t k) { return k >= 1 && k <= size; };
+  if (!inside(e.first) || !inside(e.last))
+    c.fail(nullptr, fmt::format("the subscript {} is outside 1 to {}", inside(e.first) ? e.last : e.first, size));
+  if ((e.last - e.first) * (e.stride > 0 ? 1 : -1) < 0)
+    c.fail(nullptr, fmt::format("the section {}:{}:{} is empty", e.first, e.last, e.stride));
+  return e;
+}
+
+template <class T>
+bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
+  const elements e = addressed(c);
+  const auto room = static_cast<std::uint64_t>((e.last - e.first) / e.stride + 1);
+  std::uint64_t used = 0;
+  bool assigned = false;
+  for (const value& v : c.from.values) {
+    const bool null = v.what == value::kind::null;
+    if (used == room && null && !v.counted) continue;
+    if (v.repeat > room - used) c.fail(&v, fmt::format("too many values: at most {} fit, found more", room));
+    if (null) {
+      used += v.repeat;
+      continue;
+    }
+    const T content = convert(c, v, static_cast<T*>(nullptr));
+    for (std::uint64_t k = 0; k < v.repeat; ++k, ++used) {
+      const auto at = static_cast<std::size_t>(e.first + static_cast<std::int64_t>(used) * e.stride - 1);
+      if (at >= to.size()) {
+        to.resize(at + 1);
+        filled.resize(at + 1, false);
+      }
+      to[at] = content;
+      filled[at] = true;
+    }
+    assigned = true;
+  }
+  return assigned;
+}
+
+template <class T>
+bool assign(const context& c, T& to, std::vector<bool>&) {
+  return assign_scalar(c, to);
+}
+template <class T>
+bool assign(const context& c, std::optional<T>& to, std::vector<bool>&) {
+  T content{};
+  const bool assigned = assign_scalar(c, content);
+  if (assigned) to = content;
+  return assigned;
+}
+template <class T>
+bool assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
+  return assign_array(c, to, filled);
+}
+
+template <class Items>
+std::vector<std::string> names(const Items& items) {
+  std::vector<std::string> result;
+  for (const auto& item : items) result.push_back(item.name);
+  return result;
+}
+
+template <class Items>
+auto find_name(Items& items, const std::string& name) {
+  return std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+}
+
+std::size_t array_size(const target& bound) {
+  return std::visit(
+      [](auto* to) -> std::size_t {
+        if constexpr (requires { to->resize(0); } && !std::is_same_v<decltype(to), std::string*>)
+          return to->size();
+        else
+          return 0;
+      },
+      bound);
+}
+
+[[noreturn]] void fail_unknown_key(const std::string& where, const key_group& g, const std::string& name,
+                                   const std::vector<key_group>& groups) {
+  std::string hint = g.keys.empty() ? "the group has no keys"
+                                    : fmt::format("the nearest valid key is {}", nearest(name, names(g.keys)));
+  for (const key_group& other : groups)
+    if (find_name(other.keys, name) != other.keys.end())
+      hint += fmt::format("; &{} has a key of this name", other.name);
+  foundation::fail_input(fmt::format("{}: &{}: unknown key {}; {}", where, g.name, name, hint));
+}
+
+[[noreturn]] void fail_unknown_group(const std::string& where, const std::string& name,
+                                     const std::vector<key_group>& groups) {
+  const std::string hint =
+      groups.empty() ? "there are none" : "the nearest valid group is &" + nearest(name, names(groups));
+  foundation::fail_input(fmt::format("{}: unknown group &{}; {}", where, name, hint));
+}
+
+bool default_is_allowed(const key& k) {
+  const auto real_is_allowed = [&](double number) { return !std::isfinite(number) || in_range(number, k.info); };
+  const auto text_is_allowed = [&](const std::string& text) {
+    return k.info.choices.empty() || std::count(k.info.choices.begin(), k.info.choices.end(), text) > 0;
+  };
+  return std::visit(
+      [&](auto* to) {
+        using T = std::remove_pointer_t<decltype(to)>;
+        if constexpr (std::is_same_v<T, bool>)
+          return true;
+        else if constexpr (std::is_same_v<T, std::string>)
+          return text_is_allowed(*to) || (k.info.required && to->empty());
+        else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+          return std::all_of(to->begin(), to->end(), text_is_allowed);
+        else if constexpr (requires { to->has_value(); })
+          return !*to || real_is_allowed(static_cast<double>(**to));
+        else if constexpr (requires { to->begin(); })
+          return std::all_of(to->begin(), to->end(), [&](auto x) { return real_is_allowed(static_cast<double>(x)); });
+        else
+          return real_is_allowed(static_cast<double>(*to));
+      },
+      k.bound);
+}
+
+}  // namespace
+
+void schema::group(const std::string& name, const std::string& meaning) {
+  if (find_name(groups_, lower(name)) == groups_.end()) groups_.push_back({lower(name), meaning, {}});
+}
+
+void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
+  const auto g = find_name(groups_, lower(group));
+  const std::string full = fmt::format("namelist key {}.{}", group, name);
+  if (g == groups_.end()) throw std::logic_error(full + ": the group is not declared");
+  if (find_name(g->keys, lower(name)) != g->keys.end()) throw std::logic_error(full + " is declared twice");
+  key k;
+  k.name = lower(name);
+  k.bound = bound;
+  k.info = std::move(info);
+  k.default_text = value_text(bound);
+  if (!default_is_allowed(k))
+    throw std::logic_error(fmt::format("{}: the default {} is not {}", full, k.default_text, expected(k)));
+  if (array_size(bound) > k.info.maximum_size)
+    throw std::logic_error(full + ": the default is longer than maximum_size");
+  g->keys.push_back(std::move(k));
+}
+
+void schema::read(const document& input) {
+  for (key_group& g : groups_)
+    for (key& k : g.keys) {
+      k.origin = "default";
+      k.given = false;
+      k.filled.assign(array_size(k.bound), true);
+    }
+  for (const namelist::group& from : input.groups()) {
+    const auto g = find_name(groups_, from.name);
+    if (g == groups_.end()) {
+      const bool in_file = from.line > 0;
+      fail_unknown_group(
+          in_file ? fmt::format("{}:{}", input.name(), from.line) : input.where(from.assignments.front()), from.name,
+          groups_);
+    }
+    for (const assignment& a : from.assignments) {
+      const auto k = find_name(g->keys, a.key);
+      if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
+      const context c{input, a, g->name, *k};
+      if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;
+      const auto written =
+          std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
+      k->origin = input.where(a, *written);
+      k->given = true;
+    }
+  }
+  check_unassigned(input.name());
+}
+
+void schema::check_unassigned(const std::string& input_name) const {
+  for (const key_group& g : groups_)
+    for (const key& k : g.keys) {
+      if (k.info.required && !k.given)
+        foundation::fail_input(fmt::format("{}: &{} {} is missing: expected {}{}{}", input_name, g.name, k.name,
+                                           expected(k), k.info.meaning.empty() ? "" : ": ", k.info.meaning));
+      const auto gap = std::find(k.filled.begin(), k.filled.end(), false);
+      if (gap != k.filled.end())
+        foundation::fail_input(fmt::format("{}: &{} {}: element {} has neither a value nor a default", k.origin, g.name,
+                                           k.name, gap - k.filled.begin() + 1));
+    }
+}
+
+const key& schema::find(const std::string& group, const std::string& name) const {
+  const auto g = find_name(groups_, lower(group));
+  if (g != groups_.end())
+    if (const auto k = find_name(g->keys, lower(name)); k != g->keys.end()) return *k;
+  throw std::logic_error(fmt::format("namelist key {}.{} is not declared", group, name));
+}
+
+std::string schema::where(const std::string& group, const std::string& key) const { return find(group, key).origin; }
+
+bool schema::given(const std::string& group, const std::string& key) const { return find(group, key).given; }
+
+void schema::fail(const std::string& group, const std::string& key, const std::string& message) const {
+  const std::string place = where(group, key);
+  foundation::fail_input(
+      fmt::format("{}: &{} {}: {}", place == "default" ? "default value" : place, group, key, message));
+}
+
+}  // namespace tetsuame::namelist

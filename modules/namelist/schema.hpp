@@ -1,0 +1,94 @@
+// What a program's input may hold. Each module declares its groups and keys and binds
+// them to its own option structs, whose value at declaration is the default:
+//
+//   options o;                                     // double g = 10.0;
+//   namelist::schema input;
+//   input.group("gravity", "uniform gravity");
+//   input.add("gravity", "g", o.g, {.unit = "m/s2", .minimum = 0.0, .meaning = "acceleration"});
+//   input.read(namelist::parse_file("case.nml"));  // o.g is what the file says
+//
+// Reading follows Fortran: the last of several assignments counts; an array's elements
+// not given keep their defaults, so a list whose length is the user's choice should
+// default to an empty one. Unlike Fortran, an unknown group or key, a value of the
+// wrong type, not finite, out of range or too much is an error: foundation::error with
+// status bad_input, which names file and line, what was expected and the nearest valid
+// name. Wrong declarations (a key twice, a default out of its range) are std::logic_error.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <limits>
+#include <namelist/document.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace tetsuame::namelist {
+
+struct key_info {
+  std::string unit = "";
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool exclusive_minimum = false, exclusive_maximum = false;
+  std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
+  std::size_t maximum_size = 4096;        // of an array; at least its default's size
+  bool required = false;                  // must be given, whatever the default
+  std::string meaning = "";
+};
+
+// The targets outlive the schema and stay where they are.
+using target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, std::optional<double>*,
+                            std::optional<std::int64_t>*, std::vector<double>*, std::vector<std::int64_t>*,
+                            std::vector<std::string>*>;
+
+struct key {
+  std::string name;
+  target bound;
+  key_info info;
+  std::string default_text;        // as in a namelist; empty: none
+  std::string origin = "default";  // "file:line", "--set group.key=value"
+  bool given = false;
+  std::vector<bool> filled;  // array: which elements have a value
+};
+
+struct key_group {
+  std::string name, meaning;
+  std::vector<key> keys;
+};
+
+class schema {
+ public:
+  // May be called again for the same name: modules may share a group.
+  void group(const std::string& name, const std::string& meaning);
+  void add(const std::string& group, const std::string& key, target bound, key_info info = {});
+
+  template <class T>
+  void add(const std::string& group, const std::string& key, T& bound, key_info info = {}) {
+    add(group, key, target(&bound), std::move(info));
+  }
+
+  // Assigns and validates. After an error some targets may have been assigned.
+  void read(const document& input);
+
+  // Every group and key with type, unit, default, range and meaning as comments, and the
+  // defaults as values: a valid input, unless required keys have no default. What has no
+  // default is printed as a null value, `key =`.
+  void describe(std::ostream& out) const;
+  // All keys with what the targets hold now, in a form that reads back exactly.
+  void write_resolved(std::ostream& out) const;
+
+  // Where the value came from: "file:line", "--set group.key=value" or "default".
+  std::string where(const std::string& group, const std::string& key) const;
+  bool given(const std::string& group, const std::string& key) const;
+  // For checks that span keys: an error placed at this key, exit status 2.
+  [[noreturn]] void fail(const std::string& group, const std::string& key, const std::string& message) const;
+
+ private:
+  const key& find(const std::string& group, const std::string& key) const;
+  void check_unassigned(const std::string& input_name) const;
+  std::vector<key_group> groups_;
+};
+
+}  // namespace tetsuame::namelist

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <namelist/schema.hpp>
+#include <namelist/schema_text.hpp>
+#include <namelist/text.hpp>
+#include <ostream>
+#include <type_traits>
+
+namespace tetsuame::namelist {
+
+namespace {
+
+std::string element(double number) { return std::isfinite(number) ? format_real(number) : ""; }
+std::string element(std::int64_t number) { return std::to_string(number); }
+std::string element(int number) { return std::to_string(number); }
+std::string element(bool truth) { return truth ? ".true." : ".false."; }
+std::string element(const std::string& text) { return quote(text); }
+
+template <class T>
+std::string element(const std::optional<T>& content) {
+  return content ? element(*content) : "";
+}
+
+template <class T>
+std::string element(const std::vector<T>& list) {
+  std::string result;
+  for (std::size_t k = 0; k < list.size(); ++k) result += (k > 0 ? ", " : "") + element(list[k]);
+  return result;
+}
+
+struct type_of {
+  const char* operator()(const double*) const { return "real"; }
+  const char* operator()(const int*) const { return "integer"; }
+  const char* operator()(const std::int64_t*) const { return "integer"; }
+  const char* operator()(const bool*) const { return "logical"; }
+  const char* operator()(const std::string*) const { return "text"; }
+  const char* operator()(const std::optional<double>*) const { return "optional real"; }
+  const char* operator()(const std::optional<std::int64_t>*) const { return "optional integer"; }
+  const char* operator()(const std::vector<double>*) const { return "list of reals"; }
+  const char* operator()(const std::vector<std::int64_t>*) const { return "list of integers"; }
+  const char* operator()(const std::vector<std::string>*) const { return "list of texts"; }
+};
+
+struct expected_element {
+  const char* operator()(const double*) const { return "a real number"; }
+  const char* operator()(const int*) const { return "an integer"; }
+  const char* operator()(const std::int64_t*) const { return "an integer"; }
+  const char* operator()(const bool*) const { return "a logical (.true. or .false.)"; }
+  const char* operator()(const std::string*) const { return "a text"; }
+  template <class T>
+  const char* operator()(const std::optional<T>*) const {
+    return (*this)(static_cast<const T*>(nullptr));
+  }
+  template <class T>
+  const char* operator()(const std::vector<T>*) const {
+    return (*this)(static_cast<const T*>(nullptr));
+  }
+};
+
+// A comment of any number of lines.
+std::string comment(const std::string& text, const std::string& indent) {
+  std::string result = indent + "! ";
+  for (const char c : text) {
+    result += c;
+    if (c == '\n') result += indent + "! ";
+  }
+  return result + '\n';
+}
+
+std::string line(const key& k, const std::string& text) {
+  return fmt::format("  {} ={}{}\n", k.name, text.empty() ? "" : " ", text);
+}
+
+}  // namespace
+
+std::string value_text(const target& bound) {
+  return std::visit([](auto* to) { return element(*to); }, bound);
+}
+
+bool in_range(double number, const key_info& info) {
+  return (info.exclusive_minimum ? number > info.minimum : number >= info.minimum) &&
+         (info.exclusive_maximum ? number < info.maximum : number <= info.maximum);
+}
+
+std::string type_name(const key& k) {
+  return std::visit([](auto* to) { return std::string(type_of{}(to)); }, k.bound);
+}
+
+std::string limits(const key& k) {
+  const key_info& i = k.info;
+  if (!i.choices.empty()) return "one of " + element(i.choices);
+  const bool below = std::isfinite(i.minimum), above = std::isfinite(i.maximum);
+  if (below && above)
+    return fmt::format("in {}{}, {}{}", i.exclusive_minimum ? '(' : '[', format_real(i.minimum), format_real(i.maximum),
+                       i.exclusive_maximum ? ')' : ']');
+  if (below) return fmt::format("{} {}", i.exclusive_minimum ? ">" : ">=", format_real(i.minimum));
+  if (above) return fmt::format("{} {}", i.exclusive_maximum ? "<" : "<=", format_real(i.maximum));
+  return "";
+}
+
+std::string expected(const key& k) {
+  if (!k.info.choices.empty()) return limits(k);
+  std::string result = std::visit([](auto* to) { return std::string(expected_element{}(to)); }, k.bound);
+  if (!k.info.unit.empty()) result += " in " + k.info.unit;
+  const std::string range = limits(k);
+  return range.empty() ? result : result + " " + range;
+}
+
+void schema::describe(std::ostream& out) const {
+  for (const key_group& g : groups_) {
+    if (!g.meaning.empty()) out << comment(g.meaning, "");
+    out << '&' << g.name << '\n';
+    for (const key& k : g.keys) {
+      if (!k.info.meaning.empty()) out << comment(k.info.meaning, "  ");
+      std::string facts = type_name(k);
+      if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
+      if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
+      if (const std::string range = limits(k); !range.empty()) facts += ", " + range;
+      facts += k.info.required ? ", required" : ", default " + (k.default_text.empty() ? "none" : k.default_text);
+      out << comment(facts, "  ") << line(k, k.default_text);
+    }
+    out << "/\n\n";
+  }
+}
+
+void schema::write_resolved(std::ostream& out) const {
+  for (const key_group& g : groups_) {
+    out << '&' << g.name << '\n';
+    for (const key& k : g.keys) out << line(k, value_text(k.bound));
+    out << "/\n\n";
+  }
+}
+
+}  // namespace tetsuame::namelist

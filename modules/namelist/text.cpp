@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <namelist/text.hpp>
+
+namespace tetsuame::namelist {
+
+namespace {
+
+char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+std::size_t digits_from(std::string_view text, std::size_t at) {
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return at;
+}
+
+std::optional<double> infinite_or_nan(std::string_view unsigned_word) {
+  const std::string word = lower(unsigned_word);
+  if (word == "inf" || word == "infinity") return std::numeric_limits<double>::infinity();
+  if (word == "nan" || (word.starts_with("nan(") && word.ends_with(')')))
+    return std::numeric_limits<double>::quiet_NaN();
+  return {};
+}
+
+// For a number that overflows or underflows: only its decimal exponent tells which.
+// digits is DDD.DDD; exponent is clipped far outside the range of double.
+bool is_below_one(std::string_view digits, std::int64_t exponent) {
+  const std::size_t point = std::min(digits.find('.'), digits.size());
+  const std::size_t leading = digits.find_first_not_of("0.");
+  const auto position = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(leading);
+  return position + exponent < 0;
+}
+
+}  // namespace
+
+bool is_letter(char c) { return lower_letter(c) >= 'a' && lower_letter(c) <= 'z'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_name_character(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), lower_letter);
+  return result;
+}
+
+std::optional<double> to_real(std::string_view word) {
+  const bool negative = word.starts_with('-');
+  if (negative || word.starts_with('+')) word.remove_prefix(1);
+  const double sign = negative ? -1.0 : 1.0;
+  if (const auto special = infinite_or_nan(word)) return sign * *special;
+
+  std::size_t end = digits_from(word, 0);
+  std::size_t digits = end;
+  if (end < word.size() && word[end] == '.') {
+    const std::size_t after_point = end + 1;
+    end = digits_from(word, after_point);
+    digits += end - after_point;
+  }
+  if (digits == 0) return {};
+  const std::string_view mantissa = word.substr(0, end);
+
+  std::int64_t exponent = 0;
+  if (end < word.size()) {
+    const char letter = lower_letter(word[end]);
+    if (letter == 'e' || letter == 'd' || letter == 'q')
+      ++end;
+    else if (letter != '+' && letter != '-')  // 1.5-3 is Fortran's 1.5e-3
+      return {};
+    const bool below = end < word.size() && word[end] == '-';
+    if (end < word.size() && (word[end] == '-' || word[end] == '+')) ++end;
+    if (end == word.size() || digits_from(word, end) != word.size()) return {};
+    // Clipped: beyond any double, whatever the length of a mantissa that fits in memory.
+    constexpr std::int64_t far = 1'000'000'000'000;
+    for (; end < word.size(); ++end) exponent = std::min(far, 10 * exponent + (word[end] - '0'));
+    if (below) exponent = -exponent;
+  }
+  if (mantissa.find_first_not_of("0.") == std::string_view::npos) return sign * 0.0;
+  const bool small = is_below_one(mantissa, exponent);
+  const double limit = small ? 0.0 : std::numeric_limits<double>::infinity();
+  if (std::abs(exponent) > std::numeric_limits<int>::max()) return sign * limit;
+
+  std::string plain(mantissa.starts_with('.') ? "0" : "");
+  plain += mantissa;
+  plain += 'e' + std::to_string(exponent);
+  double number = 0.0;
+  const auto result = std::from_chars(plain.data(), plain.data() + plain.size(), number);
+  if (result.ec == std::errc::result_out_of_range) number = limit;
+  return sign * number;
+}
+
+std::optional<std::int64_t> to_integer(std::string_view word, bool& out_of_range) {
+  out_of_range = false;
+  if (word.starts_with('+')) {
+    word.remove_prefix(1);
+    if (word.starts_with('-')) return {};
+  }
+  std::int64_t number = 0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (result.ptr != word.data() + word.size()) return {};
+  out_of_range = result.ec == std::errc::result_out_of_range;
+  if (result.ec != std::errc()) return {};
+  return number;
+}
+
+std::optional<bool> to_logical(std::string_view word) {
+  // Fortran looks only at the first letter behind an optional point.
+  if (word.starts_with('.')) word.remove_prefix(1);
+  if (word.empty()) return {};
+  if (lower_letter(word[0]) == 't') return true;
+  if (lower_letter(word[0]) == 'f') return false;
+  return {};
+}
+
+std::string format_real(double number) {
+  char buffer[32];
+  const auto result = std::to_chars(buffer, buffer + sizeof buffer, number);
+  return {buffer, result.ptr};
+}
+
+std::string quote(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += c;
+    result += c;
+  }
+  return result + '\'';
+}
+
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string result(text.substr(0, longest));
+  for (char& c : result)
+    if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
+  // Do not cut a UTF-8 character in two.
+  if (text.size() > longest) {
+    while (!result.empty() && (static_cast<unsigned char>(text[result.size()]) & 0xc0) == 0x80) result.pop_back();
+    result += "...";
+  }
+  return result;
+}
+
+namespace {
+
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string nearest(std::string_view name, const std::vector<std::string>& names) {
+  const std::string wanted = lower(name.substr(0, 2 * 63));
+  std::string best;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const std::string& candidate : names)
+    if (const std::size_t d = distance(wanted, lower(candidate)); d < least) {
+      least = d;
+      best = candidate;
+    }
+  return best;
+}
+
+}  // namespace tetsuame::namelist

@@ -1,0 +1,131 @@
+// Particles as a structure of arrays, one array a scalar component, and the table
+// that says of each field what it is. A new field is one member and one line of the
+// table: sorting, migration, checkpoints and snapshots go by the table.
+//
+// Local order:   [0, fluid)            fluid this rank owns: the state of the time integration
+//                [.., + fluid_ghosts)  copies of fluid beyond the rank's or the periodic border
+//                [.., + walls)         wall particles this rank owns
+//                [.., + wall_ghosts)   copies of wall particles
+//                one null particle     pads neighbour lists: far away, with no volume
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+namespace tetsuame::particles {
+
+// Cache-line aligned, so that loops over whole arrays start on a full SIMD register.
+template <class T>
+struct aligned_allocator {
+  using value_type = T;
+  static constexpr std::align_val_t alignment{64};
+  aligned_allocator() = default;
+  template <class U>
+  aligned_allocator(const aligned_allocator<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, alignment); }
+  template <class U>
+  bool operator==(const aligned_allocator<U>&) const {
+    return true;
+  }
+};
+
+using array = std::vector<double, aligned_allocator<double>>;
+
+enum class role {
+  integrated,  // part of the state the time integration carries
+  constant,    // given at the start, travels with the particle
+  memory,      // travels with the particle from one evaluation to the next (start values of an iteration)
+  derived,     // recomputed in every evaluation
+};
+
+template <int D>
+struct particles {
+  std::size_t fluid = 0, fluid_ghosts = 0, walls = 0, wall_ghosts = 0;
+
+  std::vector<std::int64_t> id;         // global; fluid first, wall particles after them
+  std::vector<std::int32_t> material;   // index into the materials of the run
+
+  std::array<array, D> x;    // m
+  std::array<array, D> v;    // m/s
+  array rho;                 // kg/m3
+  array T;                   // K
+  array Y;                   // J, DISPH weight p dV
+  array u;                   // J/kg, internal energy gained since the start
+
+  array m;                   // kg
+  array eta;                 // Pa s
+  array k;                   // W/(m K)
+  std::array<array, D> x_start;  // m, moved along when a periodic border is crossed
+  std::array<array, D> x_list;   // m, where the particle was when the neighbour lists were made
+  array p_reference;             // Pa, pressure of the exact solution at the start position
+  array rho_reference;           // kg/m3
+
+
+  array rho_guess;  // kg/m3, where the iteration for Y starts
+
+  array p_eos;   // Pa, p^(rho, T), straight from the equation of state
+  array p;       // Pa, what the forces use: smoothed, or p^
+  array dV;      // m^D, volume element Y/p
+  array K_T;     // Pa
+  array alpha;   // 1/K
+  array c_V;     // J/(kg K)
+  array c;       // m/s, sound speed
+
+  std::size_t first_wall() const { return fluid + fluid_ghosts; }
+  std::size_t total() const { return fluid + fluid_ghosts + walls + wall_ghosts; }
+  std::size_t null() const { return total(); }
+};
+
+struct field_info {
+  const char* name;         // of the data set
+  const char* unit;
+  const char* description;
+  role kind;
+  bool in_snapshot;
+};
+
+// Visits every field: f(field_info, arrays of its components).
+template <int D, class P, class F>
+void for_each_field(P& s, F&& f) {
+  using list = std::vector<decltype(&s.rho)>;
+  const auto components = [](auto& a) {
+    list all;
+    for (auto& component : a) all.push_back(&component);
+    return all;
+  };
+  using enum role;
+  f(field_info{"Coordinates", "m", "position", integrated, true}, components(s.x));
+  f(field_info{"Velocities", "m/s", "velocity", integrated, true}, components(s.v));
+  f(field_info{"Density", "kg/m^3", "mass density", integrated, true}, list{&s.rho});
+  f(field_info{"Temperature", "K", "temperature", integrated, true}, list{&s.T});
+  f(field_info{"Weight", "J", "DISPH weight Y = p dV", integrated, true}, list{&s.Y});
+  f(field_info{"InternalEnergyGain", "J/kg", "specific internal energy gained since the start", integrated, true},
+    list{&s.u});
+  f(field_info{"Masses", "kg", "mass (2-D: per metre of depth)", constant, true}, list{&s.m});
+  f(field_info{"Viscosity", "Pa s", "dynamic viscosity", constant, true}, list{&s.eta});
+  f(field_info{"Conductivity", "W/(m K)", "thermal conductivity", constant, false}, list{&s.k});
+  f(field_info{"StartCoordinates", "m", "position at the start, less periodic jumps", constant, false},
+    components(s.x_start));
+  f(field_info{"ListCoordinates", "m", "position when the neighbour lists were made", memory, false},
+    components(s.x_list));
+  f(field_info{"PressureReference", "Pa", "pressure of the exact solution", constant, true}, list{&s.p_reference});
+  f(field_info{"DensityReference", "kg/m^3", "density of the exact solution", constant, true}, list{&s.rho_reference});
+  f(field_info{"DensityGuess", "kg/m^3", "start value of the iteration for Y", memory, false}, list{&s.rho_guess});
+  f(field_info{"PressureEOS", "Pa", "pressure straight from the equation of state", derived, true}, list{&s.p_eos});
+  f(field_info{"Pressure", "Pa", "pressure in the forces: smoothed, or that of the equation of state", derived, true},
+    list{&s.p});
+  f(field_info{"Volume", "m^D", "volume element", derived, false}, list{&s.dV});
+  f(field_info{"BulkModulus", "Pa", "isothermal bulk modulus", derived, false}, list{&s.K_T});
+  f(field_info{"ThermalExpansivity", "1/K", "thermal expansivity", derived, false}, list{&s.alpha});
+  f(field_info{"HeatCapacity", "J/(kg K)", "heat capacity at constant volume", derived, false}, list{&s.c_V});
+  f(field_info{"SoundSpeed", "m/s", "adiabatic sound speed", derived, true}, list{&s.c});
+}
+
+// A particle's own data: what moves with it between ranks and stands in a checkpoint.
+inline bool travels(role kind) { return kind != role::derived; }
+
+}  // namespace tetsuame::particles

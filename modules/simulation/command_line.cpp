@@ -1,0 +1,117 @@
+#include <mpi.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <domain/communicator.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <simulation/command_line.hpp>
+#include <sstream>
+
+namespace tetsuame::simulation {
+
+namespace {
+
+using foundation::error;
+using foundation::exit_status;
+
+// Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
+int parse(int argc, char** argv, bool speaks, command_line& line) {
+  CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
+  app.add_option("INPUT", line.input, "namelist file")->type_name("INPUT.nml");
+  app.add_option("--set", line.set, "group.key=value, over what the file says; may be repeated")
+      ->expected(1)->take_all()->type_name("group.key=value");
+  app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")->type_name("DIR");
+  app.add_option("--restart", line.restart, "continue from a checkpoint, or from the latest in the output directory")
+      ->type_name("FILE|latest");
+  app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
+  app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
+  app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");
+  app.set_version_flag("--version", version());
+  try {
+    app.parse(argc, argv);
+    if (!line.describe && line.input.empty()) throw CLI::RequiredError("INPUT");
+    if (line.force && !line.restart.empty()) throw CLI::ValidationError("--force and --restart exclude each other");
+  } catch (const CLI::Success& e) {
+    if (speaks) app.exit(e);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    if (speaks) std::cerr << line.program << ": " << e.what() << "\nTry --help, or --describe for the input's keys.\n";
+    return static_cast<int>(exit_status::bad_input);
+  }
+  return -1;
+}
+
+// Rank 0 reads the file; all ranks parse the same text.
+std::string read_text(const domain::communicator& ranks, const std::string& path) {
+  std::string text, problem;
+  if (ranks.rank == 0) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream all;
+    if (std::filesystem::is_directory(path))
+      problem = path + ": is a directory, not a namelist file";
+    else if (!file || !(all << file.rdbuf()))
+      problem = path + ": the input file cannot be read, or is empty; is the path right?";
+    text = all.str();
+  }
+  ranks.agree_on_fault(0, problem, exit_status::bad_input);
+  return ranks.broadcast(text);
+}
+
+int run_guarded(const domain::communicator& ranks, command_line& line, const std::string& treatment,
+                const std::function<void(const command_line&, const input&)>& run) {
+  try {
+    input in;
+    in.values.walls.treatment = treatment;
+    namelist::schema schema;
+    declare(schema, in.values);
+    if (line.describe) {
+      if (ranks.rank == 0) schema.describe(std::cout);
+      return 0;
+    }
+    namelist::document document = namelist::parse_text(read_text(ranks, line.input), line.input);
+    for (const auto& argument : line.set) document.set(argument);
+    schema.read(document);
+    resolve(schema, in.values);
+    std::ostringstream resolved;
+    schema.write_resolved(resolved);
+    in.resolved = resolved.str();
+    if (line.check) {
+      if (ranks.rank == 0) std::cout << in.resolved;
+      return 0;
+    }
+    if (line.output.empty())
+      line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
+    run(line, in);
+    return 0;
+  } catch (const error& e) {
+    if (ranks.rank == 0) std::cerr << line.program << ": " << e.what() << '\n';
+    return static_cast<int>(e.status());
+  }
+}
+
+}  // namespace
+
+int start(int argc, char** argv, const std::string& program, const std::string& treatment,
+          const std::function<void(const command_line&, const input&)>& run) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  const auto ranks = domain::communicator::world();
+  command_line line;
+  line.program = program;
+  int status = parse(argc, argv, ranks.rank == 0, line);
+  if (status < 0) {
+    try {
+      status = run_guarded(ranks, line, treatment, run);
+    } catch (const std::exception& e) {
+      // Not ours: out of memory, say. Other ranks may wait for this one.
+      std::fprintf(stderr, "%s: rank %d: %s\n", program.c_str(), ranks.rank, e.what());
+      MPI_Abort(ranks.comm, static_cast<int>(exit_status::calculation_failed));
+    }
+  }
+  MPI_Finalize();
+  return status;
+}
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,35 @@
+// The command line all programs share, and the end all programs come to.
+#pragma once
+
+#include <functional>
+#include <simulation/options.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::simulation {
+
+struct command_line {
+  std::string program;           // disph_c
+  std::string input;             // path of the namelist
+  std::vector<std::string> set;  // group.key=value
+  std::string output;            // directory
+  std::string restart;           // checkpoint file, or "latest"; empty: none
+  bool check = false, describe = false, force = false;
+};
+
+// One input, read and resolved.
+struct input {
+  options values;
+  std::string resolved;  // as a namelist
+};
+
+// Starts MPI, reads the command line and the input, handles --describe, --check, --help and
+// --version, then calls `run`. Returns the exit status; every error is told once, by rank 0.
+// `treatment`: the wall treatment of the program, the default of &walls treatment.
+int start(int argc, char** argv, const std::string& program, const std::string& treatment,
+          const std::function<void(const command_line&, const input&)>& run);
+
+// Of the source: the git commit it was built from.
+std::string version();
+
+}  // namespace tetsuame::simulation

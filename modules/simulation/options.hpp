@@ -1,0 +1,85 @@
+// The input of the hydrostatic programs: what each group holds, and the checks that
+// take more than one key.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <eos/eos.hpp>
+#include <namelist/schema.hpp>
+#include <optional>
+#include <string>
+#include <volume/hosono_options.hpp>
+#include <volume/shape.hpp>
+#include <walls/options.hpp>
+
+namespace tetsuame::simulation {
+
+struct domain_options {
+  std::int64_t dimension = 2;
+  std::array<double, 3> length{1e5, 1e5, 1e5};       // m
+  std::array<std::int64_t, 3> particles{20, 20, 20};
+  std::array<bool, 3> periodic{true, false, true};
+};
+
+struct initial_options {
+  double temperature = 2500.0;          // K
+  double pressure = 1e10;               // Pa; with gravity: at the top
+  std::string profile = "hydrostatic";  // uniform where there is no gravity
+};
+
+struct time_options {
+  std::string method = "euler";
+  std::int64_t order = 3;
+  double dt = 1e-3;                                 // s
+  std::int64_t steps = 1000;
+  std::optional<double> t_end;                      // s
+  double rtol = 1e-4;
+  double atol_position = 1e-6;                      // of the particle spacing
+  double atol_velocity = 1e-6, atol_temperature = 1e-6, atol_density = 1e-9;  // m/s, K, kg/m3
+  double atol_weight = 1e-9, atol_energy = 1e-3;    // J, J/kg
+  double cfl = 0.5, viscous = 0.25, thermal = 0.25; // fractions of Δx/c, ρ Δx²/η, ρ c_V Δx²/k
+};
+
+struct output_options {
+  double interval = 0.0;              // s
+  std::int64_t history_interval = 1;  // steps
+};
+
+struct run_options {
+  double wall_clock_limit = 0.0;          // s
+  std::int64_t checkpoint_interval = 0;   // steps
+  double checkpoint_seconds = 600.0;      // s
+};
+
+struct material_options {
+  eos::material_options eos;
+  double viscosity = 1.0;     // Pa s
+  double conductivity = 0.0;  // W/(m K)
+};
+
+struct options {
+  domain_options domain;
+  initial_options initial;
+  double g = 0.0;  // m/s2, along -y
+  material_options material;
+  time_options time;
+  std::string kernel = "quintic";
+  double h_over_dx = 0.0;  // 0: the kernel's own
+  double skin = 0.2;       // of the particle spacing
+  walls::options walls;
+  volume::smoothing_options smoothing;
+  volume::hosono_options hosono;
+  output_options output;
+  run_options run;
+
+  double dx() const { return domain.length[0] / static_cast<double>(domain.particles[0]); }
+};
+
+// Declares every group; all programs read the same inputs, so that one file runs on all of them.
+void declare(namelist::schema& schema, options& o);
+
+// Fills what the input left to us (h_over_dx, t_end, EOS parameters) and checks what takes more
+// than one key: throws bad_input with file and line.
+void resolve(const namelist::schema& schema, options& o);
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,143 @@
+// The right-hand side, as a list of stages. A program names its modules:
+//
+//   volume    how Y and ΔV come about          gradient  the form of the pressure gradient
+//   pressure  smoothed or not                  wall      the treatment unless the input says otherwise
+//
+//   1  halo       the fluid's state beyond the borders
+//   2  volume     ρ, ΔV as far as the walls need them
+//   3  walls      velocity, temperature, f = ν∇²v + g at the markers
+//   4  volume     Y, p, ΔV = Y/p (the walls' Y on the way), material properties
+//   5  walls      pressure of the wall particles
+//   6  gradient   one pass: pressure force, continuity, viscosity, conduction
+//   7  rates      dT/dt, and what the state carries of the volume
+#pragma once
+
+#include <diffusion/conduction.hpp>
+#include <diffusion/viscosity.hpp>
+#include <gradient/continuity.hpp>
+#include <simulation/setup.hpp>
+#include <span>
+
+namespace tetsuame::simulation {
+
+// Where dy/dt goes: one array a component of the state, in the order of `state_fields`.
+template <int D>
+struct state_rates {
+  std::array<double*, D> dx, dv;
+  double* dT;
+  double* du;
+  double* volume;  // dρ/dt or dY/dt; null where nothing is carried
+
+  explicit state_rates(std::span<double* const> rate) {
+    std::size_t n = 0;
+    for (auto& component : dx) component = rate[n++];
+    for (auto& component : dv) component = rate[n++];
+    dT = rate[n++];
+    du = rate[n++];
+    volume = n < rate.size() ? rate[n] : nullptr;
+  }
+};
+
+// What an evaluation needs beside the state and does not keep.
+struct scratch {
+  particles::array dlnrho;  // 1/s
+  particles::array heat;    // W, conduction and dissipation
+};
+
+// The state and its ghosts.
+template <int D>
+void refresh_halo(scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  domain::exchange_positions<D>(w.d.ranks, w.d.fluid_halo, s.x);
+  for (auto& component : s.v) w.exchange_fluid({component.data()});
+  w.exchange_fluid({s.T.data()});
+  if (scene.density_carried) w.exchange_fluid({s.rho.data()});
+  if (scene.weight_carried) w.exchange_fluid({s.Y.data()});
+}
+
+// Stage 6. dv starts from the body force; du holds the pressure's work alone.
+template <class Gradient, int D>
+void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "gradient");
+  work.dlnrho.assign(s.fluid, 0.0);
+  work.heat.assign(s.fluid, 0.0);
+  for (std::size_t a = 0; a < D; ++a) std::fill_n(out.dv[a], s.fluid, w.g[a]);
+  std::fill_n(out.du, s.fluid, 0.0);
+  std::visit([&](auto t) { t.accelerate(w, scene.walls, out.dv); }, scene.treatment);
+  const auto v = pairs::pointers<D>(s.v);
+  w.sum(w.fluid(), typename Gradient::template term<D>{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}},
+        gradient::continuity<D>{v, s.dV.data(), work.dlnrho.data()},
+        diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), s.m.data(), out.dv, work.heat.data()},
+        diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), work.heat.data()});
+}
+
+// Stage 7:  ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
+template <class Program, int D>
+void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& out) {
+  using volume::carries;
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "rates");
+  bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite)
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    for (std::size_t a = 0; a < D; ++a) out.dx[a][i] = s.v[a][i];
+    const double power = out.du[i], heating = work.heat[i] / s.m[i];
+    out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * work.dlnrho[i]) / s.c_V[i];
+    out.du[i] = power + heating;
+    if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * work.dlnrho[i];
+    if constexpr (Program::volume::carried == carries::weight)
+      out.volume[i] = Program::volume::rate(s.p[i], s.K_T[i], s.alpha[i], s.dV[i], s.m[i], power, out.dT[i]);
+    bool good = std::isfinite(out.dT[i]) && std::isfinite(out.du[i]);
+    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
+    finite = finite && good;
+  }
+  if (finite) return;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    bool good = std::isfinite(out.dT[i]);
+    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
+    if (!good)
+      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) + ", p = " +
+                                        volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) + " kg/m3, T = " +
+                                        volume::number(s.T[i]) + " K; the time step may be too large");
+  }
+}
+
+// One evaluation of dy/dt at the state in the particle arrays. Throws on every rank alike.
+template <class Program, int D>
+void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoothing_options& smoothing, scratch& work,
+              std::span<double* const> rate) {
+  auto& w = scene.w;
+  const state_rates<D> out(rate);
+  w.first_fault = {};
+  const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
+
+  refresh_halo(scene);
+  {
+    const foundation::stage timed(w.times, "volume");
+    how.before_walls(w, around);
+  }
+  w.agree();
+  {
+    const foundation::stage timed(w.times, "walls");
+    std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
+  }
+  {
+    const foundation::stage timed(w.times, "pressure");
+    how.template determine<typename Program::pressure>(w, around);
+  }
+  w.agree();
+  {
+    const foundation::stage timed(w.times, "walls");
+    std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
+  }
+  sum_forces<typename Program::gradient>(scene, work, out);
+  finish_rates<Program>(scene, work, out);
+  w.agree();
+}
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,193 @@
+// The start: lattice, exact profile, walls; and the lists, made anew whenever a particle has
+// moved far enough.
+#pragma once
+
+#include <numeric>
+#include <pairs/workspace.hpp>
+#include <simulation/options.hpp>
+#include <walls/treatments.hpp>
+
+namespace tetsuame::simulation {
+
+template <int D>
+struct scene {
+  pairs::workspace<D> w;
+  walls::any treatment;
+  walls::wall_set<D> walls;
+  double skin = 0.0;            // m
+  std::int64_t fluid_total = 0;
+  bool density_carried = false; // ρ is part of the state
+  bool weight_carried = false;  // Y is
+};
+
+// Pressure of the exact solution at the height y: the initial pressure, or the hydrostatic
+// dp/dy = -ρ^(p, T) g from the top, by fourth-order Runge–Kutta steps of at most Δx/16.
+class profile {
+ public:
+  profile(const options& o, const eos::any& material) : o_(o), material_(material) {}
+
+  double pressure(double y) const {
+    if (o_.initial.profile == "uniform") return o_.initial.pressure;
+    const double top = o_.domain.length[1];
+    const auto n = static_cast<std::int64_t>(std::ceil(16.0 * std::abs(top - y) / o_.dx()));
+    const double dy = n > 0 ? (y - top) / static_cast<double>(n) : 0.0;
+    double p = o_.initial.pressure;
+    for (std::int64_t k = 0; k < n; ++k) {
+      const double k1 = slope(p), k2 = slope(p + 0.5 * dy * k1), k3 = slope(p + 0.5 * dy * k2), k4 = slope(p + dy * k3);
+      p += dy * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+    }
+    return p;
+  }
+  double density(double p) const { return eos::density(material_, p, o_.initial.temperature); }
+
+ private:
+  double slope(double p) const { return -density(p) * o_.g; }
+
+  const options& o_;
+  const eos::any& material_;
+};
+
+// Local fluid of the start lattice: equal spacing, masses m = ρ Δx^D of the exact profile.
+template <int D>
+void place_fluid(const options& o, scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const profile exact(o, w.materials[0]);
+  std::array<std::int64_t, D> cells;
+  scene.fluid_total = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    cells[a] = o.domain.particles[a];
+    scene.fluid_total *= cells[a];
+  }
+  std::vector<double> p_row, rho_row;  // by height
+  for (std::int64_t row = 0; row < cells[1]; ++row) {
+    p_row.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
+    rho_row.push_back(exact.density(p_row.back()));
+  }
+  // Whole columns of x belong to one rank: count them first.
+  std::vector<std::int64_t> columns;
+  for (std::int64_t n = 0; n < cells[0]; ++n)
+    if (w.d.owner((static_cast<double>(n) + 0.5) * w.dx) == w.d.ranks.rank) columns.push_back(n);
+  const std::int64_t per_column = scene.fluid_total / cells[0];
+  particles::allocate(s, columns.size() * static_cast<std::size_t>(per_column), 0, 0, 0);
+  std::size_t i = 0;
+  for (const std::int64_t column : columns)
+    for (std::int64_t n = 0; n < per_column; ++n, ++i) {
+      std::array<std::int64_t, D> at{column, n % cells[1]};
+      if constexpr (D == 3) at[2] = n / cells[1];
+      s.id[i] = at[0] + cells[0] * n;
+      s.material[i] = 0;
+      for (std::size_t a = 0; a < D; ++a) {
+        s.x[a][i] = s.x_start[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
+        s.v[a][i] = 0.0;
+      }
+      const auto row = static_cast<std::size_t>(at[1]);
+      s.rho[i] = s.rho_reference[i] = s.rho_guess[i] = rho_row[row];
+      s.p_reference[i] = p_row[row];
+      s.T[i] = o.initial.temperature;
+      s.m[i] = s.rho[i] * std::pow(w.dx, D);
+      s.Y[i] = s.p_reference[i] * s.m[i] / s.rho[i];
+      s.u[i] = 0.0;
+      s.eta[i] = o.material.viscosity;
+      s.k[i] = o.material.conductivity;
+    }
+}
+
+// Wall particles continue the profile where a treatment keeps it.
+template <int D>
+void place_walls(const options& o, scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const bool has_particles = std::visit([](auto t) { return decltype(t)::has_particles; }, scene.treatment);
+  if (!has_particles) return;
+  walls::place(w, scene.walls, scene.fluid_total, w.support());
+  const bool frozen = std::holds_alternative<walls::frozen>(scene.treatment);
+  const profile exact(o, w.materials[0]);
+  for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
+    s.T[i] = o.initial.temperature;
+    s.eta[i] = o.material.viscosity;
+    s.k[i] = o.material.conductivity;
+    s.p_reference[i] = frozen ? exact.pressure(s.x[1][i]) : o.initial.pressure;
+    s.rho_reference[i] = exact.density(s.p_reference[i]);
+    s.rho[i] = s.rho_reference[i];
+    s.m[i] = s.rho[i] * std::pow(w.dx, D);
+    s.p[i] = s.p_eos[i] = s.p_reference[i];
+    s.dV[i] = s.m[i] / s.rho[i];
+    s.Y[i] = s.p[i] * s.dV[i];
+  }
+}
+
+// Whether the lists' positions are set to the present ones, or left (a restart swaps the two
+// before and after, so that lists are made as they were made).
+enum list_positions { set_list_positions, keep_list_positions };
+
+// Hands particles to their ranks, sorts them by cell and ID, makes halos and lists. The state's
+// arrays move: the integrator must be told.
+template <int D>
+void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "lists");
+  const double reach = w.support() + scene.skin;
+  domain::migrate(w.d, s, s.x[0]);
+
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, reach);
+  std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
+  particles::reorder(s, 0, std::span<const std::size_t>(order));
+  if (positions == set_list_positions) s.x_list = s.x;
+
+  domain::make_halo(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
+                    [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
+  domain::make_halo(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
+                    [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
+  w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
+
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), reach);
+  w.list = cells::make_list<D>(
+      grid, s.x, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
+      [](std::size_t i, std::uint32_t j) { return i != j; });
+  std::visit(
+      [&](auto t) {
+        if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, scene.walls, grid, scene.skin);
+      },
+      scene.treatment);
+}
+
+// Squared distance (m²) that the farthest particle of this rank has moved since the lists were made.
+template <int D>
+double moved_since_lists(const particles::particles<D>& s) {
+  double largest = 0.0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double r2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
+    largest = std::max(largest, r2);
+  }
+  return largest;
+}
+
+// Everything up to the first evaluation, lists included.
+template <int D>
+void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
+  auto& w = scene.w;
+  w.dx = o.dx();
+  w.kernel = kernels::make<D>(o.kernel, o.h_over_dx * w.dx);
+  w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
+  w.materials = {eos::make(o.material.eos)};
+  w.g[1] = -o.g;
+  scene.skin = o.skin * w.dx;
+  scene.treatment = walls::make(o.walls.treatment);
+  scene.walls.how = o.walls;
+  domain::box<D> box;
+  for (std::size_t a = 0; a < D; ++a) {
+    box.length[a] = o.domain.length[a];
+    box.periodic[a] = o.domain.periodic[a];
+  }
+  const double halo = w.support() * std::max(1.0, walls::radius_factor(o.walls)) + scene.skin;
+  w.d = domain::make_slices<D>(ranks, box, halo);
+  scene.walls.sides = walls::make_sides<D>(o.walls, box);
+  place_fluid(o, scene);
+  place_walls(o, scene);
+}
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,120 @@
+// The state as the integrator, the snapshots and the checkpoints see it.
+#pragma once
+
+#include <integrators/explicit_integrator.hpp>
+#include <output/checkpoint.hpp>
+#include <output/snapshot.hpp>
+#include <output/state_hash.hpp>
+#include <simulation/setup.hpp>
+
+namespace tetsuame::simulation {
+
+// Components of the state, in the order of state_rates: x, v, T, u, and ρ or Y where carried.
+template <int D>
+std::vector<integrators::field> state_fields(scene<D>& scene, const time_options& o) {
+  auto& s = scene.w.s;
+  std::vector<integrators::field> all;
+  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+  for (std::size_t a = 0; a < D; ++a)
+    all.push_back({axis[a], s.x[a].data(), o.atol_position * scene.w.dx, scene.w.dx});
+  for (std::size_t a = 0; a < D; ++a)
+    all.push_back({std::string("v") + axis[a], s.v[a].data(), o.atol_velocity, 0.0});
+  all.push_back({"T", s.T.data(), o.atol_temperature, 0.0});
+  all.push_back({"u", s.u.data(), o.atol_energy, 0.0});
+  if (scene.density_carried) all.push_back({"rho", s.rho.data(), o.atol_density, 0.0});
+  if (scene.weight_carried) all.push_back({"Y", s.Y.data(), o.atol_weight, 0.0});
+  return all;
+}
+
+namespace detail {
+
+inline std::string column_unit(std::string unit, int dimension) {
+  if (unit == "m^D") return dimension == 2 ? "m^2" : "m^3";
+  return unit;
+}
+
+template <int D>
+output::particle_group group_of(const particles::particles<D>& s, int type, std::size_t begin, std::size_t n) {
+  output::particle_group g{type, n, s.id.data() + begin, {}};
+  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
+    if (!field.in_snapshot) return;
+    output::column c{field.name, column_unit(field.unit, D), field.description, {}, components.size() > 1};
+    for (const auto* a : components) c.components.push_back(a->data() + begin);
+    g.columns.push_back(std::move(c));
+  });
+  return g;
+}
+
+}  // namespace detail
+
+// Fluid and walls for a snapshot, with the smoothing length and the displacement beside the fields of
+// the table; `extra` holds what is made for the occasion.
+template <int D>
+std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, double h, std::vector<particles::array>& extra) {
+  const auto& s = scene.w.s;
+  extra.assign(D + 1, particles::array(s.total(), 0.0));
+  std::fill(extra[0].begin(), extra[0].end(), h);
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t i = 0; i < s.total(); ++i) extra[a + 1][i] = i < s.fluid ? s.x[a][i] - s.x_start[a][i] : 0.0;
+  std::vector<output::particle_group> groups;
+  const auto add = [&](int type, std::size_t begin, std::size_t n) {
+    auto g = detail::group_of<D>(s, type, begin, n);
+    g.columns.push_back({"SmoothingLength", "m", "smoothing length h", {extra[0].data() + begin}, false});
+    output::column displacement{"Displacement", "m", "position less start position", {}, true};
+    for (std::size_t a = 0; a < D; ++a) displacement.components.push_back(extra[a + 1].data() + begin);
+    g.columns.push_back(std::move(displacement));
+    groups.push_back(std::move(g));
+  };
+  add(0, 0, s.fluid);
+  if (scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0) add(1, s.first_wall(), s.walls);
+  return groups;
+}
+
+// The hash of the state that the time integration carries, and of the masses.
+template <int D>
+std::string hash_of_state(const scene<D>& scene) {
+  const auto& s = scene.w.s;
+  output::particle_group g{0, s.fluid, s.id.data(), {}};
+  const auto add = [&](const char* name, const particles::array& a) { g.columns.push_back({name, "", "", {a.data()}, false}); };
+  for (std::size_t a = 0; a < D; ++a) add("x", s.x[a]);
+  for (std::size_t a = 0; a < D; ++a) add("v", s.v[a]);
+  add("T", s.T);
+  add("u", s.u);
+  add("m", s.m);
+  add("rho", s.rho);
+  add("p", s.p);
+  return output::state_hash(scene.w.d.ranks.comm, {g});
+}
+
+// Every travelling field of the fluid, as a checkpoint's table. Component names: Velocities_0, …
+template <int D>
+output::table_view checkpoint_table(const particles::particles<D>& s, std::vector<std::int64_t>& materials) {
+  output::table_view t{"fluid", s.fluid, s.id.data(), {}, {}};
+  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
+    if (!particles::travels(field.kind)) return;
+    for (std::size_t k = 0; k < components.size(); ++k)
+      t.reals.emplace_back(std::string(field.name) + "_" + std::to_string(k), components[k]->data());
+  });
+  materials.assign(s.material.begin(), s.material.begin() + static_cast<std::ptrdiff_t>(s.fluid));
+  t.integers.emplace_back("Material", materials.data());
+  return t;
+}
+
+// The reverse: fluid as the checkpoint's rows lie, the walls kept.
+template <int D>
+void fluid_from_checkpoint(const output::table& t, particles::particles<D>& s) {
+  particles::allocate(s, t.ids.size(), 0, s.walls, 0);
+  std::copy(t.ids.begin(), t.ids.end(), s.id.begin());
+  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
+    if (!particles::travels(field.kind)) return;
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      const auto found = t.reals.find(std::string(field.name) + "_" + std::to_string(k));
+      if (found == t.reals.end()) foundation::fail_file(std::string("the checkpoint has no field ") + field.name);
+      std::copy(found->second.begin(), found->second.end(), components[k]->begin());
+    }
+  });
+  const auto& materials = t.integers.at("Material");
+  for (std::size_t i = 0; i < materials.size(); ++i) s.material[i] = static_cast<std::int32_t>(materials[i]);
+}
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <output/file.hpp>
+#include <simulation/command_line.hpp>
+#include <simulation/summary.hpp>
+#include <sstream>
+#include <vector>
+
+namespace tetsuame::simulation {
+
+void summary::set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx) {
+  errors = {{"pressure_mean", pressure_mean},
+            {"pressure_max", pressure_max},
+            {"density_max", density_max},
+            {"displacement_max_over_dx", displacement_max_over_dx}};
+}
+
+void summary::set_conservation(double mass, double momentum, double energy) {
+  conservation = {{"mass", mass}, {"momentum", momentum}, {"energy", energy}};
+}
+
+void summary::write(const domain::communicator& where, const std::string& directory) const {
+  nlohmann::ordered_json j;
+  j["program"] = program;
+  j["status"] = status;
+  j["message"] = message;
+  j["steps"] = steps;
+  j["time"] = time;
+  j["dimension"] = dimension;
+  j["fluid_particles"] = fluid_particles;
+  j["wall_particles"] = wall_particles;
+  j["ranks"] = ranks;
+  j["threads"] = threads;
+  j["wall_seconds"] = wall_seconds;
+  j["stepping_seconds"] = stepping_seconds;
+  j["rhs_evaluations"] = statistics.evaluations;
+  const double updates = static_cast<double>(fluid_particles) * static_cast<double>(statistics.evaluations);
+  j["particle_updates_per_second"] = stepping_seconds > 0.0 ? updates / stepping_seconds : 0.0;
+  j["attempts"] = statistics.attempts;
+  j["rejections"] = statistics.rejections;
+  j["last_dt"] = statistics.last_dt;
+  j["steps_limited_by"] = statistics.limited_by;
+  j["diverged_step"] = diverged_step ? nlohmann::ordered_json(*diverged_step) : nullptr;
+  j["diverged_iteration"] = diverged_iteration ? nlohmann::ordered_json(*diverged_iteration) : nullptr;
+  j["errors"] = errors;
+  j["conservation"] = conservation;
+  j["metrics"] = metrics;
+  j["stages"] = stages;
+  j["state_hash"] = state_hash.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(state_hash);
+  j["version"] = version();
+  output::write_summary(where.comm, directory + "/summary.json", j);
+}
+
+void summary::print() const {
+  fmt::print("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message, wall_seconds, statistics.evaluations);
+  if (statistics.rejections > 0) fmt::print(", {} steps rejected", statistics.rejections);
+  fmt::print(")\n");
+  std::string held;
+  for (const auto& [name, count] : statistics.limited_by) held += fmt::format("{}{} {}", held.empty() ? "" : ", ", name, count);
+  fmt::print("  step set by: {}\n", held.empty() ? "-" : held);
+  if (errors.is_object())
+    fmt::print("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
+               errors["pressure_mean"].get<double>(), errors["pressure_max"].get<double>(),
+               errors["density_max"].get<double>(), errors["displacement_max_over_dx"].get<double>());
+  if (metrics.value("wall_crossings", 0) > 0)
+    fmt::print("  {} particles had to be put back inside the walls\n", metrics["wall_crossings"].get<std::int64_t>());
+  fmt::print("  state {}\n", state_hash);
+}
+
+void write_text(const domain::communicator& where, const std::string& path, const std::string& text) {
+  output::write_text(where.comm, path, text);
+}
+
+namespace {
+
+// Lines of the groups that must be the same: all but how long and how to write.
+std::vector<std::string> binding_lines(const std::string& input) {
+  std::vector<std::string> lines;
+  std::istringstream in(input);
+  bool free = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("&")) free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
+    if (!free) lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace
+
+void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
+                   const std::string& input) {
+  if (saved_program != program)
+    foundation::fail_input("the checkpoint is of program " + saved_program + ", not of " + program);
+  const auto was = binding_lines(saved_input), is = binding_lines(input);
+  for (std::size_t n = 0; n < std::max(was.size(), is.size()); ++n) {
+    const std::string a = n < was.size() ? was[n] : "(nothing)", b = n < is.size() ? is[n] : "(nothing)";
+    if (a != b)
+      foundation::fail_input("the input is not that of the checkpoint (only &time, &output and &run may change): it was\n  " + a +
+                             "\nand is now\n  " + b);
+  }
+}
+
+}  // namespace tetsuame::simulation

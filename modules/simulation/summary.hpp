@@ -1,0 +1,42 @@
+// summary.json and the lines a run ends with.
+#pragma once
+
+#include <cstdint>
+#include <domain/communicator.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace tetsuame::simulation {
+
+struct summary {
+  std::string program, status = "failed", message, state_hash;
+  std::int64_t steps = 0;
+  double time = 0.0;  // s
+  int dimension = 2;
+  std::int64_t fluid_particles = 0, wall_particles = 0;
+  int ranks = 1, threads = 1;
+  double wall_seconds = 0.0, stepping_seconds = 0.0;
+  integrators::explicit_statistics statistics;
+  std::optional<std::int64_t> diverged_step, diverged_iteration;
+  std::map<std::string, double> stages;  // s
+  nlohmann::ordered_json errors = nullptr, conservation = nullptr, metrics = nlohmann::ordered_json::object();
+
+  void set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx);
+  void set_conservation(double mass, double momentum, double energy);
+  // Collective: DIRECTORY/summary.json.
+  void write(const domain::communicator& where, const std::string& directory) const;
+  void print() const;
+};
+
+// Collective: a small text file of rank 0, replaced in one step.
+void write_text(const domain::communicator& ranks, const std::string& path, const std::string& text);
+
+// Throws bad_input if a checkpoint's program or input (but for groups &time, &output and &run, which
+// may change) is not the present one's.
+void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
+                   const std::string& input);
+
+}  // namespace tetsuame::simulation

@@ -1,0 +1,41 @@
+// Options of Hosono's iteration and what it tells when it fails.
+#pragma once
+
+#include <cstdint>
+#include <foundation/error.hpp>
+#include <namelist/schema.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::volume {
+
+struct smoothing_options;
+
+struct hosono_options {
+  std::string solver = "plain";      // plain, under_relaxed, anderson, newton
+  double tolerance = 1e-12;          // of max |ln(Y_new/Y)|
+  std::int64_t max_iterations = 1000;
+  double relaxation = 0.0;           // exponent ω; 0: the least p/K_T of all particles
+  std::int64_t anderson_depth = 5;
+};
+
+void declare(namelist::schema& schema, hosono_options& o);
+
+struct residual_record {
+  std::int64_t evaluation;  // of the right-hand side, from 1
+  std::int64_t iteration;   // within it, from 1
+  double residual;          // max |ln(Y_new/Y)|; not finite: p^ <= 0 somewhere
+};
+
+// The iteration had no end: an outcome of the method, told with its reason.
+class divergence : public foundation::error {
+ public:
+  divergence(std::int64_t iteration, const std::string& message)
+      : foundation::error(foundation::exit_status::calculation_failed, message), iteration_(iteration) {}
+  std::int64_t iteration() const { return iteration_; }
+
+ private:
+  std::int64_t iteration_;
+};
+
+}  // namespace tetsuame::volume

@@ -1,0 +1,154 @@
+// The solvers of hosono_iteration.hpp, which see there.
+#pragma once
+
+#include <volume/hosono_iteration.hpp>
+
+namespace tetsuame::volume {
+
+namespace detail {
+
+// plain and under_relaxed: Y ← Y (Y_new/Y)^ω, ω = 1 for plain.
+template <int D>
+void relax(pass<D>& one, double omega, double tolerance, double kappa) {
+  auto& [w, around, self, iteration] = one;
+  auto& s = w.s;
+  const bool plain = self.how.solver == "plain";
+  double least = std::numeric_limits<double>::infinity(), previous = least;
+  std::string began;  // where the residual was when it stopped falling
+  while (true) {
+    one.evaluate();
+    const double residual = one.residual();
+    one.record(residual);
+    if (residual <= tolerance) return;
+    if (residual < least)
+      least = residual;
+    else if (began.empty())
+      began = worst_particle(w);
+    const bool dead = plain && !std::isfinite(residual);
+    if (dead || iteration >= self.how.max_iterations) {
+      const double S_min = kernels::transfer_minimum<D>(w.kernel, w.dx).value;
+      const double G = (kappa - 1.0) * (1.0 - S_min);
+      std::string text = "Hosono's iteration (" + self.how.solver + ") ";
+      text += dead ? "diverged" : "did not converge";
+      text += " at iteration " + std::to_string(iteration) + ": K_T/p = " + number(kappa) +
+              ", predicted growth factor of a pass |G| = (K_T/p - 1)(1 - S_min) = " + number(G) +
+              (std::isfinite(previous) && std::isfinite(residual) ? ", last measured " + number(residual / previous) : "") +
+              ". It began at " + (began.empty() ? worst_particle(w) : began);
+      const std::string proof = no_state_exists(w, around);
+      if (!proof.empty()) text += "; " + proof;
+      else if (plain) text += ". &hosono solver = 'newton' converges where a solution exists";
+      throw divergence(iteration, text);
+    }
+    previous = residual;
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      s.Y[i] = plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+  }
+}
+
+template <int D>
+void fail_unconverged(const pass<D>& one, const std::string& reason, double kappa) {
+  throw divergence(one.iteration, "Hosono's iteration (" + one.self.how.solver + ") did not converge after " +
+                                      std::to_string(one.iteration) + " passes: " + reason + ". K_T/p = " +
+                                      number(kappa) + "; worst at " + worst_particle(one.w));
+}
+
+// x = ln Y, g(x) = x + ω ln(p^/p).
+template <int D>
+void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
+  auto& w = one.w;
+  auto& s = w.s;
+  std::vector<double> x(s.fluid);
+  for (std::size_t i = 0; i < s.fluid; ++i) x[i] = std::log(s.Y[i]);
+  const auto g = [&](std::span<const double> at, std::span<double> to) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = std::exp(at[i]);
+    one.evaluate();
+    one.record(one.residual());
+    for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
+    return 0;
+  };
+  const auto result = integrators::anderson(
+      w.d.ranks.comm, x, g,
+      {.tolerance = omega * tolerance,
+       .max_iterations = static_cast<int>(one.self.how.max_iterations),
+       .depth = static_cast<int>(one.self.how.anderson_depth)});
+  if (!result.converged) fail_unconverged(one, result.reason, kappa);
+}
+
+// Unknowns ln ρ; equations (p^_i - p_i)/(scale of p_i).
+template <int D>
+void newton(pass<D>& one, double tolerance, double kappa) {
+  auto& w = one.w;
+  const auto& around = one.around;
+  auto& s = w.s;
+  std::vector<double> x(s.fluid), scale(s.fluid);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    x[i] = std::log(s.rho[i]);
+    scale[i] = s.p_eos[i];
+  }
+  const auto residual = [&](std::span<const double> at, std::span<double> f) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = std::exp(at[i]);
+    equation_of_state(w, s.fluid);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      s.dV[i] = s.m[i] / s.rho[i];
+      s.Y[i] = s.p_eos[i] * s.dV[i];
+    }
+    w.exchange_fluid({s.Y.data()});
+    around.weights(w);
+    smooth_by_lattice(w, around.smoothing.normalise);
+    bool finite = true;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      f[i] = (s.p_eos[i] - s.p[i]) / scale[i];
+      finite = finite && std::isfinite(f[i]);
+    }
+    one.record(one.residual());
+    return finite ? 0 : 1;
+  };
+  // δ(p^_i - p_i) = K_i δx_i - Σ_j ΔV_j (K_j - p^_j) δx_j W_ij; the walls' weights are linear in the fluid's.
+  const auto product = [&](std::span<const double>, std::span<const double> v, std::span<double> jv) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.dV[i] * (s.K_T[i] - s.p_eos[i]) * v[i];
+    w.exchange_fluid({s.Y.data()});
+    linear_weights(w, around);
+    smooth_by_lattice(w, around.smoothing.normalise);
+    for (std::size_t i = 0; i < s.fluid; ++i) jv[i] = (s.K_T[i] * v[i] - s.p[i]) / scale[i];
+    return 0;
+  };
+  const double self = self_value(w) / (around.smoothing.normalise ? w.lattice_sum : 1.0);
+  const auto diagonal = [&](std::span<const double>, std::span<double> d) {
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
+    return 0;
+  };
+  const auto result = integrators::newton_krylov(
+      w.d.ranks.comm, x, residual, product, diagonal,
+      {.tolerance = tolerance, .max_iterations = static_cast<int>(one.self.how.max_iterations)});
+  if (!result.converged) fail_unconverged(one, result.reason, kappa);
+}
+
+}  // namespace detail
+
+template <class Pressure, int D>
+void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+  auto& s = w.s;
+  ++evaluations;
+  const double kappa = detail::largest_kappa(w);
+  const double tolerance = detail::reachable(how.tolerance, kappa);
+  const double omega = how.relaxation > 0.0 ? how.relaxation : std::min(1.0, 1.0 / kappa);
+  if (how.solver != "plain") {
+    const std::string proof = detail::no_state_exists(w, around);
+    if (!proof.empty()) throw divergence(0, "Hosono's iteration (" + how.solver + "): " + proof);
+  }
+  detail::pass<D> one{w, around, *this};
+  if (how.solver == "anderson")
+    detail::accelerate(one, omega, tolerance, kappa);
+  else if (how.solver == "newton")
+    detail::newton(one, tolerance, kappa);
+  else
+    detail::relax(one, omega, tolerance, kappa);
+  // Y, p and ρ of the last pass are consistent: bring them to the ghosts.
+  for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = s.m[i] * s.p[i] / s.Y[i];
+  w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});
+  equation_of_state(w, s.first_wall());
+  volumes_from_weights(w);
+}
+
+}  // namespace tetsuame::volume

@@ -1,0 +1,32 @@
+// Volume from the number density [after Hu & Adams 2006]: nothing is integrated that could drift.
+//   s = Σ W Δx^D over the start lattice; Σ_j W_ij with the walls and j = i included
+//   ΔV_i = s/Σ_j W_ij,  ρ_i = m_i/ΔV_i,  Y_i = p^_i ΔV_i
+// so that ΔV = Δx^D exactly on the start lattice.
+#pragma once
+
+#include <volume/smoothed.hpp>
+
+namespace tetsuame::volume {
+
+struct number_density {
+  static constexpr const char* name = "number_density";
+  static constexpr carries carried = carries::nothing;
+
+  template <int D>
+  static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
+    auto& s = w.s;
+    w.sum(w.fluid(), number_volume<D>{self_value(w), w.lattice_sum, s.dV.data()});
+    w.exchange_fluid({s.dV.data()});
+    for (std::size_t i = 0; i < s.first_wall(); ++i) s.rho[i] = s.m[i] / s.dV[i];
+    equation_of_state(w, s.first_wall());
+    for (std::size_t i = 0; i < s.first_wall(); ++i) s.Y[i] = s.p_eos[i] * s.dV[i];
+  }
+
+  template <class Pressure, int D>
+  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+    around.weights(w);
+    Pressure::determine(w, around);
+  }
+};
+
+}  // namespace tetsuame::volume

@@ -1,0 +1,94 @@
+// Shape functions φ_j of a marker, f(x_m) = Σ_j φ_j f_j over fluid particles only:
+//   shepard  φ_j = W_mj / Σ_k W_mk                            exact for constants [S2]
+//   mls      φ_j = W_mj P_j·c,  Σ_k W_mk P_k P_kᵀ c = P(0)    P = (1, x, y, z): exact for linear fields
+//   mls2     the same with the quadratic terms in P           exact for quadratic fields
+// Volumes cancel at the start's equal spacing and are left out, so that markers do not
+// need densities before these are known. Where the particles near a marker do not determine
+// the polynomial, the next lower order is used.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace tetsuame::walls {
+
+// Number of terms of a polynomial of the order in D dimensions.
+constexpr std::size_t terms(int order, int D) {
+  return order == 0 ? 1 : order == 1 ? 1 + static_cast<std::size_t>(D) : static_cast<std::size_t>((D + 1) * (D + 2) / 2);
+}
+
+inline int polynomial_order(const std::string& interpolation) {
+  return interpolation == "shepard" ? 0 : interpolation == "mls" ? 1 : 2;
+}
+
+// P at the offset e (in units of the marker's reach, so that the moments are of order one).
+template <int D>
+std::array<double, terms(2, D)> polynomial(const std::array<double, D>& e) {
+  std::array<double, terms(2, D)> P;
+  std::size_t n = 0;
+  P[n++] = 1.0;
+  for (std::size_t a = 0; a < D; ++a) P[n++] = e[a];
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t b = a; b < D; ++b) P[n++] = e[a] * e[b];
+  return P;
+}
+
+// Solves A c = (1, 0, …) for a symmetric positive definite A of `n` terms by Cholesky's
+// factors; false when A is singular to working accuracy.
+template <std::size_t N>
+bool solve_first(std::array<std::array<double, N>, N> A, std::size_t n, std::array<double, N>& c) {
+  constexpr double singular = 1e-10;  // of the diagonal: fewer independent particles than terms
+  for (std::size_t k = 0; k < n; ++k) {
+    const double diagonal = A[k][k];
+    for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
+    if (!(A[k][k] > singular * diagonal)) return false;
+    A[k][k] = std::sqrt(A[k][k]);
+    for (std::size_t i = k + 1; i < n; ++i) {
+      for (std::size_t l = 0; l < k; ++l) A[i][k] -= A[i][l] * A[k][l];
+      A[i][k] /= A[k][k];
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    c[k] = k == 0 ? 1.0 : 0.0;
+    for (std::size_t l = 0; l < k; ++l) c[k] -= A[k][l] * c[l];
+    c[k] /= A[k][k];
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t i = k + 1; i < n; ++i) c[k] -= A[i][k] * c[i];
+    c[k] /= A[k][k];
+  }
+  return true;
+}
+
+// weights: W_mj; offsets: (x_j - x_m)/reach; phi: out, one a neighbour. All zero where the
+// marker sees no fluid.
+template <int D>
+void shape_functions(std::span<const double> weights, std::span<const std::array<double, D>> offsets, int order,
+                     std::span<double> phi) {
+  constexpr std::size_t N = terms(2, D);
+  std::array<std::array<double, N>, N> A{};
+  const std::size_t most = terms(order, D);
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    const auto P = polynomial<D>(offsets[j]);
+    for (std::size_t a = 0; a < most; ++a)
+      for (std::size_t b = 0; b <= a; ++b) A[a][b] += weights[j] * P[a] * P[b];
+  }
+  if (!(A[0][0] > 0.0)) {
+    for (double& value : phi) value = 0.0;
+    return;
+  }
+  std::array<double, N> c{};
+  std::size_t n = most;
+  for (int lower = order; !solve_first(A, n, c);) n = terms(--lower, D);
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    const auto P = polynomial<D>(offsets[j]);
+    double value = 0.0;
+    for (std::size_t a = 0; a < n; ++a) value += P[a] * c[a];
+    phi[j] = weights[j] * value;
+  }
+}
+
+}  // namespace tetsuame::walls

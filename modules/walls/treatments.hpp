@@ -1,0 +1,275 @@
+// What stands beyond a wall, by name. Every treatment has the same steps, called in this
+// order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
+//
+//   kinematics   v, T, η, k, ΔV of the wall particles
+//   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
+//   pressures    p and ΔV = Y/p of the wall particles from the fluid's
+//   accelerate   what the wall adds to dv/dt directly
+//
+// virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
+//   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
+// none: no support beyond the wall, kernels are cut off there ("without boundary correction").
+// frozen: wall particles keep the start's profile and the wall's own velocity.
+// repulsion [S2]: markers without the step in pressure (p_w = p_m), and instead
+//   Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range.
+#pragma once
+
+#include <diffusion/viscosity.hpp>
+#include <variant>
+#include <walls/interpolation.hpp>
+#include <walls/wall_set.hpp>
+
+namespace tetsuame::walls {
+
+namespace detail {
+
+// Lists of the fluid near each marker and of the fluid near the walls.
+template <int D>
+void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
+  const auto& s = w.s;
+  set.reach = radius_factor(set.how) * w.support();
+  set.near_marker = cells::make_list<D>(
+      grid, s.x, s.walls, set.reach + skin, s.null(),
+      [&](std::size_t r) { return cells::position<D>(set.marker, r); },
+      [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
+  set.phi.assign(set.near_marker.neighbours.size(), 0.0);
+  set.pressure_step.assign(s.walls, 0.0);
+  set.weight_step.assign(s.walls, 0.0);
+  for (auto& component : set.f) component.assign(s.total() + 1, 0.0);
+
+  double depth = 0.0;
+  for (std::size_t r = 0; r < s.walls; ++r)
+    for (const auto& wall : set.sides)
+      depth = std::max(depth, (set.marker[wall.axis][r] - wall.position) * wall.inward *
+                                  ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
+  depth = w.d.ranks.maximum(depth) + set.reach + skin;
+  set.near_wall.clear();
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for (const auto& wall : set.sides)
+      if ((s.x[wall.axis][i] - wall.position) * wall.inward < depth) {
+        set.near_wall.push_back(i);
+        break;
+      }
+}
+
+// Shape functions at the fluid's positions of this evaluation.
+template <int D, class Kernel>
+void shape_markers(const pairs::workspace<D>& w, wall_set<D>& set, const Kernel& kernel) {
+  const auto& s = w.s;
+  const int order = polynomial_order(set.how.interpolation);
+  const double squeeze = w.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
+#pragma omp parallel
+  {
+    std::vector<double> weights;
+    std::vector<std::array<double, D>> offsets;
+#pragma omp for schedule(static)
+    for (std::size_t r = 0; r < s.walls; ++r) {
+      const std::size_t begin = set.near_marker.start[r], n = set.near_marker.start[r + 1] - begin;
+      weights.resize(n);
+      offsets.resize(n);
+      for (std::size_t k = 0; k < n; ++k) {
+        const auto j = static_cast<std::size_t>(set.near_marker.neighbours[begin + k]);
+        double r2 = 0.0;
+        for (std::size_t a = 0; a < D; ++a) {
+          const double e = s.x[a][j] - set.marker[a][r];
+          offsets[k][a] = e / set.reach;
+          r2 += e * e;
+        }
+        weights[k] = j == s.null() ? 0.0 : kernel.value(std::sqrt(r2) * squeeze);
+        if (weights[k] == 0.0) offsets[k].fill(0.0);
+      }
+      shape_functions<D>(weights, offsets, order, std::span<double>(set.phi.data() + begin, n));
+    }
+  }
+}
+
+// f(x_m) of the marker of row r.
+template <int D>
+double at_marker(const wall_set<D>& set, std::size_t r, const particles::array& f) {
+  pairs::real value(0.0);
+  const std::size_t end = set.near_marker.start[r + 1];
+  for (std::size_t k = set.near_marker.start[r]; k < end; k += pairs::lanes) {
+    const pairs::real phi(set.phi.data() + k, pairs::stdx::element_aligned);
+    value += phi * pairs::gather(f.data(), set.near_marker.neighbours.data() + k);
+  }
+  return pairs::sum(value);
+}
+
+template <int D>
+void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+  auto& s = w.s;
+  std::visit([&](const auto& kernel) { shape_markers(w, set, kernel); }, w.kernel);
+#pragma omp parallel for schedule(static)
+  for (std::size_t r = 0; r < s.walls; ++r) {
+    const std::size_t i = s.first_wall() + r;
+    std::array<double, D> v;
+    for (std::size_t a = 0; a < D; ++a) v[a] = at_marker(set, r, s.v[a]);
+    mirror_velocity(set, r, v);
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+    s.T[i] = mirror_temperature(set, r, at_marker(set, r, s.T));
+    s.rho[i] = at_marker(set, r, s.rho);
+    s.eta[i] = at_marker(set, r, s.eta);
+    s.k[i] = at_marker(set, r, s.k);
+    s.dV[i] = at_marker(set, r, s.dV);
+  }
+  for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
+  w.exchange_walls({s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+}
+
+// f = ν∇²v + g of the fluid near the walls, ghosts included.
+template <int D>
+void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
+  auto& s = w.s;
+  std::array<double*, D> f;
+  for (std::size_t a = 0; a < D; ++a) {
+    f[a] = set.f[a].data();
+    for (const std::size_t i : set.near_wall) set.f[a][i] = w.g[a];
+  }
+  w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), f, nullptr});
+  for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
+}
+
+// Both are linear in the fluid's values: a pressure and a weight that grow from marker to
+// wall particle as the momentum balance asks.
+template <int D>
+void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
+  const auto& s = w.s;
+#pragma omp parallel for schedule(static)
+  for (std::size_t r = 0; r < s.walls; ++r) {
+    double f_dx = 0.0;
+    for (std::size_t a = 0; a < D; ++a)
+      f_dx += at_marker(set, r, set.f[a]) * (s.x[a][s.first_wall() + r] - set.marker[a][r]);
+    set.pressure_step[r] = at_marker(set, r, s.rho) * f_dx;
+    set.weight_step[r] = at_marker(set, r, s.m) * f_dx;
+  }
+}
+
+template <int D>
+void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
+  auto& s = w.s;
+#pragma omp parallel for schedule(static)
+  for (std::size_t r = 0; r < s.walls; ++r)
+    s.Y[s.first_wall() + r] = at_marker(set, r, s.Y) + set.weight_step[r];
+  w.exchange_walls({s.Y.data()});
+}
+
+template <int D>
+void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
+  auto& s = w.s;
+#pragma omp parallel for schedule(static)
+  for (std::size_t r = 0; r < s.walls; ++r) {
+    const std::size_t i = s.first_wall() + r;
+    s.p[i] = at_marker(set, r, s.p) + set.pressure_step[r];
+    s.dV[i] = at_marker(set, r, s.dV);
+  }
+  w.exchange_walls({s.p.data(), s.dV.data()});
+}
+
+}  // namespace detail
+
+// Steps that a treatment does not need.
+struct nothing {
+  template <int D>
+  static void kinematics(pairs::workspace<D>&, wall_set<D>&) {}
+  template <int D>
+  static void weights(pairs::workspace<D>&, wall_set<D>&) {}
+  template <int D>
+  static void pressures(pairs::workspace<D>&, wall_set<D>&) {}
+  template <int D>
+  static void accelerate(const pairs::workspace<D>&, const wall_set<D>&, const std::array<double*, D>&) {}
+};
+
+struct none : nothing {
+  static constexpr const char* name = "none";
+  static constexpr bool has_particles = false, has_markers = false;
+};
+
+struct virtual_marker : nothing {
+  static constexpr const char* name = "virtual_marker";
+  static constexpr bool has_particles = true, has_markers = true;
+
+  template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_kinematics(w, set);
+    detail::nonpressure_acceleration(w, set);
+    detail::momentum_steps(w, set);
+  }
+  template <int D>
+  static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_weights(w, set);
+  }
+  template <int D>
+  static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_pressures(w, set);
+  }
+};
+
+struct repulsion : nothing {
+  static constexpr const char* name = "repulsion";
+  static constexpr bool has_particles = true, has_markers = true;
+
+  template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_kinematics(w, set);
+    detail::nonpressure_acceleration(w, set);
+  }
+  template <int D>
+  static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_weights(w, set);
+  }
+  template <int D>
+  static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_pressures(w, set);
+  }
+  template <int D>
+  static void accelerate(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& dv) {
+    const double range = set.how.repulsion_range * w.dx;
+    for (const std::size_t i : set.near_wall)
+      for (const auto& wall : set.sides) {
+        const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
+        const double lambda = -std::max(0.0, 1.0 - y / range);
+        dv[wall.axis][i] += set.f[wall.axis][i] * lambda;  // (f·n) λ n
+      }
+  }
+};
+
+struct frozen : nothing {
+  static constexpr const char* name = "frozen";
+  static constexpr bool has_particles = true, has_markers = false;
+
+  // The profile was given at the start; only the walls' velocities are set.
+  template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    auto& s = w.s;
+    for (std::size_t r = 0; r < s.walls; ++r) {
+      const std::size_t i = s.first_wall() + r;
+      std::array<double, D> v{};
+      for (std::size_t k = 0; k < set.sides.size(); ++k)
+        if ((set.mirrored[r] >> k & 1U) != 0) v = set.sides[k].velocity;
+      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+      s.rho[i] = s.rho_reference[i];
+      s.p[i] = s.p_reference[i];
+      s.dV[i] = s.m[i] / s.rho[i];
+    }
+    for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
+    w.exchange_walls({s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
+  }
+  template <int D>
+  static void weights(pairs::workspace<D>& w, wall_set<D>&) {
+    auto& s = w.s;
+    for (std::size_t i = s.first_wall(); i < s.total(); ++i) s.Y[i] = s.p[i] * s.dV[i];
+  }
+};
+
+// The treatment of a run, chosen once by name.
+using any = std::variant<virtual_marker, none, frozen, repulsion>;
+
+inline any make(const std::string& name) {
+  any treatment;
+  if (name == none::name) treatment = none{};
+  if (name == frozen::name) treatment = frozen{};
+  if (name == repulsion::name) treatment = repulsion{};
+  return treatment;
+}
+
+}  // namespace tetsuame::walls

@@ -1,0 +1,129 @@
+// Wall particles of one rank and, for the treatments that need them, their markers.
+#pragma once
+
+#include <cells/neighbour_list.hpp>
+#include <foundation/error.hpp>
+#include <pairs/workspace.hpp>
+#include <walls/options.hpp>
+
+namespace tetsuame::walls {
+
+template <int D>
+struct wall_set {
+  options how;
+  std::vector<side<D>> sides;
+
+  // Row r belongs to the owned wall particle first_wall() + r.
+  std::array<particles::array, D> marker;  // m, mirror image of the wall particle
+  std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
+  cells::neighbour_list near_marker;       // fluid within reach of each marker
+  particles::array phi;                    // shape function of each entry of that list
+  std::vector<std::size_t> near_wall;      // owned fluid that some marker may see
+  double reach = 0.0;                      // m, radius of a marker's interpolation
+
+  // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J).
+  particles::array pressure_step, weight_step;
+  std::array<particles::array, D> f;       // m/s2, of fluid near the walls: ν∇²v + g
+};
+
+// Radius of a marker's interpolation in kernel supports.
+inline double radius_factor(const options& how) {
+  if (how.marker_radius > 0.0) return how.marker_radius;
+  return how.interpolation == "mls2" ? 1.35 : 1.0;
+}
+
+// Places the wall particles of the lattice spacing dx on the lattice outside the box, as
+// deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks.
+template <int D>
+void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, double depth) {
+  auto& s = w.s;
+  const auto& box = w.d.region;
+  const auto layers = static_cast<std::int64_t>(std::ceil(depth / w.dx));
+  std::array<std::int64_t, D> cells, low;
+  for (std::size_t a = 0; a < D; ++a) {
+    cells[a] = std::llround(box.length[a] / w.dx);
+    low[a] = box.periodic[a] ? 0 : layers;
+    if (!box.periodic[a] && layers > cells[a])
+      foundation::fail_input("the box is narrower along axis " + std::to_string(a + 1) +
+                             " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
+  }
+  struct point {
+    std::array<double, D> x;
+    std::int64_t id;
+    std::uint32_t mirrored;
+  };
+  std::vector<point> mine;
+  std::array<std::int64_t, D> n;
+  for (std::size_t a = 0; a < D; ++a) n[a] = -low[a];
+  for (std::int64_t id = fluid_total;; ++id) {
+    point p{{}, id, 0};
+    for (std::size_t a = 0; a < D; ++a) p.x[a] = (static_cast<double>(n[a]) + 0.5) * w.dx;
+    for (std::size_t k = 0; k < set.sides.size(); ++k)
+      if ((p.x[set.sides[k].axis] - set.sides[k].position) * set.sides[k].inward < 0.0) p.mirrored |= 1U << k;
+    if (p.mirrored != 0 && w.d.owner(p.x[0]) == w.d.ranks.rank) mine.push_back(p);
+    std::size_t a = 0;
+    for (; a < D; ++a) {
+      if (++n[a] < cells[a] + low[a]) break;
+      n[a] = -low[a];
+    }
+    if (a == D) break;
+  }
+  particles::allocate(s, s.fluid, s.fluid_ghosts, mine.size(), 0);
+  set.mirrored.resize(mine.size());
+  for (auto& component : set.marker) component.resize(mine.size());
+  for (std::size_t r = 0; r < mine.size(); ++r) {
+    const std::size_t i = s.first_wall() + r;
+    s.id[i] = mine[r].id;
+    s.material[i] = 0;
+    set.mirrored[r] = mine[r].mirrored;
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] = s.x_start[a][i] = mine[r].x[a];
+      set.marker[a][r] = mine[r].x[a];
+    }
+    for (std::size_t k = 0; k < set.sides.size(); ++k)
+      if ((mine[r].mirrored >> k & 1U) != 0)
+        set.marker[set.sides[k].axis][r] = 2.0 * set.sides[k].position - mine[r].x[set.sides[k].axis];
+    s.m[i] = s.rho[i] = s.p[i] = s.p_eos[i] = s.c_V[i] = s.c[i] = 1.0;
+  }
+}
+
+// Values of a wall particle from those at its marker, one mirror after the other: odd about
+// the wall's value where it is fixed, even where it is free. In a corner both walls act.
+template <int D>
+void mirror_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D>& v) {
+  for (std::size_t k = 0; k < set.sides.size(); ++k) {
+    if ((set.mirrored[r] >> k & 1U) == 0) continue;
+    const auto& wall = set.sides[k];
+    if (wall.no_slip)
+      for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a];  // v_w = 2 u_wall - v_m
+    else
+      v[wall.axis] = -v[wall.axis];  // v_w = v_m - 2 (v_m·n) n
+  }
+}
+
+template <int D>
+double mirror_temperature(const wall_set<D>& set, std::size_t r, double T) {
+  for (std::size_t k = 0; k < set.sides.size(); ++k)
+    if ((set.mirrored[r] >> k & 1U) != 0 && set.sides[k].fixed_temperature) T = 2.0 * set.sides[k].temperature - T;
+  return T;
+}
+
+// The last guard: a particle that passed a wall is put back, and its velocity towards the
+// wall reversed. Returns how many on this rank; a run that needed it reports the number.
+template <int D>
+std::int64_t reflect(const wall_set<D>& set, particles::particles<D>& s) {
+  std::int64_t crossings = 0;
+  for (const auto& wall : set.sides) {
+    auto& x = s.x[wall.axis];
+    auto& v = s.v[wall.axis];
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      if ((x[i] - wall.position) * wall.inward >= 0.0) continue;
+      x[i] = 2.0 * wall.position - x[i];
+      if (v[i] * wall.inward < 0.0) v[i] = -v[i];
+      ++crossings;
+    }
+  }
+  return crossings;
+}
+
+}  // namespace tetsuame::walls

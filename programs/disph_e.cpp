@@ -1,0 +1,16 @@
+// Program E [S0, table 1]: Y by our method, smoothed pressure, corrected walls, gradient pattern 2.
+#include <gradient/pattern_2.hpp>
+#include <simulation/hydrostatic.hpp>
+#include <volume/our_method.hpp>
+
+using namespace tetsuame;
+
+struct program_e {
+  static constexpr const char* name = "disph_e";
+  using volume = tetsuame::volume::our_method;
+  using pressure = tetsuame::volume::smoothed;
+  using wall = walls::virtual_marker;
+  using gradient = tetsuame::gradient::pattern_2;
+};
+
+int main(int argc, char** argv) { return simulation::hydrostatic<program_e>(argc, argv); }

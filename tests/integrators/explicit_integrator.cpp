@@ -1,0 +1,399 @@
+// Explicit steps on one rank: order, bits, work, limits, restarts and failures.
+#define BOOST_TEST_MODULE explicit_integrator
+#include <cmath>
+#include <foundation/error.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <numeric>
+
+#include "ranks.hpp"
+
+using namespace tetsuame::integrators;
+using tetsuame::foundation::error;
+
+namespace {
+
+// n uncoupled copies, each with its own constants, of
+//   u' = a u cos t,      u = u_0 exp(a sin t)
+//   w' = b w (1 - w),    w = 1 / (1 + (1/w_0 - 1) e^{-bt})
+struct problem {
+  std::vector<double> u, w, a, b;
+  int calls = 0;
+
+  explicit problem(std::size_t n = 5) : u(n), w(n), a(n), b(n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      a[i] = 1.0 + 0.1 * static_cast<double>(i);
+      b[i] = 1.5 - 0.1 * static_cast<double>(i);
+      u[i] = 1.0 + 0.3 * static_cast<double>(i % 7);
+      w[i] = 0.1 + 0.01 * static_cast<double>(i);
+    }
+  }
+  std::vector<field> fields() { return {{"u", u.data(), 1e-9}, {"w", w.data(), 1e-9}}; }
+  std::size_t size() const { return u.size(); }
+  rhs_function rhs() {
+    return [this](double t, std::span<double* const> rate) {
+      ++calls;
+      for (std::size_t i = 0; i < size(); ++i) {
+        rate[0][i] = a[i] * u[i] * std::cos(t);
+        rate[1][i] = b[i] * w[i] * (1.0 - w[i]);
+      }
+      return 0;
+    };
+  }
+  double error(double t) const {
+    const problem start(size());
+    double worst = 0.0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      worst = std::max(worst, std::fabs(u[i] - start.u[i] * std::exp(a[i] * std::sin(t))));
+      worst = std::max(worst, std::fabs(w[i] - 1.0 / (1.0 + (1.0 / start.w[i] - 1.0) * std::exp(-b[i] * t))));
+    }
+    return worst;
+  }
+};
+
+void run(explicit_integrator& integrator, double t_end) {
+  while (integrator.time() < t_end) integrator.step(t_end);
+}
+
+void run_to(explicit_integrator& integrator, long long steps, double t_stop) {
+  while (integrator.statistics().steps < steps) integrator.step(t_stop);
+}
+
+void check_same_bits(const std::vector<double>& x, const std::vector<double>& y) {
+  BOOST_REQUIRE_EQUAL(x.size(), y.size());
+  for (std::size_t i = 0; i < x.size(); ++i) BOOST_CHECK_EQUAL(bits(x[i]), bits(y[i]));
+}
+
+explicit_options fixed(const std::string& method, double dt) { return {.method = method, .dt = dt}; }
+explicit_options adaptive(int order, double rtol, double dt = 0.0) {
+  return {.method = "adaptive", .order = order, .dt = dt, .rtol = rtol};
+}
+
+// All methods with a step of about 0.02, for tests that hold for each of them.
+std::vector<explicit_options> all_methods() {
+  return {fixed("euler", 0.02),   fixed("order_2", 0.02), fixed("order_3", 0.02),
+          fixed("order_4", 0.02), fixed("order_5", 0.02), adaptive(2, 1e-4),
+          adaptive(3, 1e-5),      adaptive(4, 1e-6),      adaptive(5, 1e-7)};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_method_converges_with_its_order) {
+  const std::vector<std::pair<std::string, double>> methods = {
+      {"euler", 1}, {"order_2", 2}, {"order_3", 3}, {"order_4", 4}, {"order_5", 5}};
+  for (const auto& [method, order] : methods) {
+    const auto error_with = [&](int steps) {
+      problem p;
+      explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed(method, 2.0 / steps), p.rhs());
+      run(integrator, 2.0);
+      BOOST_CHECK_EQUAL(integrator.time(), 2.0);
+      BOOST_CHECK_EQUAL(integrator.statistics().steps, steps);
+      return p.error(2.0);
+    };
+    // Steps fine enough for the next order's share to be below the 0.15 allowed, coarse enough for rounding.
+    const int steps = order <= 2 ? 256 : 64;
+    const double measured = std::log2(error_with(steps) / error_with(2 * steps));
+    BOOST_TEST_MESSAGE(method << ": order " << measured);
+    BOOST_CHECK_SMALL(measured - order, 0.15);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(euler_is_the_hand_loop_in_every_bit) {
+  problem p, hand;
+  explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed("euler", 0.01), p.rhs());
+  run_to(integrator, 300, 1e9);
+  double t = 0.0;
+  for (int k = 0; k < 300; ++k, t += 0.01)
+    for (std::size_t i = 0; i < hand.size(); ++i) {
+      const double du = hand.a[i] * hand.u[i] * std::cos(t), dw = hand.b[i] * hand.w[i] * (1.0 - hand.w[i]);
+      hand.u[i] += 0.01 * du;
+      hand.w[i] += 0.01 * dw;
+    }
+  check_same_bits(p.u, hand.u);
+  check_same_bits(p.w, hand.w);
+  BOOST_CHECK_EQUAL(p.calls, 301);  // one a step, and the rate of the state reached
+  BOOST_CHECK_EQUAL(integrator.statistics().evaluations, 301);
+}
+
+BOOST_AUTO_TEST_CASE(stages_stand_in_the_particle_arrays_and_little_is_copied) {
+  for (const auto& options : all_methods()) {
+    problem p;
+    const double* const arrays[] = {p.u.data(), p.w.data()};
+    std::vector<double> stage_times;
+    explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, options,
+                                   [&](double t, std::span<double* const> rate) {
+                                     stage_times.push_back(t);
+                                     for (std::size_t k = 0; k < 2; ++k) BOOST_CHECK_NE(rate[k], arrays[k]);
+                                     return p.rhs()(t, rate);
+                                   });
+    run_to(integrator, 1, 100.0);
+    const long long copies = integrator.copies(), rejections = integrator.statistics().rejections;
+    run_to(integrator, 31, 100.0);
+    // the state kept to go back to; and going back
+    BOOST_CHECK_EQUAL(integrator.copies() - copies, 30 + integrator.statistics().rejections - rejections);
+    BOOST_CHECK_EQUAL(static_cast<long long>(stage_times.size()), integrator.statistics().evaluations);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(fixed_steps_land_on_output_times) {
+  problem p;
+  explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed("order_3", 0.1), p.rhs());
+  run(integrator, 0.25);
+  BOOST_CHECK_EQUAL(integrator.time(), 0.25);
+  BOOST_CHECK_EQUAL(integrator.statistics().steps, 3);
+  run(integrator, 10.25);  // 100 tenths add up to 10 with rounding
+  BOOST_CHECK_EQUAL(integrator.time(), 10.25);
+  BOOST_CHECK_EQUAL(integrator.statistics().steps, 103);
+  BOOST_CHECK_EQUAL(integrator.statistics().limited_by.at("output"), 1);
+  BOOST_CHECK_EQUAL(integrator.statistics().limited_by.at("fixed"), 102);
+  BOOST_CHECK_THROW(integrator.step(10.25), error);
+}
+
+BOOST_AUTO_TEST_CASE(adaptive_error_and_work_follow_rtol) {
+  for (int order : {2, 3, 4, 5}) {
+    double errors[2], work[2];
+    for (int k : {0, 1}) {
+      problem p;
+      explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, adaptive(order, k == 0 ? 1e-4 : 1e-7),
+                                     p.rhs());
+      run(integrator, 3.0);
+      BOOST_CHECK_EQUAL(integrator.time(), 3.0);
+      errors[k] = p.error(3.0);
+      work[k] = static_cast<double>(integrator.statistics().evaluations);
+    }
+    BOOST_TEST_MESSAGE("order " << order << ": errors " << errors[0] << ", " << errors[1] << ", work " << work[0]
+                                << ", " << work[1]);
+    // Tens of steps, each of error up to rtol |u|, |u| < 4; at the larger rtol the steps are so few that
+    // the climb from the small first one makes them better than asked.
+    BOOST_CHECK_LT(errors[0], 20 * 1e-4);
+    BOOST_CHECK_LT(errors[1], 20 * 1e-7);
+    BOOST_CHECK_LT(errors[1], errors[0] / 20);
+    // dt ~ rtol^(1/k), k the order of the embedding + 1 = `order`; wide, since the steps at 1e-4 are few
+    const double expected = std::pow(1e3, 1.0 / order);
+    BOOST_CHECK_GT(work[1] / work[0], 0.5 * expected);
+    BOOST_CHECK_LT(work[1] / work[0], 2.0 * expected);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_sudden_bump_is_found_by_rejections) {
+  // y' = -1000 (y - bump(t)), bump a step of width 1e-4 at t = 1 after a long quiet time
+  double y = 0.0;
+  const auto bump = [](double t) { return 0.5 * (1.0 + std::tanh((t - 1.0) / 1e-4)); };
+  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 1e-6}}, 1, 0.0, adaptive(3, 1e-5, 1e-3),
+                                 [&](double t, std::span<double* const> rate) {
+                                   rate[0][0] = -1000.0 * (y - bump(t));
+                                   return 0;
+                                 });
+  run(integrator, 0.99);
+  const auto quiet = integrator.statistics();
+  run(integrator, 1.05);
+  BOOST_CHECK_GT(integrator.statistics().rejections, quiet.rejections);
+  BOOST_CHECK_EQUAL(integrator.statistics().attempts,
+                    integrator.statistics().steps + integrator.statistics().rejections);
+  BOOST_CHECK_SMALL(y - 1.0, 1e-4);
+}
+
+BOOST_AUTO_TEST_CASE(the_stable_step_is_held_and_counted) {
+  problem p;
+  double largest = 0.0;
+  explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, adaptive(3, 1e-3), p.rhs(), [](double t) {
+    return t < 1.0 ? step_limit{0.01, "cfl"} : step_limit{0.004, "viscous"};
+  });
+  while (integrator.time() < 1.0) {
+    integrator.step(1.0);
+    largest = std::max(largest, integrator.statistics().last_dt);
+  }
+  BOOST_CHECK_EQUAL(largest, 0.01);
+  run(integrator, 1.5);
+  const auto& by = integrator.statistics().limited_by;
+  BOOST_CHECK_GE(by.at("cfl"), 95);
+  BOOST_CHECK_GE(by.at("viscous"), 120);
+  BOOST_CHECK_EQUAL(std::accumulate(by.begin(), by.end(), 0LL, [](long long n, const auto& e) { return n + e.second; }),
+                    integrator.statistics().steps);
+  auto options = adaptive(3, 1e-3);
+  options.dt_max = 0.005;
+  problem q;
+  explicit_integrator capped(MPI_COMM_SELF, q.fields(), q.size(), 0.0, options, q.rhs());
+  run(capped, 0.5);
+  BOOST_CHECK_GE(capped.statistics().limited_by.at("maximum"), 90);
+}
+
+BOOST_AUTO_TEST_CASE(an_output_time_costs_no_later_steps) {
+  const auto steps_with = [](int outputs) {
+    problem p;
+    explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, adaptive(4, 1e-8), p.rhs());
+    for (int k = 1; k <= outputs; ++k) run(integrator, 3.0 * k / outputs);
+    return integrator.statistics().steps;
+  };
+  const auto without = steps_with(1), with = steps_with(7);
+  BOOST_CHECK_LE(with, without + 3 * 7);  // a few shortened steps at each, no new climb
+}
+
+BOOST_AUTO_TEST_CASE(a_scaled_field_is_weighed_by_its_scale) {
+  // Far from the origin a tolerance relative to the position would let the oscillation go wrong.
+  const auto error_with = [](double scale, double offset) {
+    double x = offset + 1.0, v = 0.0;
+    explicit_integrator integrator(MPI_COMM_SELF, {{"x", &x, 1e-12, scale}, {"v", &v, 1e-12, 1.0}}, 1, 0.0,
+                                   adaptive(3, 1e-6), [&](double, std::span<double* const> rate) {
+                                     rate[0][0] = v;
+                                     rate[1][0] = offset - x;
+                                     return 0;
+                                   });
+    run(integrator, 6.0);
+    return std::pair{std::fabs(x - offset - std::cos(6.0)), integrator.statistics().steps};
+  };
+  const auto near = error_with(1.0, 0.0), far = error_with(1.0, 1e4);
+  BOOST_CHECK_LT(near.first, 1e-4);
+  BOOST_CHECK_LT(far.first, 1e-4);
+  BOOST_CHECK_LE(std::abs(far.second - near.second), 2);
+}
+
+BOOST_AUTO_TEST_CASE(a_restart_gives_the_same_bits) {
+  for (const auto& options : all_methods()) {
+    problem p;
+    explicit_integrator whole(MPI_COMM_SELF, p.fields(), p.size(), 0.0, options, p.rhs());
+    run_to(whole, 5, 0.7);
+    problem q = p;
+    const explicit_memory memory = whole.save();
+    run(whole, 0.7);
+    run(whole, 1.9);
+
+    explicit_integrator second(MPI_COMM_SELF, q.fields(), q.size(), 0.0, options, q.rhs());
+    second.restore(memory);
+    run(second, 0.7);
+    run(second, 1.9);
+    check_same_bits(q.u, p.u);
+    check_same_bits(q.w, p.w);
+    BOOST_CHECK_EQUAL(second.statistics().steps, whole.statistics().steps);
+    BOOST_CHECK_EQUAL(bits(second.statistics().next_dt), bits(whole.statistics().next_dt));
+    BOOST_CHECK(second.statistics().limited_by == whole.statistics().limited_by);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(permuted_moved_and_fewer_particles_go_on_with_the_same_bits) {
+  for (const auto& options : all_methods()) {
+    problem p(40);
+    explicit_integrator whole(MPI_COMM_SELF, p.fields(), p.size(), 0.0, options, p.rhs());
+    run_to(whole, 20, 5.0);
+    run_to(whole, 40, 5.0);
+
+    problem q(40), other;
+    problem* current = &q;
+    explicit_integrator moved(MPI_COMM_SELF, q.fields(), q.size(), 0.0, options,
+                              [&](double t, std::span<double* const> rate) { return current->rhs()(t, rate); });
+    run_to(moved, 20, 5.0);
+    other = q;
+    for (auto* array : {&other.u, &other.w, &other.a, &other.b}) std::reverse(array->begin(), array->end());
+    current = &other;
+    moved.resize(other.fields(), other.size());
+    run_to(moved, 40, 5.0);
+    std::reverse(other.u.begin(), other.u.end());
+    std::reverse(other.w.begin(), other.w.end());
+    check_same_bits(other.u, p.u);
+    check_same_bits(other.w, p.w);
+    BOOST_CHECK_EQUAL(bits(moved.time()), bits(whole.time()));
+  }
+  problem p(40);
+  explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, adaptive(3, 1e-6), p.rhs());
+  run_to(integrator, 20, 5.0);
+  const double next = integrator.statistics().next_dt;
+  for (auto* array : {&p.u, &p.w, &p.a, &p.b}) array->resize(25);
+  integrator.resize(p.fields(), p.size());
+  BOOST_CHECK_EQUAL(integrator.statistics().next_dt, next);
+  run(integrator, 2.0);
+  BOOST_CHECK_LT(p.error(2.0), 1e-3);  // the largest u passes 60
+}
+
+BOOST_AUTO_TEST_CASE(values_changed_in_place_are_taken_up) {
+  double y = 1.0;
+  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 1e-9}}, 1, 0.0, fixed("euler", 0.5),
+                                 [&](double, std::span<double* const> rate) {
+                                   rate[0][0] = y;
+                                   return 0;
+                                 });
+  integrator.step(10.0);
+  BOOST_CHECK_EQUAL(y, 1.5);
+  y = 4.0;
+  integrator.state_changed();
+  integrator.step(10.0);
+  BOOST_CHECK_EQUAL(y, 6.0);
+}
+
+BOOST_AUTO_TEST_CASE(a_state_that_cannot_be_evaluated_shortens_the_step) {
+  // y' = -y^2 is refused below 0, where too long a first step leads
+  for (int order : {2, 3, 4, 5}) {
+    double y = 1.0;
+    auto options = adaptive(order, 1e-4, 50.0);
+    const rhs_function refusing = [&](double, std::span<double* const> rate) {
+      rate[0][0] = -y * y;
+      return y < 0.0 ? 1 : 0;
+    };
+    explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 1e-9}}, 1, 0.0, options, refusing);
+    run(integrator, 100.0);
+    BOOST_CHECK_GT(integrator.statistics().unevaluable, 0);
+    BOOST_CHECK_CLOSE(y, 1.0 / 101.0, 0.5);
+  }
+  double y = 1.0;
+  explicit_integrator euler(MPI_COMM_SELF, {{"y", &y, 1e-9}}, 1, 0.0, fixed("euler", 5.0),
+                            [&](double, std::span<double* const> rate) {
+                              rate[0][0] = -y * y;
+                              return y < 0.0 ? 1 : 0;
+                            });
+  BOOST_CHECK_EXCEPTION(euler.step(100.0), error,
+                        [](const error& e) { return std::string(e.what()).find("smaller dt") != std::string::npos; });
+  BOOST_CHECK_EQUAL(y, 1.0);
+}
+
+BOOST_AUTO_TEST_CASE(exceptions_pass_through_and_leave_the_old_state) {
+  for (const auto& options : all_methods()) {
+    problem p;
+    int calls_left = 1000;
+    explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, options,
+                                   [&](double t, std::span<double* const> rate) {
+                                     if (--calls_left == 0)
+                                       tetsuame::foundation::fail_calculation("p <= 0 at particle 3");
+                                     return p.rhs()(t, rate);
+                                   });
+    run_to(integrator, 5, 5.0);
+    const auto u = p.u;
+    calls_left = 1;
+    BOOST_CHECK_EXCEPTION(integrator.step(5.0), error,
+                          [](const error& e) { return std::string(e.what()) == "p <= 0 at particle 3"; });
+    check_same_bits(p.u, u);
+
+    calls_left = 1000;  // and one can go on from there as if nothing had been
+    run_to(integrator, 9, 5.0);
+    problem q;
+    explicit_integrator undisturbed(MPI_COMM_SELF, q.fields(), q.size(), 0.0, options, q.rhs());
+    run_to(undisturbed, 9, 5.0);
+    check_same_bits(p.u, q.u);
+    check_same_bits(p.w, q.w);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_state_that_is_not_finite_fails_with_words) {
+  double y = 1.0;
+  const rhs_function nan_rate = [&](double t, std::span<double* const> rate) {
+    rate[0][0] = t > 0.0 ? std::nan("") : 1.0;
+    return 0;
+  };
+  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 1e-9}}, 1, 0.0, adaptive(3, 1e-4, 0.1), nan_rate);
+  BOOST_CHECK_EXCEPTION(integrator.step(1.0), error, [](const error& e) {
+    return e.status() == tetsuame::foundation::exit_status::calculation_failed &&
+           std::string(e.what()).find("attempts") != std::string::npos;
+  });
+  BOOST_CHECK_EQUAL(y, 1.0);
+}
+
+BOOST_AUTO_TEST_CASE(bad_input_is_told_before_anything_runs) {
+  problem p;
+  const auto make = [&](const explicit_options& options, std::vector<field> fields) {
+    explicit_integrator integrator(MPI_COMM_SELF, std::move(fields), p.size(), 0.0, options, p.rhs());
+  };
+  BOOST_CHECK_NO_THROW(make(fixed("euler", 0.1), p.fields()));
+  BOOST_CHECK_THROW(make(fixed("heun", 0.1), p.fields()), error);
+  BOOST_CHECK_THROW(make(fixed("euler", 0.0), p.fields()), error);
+  BOOST_CHECK_THROW(make(adaptive(6, 1e-4), p.fields()), error);
+  BOOST_CHECK_THROW(make(adaptive(3, 0.0), p.fields()), error);
+  BOOST_CHECK_THROW(make(adaptive(3, 1e-4), {{"u", p.u.data()}}), error);
+  BOOST_CHECK_NO_THROW(make(fixed("euler", 0.1), {{"u", p.u.data()}}));
+}

@@ -1,0 +1,184 @@
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <limits>
+#include <namelist/schema.hpp>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+
+#include "message.hpp"
+
+using namespace tetsuame;
+using boost::test_tools::per_element;
+
+namespace {
+
+struct options {
+  double length = 1.0 / 3.0, gravity = std::numeric_limits<double>::quiet_NaN();
+  int steps = 10;
+  std::int64_t seed = 9007199254740993;  // no double holds it
+  bool periodic = true;
+  std::string method = "euler", title = "it's a 'test'";
+  std::optional<double> t_end;
+  std::optional<std::int64_t> interval = 5;
+  std::vector<double> times{0.1, 1e-300};
+  std::vector<std::int64_t> counts;
+  std::vector<std::string> names{"a", "", " b"};
+
+  bool operator==(const options& o) const {
+    const bool same_gravity = gravity == o.gravity || (std::isnan(gravity) && std::isnan(o.gravity));
+    return same_gravity && length == o.length && steps == o.steps && seed == o.seed && periodic == o.periodic &&
+           method == o.method && title == o.title && t_end == o.t_end && interval == o.interval && times == o.times &&
+           counts == o.counts && names == o.names;
+  }
+};
+
+namelist::schema schema_of(options& to) {
+  namelist::schema result;
+  result.group("Domain", "the box\nand its contents");
+  result.add("domain", "Length", to.length,
+             {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "width"});
+  result.add("domain", "gravity", to.gravity, {.unit = "m/s2"});
+  result.add("domain", "periodic", to.periodic);
+  result.group("time", "");
+  result.add("time", "method", to.method, {.choices = {"euler", "adaptive", "RKC2"}});
+  result.add("time", "title", to.title);
+  result.add("time", "steps", to.steps, {.minimum = 0, .maximum = 100, .exclusive_maximum = true});
+  result.add("time", "seed", to.seed);
+  result.add("time", "t_end", to.t_end, {.unit = "s", .minimum = 0.0});
+  result.add("time", "interval", to.interval, {.minimum = 1});
+  result.group("lists", "");
+  result.add("lists", "times", to.times, {.unit = "s", .maximum_size = 5});
+  result.add("lists", "counts", to.counts, {.minimum = 0, .maximum_size = 3});
+  result.add("lists", "names", to.names);
+  return result;
+}
+
+options read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  options result;
+  auto input = namelist::parse_text(text, "f");
+  for (const std::string& o : overrides) input.set(o);
+  schema_of(result).read(input);
+  return result;
+}
+
+std::string resolved(options values) {
+  std::ostringstream out;
+  schema_of(values).write_resolved(out);
+  return out.str();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(nothing_given_keeps_the_defaults) {
+  BOOST_TEST((read("") == options{}));
+  BOOST_TEST((read("&domain / &time method= , steps= / &lists times=,, counts= /") == options{}));
+}
+
+BOOST_AUTO_TEST_CASE(every_kind_of_target) {
+  const options o = read(
+      "&DOMAIN length = 2 Gravity=9.8 periodic=F / &time method='rkc2 ' title=\"x\" steps=7 seed=-1 t_end=1d3 "
+      "interval=2 /"
+      "&lists times(2)=5,6 counts=2*4 names='q' /");
+  BOOST_TEST(o.length == 2.0);
+  BOOST_TEST(o.gravity == 9.8);
+  BOOST_TEST(!o.periodic);
+  BOOST_TEST(o.method == "RKC2");
+  BOOST_TEST(o.title == "x");
+  BOOST_TEST(o.steps == 7);
+  BOOST_TEST(o.seed == -1);
+  BOOST_TEST(o.t_end.value() == 1000.0);
+  BOOST_TEST(o.interval.value() == 2);
+  BOOST_TEST(o.times == (std::vector<double>{0.1, 5.0, 6.0}), per_element());
+  BOOST_TEST(o.counts == (std::vector<std::int64_t>{4, 4}), per_element());
+  BOOST_TEST(o.names == (std::vector<std::string>{"q", "", " b"}), per_element());
+}
+
+BOOST_AUTO_TEST_CASE(a_list_may_be_filled_in_any_order) {
+  BOOST_TEST(read("&lists counts(3)=3 counts(1:2)=1,2 /").counts == (std::vector<std::int64_t>{1, 2, 3}),
+             per_element());
+  BOOST_TEST(read("&lists counts(3:1:-2)=3,1 counts(2)=2 /").counts == (std::vector<std::int64_t>{1, 2, 3}),
+             per_element());
+}
+
+BOOST_AUTO_TEST_CASE(overrides_win) {
+  const options o = read("&time method='adaptive' /", {"time.method=Euler", "time.title=a.b", "lists.names(2)=/tmp",
+                                                       "domain.length=3", "domain.periodic=f"});
+  BOOST_TEST(o.method == "euler");
+  BOOST_TEST(o.title == "a.b");
+  BOOST_TEST(o.names == (std::vector<std::string>{"a", "/tmp", " b"}), per_element());
+  BOOST_TEST(o.length == 3.0);
+  BOOST_TEST(!o.periodic);
+}
+
+BOOST_AUTO_TEST_CASE(origins) {
+  options o;
+  auto s = schema_of(o);
+  auto input = namelist::parse_text("&time\n steps = 1\n steps =\n 2 title= /\n", "f.nml");
+  input.set("time.method=euler");
+  s.read(input);
+  BOOST_TEST(o.steps == 2);
+  BOOST_TEST(s.where("time", "Steps") == "f.nml:4");
+  BOOST_TEST(s.where("time", "method") == "--set time.method=euler");
+  BOOST_TEST(s.where("time", "title") == "default");
+  BOOST_TEST(s.given("time", "steps"));
+  BOOST_TEST(!s.given("time", "title"));
+  BOOST_TEST(message([&] { s.fail("time", "steps", "too few for this dt"); }) ==
+             "f.nml:4: &time steps: too few for this dt");
+  BOOST_CHECK_THROW(s.where("time", "absent"), std::logic_error);
+}
+
+BOOST_AUTO_TEST_CASE(describe_reads_back_as_the_defaults) {
+  options changed;
+  auto s = schema_of(changed);
+  s.read(namelist::parse_text("&time steps=3 title='other' / &lists times=7 /", "f"));
+  std::ostringstream out;
+  s.describe(out);
+  BOOST_TEST((read(out.str()) == options{}));
+  for (const char* line :
+       {"! the box\n! and its contents\n&domain\n  ! width\n  ! real [m], > 0, default 0.3333333333333333\n  length = "
+        "0.3333333333333333\n",
+        "  ! real [m/s2], default none\n  gravity =\n", "  ! integer, in [0, 100), default 10\n  steps = 10\n",
+        "  ! text, one of 'euler', 'adaptive', 'RKC2', default 'euler'\n",
+        "  ! optional real [s], >= 0, default none\n  t_end =\n", "  title = 'it''s a ''test'''\n",
+        "  ! list of reals, at most 5 [s], default 0.1, 1e-300\n", "  periodic = .true.\n"})
+    BOOST_TEST(out.str().find(line) != std::string::npos, line << "\nnot in\n" << out.str());
+}
+
+BOOST_AUTO_TEST_CASE(resolved_reads_back_exactly) {
+  std::mt19937_64 bits(7);
+  const auto real = [&] { return std::ldexp(static_cast<double>(bits()), static_cast<int>(bits() % 600) - 300); };
+  for (int k = 0; k < 500; ++k) {
+    options o;
+    o.length = real();
+    o.gravity = -real();
+    o.steps = static_cast<int>(bits() % 100);
+    o.seed = static_cast<std::int64_t>(bits());
+    o.periodic = bits() % 2 == 0;
+    o.method = "adaptive";
+    o.title = std::string(bits() % 9, '\'') + "/ ! \" &end \xc3\xa9";
+    if (bits() % 2 == 0) o.t_end = real();
+    o.times = {real(), -real(), real()};
+    o.counts = {1, 2};
+    o.names = {"'", "\"", "a,b"};
+    const std::string text = resolved(o);
+    const options again = read(text);
+    BOOST_REQUIRE((again == o));
+    BOOST_REQUIRE_EQUAL(resolved(again), text);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(wrong_declarations) {
+  double x = -1.0;
+  std::string s = "euler";
+  std::vector<double> list(3, 0.0);
+  namelist::schema schema;
+  schema.group("a", "");
+  schema.add("a", "x", x);
+  BOOST_CHECK_THROW(schema.add("a", "X", x), std::logic_error);
+  BOOST_CHECK_THROW(schema.add("b", "x", x), std::logic_error);
+  BOOST_CHECK_THROW(schema.add("a", "y", x, {.minimum = 0.0}), std::logic_error);
+  BOOST_CHECK_THROW(schema.add("a", "s", s, {.choices = {"newton"}}), std::logic_error);
+  BOOST_CHECK_THROW(schema.add("a", "list", list, {.maximum_size = 2}), std::logic_error);
+  BOOST_CHECK_THROW(schema.add("a", "list", list, {.minimum = 1.0}), std::logic_error);
+}
