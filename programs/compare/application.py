@@ -34,7 +34,7 @@ def fingerprint(outcomes: list[runner.Outcome]) -> str:
     """Changes with the runs that the report shows and with what writes it."""
     digest = hashlib.sha256()
     for outcome in outcomes:
-        record = outcome.folder / "compare.json"
+        record = runner.record_of(outcome.folder)
         digest.update(f"{outcome.case.folder} {outcome.kind}".encode())
         digest.update(record.read_bytes() if record.is_file() else b"-")
     for source in sorted(Path(__file__).parent.rglob("*")):

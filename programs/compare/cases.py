@@ -53,5 +53,5 @@ def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[st
             if base.file in NORMALISED_INPUTS:
                 cases.append(Case(program, path, "newton", ("hosono.solver=newton", *settings)))
                 cases.append(Case(program, path, "newton, normalised",
-                                  ("hosono.solver=newton", "hosono.normalise=.true.", *settings)))
+                                  ("hosono.solver=newton", "smoothing.normalise=.true.", *settings)))
     return cases

@@ -57,7 +57,7 @@ def limit(outcomes: list[Outcome]) -> list[str]:
     normalised = [o for o in outcomes if "normalised" in o.case.variant and o.kind == COMPLETED]
     if normalised:
         names = " and ".join(sorted({o.case.program for o in normalised}))
-        text.append(f"Dividing the smoothed pressure by the kernel sum (<code>hosono.normalise</code>) restores the "
+        text.append(f"Dividing the smoothed pressure by the kernel sum (<code>smoothing.normalise</code>) restores the "
                     f"solution: {names} with Newton's method then completes file 11.")
     return text
 

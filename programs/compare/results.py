@@ -19,8 +19,8 @@ def number(summary: dict, *path: str) -> float | None:
 
 
 def cost_per_step(outcome: Outcome) -> float | None:
-    """Seconds a step."""
-    seconds, steps = number(outcome.summary, "wall_seconds"), number(outcome.summary, "steps")
+    """Seconds a step, without start, measuring and output."""
+    seconds, steps = number(outcome.summary, "stepping_seconds"), number(outcome.summary, "steps")
     return seconds / steps if seconds is not None and steps else None
 
 
@@ -31,7 +31,7 @@ def stages(outcome: Outcome) -> dict[str, float]:
 
 
 def wall_share(outcome: Outcome) -> float | None:
-    """Share of the run time in stages that treat walls (their names begin with 'wall')."""
+    """Share of the stages that treat walls (their names begin with 'wall') in the time of all."""
     parts = stages(outcome)
     total = sum(parts.values())
     return sum(value for name, value in parts.items() if name.startswith("wall")) / total if total > 0 else None
@@ -53,8 +53,10 @@ def residuals(folder: Path) -> list[Residuals]:
         return []
     groups: dict[tuple[int, int], list[tuple[int, float]]] = {}
     with open(path, newline="") as file:
-        lines = (line for line in file if not line.startswith("#"))
-        for row in csv.DictReader(lines):
+        rows = csv.reader(file)
+        names = [column.partition(" [")[0] for column in next(rows)]  # without the units
+        for values in rows:
+            row = dict(zip(names, values))
             key = int(row["step"]), int(row["evaluation"])
             groups.setdefault(key, []).append((int(row["iteration"]), float(row["residual"])))
     return [Residuals(step, evaluation, *map(np.array, zip(*rows))) for (step, evaluation), rows in groups.items()]

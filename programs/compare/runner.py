@@ -49,20 +49,21 @@ def run_one(case: Case, options: Options, progress: "Progress") -> Outcome:
         return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
 
     mark = fingerprint(program, case)
-    record = folder / "compare.json"
+    record = record_of(folder)
     if not options.fresh and (status := recorded_status(record, mark)) is not None:
         outcome = judge(case, folder, status, True)
         if outcome.kind != CRASHED:
             return outcome
 
-    # Files of an earlier run would be taken for this one's.
+    # Files of an earlier run would be taken for this one's, and the programs want an empty folder.
     shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    record.unlink(missing_ok=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
     command = [str(program), str(case.input), "--output", str(folder)]
     for setting in case.settings:
         command += ["--set", setting]
     progress.started(case)
-    with open(folder / "terminal.log", "w") as log:
+    with open(terminal_of(folder), "w") as log:
         try:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                     env=os.environ | {"OMP_NUM_THREADS": "1"},
@@ -71,7 +72,6 @@ def run_one(case: Case, options: Options, progress: "Progress") -> Outcome:
             return Outcome(case, CRASHED, f"did not end within {options.time_limit:g} s", folder, {}, False)
         except OSError as error:
             return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
-    # A program may clear its output folder, so this comes last.
     record.write_text(json.dumps({"fingerprint": mark, "status": status}))
     return judge(case, folder, status, False)
 
@@ -100,9 +100,19 @@ def judge(case: Case, folder: Path, status: int, reused: bool) -> Outcome:
 
 
 def last_line(folder: Path) -> str:
-    lines = (folder / "terminal.log").read_text(errors="replace").strip().splitlines() \
-        if (folder / "terminal.log").is_file() else []
+    said = terminal_of(folder)
+    lines = said.read_text(errors="replace").strip().splitlines() if said.is_file() else []
     return f": {lines[-1].strip()[:200]}" if lines else ""
+
+
+def record_of(folder: Path) -> Path:
+    """Beside a run's folder, which belongs to the program: what compare notes of the run."""
+    return folder.with_name(folder.name + ".json")
+
+
+def terminal_of(folder: Path) -> Path:
+    """Beside a run's folder: what the program wrote to the terminal."""
+    return folder.with_name(folder.name + ".log")
 
 
 def fingerprint(program: Path, case: Case) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from . import note
 from .results import cost_per_step, number, wall_share
-from .runner import COMPLETED, CRASHED, Outcome
+from .runner import COMPLETED, CRASHED, Outcome, terminal_of
 
 COLUMNS = (
     "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees",
@@ -41,8 +41,8 @@ def verdict(outcome: Outcome) -> str:
 def place(outcome: Outcome) -> str:
     """Where a calculation stopped: 'step 1, iteration 2'."""
     names = ("step", "diverged_step"), ("iteration", "diverged_iteration")
-    return ", ".join(f"{word} {value:g}" for word, key in names
-                     if (value := number(outcome.summary, key)) is not None)
+    # Iteration 0: a solver saw that there is no solution before it began.
+    return ", ".join(f"{word} {value:g}" for word, key in names if (value := number(outcome.summary, key)))
 
 
 def note_says(outcome: Outcome) -> str | None:
@@ -121,8 +121,8 @@ def terminal(outcomes: list[Outcome], colour: bool) -> str:
     for outcome in outcomes:
         if outcome.kind == CRASHED:
             lines.append(f"CRASHED: {outcome.case.label} on file {outcome.case.file}: {outcome.reason}")
-            if (outcome.folder / "terminal.log").is_file():
-                lines.append(f"         what it said: {outcome.folder / 'terminal.log'}")
+            if terminal_of(outcome.folder).is_file():
+                lines.append(f"         what it said: {terminal_of(outcome.folder)}")
         elif agreement(outcome) == "no":
             lines.append(f"Not as in the note: {outcome.case.label} on file {outcome.case.file}: "
                          f"{verdict(outcome)}; the note: {note_says(outcome)}")

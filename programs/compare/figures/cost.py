@@ -1,4 +1,4 @@
-"""Time a step by stage, for the runs of one input; what treats walls stands out."""
+"""Time a step by stage (output included), for the runs of one input; what treats walls stands out."""
 from pathlib import Path
 
 from ..results import cost_per_step, stages
@@ -42,11 +42,11 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
         segment("wall correction", WALL, [sum(stages(o).get(name, 0.0) for name in walls) for o in runs])
     for name, colour in zip(others, OTHERS):
         segment(name.replace("_", " "), colour, [stages(o).get(name, 0.0) for o in runs])
-    segment("everything else", REST, [max(o.summary["wall_seconds"] - sum(
-        stages(o).get(name, 0.0) for name in [*walls, *others]), 0.0) for o in runs])
+    shown = {*walls, *others}
+    segment("everything else", REST, [sum(value for name, value in stages(o).items() if name not in shown) for o in runs])
 
     for index, outcome in enumerate(runs):
-        ax.annotate(f"{1e3 * cost_per_step(outcome):.2g} ms", (left[index], index), xytext=(4, 0),
+        ax.annotate(f"{left[index]:.2g} ms", (left[index], index), xytext=(4, 0),
                     textcoords="offset points", va="center", fontsize=8)
     ax.set_yticks(range(len(runs)), [outcome.case.label for outcome in runs])
     ax.invert_yaxis()

@@ -37,7 +37,7 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
         ax.set_title(f"File {file}")
         ax.set_xlabel("pass")
         if ax.get_subplotspec().is_first_col():
-            ax.set_ylabel("largest relative change of Y")
+            ax.set_ylabel("largest |ln(Y_new/Y)|")
     draw_legend(axes[-1], curves)
     style.save(figure, path)
     return True
@@ -47,11 +47,15 @@ def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
     variant, stopped = outcome.case.variant, outcome.kind != COMPLETED
     good = (history.residual > 0) & np.isfinite(history.residual)
     passes, values = history.iteration[good], history.residual[good]
+    colour = style.COLOUR[outcome.case.program]
+    if stopped and not good[-1]:
+        # p^ <= 0: the logarithm has no value. The mark stands on the upper edge.
+        ax.plot(history.iteration[-1], 1.0, color=colour, marker="x", markersize=7, markeredgewidth=2, clip_on=False,
+                transform=ax.get_xaxis_transform())
+    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"))
     if len(passes) == 0:
         return
-    colour = style.COLOUR[outcome.case.program]
-    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"))
-    if stopped:
+    if stopped and good[-1]:
         ax.plot(passes[-1], values[-1], color=colour, marker="x", markersize=7, markeredgewidth=2)
     growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
     if not variant and growth is not None and growth > 1:
@@ -68,6 +72,6 @@ def draw_legend(ax, curves: list) -> None:
     handles += [Line2D([], [], color=style.INK, linestyle=DASHES.get(name, "-"), label=NAMES.get(name, name))
                 for name in solvers]
     handles += [Line2D([], [], color=style.INK, marker="x", linestyle="", markersize=7, markeredgewidth=2,
-                       label="stopped here"),
+                       label="stopped here (upper edge: p̂ ≤ 0)"),
                 Line2D([], [], color=style.GREY, linewidth=4, alpha=0.35, label="theory, × |G| a pass")]
     ax.legend(handles=handles, loc="center left", fontsize=9.5, labelspacing=0.6, handlelength=2.8)
