@@ -21,7 +21,7 @@ def iteration(outcomes: list[Outcome]) -> list[str]:
         "<b>G = −(κ − 1)(1 − S(k))</b>, where κ = K_T/p is the equation of state's stiffness and S(k) what the smoothing "
         "lets through. Perturbations from particle to particle are smoothed away almost wholly (S ≈ 0), so for them "
         "|G| ≈ κ − 1: the iteration converges only if p &gt; K_T/2. An ideal gas at fixed energy has κ = 1 and "
-        "converges at once; a liquid has κ &gt; 4 at any pressure, so that no time step and no pressure helps."]
+        "converges at once; in a liquid κ is 4 or more even at the pressures of the Earth's outer core, and no time step helps."]
     rows = []
     for outcome in outcomes:
         kappa = number(outcome.summary, "metrics", "hosono_kappa")
@@ -39,8 +39,9 @@ def iteration(outcomes: list[Outcome]) -> list[str]:
             passes = [len(one.iteration) for one in residuals(outcome.folder)]
             most[outcome.case.variant] = max([most.get(outcome.case.variant, 0), *passes])
         counts = ", ".join(f"{name} {passes}" for name, passes in sorted(most.items()) if passes)
-        text.append("The solution is there, only the way to it was wrong: with another solver of the same equations A and B "
-                    + ("complete" if len(cured) > 1 else "completes")
+        text.append("The solution is there, only the way to it was wrong: with another solver of the same equations "
+                    + " and ".join(sorted({o.case.program for o in cured}))
+                    + (" complete" if len({o.case.program for o in cured}) > 1 else " completes")
                     + (f" (most passes in one evaluation: {counts})." if counts else "."))
     return text
 
