@@ -27,8 +27,9 @@ std::string hex(const checksum& sum) { return fmt::format("{:016x}{:016x}", sum.
 bool parse_hex(const std::string& text, checksum& sum) {
   if (text.size() != 32) return false;
   const char* at = text.data();
-  const auto first = std::from_chars(at, at + 16, sum.a, 16), second = std::from_chars(at + 16, at + 32, sum.b, 16);
-  return first.ec == std::errc() && first.ptr == at + 16 && second.ec == std::errc() && second.ptr == at + 32;
+  std::from_chars(at, at + 16, sum.a, 16);
+  std::from_chars(at + 16, at + 32, sum.b, 16);
+  return hex(sum) == text;  // no other spelling: a damaged digit must not pass for a capital one
 }
 
 }  // namespace tetsuame::output

@@ -43,7 +43,7 @@ void add_bytes(checksum& sum, std::uint64_t first_word, const void* data, std::s
 checksum sum_over_ranks(MPI_Comm comm, checksum local);
 
 std::string hex(const checksum& sum);  // 32 digits
-// The number in 32 digits; fails (returns false) on anything else.
+// The checksum that hex() writes as this text; false on any other text.
 bool parse_hex(const std::string& text, checksum& sum);
 
 }  // namespace tetsuame::output

@@ -29,8 +29,8 @@ output::checkpoint_globals globals() {
   return g;
 }
 
-std::string write(MPI_Comm comm, const std::string& directory, std::int64_t step) {
-  const auto fluid = deal(comm, 0, fluid_n), wall = deal(comm, fluid_n, wall_n, 3);
+std::string write(MPI_Comm comm, const std::string& directory, std::int64_t step, std::int64_t n = fluid_n) {
+  const auto fluid = deal(comm, 0, n), wall = deal(comm, n, wall_n, 3);
   std::vector<std::int64_t> kind(fluid.ids.size());
   for (std::size_t i = 0; i < kind.size(); ++i) kind[i] = -fluid.ids[i] * fluid.ids[i];
   return output::write_checkpoint(comm, directory, step, globals(),
@@ -42,6 +42,8 @@ std::string write(MPI_Comm comm, const std::string& directory, std::int64_t step
                                    {"wall", wall.ids.size(), wall.ids.data(), {{"x", wall.x.data()}}, {}},
                                    {"none", 0, nullptr, {{"x", nullptr}}, {}}});
 }
+
+boost::test_tools::assertion_result one_rank(boost::unit_test::test_unit_id) { return ranks() == 1; }
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
@@ -107,30 +109,39 @@ BOOST_AUTO_TEST_CASE(two_newest_are_kept) {
   BOOST_TEST((names_in(directory) == std::vector<std::string>{"checkpoint_00000150.h5"}));
 }
 
-// Every byte of the file in turn (on one rank; a sample on more), one bit each.
+// Every byte of a small file in turn on one rank, a sample on more; one bit each.
 BOOST_AUTO_TEST_CASE(every_flipped_byte_is_seen) {
   const auto directory = fresh_directory("checkpoint_flip");
-  const auto path = write(MPI_COMM_WORLD, directory, 1);
-  const auto good = contents(path);
-  const auto damaged = directory + "/damaged.h5";
-  const std::size_t stride = ranks() == 1 ? 3 : 97;
-  std::map<std::string, int> told;
-  for (std::size_t at = 0; at < good.size(); at += stride) {
+  const auto path = write(MPI_COMM_WORLD, directory, 1, 50);
+  const auto size = fs::file_size(path);
+  std::fstream file;
+  if (rank() == 0) file.open(path, std::ios::in | std::ios::out | std::ios::binary);
+  const auto flip = [&](std::size_t at) {
     if (rank() == 0) {
-      auto bad = good;
-      bad[at] = static_cast<char>(bad[at] ^ (1 << (at % 8)));
-      overwrite(damaged, bad);
+      file.seekg(static_cast<std::streamoff>(at));
+      const auto bad = static_cast<char>(file.get() ^ (1 << (at % 8)));
+      file.seekp(static_cast<std::streamoff>(at));
+      file.put(bad).flush();
     }
     MPI_Barrier(MPI_COMM_WORLD);
+  };
+  std::map<std::string, int> told;
+  for (std::size_t at = 0; at < size; at += ranks() == 1 ? 1 : 97) {
+    flip(at);
     std::string message;
-    const bool seen =
-        fails(exit_status::file_failed, message, [&] { output::read_checkpoint(MPI_COMM_WORLD, damaged); });
-    if (!seen) BOOST_TEST(seen, "byte " << at << " of " << good.size());
+    const bool seen = fails(exit_status::file_failed, message, [&] { output::read_checkpoint(MPI_COMM_WORLD, path); });
+    if (!seen) BOOST_TEST(seen, "byte " << at << " of " << size);
     ++told[message];
     MPI_Barrier(MPI_COMM_WORLD);
+    flip(at);
   }
-  BOOST_TEST(told.count("checkpoint " + damaged + " is damaged: dataset /particles/fluid/rho") == 1U);
-  BOOST_TEST(told.count("checkpoint " + damaged + " is damaged: the HDF5 structure around its datasets") == 1U);
+  output::read_checkpoint(MPI_COMM_WORLD, path);  // whole again
+  const auto says = [&](const std::string& what) {
+    return told.count("checkpoint " + path + " is damaged: " + what) == 1U;
+  };
+  BOOST_TEST(says("dataset /particles/fluid/rho"));
+  BOOST_TEST(says("the HDF5 structure around its datasets"));
+  BOOST_TEST(says("the index at its beginning"));
 }
 
 BOOST_AUTO_TEST_CASE(foreign_and_truncated_files_are_refused) {
@@ -204,6 +215,40 @@ BOOST_AUTO_TEST_CASE(a_refused_write_is_told_on_every_rank_and_harms_nothing) {
   BOOST_TEST((contents(directory + "/checkpoint_00000001.h5") == before));
   write(MPI_COMM_WORLD, directory, 2);
   check_state(MPI_COMM_WORLD, output::find_latest(MPI_COMM_WORLD, directory).state);
+}
+
+// What a writer killed between two writes leaves: whatever stands under the temporary
+// name, it is no candidate, and the next run clears it away.
+BOOST_AUTO_TEST_CASE(a_half_written_checkpoint_is_no_candidate) {
+  const auto directory = fresh_directory("checkpoint_killed");
+  const auto good = write(MPI_COMM_WORLD, directory, 1);
+  if (rank() == 0) overwrite(directory + "/checkpoint_00000002.h5.tmp", contents(good).substr(0, 9000));
+  MPI_Barrier(MPI_COMM_WORLD);
+  const auto found = output::find_latest(MPI_COMM_WORLD, directory);
+  BOOST_TEST(found.path == good);
+  BOOST_TEST(found.messages.empty());
+  write(MPI_COMM_WORLD, directory, 2);
+  BOOST_TEST(output::find_latest(MPI_COMM_WORLD, directory).path == directory + "/checkpoint_00000002.h5");
+}
+
+// Killed for good, at moments spread over many writes (one process: SIGKILL to one rank
+// makes mpirun end all).
+BOOST_AUTO_TEST_CASE(a_writer_killed_at_any_moment_leaves_a_good_one, *boost::unit_test::precondition(one_rank)) {
+  const auto directory = fresh_directory("checkpoint_sigkill");
+  write(MPI_COMM_WORLD, directory, 1);
+  for (int k = 0; k < 12; ++k) {
+    const pid_t child = fork();
+    if (child == 0)
+      for (std::int64_t step = 2;; ++step) write(MPI_COMM_SELF, directory, step);
+    usleep(static_cast<useconds_t>(1000 + 2300 * k));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    BOOST_TEST((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
+    const auto found = output::find_latest(MPI_COMM_WORLD, directory);
+    BOOST_TEST(found.messages.empty());
+    check_state(MPI_COMM_WORLD, found.state);
+  }
 }
 
 BOOST_AUTO_TEST_CASE(an_id_that_occurs_twice_is_refused) {
