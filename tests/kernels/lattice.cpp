@@ -110,7 +110,7 @@ BOOST_AUTO_TEST_CASE(growth_of_the_hosono_iteration) {
   BOOST_TEST(growth(50e9) < 1.0);
 }
 
-// A search in 3-D: the 2-D minimum of a separable-looking wave is not enough.
+// In 3-D the least S lies inside an edge of the zone, at k dx = (pi, pi, 1.72).
 BOOST_AUTO_TEST_CASE(minimum_in_3d) {
   const auto kernel = with_default_h<wendland_c2<3>>();
   const auto least = transfer_minimum(kernel, dx);
