@@ -114,6 +114,9 @@ BOOST_AUTO_TEST_CASE(growth_of_the_hosono_iteration) {
 BOOST_AUTO_TEST_CASE(minimum_in_3d) {
   const auto kernel = with_default_h<wendland_c2<3>>();
   const auto least = transfer_minimum(kernel, dx);
+  BOOST_TEST(std::abs(least.k_dx[0] - pi) < 1e-6);
+  BOOST_TEST(std::abs(least.k_dx[1] - pi) < 1e-6);
+  BOOST_TEST(std::abs(least.k_dx[2] - 1.7175) < 1e-4);
   for (int i = 0; i <= 10; ++i)
     for (int j = 0; j <= 10; ++j)
       for (int l = 0; l <= 10; ++l)
