@@ -51,6 +51,7 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     ax.set_yticks(range(len(runs)), [outcome.case.label for outcome in runs])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
+    ax.set_axisbelow(True)
     ax.set_xlabel("time a step (ms), one thread")
     ax.set_title(f"File {file}")
     ax.margins(x=0.08)
