@@ -1,0 +1,63 @@
+#include <exception>
+#include <output/agree.hpp>
+
+namespace tetsuame::output {
+
+namespace {
+
+template <class Container>
+Container broadcast_from(MPI_Comm comm, int root, Container values, MPI_Datatype type) {
+  auto n = static_cast<std::uint64_t>(values.size());
+  MPI_Bcast(&n, 1, MPI_UINT64_T, root, comm);
+  values.resize(n);
+  MPI_Bcast(values.data(), static_cast<int>(n), type, root, comm);
+  return values;
+}
+
+}  // namespace
+
+int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+int size_of(MPI_Comm comm) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  return size;
+}
+
+void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status) {
+  const int nobody = size_of(comm);
+  int first = problem.empty() ? nobody : rank_of(comm);
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
+  if (first == nobody) return;
+  int code = static_cast<int>(status);
+  MPI_Bcast(&code, 1, MPI_INT, first, comm);
+  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem, MPI_CHAR));
+}
+
+void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
+  std::string problem;
+  auto status = foundation::exit_status::file_failed;
+  if (rank_of(comm) == 0) {
+    try {
+      work();
+    } catch (const foundation::error& e) {
+      problem = e.what();
+      status = e.status();
+    } catch (const std::exception& e) {
+      problem = e.what();
+    }
+  }
+  agree(comm, problem, status);
+}
+
+std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text, MPI_CHAR); }
+
+std::vector<std::uint64_t> broadcast(MPI_Comm comm, const std::vector<std::uint64_t>& values) {
+  return broadcast_from(comm, 0, values, MPI_UINT64_T);
+}
+
+}  // namespace tetsuame::output

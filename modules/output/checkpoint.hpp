@@ -1,0 +1,76 @@
+// Checkpoints: the full state in double precision, from which a run continues with the
+// same bits on any number of ranks. The module knows names and arrays, not physics.
+//
+// checkpoint_NNNNNNNN.h5 (the step) holds /reals, /integers, /texts, /blobs and
+// /particles/TABLE/FIELD, rows in the order of the particle IDs; in its user block an
+// index with checksums over every byte (checkpoint_index.hpp). It is written under a
+// temporary name, synced to disk and renamed, then all but the two newest are removed.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tetsuame::output {
+
+// The same on every rank; written as rank 0 has them. Names are without '/'.
+struct checkpoint_globals {
+  std::map<std::string, double> reals;
+  std::map<std::string, std::int64_t> integers;
+  std::map<std::string, std::string> texts;
+  std::map<std::string, std::vector<double>> blobs;
+};
+
+// What one rank holds of a kind of particles, to be written. The names are the same on
+// every rank, and an ID occurs once in the table over all ranks.
+struct table_view {
+  std::string name;
+  std::size_t n = 0;
+  const std::int64_t* ids = nullptr;
+  std::vector<std::pair<std::string, const double*>> reals;
+  std::vector<std::pair<std::string, const std::int64_t*>> integers;
+};
+
+// As read: rank r of p holds rows N r / p up to N (r + 1) / p, ascending in ID.
+struct table {
+  std::vector<std::int64_t> ids;
+  std::map<std::string, std::vector<double>> reals;
+  std::map<std::string, std::vector<std::int64_t>> integers;
+};
+
+struct checkpoint {
+  checkpoint_globals globals;
+  std::map<std::string, table> tables;
+};
+
+std::string checkpoint_name(std::int64_t step);  // checkpoint_00001200.h5
+
+// Collective. Returns the path. Throws fail_file on every rank with path and reason; the
+// checkpoints that were there are then untouched.
+std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::int64_t step,
+                             const checkpoint_globals& globals, const std::vector<table_view>& tables);
+
+// Collective. All checksums are verified before anything is handed out. Throws fail_file
+// on every rank, naming the dataset that is damaged.
+checkpoint read_checkpoint(MPI_Comm comm, const std::string& path);
+
+struct latest_checkpoint {
+  std::string path;
+  checkpoint state;
+  std::vector<std::string> messages;  // why newer ones were passed over
+};
+
+// Collective. The newest checkpoint in the directory that is whole. Throws fail_file on
+// every rank if there is none, with the reason for each.
+latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory);
+
+// Collective; after a restart. Removes the checkpoints of later steps than the one that
+// the run continues from: damaged ones, or of a course that is given up.
+void forget_checkpoints_after(MPI_Comm comm, const std::string& directory, std::int64_t step);
+
+}  // namespace tetsuame::output

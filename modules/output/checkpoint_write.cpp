@@ -1,0 +1,174 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <foundation/error.hpp>
+#include <output/agree.hpp>
+#include <output/checkpoint.hpp>
+#include <output/checkpoint_index.hpp>
+#include <output/directory.hpp>
+#include <output/file.hpp>
+#include <output/order.hpp>
+#include <output/shared_file.hpp>
+
+namespace tetsuame::output {
+
+namespace {
+
+// A dataset that rank 0 writes alone.
+struct part {
+  indexed entry;
+  std::vector<std::uint64_t> words;  // the values' bits
+};
+
+template <class T>
+std::vector<std::uint64_t> bits_of(const std::vector<T>& values) {
+  std::vector<std::uint64_t> words(values.size());
+  std::transform(values.begin(), values.end(), words.begin(), [](T x) { return std::bit_cast<std::uint64_t>(x); });
+  return words;
+}
+
+indexed entry_for(kind what, std::uint64_t count, const std::string& path) {
+  indexed d;
+  d.kind = what;
+  d.count = count;
+  d.path = path;
+  return d;
+}
+
+element element_of(kind what) {
+  switch (what) {
+    case kind::text:
+      return element::text;
+    case kind::integer:
+    case kind::ids:
+    case kind::field_integer:
+      return element::integer;
+    case kind::real:
+    case kind::blob:
+    case kind::field_real:
+      return element::real;
+  }
+  return element::real;
+}
+
+dataset dataset_for(const indexed& d) {
+  const bool one_value = d.kind == kind::real || d.kind == kind::integer;
+  return {
+      d.path, element_of(d.kind), one_value ? std::vector<std::uint64_t>{} : std::vector<std::uint64_t>{d.count}, {}};
+}
+
+// Only rank 0's parts are written, so only their values count.
+std::vector<part> global_parts(const checkpoint_globals& globals) {
+  std::vector<part> parts;
+  for (const auto& [name, x] : globals.reals)
+    parts.push_back({entry_for(kind::real, 1, "/reals/" + name), {std::bit_cast<std::uint64_t>(x)}});
+  for (const auto& [name, x] : globals.integers)
+    parts.push_back({entry_for(kind::integer, 1, "/integers/" + name), {static_cast<std::uint64_t>(x)}});
+  for (const auto& [name, text] : globals.texts) {
+    std::vector<std::uint64_t> words(std::max<std::size_t>(1, (text.size() + 7) / 8), 0);
+    std::memcpy(words.data(), text.data(), text.size());
+    parts.push_back({entry_for(kind::text, text.size(), "/texts/" + name), std::move(words)});
+  }
+  for (const auto& [name, values] : globals.blobs)
+    parts.push_back({entry_for(kind::blob, values.size(), "/blobs/" + name), bits_of(values)});
+  return parts;
+}
+
+std::vector<indexed> table_entries(const table_view& t, std::uint64_t rows) {
+  const auto folder = "/particles/" + t.name + "/";
+  std::vector<indexed> entries = {entry_for(kind::ids, rows, folder + "ids")};
+  for (const auto& field : t.reals) entries.push_back(entry_for(kind::field_real, rows, folder + field.first));
+  for (const auto& field : t.integers) entries.push_back(entry_for(kind::field_integer, rows, folder + field.first));
+  return entries;
+}
+
+// Writes this rank's part and adds it to the dataset's checksum.
+void write_part(shared_file& file, const dataset& d, std::uint64_t first_word, const std::vector<std::uint64_t>& words,
+                checksum& sum) {
+  const std::uint64_t first_byte = 8 * first_word;
+  const auto bytes = std::min<std::uint64_t>(8 * words.size(), d.bytes - first_byte);
+  file.write(d, first_byte, words.data(), bytes);
+  add_bytes(sum, first_word, words.data(), bytes);
+}
+
+// Collective. next: the table's first dataset; moved past its last.
+void write_table(shared_file& file, const table_view& t, const id_order& order, const layout& contents,
+                 std::vector<indexed>& entries, std::size_t& next) {
+  const auto write = [&](const std::vector<std::uint64_t>& words) {
+    write_part(file, contents.datasets[next], order.first_row, words, entries[next].sum);
+    ++next;
+  };
+  write(bits_of(order.ids));
+  for (const auto& field : t.reals) write(bits_of(arrange(order, field.second)));
+  for (const auto& field : t.integers) write(bits_of(arrange(order, field.second)));
+}
+
+// Everything outside of the datasets is HDF5's own by now, and rank 0 has written it.
+void write_index(MPI_Comm comm, shared_file& file, const layout& contents, checkpoint_index& index) {
+  index.file_bytes = file.size();
+  index.block_bytes = contents.user_block;
+  for (std::size_t k = 0; k < index.datasets.size(); ++k) {
+    index.datasets[k].offset = contents.datasets[k].offset;
+    index.datasets[k].bytes = contents.datasets[k].bytes;
+  }
+  sum_over_ranks(comm, index.datasets);
+  if (rank_of(comm) != 0) return;
+  index.structure =
+      structure_sum(index, [&](std::uint64_t at, char* to, std::size_t bytes) { file.read_raw(at, to, bytes); });
+  const auto block = block_text(index);
+  file.write_raw(0, block.data(), block.size());
+}
+
+void keep_two(const std::string& directory, std::int64_t step) {
+  auto files = numbered_files(directory, "checkpoint_", ".h5");
+  // A later step is of a course that was given up: time only moves forward.
+  const auto previous = std::find_if(files.rbegin(), files.rend(), [&](const auto& f) { return f.first < step; });
+  for (const auto& [number, name] : files)
+    if (number != step && (previous == files.rend() || number != previous->first))
+      remove_quietly((std::filesystem::path(directory) / name).string());
+}
+
+}  // namespace
+
+std::string checkpoint_name(std::int64_t step) { return fmt::format("checkpoint_{:08}.h5", step); }
+
+std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::int64_t step,
+                             const checkpoint_globals& globals, const std::vector<table_view>& tables) {
+  const auto path = (std::filesystem::path(directory) / checkpoint_name(step)).string();
+  std::vector<id_order> orders;
+  for (const auto& t : tables) orders.push_back(order_by_id(comm, t.n, t.ids));
+
+  checkpoint_index index;
+  const auto singles = global_parts(globals);
+  for (const auto& p : singles) index.datasets.push_back(p.entry);
+  for (std::size_t t = 0; t < tables.size(); ++t)
+    for (const auto& entry : table_entries(tables[t], orders[t].total_rows)) index.datasets.push_back(entry);
+  layout contents;
+  contents.user_block = block_size_for(index);
+  for (const auto& d : index.datasets) contents.datasets.push_back(dataset_for(d));
+
+  shared_file file(comm, path, contents);
+  std::size_t next = 0;
+  for (const auto& p : singles) {
+    if (rank_of(comm) == 0) write_part(file, contents.datasets[next], 0, p.words, index.datasets[next].sum);
+    ++next;
+  }
+  for (std::size_t t = 0; t < tables.size(); ++t)
+    write_table(file, tables[t], orders[t], contents, index.datasets, next);
+  write_index(comm, file, contents, index);
+  file.finish();
+  on_rank_0(comm, [&] { keep_two(directory, step); });
+  return path;
+}
+
+void forget_checkpoints_after(MPI_Comm comm, const std::string& directory, std::int64_t step) {
+  on_rank_0(comm, [&] {
+    for (const auto& [number, name] : numbered_files(directory, "checkpoint_", ".h5"))
+      if (number > step) remove_quietly((std::filesystem::path(directory) / name).string());
+  });
+}
+
+}  // namespace tetsuame::output

@@ -1,0 +1,113 @@
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <foundation/error.hpp>
+#include <output/agree.hpp>
+#include <output/file.hpp>
+#include <utility>
+
+namespace tetsuame::output {
+
+void fail_system(const std::string& verb, const std::string& path) {
+  const int code = errno;
+  foundation::fail_file(fmt::format("cannot {} {}: {}", verb, path, std::strerror(code)));
+}
+
+descriptor::descriptor(const std::string& path, int flags) : fd_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+  if (fd_ < 0) fail_system((flags & O_ACCMODE) == O_RDONLY ? "read" : "write", path);
+}
+descriptor::descriptor(descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+descriptor& descriptor::operator=(descriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+descriptor::~descriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
+              std::uint64_t offset) {
+  const auto* from = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = pwrite(file.get(), from, bytes, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail_system("write", path);
+    from += done;
+    bytes -= static_cast<std::size_t>(done);
+    offset += static_cast<std::uint64_t>(done);
+  }
+}
+
+void read_at(const descriptor& file, const std::string& path, void* data, std::size_t bytes, std::uint64_t offset) {
+  auto* to = static_cast<char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = pread(file.get(), to, bytes, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail_system("read", path);
+    if (done == 0) foundation::fail_file(fmt::format("cannot read {}: it ends early, at byte {}", path, offset));
+    to += done;
+    bytes -= static_cast<std::size_t>(done);
+    offset += static_cast<std::uint64_t>(done);
+  }
+}
+
+void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes) {
+  while (bytes > 0 && fallocate(file.get(), 0, 0, static_cast<off_t>(bytes)) != 0) {
+    if (errno == EINTR) continue;
+    if (errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL) return;
+    fail_system(fmt::format("reserve {} bytes for", bytes), path);
+  }
+}
+
+std::string temporary_name(const std::string& path) { return path + ".tmp"; }
+
+void sync(const descriptor& file, const std::string& path) {
+  if (fsync(file.get()) != 0 && errno != EINVAL && errno != EROFS) fail_system("write", path);
+}
+
+void replace_by_temporary(const std::string& path) {
+  if (std::rename(temporary_name(path).c_str(), path.c_str()) != 0) fail_system("replace", path);
+  const auto parent = std::filesystem::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  sync(descriptor(folder, O_RDONLY | O_DIRECTORY), folder);
+}
+
+void remove_quietly(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+}
+
+void replace_text(const std::string& path, const std::string& text) {
+  const auto temporary = temporary_name(path);
+  try {
+    const descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    write_at(file, path, text.data(), text.size(), 0);
+    sync(file, path);
+    replace_by_temporary(path);
+  } catch (...) {
+    remove_quietly(temporary);
+    throw;
+  }
+}
+
+void write_text(MPI_Comm comm, const std::string& path, const std::string& text) {
+  on_rank_0(comm, [&] { replace_text(path, text); });
+}
+
+void write_summary(MPI_Comm comm, const std::string& path, const nlohmann::ordered_json& summary) {
+  on_rank_0(comm, [&] {
+    replace_text(path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  });
+}
+
+void let_size_limits_fail_writes() { std::signal(SIGXFSZ, SIG_IGN); }
+
+}  // namespace tetsuame::output

@@ -1,0 +1,62 @@
+// Plain files on one rank: whole writes or a reason, and replacing a file in one step.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tetsuame::output {
+
+// An open file descriptor, closed at the end of its scope.
+class descriptor {
+ public:
+  descriptor() = default;
+  // Throws fail_file with path and reason.
+  descriptor(const std::string& path, int flags);
+  descriptor(descriptor&& other) noexcept;
+  descriptor& operator=(descriptor&& other) noexcept;
+  ~descriptor();
+
+  int get() const { return fd_; }
+
+ private:
+  int fd_ = -1;
+};
+
+// "cannot VERB PATH: reason of errno"
+[[noreturn]] void fail_system(const std::string& verb, const std::string& path);
+
+// All bytes at the offset, however many calls it takes. Throw fail_file with path and reason.
+void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
+              std::uint64_t offset);
+void read_at(const descriptor& file, const std::string& path, void* data, std::size_t bytes, std::uint64_t offset);
+
+// Reserves the space on the disk, so that a full disk shows before the first byte is
+// written; file systems that cannot reserve are left to fail later.
+void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes);
+
+std::string temporary_name(const std::string& path);  // path + ".tmp"
+void sync(const descriptor& file, const std::string& path);
+// rename(temporary_name(path), path), made lasting by a sync of the directory.
+void replace_by_temporary(const std::string& path);
+void remove_quietly(const std::string& path);
+
+// On this rank: the text under a temporary name, synced, renamed. Throws fail_file.
+void replace_text(const std::string& path, const std::string& text);
+
+// Collective; rank 0's text is written as above, and all ranks throw if it fails.
+// For resolved.nml and the like.
+void write_text(MPI_Comm comm, const std::string& path, const std::string& text);
+
+// Collective; as write_text. A number that is not finite becomes null, for which JSON
+// has no other word; bytes that are not UTF-8 become U+FFFD.
+void write_summary(MPI_Comm comm, const std::string& path, const nlohmann::ordered_json& summary);
+
+// A file-size limit (ulimit -f) then fails a write, which is told with path and
+// reason, instead of ending the program by SIGXFSZ.
+void let_size_limits_fail_writes();
+
+}  // namespace tetsuame::output

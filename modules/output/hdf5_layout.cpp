@@ -1,0 +1,247 @@
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <foundation/error.hpp>
+#include <numeric>
+#include <output/file.hpp>
+#include <output/hdf5_layout.hpp>
+
+namespace tetsuame::output {
+
+namespace {
+
+// HDF5 keeps its reasons to itself while this lives.
+struct quiet {
+  H5E_auto2_t function = nullptr;
+  void* data = nullptr;
+  quiet() {
+    H5Eget_auto2(H5E_DEFAULT, &function, &data);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  quiet(const quiet&) = delete;
+  quiet& operator=(const quiet&) = delete;
+  ~quiet() { H5Eset_auto2(H5E_DEFAULT, function, data); }
+};
+
+// The innermost entry of HDF5's stack is the one that says what happened.
+std::string hdf5_reason() {
+  std::string reason = "unknown reason";
+  const auto keep_first = [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
+    if (n == 0 && e->desc != nullptr) *static_cast<std::string*>(out) = e->desc;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &reason);
+  return reason;
+}
+
+struct file_context {
+  const std::string& path;
+  const char* verb;
+
+  template <class T>
+  T check(T result) const {
+    if (result < 0) foundation::fail_file(fmt::format("cannot {} {}: HDF5: {}", verb, path, hdf5_reason()));
+    return result;
+  }
+};
+
+class handle {
+ public:
+  using closer = herr_t (*)(hid_t);
+  handle(hid_t id, closer how) : id_(id), close_(how) {}
+  handle(const handle&) = delete;
+  handle& operator=(const handle&) = delete;
+  ~handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }
+  // Closing may write, so it may fail.
+  herr_t close() {
+    const hid_t id = std::exchange(id_, -1);
+    return close_(id);
+  }
+
+ private:
+  hid_t id_;
+  closer close_;
+};
+
+std::uint64_t element_bytes(element type) {
+  switch (type) {
+    case element::real:
+    case element::integer:
+      return 8;
+    case element::index:
+      return 4;
+    case element::text:
+      return 1;
+  }
+  return 1;
+}
+
+hid_t number_type(element type) {
+  return type == element::real ? H5T_IEEE_F64LE : type == element::integer ? H5T_STD_I64LE : H5T_STD_I32LE;
+}
+
+struct attribute_writer {
+  const file_context& file;
+  hid_t object;
+  const std::string& name;
+
+  void write(hid_t type, hid_t space_id, const void* data) const {
+    const handle space(file.check(space_id), H5Sclose);
+    const handle a(file.check(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
+    file.check(H5Awrite(a, type, data));
+  }
+  template <class T>
+  void array(hid_t type, const std::vector<T>& values) const {
+    const hsize_t n = values.size();
+    write(type, H5Screate_simple(1, &n, nullptr), values.data());
+  }
+  void operator()(double value) const { write(H5T_NATIVE_DOUBLE, H5Screate(H5S_SCALAR), &value); }
+  void operator()(std::int64_t value) const { write(H5T_NATIVE_INT64, H5Screate(H5S_SCALAR), &value); }
+  void operator()(const std::vector<double>& values) const { array(H5T_NATIVE_DOUBLE, values); }
+  void operator()(const std::vector<std::int32_t>& values) const { array(H5T_NATIVE_INT32, values); }
+  void operator()(const std::vector<std::uint32_t>& values) const { array(H5T_NATIVE_UINT32, values); }
+  void operator()(const std::vector<std::uint64_t>& values) const { array(H5T_NATIVE_UINT64, values); }
+  void operator()(const std::string& text) const {
+    const handle type(file.check(H5Tcopy(H5T_C_S1)), H5Tclose);
+    file.check(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+    file.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+    file.check(H5Tset_cset(type, H5T_CSET_UTF8));
+    write(type, H5Screate(H5S_SCALAR), text.c_str());
+  }
+};
+
+void write_attributes(const file_context& file, hid_t object, const attributes& list) {
+  for (const auto& [name, value] : list) std::visit(attribute_writer{file, object, name}, value);
+}
+
+void create_dataset(const file_context& file, hid_t root, dataset& d) {
+  const handle links(file.check(H5Pcreate(H5P_LINK_CREATE)), H5Pclose);
+  file.check(H5Pset_create_intermediate_group(links, 1));
+  const handle how(file.check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  file.check(H5Pset_obj_track_times(how, false));  // the same state gives the same bytes
+  file.check(H5Pset_layout(how, H5D_CONTIGUOUS));
+  file.check(H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY));
+  file.check(H5Pset_fill_time(how, H5D_FILL_TIME_NEVER));
+
+  const bool text = d.type == element::text;
+  const handle type(file.check(H5Tcopy(text ? H5T_C_S1 : number_type(d.type))), H5Tclose);
+  if (text) {
+    file.check(H5Tset_size(type, std::max<std::size_t>(1, d.shape.at(0))));
+    file.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+    file.check(H5Tset_cset(type, H5T_CSET_UTF8));
+  }
+  const std::vector<hsize_t> shape(d.shape.begin(), d.shape.end());
+  const bool scalar = text || shape.empty();
+  const handle space(file.check(scalar ? H5Screate(H5S_SCALAR)
+                                       : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr)),
+                     H5Sclose);
+  const handle set(file.check(H5Dcreate2(root, d.path.c_str(), type, space, links, how, H5P_DEFAULT)), H5Dclose);
+  write_attributes(file, set, d.attributes);
+
+  d.bytes = bytes_of(d);
+  if (d.bytes == 0) return;
+  const haddr_t at = H5Dget_offset(set);  // counts from the start of the file, user block included
+  if (at == HADDR_UNDEF) file.check(-1);
+  d.offset = at;
+}
+
+void create_contents(const file_context& file, hid_t root, layout& contents) {
+  for (const auto& [path, list] : contents.groups) {
+    const handle group(file.check(H5Gcreate2(root, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)), H5Gclose);
+    write_attributes(file, group, list);
+  }
+  for (auto& d : contents.datasets) create_dataset(file, root, d);
+}
+
+// HDF5 leaves a file that it cannot flush open until the end of the program, so a full
+// disk must show before HDF5 writes: this is more than the skeleton can take.
+std::uint64_t upper_estimate(const layout& contents) {
+  std::uint64_t bytes = contents.user_block + 65536;
+  for (const auto& d : contents.datasets) bytes += bytes_of(d) + 4096 + 1024 * d.attributes.size();
+  for (const auto& [path, list] : contents.groups) {
+    bytes += 4096 + 1024 * list.size();
+    for (const auto& [name, value] : list)
+      if (const auto* text = std::get_if<std::string>(&value)) bytes += text->size();
+  }
+  return bytes;
+}
+
+hid_t open_for_reading(const file_context& file, const handle& access) {
+  // Locks fail on some network file systems, and nothing here needs them.
+  file.check(H5Pset_file_locking(access, false, true));
+  return file.check(H5Fopen(file.path.c_str(), H5F_ACC_RDONLY, access));
+}
+
+}  // namespace
+
+std::uint64_t bytes_of(const dataset& d) {
+  const auto values =
+      std::accumulate(d.shape.begin(), d.shape.end(), std::uint64_t{1}, std::multiplies<std::uint64_t>());
+  return d.type == element::text ? std::max<std::uint64_t>(1, values) : values * element_bytes(d.type);
+}
+
+std::uint64_t create_layout(const std::string& path, layout& contents) {
+  reserve(descriptor(path, O_WRONLY | O_CREAT | O_TRUNC), path, upper_estimate(contents));
+
+  const quiet silence;
+  const file_context file{path, "write"};
+  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
+  file.check(H5Pset_file_locking(access, false, true));
+  const handle creation(file.check(H5Pcreate(H5P_FILE_CREATE)), H5Pclose);
+  file.check(H5Pset_userblock(creation, contents.user_block));
+  handle root(file.check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access)), H5Fclose);
+  create_contents(file, root, contents);
+  file.check(root.close());
+
+  const descriptor written(path, O_RDWR);
+  const off_t end = lseek(written.get(), 0, SEEK_END);
+  if (end < 0) fail_system("write", path);
+  reserve(written, path, static_cast<std::uint64_t>(end));
+  return static_cast<std::uint64_t>(end);
+}
+
+double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {
+  const quiet silence;
+  const file_context file{path, "read"};
+  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
+  const handle root(open_for_reading(file, access), H5Fclose);
+  const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
+  const handle space(file.check(H5Aget_space(a)), H5Sclose);
+  if (H5Sget_simple_extent_npoints(space) != 1)
+    foundation::fail_file(fmt::format("cannot read {}: {}/{} is not one number", path, object, name));
+  double value = 0.0;
+  file.check(H5Aread(a, H5T_NATIVE_DOUBLE, &value));
+  return value;
+}
+
+std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {
+  const quiet silence;
+  const file_context file{path, "read"};
+  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
+  const handle root(open_for_reading(file, access), H5Fclose);
+  std::vector<stored_dataset> list;
+  if (group != "/" && file.check(H5Lexists(root, group.c_str(), H5P_DEFAULT)) == 0) return list;
+  const handle folder(file.check(H5Gopen2(root, group.c_str(), H5P_DEFAULT)), H5Gclose);
+  H5G_info_t info;
+  file.check(H5Gget_info(folder, &info));
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    char name[256];
+    file.check(H5Lget_name_by_idx(folder, ".", H5_INDEX_NAME, H5_ITER_INC, k, name, sizeof name, H5P_DEFAULT));
+    const handle object(file.check(H5Oopen(folder, name, H5P_DEFAULT)), H5Oclose);
+    if (H5Iget_type(object) != H5I_DATASET) continue;
+    const hid_t set = object;
+    const handle type(file.check(H5Dget_type(set)), H5Tclose);
+    const handle space(file.check(H5Dget_space(set)), H5Sclose);
+    std::vector<hsize_t> shape(static_cast<std::size_t>(file.check(H5Sget_simple_extent_ndims(space))));
+    file.check(H5Sget_simple_extent_dims(space, shape.data(), nullptr));
+    list.push_back({name, H5Tget_class(type) == H5T_INTEGER, H5Tget_size(type), {shape.begin(), shape.end()}});
+  }
+  return list;
+}
+
+}  // namespace tetsuame::output

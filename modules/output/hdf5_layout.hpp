@@ -1,0 +1,60 @@
+// The skeleton of an HDF5 file, made by one rank: groups, attributes and datasets
+// without their values, each dataset one contiguous block at a known place in the file.
+//
+// All ranks then write their rows to these places by plain pwrite (shared_file.hpp).
+// That is preferred to parallel HDF5 because a write that fails on one rank inside a
+// collective HDF5 or MPI-IO call (disk full, quota) can leave the other ranks waiting
+// for ever, and because the whole file can be reserved on the disk beforehand. The
+// price: no compression.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace tetsuame::output {
+
+using attribute_value = std::variant<double, std::int64_t, std::string, std::vector<double>, std::vector<std::int32_t>,
+                                     std::vector<std::uint32_t>, std::vector<std::uint64_t>>;
+using attributes = std::vector<std::pair<std::string, attribute_value>>;
+
+enum class element { real, integer, index, text };  // double, int64, int32, a fixed-length string of bytes
+
+struct dataset {
+  std::string path;
+  element type = element::real;
+  std::vector<std::uint64_t> shape;  // rows, then columns if any; of a text: its bytes; empty: one value
+  output::attributes attributes;
+
+  std::uint64_t offset = 0, bytes = 0;  // of the values in the file: set by create_layout
+};
+
+std::uint64_t bytes_of(const dataset& d);
+
+struct layout {
+  std::uint64_t user_block = 0;  // bytes before HDF5's own: 0 or a power of 2, at least 512
+  std::vector<std::pair<std::string, attributes>> groups;
+  std::vector<dataset> datasets;
+};
+
+// On this rank alone. Replaces the file at path and fills in offsets and bytes; returns
+// the size of the file. HDF5 prints nothing: its reason becomes part of the message.
+// Throws fail_file.
+std::uint64_t create_layout(const std::string& path, layout& contents);
+
+// What an existing file says about itself, for series.xdmf: read on this rank alone.
+struct stored_dataset {
+  std::string name;
+  bool integer = false;
+  std::size_t bytes_per_value = 8;
+  std::vector<std::uint64_t> shape;
+};
+// Throw fail_file with HDF5's reason.
+double read_real_attribute(const std::string& path, const std::string& object, const std::string& name);
+// The datasets right in the group, by name; "/" is the root. Empty if there is no such group.
+std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group);
+
+}  // namespace tetsuame::output

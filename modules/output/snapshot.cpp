@@ -1,0 +1,143 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <output/agree.hpp>
+#include <output/hdf5_layout.hpp>
+#include <output/order.hpp>
+#include <output/shared_file.hpp>
+#include <output/snapshot.hpp>
+
+namespace tetsuame::output {
+
+namespace {
+
+constexpr std::size_t gadget_types = 6;
+
+attributes header_attributes(const snapshot_header& header, const std::vector<particle_group>& groups,
+                             const std::vector<id_order>& orders) {
+  std::vector<std::uint64_t> here(gadget_types, 0);
+  std::vector<std::uint32_t> low(gadget_types, 0), high(gadget_types, 0);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto type = static_cast<std::size_t>(groups[g].type);
+    here.at(type) = orders[g].total_rows;
+    low.at(type) = static_cast<std::uint32_t>(here[type]);
+    high.at(type) = static_cast<std::uint32_t>(here[type] >> 32);
+  }
+  const auto& box = header.box_lengths;
+  const auto flag = [](int value) { return static_cast<std::int64_t>(value); };
+  return {{"NumPart_ThisFile", here},
+          {"NumPart_Total", low},
+          {"NumPart_Total_HighWord", high},
+          {"MassTable", std::vector<double>(gadget_types, 0.0)},
+          {"Time", header.time},
+          {"Redshift", 0.0},
+          {"BoxSize", *std::max_element(box.begin(), box.end())},
+          {"NumFilesPerSnapshot", flag(1)},
+          {"Omega0", 0.0},
+          {"OmegaLambda", 0.0},
+          {"HubbleParam", 1.0},
+          {"Flag_Sfr", flag(0)},
+          {"Flag_Cooling", flag(0)},
+          {"Flag_StellarAge", flag(0)},
+          {"Flag_Metals", flag(0)},
+          {"Flag_Feedback", flag(0)},
+          {"Flag_Entropy_ICs", flag(0)},
+          {"Flag_DoublePrecision", flag(1)},
+          {"Dimension", flag(header.dimension)},
+          {"Step", header.step},
+          {"BoxLengths", std::vector<double>(box.begin(), box.end())},
+          {"Periodic", std::vector<std::int32_t>(header.periodic.begin(), header.periodic.end())},
+          {"UnitLength_in_cm", 100.0},
+          {"UnitMass_in_g", 1000.0},
+          {"UnitVelocity_in_cm_per_s", 100.0}};
+}
+
+std::uint64_t width_of(const column& c) { return c.vector ? 3 : c.components.size(); }
+
+void add_group(const particle_group& group, std::uint64_t rows, layout& contents) {
+  const auto folder = fmt::format("/PartType{}", group.type);
+  contents.groups.push_back({folder, {}});
+  contents.datasets.push_back(
+      {folder + "/ParticleIDs",
+       element::integer,
+       {rows},
+       {{"units", std::string("1")}, {"description", std::string("identity of the particle, the same in all files")}}});
+  for (const auto& c : group.columns) {
+    std::vector<std::uint64_t> shape{rows};
+    if (width_of(c) > 1) shape.push_back(width_of(c));
+    contents.datasets.push_back(
+        {folder + "/" + c.name, element::real, shape, {{"units", c.units}, {"description", c.description}}});
+  }
+  const bool fits = rows <= std::numeric_limits<std::int32_t>::max();
+  contents.datasets.push_back({fmt::format("/Connectivity{}", group.type),
+                               fits ? element::index : element::integer,
+                               {rows, 1},
+                               {{"description", std::string("row numbers, for ParaView")}}});
+}
+
+// One row after another, as wide as in the file. Collective.
+std::vector<double> rows_of(const column& c, const id_order& order) {
+  const auto width = static_cast<std::size_t>(width_of(c));
+  std::vector<double> rows(width * order.rows(), 0.0);
+  for (std::size_t d = 0; d < std::min(width, c.components.size()); ++d) {
+    const auto x = arrange(order, c.components[d]);
+    for (std::size_t k = 0; k < x.size(); ++k) rows[width * k + d] = x[k];
+  }
+  return rows;
+}
+
+template <class T>
+void write_rows(shared_file& file, const dataset& d, const id_order& order, const std::vector<T>& rows) {
+  if (rows.empty()) return;
+  const std::size_t row_bytes = rows.size() / order.rows() * sizeof(T);
+  file.write(d, order.first_row * row_bytes, rows.data(), rows.size() * sizeof(T));
+}
+
+template <class T>
+void write_row_numbers(shared_file& file, const dataset& d, const id_order& order) {
+  std::vector<T> numbers(order.rows());
+  std::iota(numbers.begin(), numbers.end(), static_cast<T>(order.first_row));
+  write_rows(file, d, order, numbers);
+}
+
+// Collective. next: the group's first dataset; moved past its last.
+void write_group(shared_file& file, const particle_group& group, const id_order& order,
+                 std::vector<dataset>::const_iterator& next) {
+  write_rows(file, *next++, order, order.ids);
+  for (const auto& c : group.columns) write_rows(file, *next++, order, rows_of(c, order));
+  if (next->type == element::index)
+    write_row_numbers<std::int32_t>(file, *next, order);
+  else
+    write_row_numbers<std::int64_t>(file, *next, order);
+  ++next;
+}
+
+}  // namespace
+
+std::string snapshot_name(int number) { return fmt::format("snapshot_{:04}.h5", number); }
+
+void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
+                    const std::vector<particle_group>& groups, const provenance& origin) {
+  std::vector<id_order> orders;
+  for (const auto& group : groups) orders.push_back(order_by_id(comm, group.n, group.ids));
+
+  // Rank 0 knows the text; the others need its length only.
+  const auto input_bytes = broadcast(comm, std::vector<std::uint64_t>{origin.resolved_input.size()}).at(0);
+  layout contents;
+  contents.groups = {{"/Header", header_attributes(header, groups, orders)},
+                     {"/Provenance", {{"Program", origin.program}, {"Version", origin.version}}}};
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, contents);
+  contents.datasets.push_back({"/Provenance/ResolvedInput", element::text, {input_bytes}, {}});
+
+  shared_file file(comm, path, contents);
+  auto next = contents.datasets.cbegin();
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (orders[g].total_rows > 0) write_group(file, groups[g], orders[g], next);
+  if (rank_of(comm) == 0) file.write(*next, 0, origin.resolved_input.c_str(), next->bytes);
+  file.finish();
+}
+
+}  // namespace tetsuame::output

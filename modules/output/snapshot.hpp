@@ -1,0 +1,42 @@
+// Snapshots for looking at: HDF5 in GADGET's layout, which yt, SPLASH and h5py open.
+//
+//   /Header           NumPart_ThisFile, NumPart_Total, NumPart_Total_HighWord, MassTable, Time, Redshift,
+//                     BoxSize, NumFilesPerSnapshot, Flag_*, … [V. Springel, GADGET-2 user guide, table 4]
+//                     and Dimension, BoxLengths, Periodic, Unit* (SI, told in cgs as is the custom)
+//   /PartType0, 1     ParticleIDs and the columns, fluid and wall; each with units and description
+//   /Connectivity0, 1 0 … N-1, which ParaView needs to draw points (series.hpp)
+//   /Provenance       ResolvedInput, and Program and Version as attributes
+//
+// Double precision, no compression (hdf5_layout.hpp says why), rows in the order of
+// the particle IDs: the same bytes on any number of ranks.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <output/groups.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::output {
+
+struct snapshot_header {
+  double time = 0.0;  // s
+  std::int64_t step = 0;
+  int dimension = 2;
+  std::array<double, 3> box_lengths{};  // m; 0 beyond the dimension
+  std::array<bool, 3> periodic{};
+};
+
+struct provenance {
+  std::string program, version, resolved_input;
+};
+
+std::string snapshot_name(int number);  // snapshot_0007.h5
+
+// Collective. Written under a temporary name, then renamed. Throws fail_file on every
+// rank with path and reason (disk full, no permission), and leaves an older file as it was.
+void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
+                    const std::vector<particle_group>& groups, const provenance& origin);
+
+}  // namespace tetsuame::output

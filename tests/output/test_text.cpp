@@ -1,0 +1,134 @@
+// history.csv, summary.json, resolved.nml, run.log and the progress line.
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
+#include <limits>
+#include <output/file.hpp>
+#include <output/history.hpp>
+#include <output/log.hpp>
+#include <output/progress.hpp>
+
+#include "scratch.hpp"
+
+namespace {
+
+using namespace test;
+
+const std::vector<output::history_column> columns = {{"time", "s"}, {"kinetic energy", "J/m"}};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(history_after_a_restart_has_no_step_twice) {
+  const auto path = fresh_directory("history") + "/history.csv";
+  {
+    auto h = output::history::start(MPI_COMM_WORLD, path, columns);
+    for (const int step : {0, 10, 20, 30}) h.append(step, std::array{0.1 * step, 1.0 / 3.0});
+    // Flushed after each line: a reader sees it while the file is still open.
+    BOOST_TEST(contents(path).ends_with("30,3,0.3333333333333333\n"));
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  if (rank() == 0) overwrite(path, contents(path) + "40,4,0.33");  // killed within a line
+  MPI_Barrier(MPI_COMM_WORLD);
+  auto h = output::history::resume(MPI_COMM_WORLD, path, columns, 20);
+  h.append(30, std::array{-0.0, std::nan("")});
+  BOOST_TEST(contents(path) ==
+             "step [1],time [s],kinetic energy [J/m]\n0,0,0.3333333333333333\n10,1,0.3333333333333333\n"
+             "20,2,0.3333333333333333\n30,-0,nan\n");
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) overwrite(path, contents(path) + "40,4,0.33");
+  MPI_Barrier(MPI_COMM_WORLD);
+  output::history::resume(MPI_COMM_WORLD, path, columns, 1000);
+  BOOST_TEST(contents(path).ends_with("30,-0,nan\n"));
+}
+
+BOOST_AUTO_TEST_CASE(history_of_other_columns_is_not_continued) {
+  const auto path = fresh_directory("history_other") + "/history.csv";
+  output::history::resume(MPI_COMM_WORLD, path, columns, 0);
+  const auto before = contents(path);
+  BOOST_TEST(before == "step [1],time [s],kinetic energy [J/m]\n");
+  std::string message;
+  BOOST_TEST(fails(exit_status::file_failed, message, [&] {
+    output::history::resume(MPI_COMM_WORLD, path, {{"time", "h"}}, 0);
+  }));
+  BOOST_TEST(contents(path) == before);
+}
+
+BOOST_AUTO_TEST_CASE(a_full_disk_is_told_on_every_rank) {
+  std::string message;
+  const std::vector<double> values = {1.0, 2.0};
+  const auto directory = fresh_directory("history_full");
+  auto h = output::history::start(MPI_COMM_WORLD, directory + "/history.csv", columns);
+  output::write_text(MPI_COMM_WORLD, directory + "/resolved.nml", "old");
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const rlimit tight{fs::file_size(directory + "/history.csv") + 2, old.rlim_max};
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) setrlimit(RLIMIT_FSIZE, &tight);
+  const bool history_told = fails(exit_status::file_failed, message, [&] { h.append(1, values); });
+  const bool text_told = fails(exit_status::file_failed, message, [&] {
+    output::write_text(MPI_COMM_WORLD, directory + "/resolved.nml", std::string(1000, 'x'));
+  });
+  setrlimit(RLIMIT_FSIZE, &old);
+  BOOST_TEST(history_told);
+  BOOST_TEST(text_told);
+  BOOST_TEST(message.find("resolved.nml: File too large") != std::string::npos, message);
+  BOOST_TEST(contents(directory + "/resolved.nml") == "old");
+}
+
+BOOST_AUTO_TEST_CASE(summary_is_json_whatever_happened) {
+  const auto path = fresh_directory("summary") + "/summary.json";
+  nlohmann::ordered_json summary;
+  summary["status"] = "diverged";
+  summary["errors"]["pressure_max"] = std::numeric_limits<double>::infinity();
+  summary["time"] = std::nan("");
+  summary["message"] = "bad byte \xff";
+  output::write_summary(MPI_COMM_WORLD, path, summary);
+  const auto back = nlohmann::ordered_json::parse(contents(path));
+  BOOST_TEST(back["errors"]["pressure_max"].is_null());
+  BOOST_TEST(back["time"].is_null());
+  BOOST_TEST(back.begin().key() == "status");
+  BOOST_TEST(back["message"] == "bad byte \xef\xbf\xbd");
+}
+
+BOOST_AUTO_TEST_CASE(run_log_goes_on) {
+  const auto path = fresh_directory("log") + "/run.log";
+  for (const auto* text : {"first", "second"}) {
+    output::run_log log(MPI_COMM_WORLD, path);
+    log.write(text);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  const auto text = contents(path);
+  BOOST_TEST(std::count(text.begin(), text.end(), '\n') == 4);
+  BOOST_TEST((text.find("s  first\n") < text.find("s  second\n") && text.ends_with("s  second\n")));
+}
+
+BOOST_AUTO_TEST_CASE(progress_counts_from_the_restart) {
+  const output::progress_state begin{1000, 5000, 10.0, 0.0, 0.01, 0};
+  const output::progress_state now{2000, 5000, 20.0, 0.0, 0.01, 2000000};
+  // 1000 of 4000 steps in 60 s: 180 s left.
+  BOOST_TEST(output::progress_line(now, begin, 60.0) ==
+             "step 2000/5000 (40 %)  t = 20 s  dt = 0.01 s  3.3e+04 updates/s  3:00 left");
+  // No step limit: by the time reached, 10 s of 30 s.
+  BOOST_TEST(output::progress_line({2000, 0, 20.0, 40.0, 0.01, 0}, {1000, 0, 10.0, 40.0, 0.01, 0}, 3600.0) ==
+             "step 2000 (50 %)  t = 20 s  dt = 0.01 s  0 updates/s  2:00:00 left");
+  BOOST_TEST(output::progress_line(begin, begin, 0.0) == "step 1000/5000 (20 %)  t = 10 s  dt = 0.01 s");
+}
+
+BOOST_AUTO_TEST_CASE(progress_into_a_file_is_rare_and_plain) {
+  const auto path = fresh_directory("progress") + "/out";
+  if (rank() == 0) {
+    std::FILE* out = std::fopen(path.c_str(), "w");
+    output::progress bar(true, out, {});
+    output::progress silent(false, out, {});
+    for (std::int64_t step = 1; step <= 100000; ++step) bar.update({step, 100000, 0.0, 0.0, 0.0, 0});
+    bar.finish({100000, 100000, 1.0, 0.0, 0.0, 0});
+    silent.finish({});
+    std::fclose(out);
+    const auto text = contents(path);
+    BOOST_TEST(text.starts_with("step 100000/100000 (100 %)"), text);
+    BOOST_TEST(std::count(text.begin(), text.end(), '\n') == 1);
+    BOOST_TEST(text.find('\r') == std::string::npos);
+  }
+}
