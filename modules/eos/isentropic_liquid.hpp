@@ -4,7 +4,7 @@
 //   (dp/drho)_T = [K_S + gamma rho c_V ((1 - q)(T - T_S) - gamma T_S)]/rho
 // with constant c_V: a consistent potential for any gamma(rho).
 // Liquid iron: W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994). Their gamma
-// depends on density and energy; along their isentrope q = 0.2 follows it within 2 % up to
+// depends on density and energy; along their isentrope q = 0.2 follows it within 2.1 % up to
 // 13000 kg/m^3.
 #pragma once
 

@@ -10,9 +10,9 @@
 //   u = u_s(rho) + c_V [T - T_s(rho)],
 // where u_s, T_s is the isentrope through (rho0, u = 0, T0):
 //   du_s/drho = p(rho, u_s)/rho^2,  d ln T_s/d ln rho = (1/rho)(dp/du)_rho.
-// So p(rho0, T0) = 0, c_V is constant and dT = (u - u_s changes)/c_V. For p linear in u
-// (omega constant) this is an exact potential; otherwise T is an approximation, while p and
-// the speed of sound, c^2 = (dp/drho)_u + (p/rho^2)(dp/du)_rho, are Tillotson's own.
+// So p(rho0, T0) = 0 and c_V is constant. For p linear in u (omega constant) this is an
+// exact potential; otherwise T is an approximation, while p(rho, u) and the speed of sound,
+// c^2 = (dp/drho)_u + (p/rho^2)(dp/du)_rho, are Tillotson's own.
 // Below rho0 the work of tension is left out (u_s = 0, T_s = T0 eta^(a+b)): A mu + B mu^2
 // does not vanish as rho -> 0, and its integral would diverge.
 #pragma once

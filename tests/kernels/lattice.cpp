@@ -110,10 +110,13 @@ BOOST_AUTO_TEST_CASE(growth_of_the_hosono_iteration) {
   BOOST_TEST(growth(50e9) < 1.0);
 }
 
-// A search in 3-D: the 2-D minimum of a separable-looking wave is not enough.
+// In 3-D the least S lies inside an edge of the zone, at k dx = (pi, pi, 1.72).
 BOOST_AUTO_TEST_CASE(minimum_in_3d) {
   const auto kernel = with_default_h<wendland_c2<3>>();
   const auto least = transfer_minimum(kernel, dx);
+  BOOST_TEST(std::abs(least.k_dx[0] - pi) < 1e-6);
+  BOOST_TEST(std::abs(least.k_dx[1] - pi) < 1e-6);
+  BOOST_TEST(std::abs(least.k_dx[2] - 1.7175) < 1e-4);
   for (int i = 0; i <= 10; ++i)
     for (int j = 0; j <= 10; ++j)
       for (int l = 0; l <= 10; ++l)
