@@ -407,6 +407,8 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
   s.rate_known = false;
 }
 
+void explicit_integrator::prepare() { self_->know_rate(); }
+
 void explicit_integrator::state_changed() {
   home_was_changed(self_->home.get());
   self_->rate_known = false;

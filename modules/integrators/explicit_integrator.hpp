@@ -104,6 +104,9 @@ class explicit_integrator {
   // state before the step again.
   double step(double t_stop);
   double time() const;
+  // Evaluates f at the present state unless it is known from the last step: for callers whose f has
+  // a memory (a start value, say) that may move on only then.
+  void prepare();
 
   // The particle arrays moved, were permuted, or have another length on this rank.
   void resize(std::vector<field> fields, std::size_t n);

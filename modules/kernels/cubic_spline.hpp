@@ -13,7 +13,7 @@ template <int D>
 class cubic_spline {
  public:
   static constexpr int dimension = D;
-  static constexpr const char* name = "cubic_spline";
+  static constexpr const char* name = "cubic";
   static constexpr double support_over_h = 2.0;
   static constexpr double default_h_over_dx = 1.2;
 

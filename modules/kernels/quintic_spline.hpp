@@ -16,7 +16,7 @@ template <int D>
 class quintic_spline {
  public:
   static constexpr int dimension = D;
-  static constexpr const char* name = "quintic_spline";
+  static constexpr const char* name = "quintic";
   static constexpr double support_over_h = 3.0;
   static constexpr double default_h_over_dx = 1.2;
 

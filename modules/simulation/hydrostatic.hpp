@@ -21,6 +21,7 @@
 #include <simulation/right_hand_side.hpp>
 #include <simulation/state.hpp>
 #include <simulation/summary.hpp>
+#include <volume/hosono_iteration.hpp>
 
 namespace tetsuame::simulation {
 
@@ -108,13 +109,21 @@ struct run {
     integrator->resize(state_fields(world, o.time), s.fluid);
   }
 
-  // What follows a completed step: the iteration's new start value, walls as the last guard.
+  // The iteration for Y starts from what it found at the last state that was reached. The start value
+  // moves on only when the rate there is known, so that a restart, which has to find that rate
+  // again, finds the same bits.
+  void start_from_present_state() {
+    if constexpr (iterates) {
+      integrator->prepare();
+      std::copy_n(world.w.s.rho.begin(), world.w.s.fluid, world.w.s.rho_guess.begin());
+    }
+  }
+
+  // What follows a completed step: the record of the iteration, walls as the last guard.
   void complete_step() {
     auto& s = world.w.s;
     ++step;
     if constexpr (iterates) {
-      std::copy_n(s.rho.begin(), s.fluid, s.rho_guess.begin());
-      integrator->state_changed();
       residuals->append(step, how.residuals);
       how.residuals.clear();
     }
@@ -146,6 +155,7 @@ struct run {
       refresh_lists();
       {
         const foundation::stage timed(world.w.times, "integration");
+        start_from_present_state();
         integrator->step(next_stop());
       }
       complete_step();
@@ -295,6 +305,7 @@ struct run {
     history = output::history::resume(ranks.comm, line.output + "/history.csv", history_columns(), step);
     if constexpr (iterates) residuals = residual_file::resume(ranks, line.output + "/residuals.csv", step);
     series = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots));
+    evaluate_here();
   }
 
   void restore(const output::checkpoint_globals& g) {
@@ -412,7 +423,6 @@ struct run {
         start_anew();
       else
         continue_from_checkpoint();
-      evaluate_here();
       warn_about_step();
       advance();
       evaluate_here();

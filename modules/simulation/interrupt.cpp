@@ -1,4 +1,5 @@
 #include <csignal>
+#include <initializer_list>
 #include <simulation/interrupt.hpp>
 
 namespace tetsuame::simulation {

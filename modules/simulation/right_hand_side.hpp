@@ -67,7 +67,7 @@ void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   work.heat.assign(s.fluid, 0.0);
   for (std::size_t a = 0; a < D; ++a) std::fill_n(out.dv[a], s.fluid, w.g[a]);
   std::fill_n(out.du, s.fluid, 0.0);
-  std::visit([&](auto t) { t.accelerate(w, scene.walls, out.dv); }, scene.treatment);
+  std::visit([&](auto t) { t.template accelerate<D>(w, scene.walls, out.dv); }, scene.treatment);
   const auto v = pairs::pointers<D>(s.v);
   w.sum(w.fluid(), typename Gradient::template term<D>{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}},
         gradient::continuity<D>{v, s.dV.data(), work.dlnrho.data()},

@@ -2,7 +2,7 @@
 // moved far enough.
 #pragma once
 
-#include <numeric>
+#include <kernels/lattice.hpp>
 #include <pairs/workspace.hpp>
 #include <simulation/options.hpp>
 #include <walls/treatments.hpp>

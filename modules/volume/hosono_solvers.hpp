@@ -7,37 +7,51 @@ namespace tetsuame::volume {
 
 namespace detail {
 
-// plain and under_relaxed: Y ← Y (Y_new/Y)^ω, ω = 1 for plain.
+// Why there is no end: κ, the growth factor of theory and of the last passes, where it began.
 template <int D>
-void relax(pass<D>& one, double omega, double tolerance, double kappa) {
+std::string account(const pass<D>& one, const std::string& outcome, double kappa, double measured, const std::string& began) {
+  auto& w = one.w;
+  const std::string& solver = one.self.how.solver;
+  const double S_min = kernels::transfer_minimum<D>(w.kernel, w.dx).value;
+  const double G = (kappa - 1.0) * (1.0 - S_min);
+  std::string text = "Hosono's iteration (" + solver + ") " + outcome + " at iteration " + std::to_string(one.iteration) +
+                     ": K_T/p = " + number(kappa) + ", predicted growth factor of a pass |G| = (K_T/p - 1)(1 - S_min) = " + number(G);
+  if (std::isfinite(measured) && measured > 0.0) text += ", last measured " + number(measured);
+  text += ". It began at " + began;
+  const std::string proof = no_state_exists(w, one.around);
+  if (!proof.empty()) return text + "; " + proof;
+  return solver == "plain" ? text + ". &hosono solver = 'newton' converges where a solution exists" : text;
+}
+
+// The solution was found, or is a fixed point that repels? On a perfect lattice the start value
+// already solves the equations to rounding, and a single pass cannot tell: converged is a residual
+// below the tolerance that did not grow in the last pass.
+inline bool settled(double residual, double previous, double tolerance) {
+  return residual <= tolerance && residual <= previous;
+}
+
+// plain and under_relaxed: Y ← Y (Y_new/Y)^ω, ω = 1 for plain. Ends when settled, or when the
+// residual is below `enough`; throws when it diverged or took too many passes.
+template <int D>
+void relax(pass<D>& one, double omega, double tolerance, double enough, double kappa) {
   auto& [w, around, self, iteration] = one;
   auto& s = w.s;
   const bool plain = self.how.solver == "plain";
-  double least = std::numeric_limits<double>::infinity(), previous = least;
+  double least = std::numeric_limits<double>::infinity(), previous = -1.0;
   std::string began;  // where the residual was when it stopped falling
   while (true) {
     one.evaluate();
     const double residual = one.residual();
     one.record(residual);
-    if (residual <= tolerance) return;
+    if (settled(residual, previous, tolerance) || residual <= enough) return;
     if (residual < least)
       least = residual;
     else if (began.empty())
       began = worst_particle(w);
     const bool dead = plain && !std::isfinite(residual);
     if (dead || iteration >= self.how.max_iterations) {
-      const double S_min = kernels::transfer_minimum<D>(w.kernel, w.dx).value;
-      const double G = (kappa - 1.0) * (1.0 - S_min);
-      std::string text = "Hosono's iteration (" + self.how.solver + ") ";
-      text += dead ? "diverged" : "did not converge";
-      text += " at iteration " + std::to_string(iteration) + ": K_T/p = " + number(kappa) +
-              ", predicted growth factor of a pass |G| = (K_T/p - 1)(1 - S_min) = " + number(G) +
-              (std::isfinite(previous) && std::isfinite(residual) ? ", last measured " + number(residual / previous) : "") +
-              ". It began at " + (began.empty() ? worst_particle(w) : began);
-      const std::string proof = no_state_exists(w, around);
-      if (!proof.empty()) text += "; " + proof;
-      else if (plain) text += ". &hosono solver = 'newton' converges where a solution exists";
-      throw divergence(iteration, text);
+      if (began.empty()) began = worst_particle(w);
+      throw divergence(iteration, account(one, dead ? "diverged" : "did not converge", kappa, residual / previous, began));
     }
     previous = residual;
     for (std::size_t i = 0; i < s.fluid; ++i)
@@ -55,6 +69,9 @@ void fail_unconverged(const pass<D>& one, const std::string& reason, double kapp
 // x = ln Y, g(x) = x + ω ln(p^/p).
 template <int D>
 void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
+  // Far from the solution extrapolation misleads: relaxed passes first.
+  constexpr double near = 0.3;
+  relax(one, omega, tolerance, near, kappa);
   auto& w = one.w;
   auto& s = w.s;
   std::vector<double> x(s.fluid);
@@ -143,7 +160,7 @@ void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& 
   else if (how.solver == "newton")
     detail::newton(one, tolerance, kappa);
   else
-    detail::relax(one, omega, tolerance, kappa);
+    detail::relax(one, omega, tolerance, 0.0, kappa);
   // Y, p and ρ of the last pass are consistent: bring them to the ghosts.
   for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = s.m[i] * s.p[i] / s.Y[i];
   w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});

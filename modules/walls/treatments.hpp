@@ -104,7 +104,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     const std::size_t i = s.first_wall() + r;
     std::array<double, D> v;
     for (std::size_t a = 0; a < D; ++a) v[a] = at_marker(set, r, s.v[a]);
-    mirror_velocity(set, r, v);
+    mirror_velocity<D>(set, r, v);
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
     s.T[i] = mirror_temperature(set, r, at_marker(set, r, s.T));
     s.rho[i] = at_marker(set, r, s.rho);
