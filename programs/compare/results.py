@@ -19,15 +19,17 @@ def number(summary: dict, *path: str) -> float | None:
 
 
 def cost_per_step(outcome: Outcome) -> float | None:
-    """Seconds a step, without start, measuring and output."""
-    seconds, steps = number(outcome.summary, "stepping_seconds"), number(outcome.summary, "steps")
-    return seconds / steps if seconds is not None and steps else None
+    """Seconds a step in all stages: the run without its output."""
+    steps, seconds = number(outcome.summary, "steps"), sum(stages(outcome).values())
+    return seconds / steps if steps and seconds > 0.0 else None
 
 
 def stages(outcome: Outcome) -> dict[str, float]:
-    """Seconds by stage name."""
+    """Seconds by stage name, without output, which is the disk's time and not the method's."""
     given = outcome.summary.get("stages")
-    return {name: float(value) for name, value in given.items()} if isinstance(given, dict) else {}
+    if not isinstance(given, dict):
+        return {}
+    return {name: float(value) for name, value in given.items() if name != "output"}
 
 
 def wall_share(outcome: Outcome) -> float | None:

@@ -55,8 +55,8 @@ class Compare(unittest.TestCase):
         self.assertEqual(float(rows["column", "E", ""]["pressure_error_mean"]), 4.9e-5)
         self.assertEqual(rows["column", "E", ""]["agrees"], "")  # the note has no column
         share, cost = (float(rows["12", "C", ""][key]) for key in ("wall_correction_share", "seconds_per_step"))
-        self.assertAlmostEqual(share, 0.2 / 1.26)
-        self.assertAlmostEqual(cost, 1.26 / 1000)
+        self.assertAlmostEqual(share, 0.2 / 1.21)
+        self.assertAlmostEqual(cost, 1.21 / 1000)
         self.assertRegex(done.stdout, r"(?m)^A +diverged 2/2 +diverged 2/2$")
         self.assertRegex(done.stdout, r"(?m)^C +5\.6e-05 +4\.4e-05$")
         self.assertIn("file 12: F &gt; C = E &gt; D", self.page())

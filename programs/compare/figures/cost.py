@@ -1,4 +1,4 @@
-"""Time a step by stage (output included), for the runs of one input; what treats walls stands out."""
+"""Time a step by stage, for the runs of one input; what treats walls stands out."""
 from pathlib import Path
 
 from ..results import cost_per_step, stages
@@ -8,11 +8,12 @@ from . import style
 WALL = "#CC3311"
 OTHERS = ("#4477AA", "#66A5CC", "#99C7DB", "#8C8C6E", "#B8B38F", "#DDD8B8")
 REST = "#e4e4e4"
+SMALL = 0.01  # of the time of all runs: stages below are not told apart
 
 
 def input_shown(outcomes: list[Outcome], files: list[str]) -> str | None:
     """The input with most completed runs, the last of equals: cost depends little on the input."""
-    timed = [o.case.file for o in outcomes if o.kind == COMPLETED and cost_per_step(o) and stages(o)]
+    timed = [o.case.file for o in outcomes if o.kind == COMPLETED and cost_per_step(o)]
     return max(reversed(files), key=timed.count) if timed else None
 
 
@@ -20,13 +21,14 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     file = input_shown(outcomes, files)
     if file is None:
         return False
-    runs = [o for o in outcomes if o.case.file == file and o.kind == COMPLETED and cost_per_step(o) and stages(o)]
+    runs = [o for o in outcomes if o.case.file == file and o.kind == COMPLETED and cost_per_step(o)]
     total: dict[str, float] = {}
     for outcome in runs:
         for name, seconds in stages(outcome).items():
             total[name] = total.get(name, 0.0) + seconds
     walls = [name for name in total if name.startswith("wall")]
-    others = sorted((name for name in total if name not in walls), key=total.get, reverse=True)[:len(OTHERS)]
+    seen = [name for name in total if name not in walls and total[name] > SMALL * sum(total.values())]
+    others = sorted(seen, key=total.get, reverse=True)[:len(OTHERS)]
 
     figure, (ax,) = style.panels(1, 1, 0.42 * len(runs) + 1.3)
     left = [0.0] * len(runs)
@@ -52,7 +54,7 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
     ax.set_axisbelow(True)
-    ax.set_xlabel("time a step (ms), one thread")
+    ax.set_xlabel("time a step without output (ms), one thread")
     ax.set_title(f"File {file}")
     ax.margins(x=0.08)
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)

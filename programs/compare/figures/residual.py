@@ -52,15 +52,17 @@ def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
         # p^ <= 0: the logarithm has no value. The mark stands at the upper edge.
         ax.plot(history.iteration[-1], 0.96, color=colour, marker="x", markersize=7, markeredgewidth=2,
                 transform=ax.get_xaxis_transform())
-    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"))
     if len(passes) == 0:
         return
+    # A single value makes no line.
+    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"),
+            marker="o" if len(passes) == 1 else None, markersize=3.5)
     if stopped and good[-1]:
         ax.plot(passes[-1], values[-1], color=colour, marker="x", markersize=7, markeredgewidth=2)
     growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
     if not variant and growth is not None and growth > 1:
-        # As many passes as were made, at least three so that the slope is seen, from the first residual.
-        line = np.arange(passes[0], passes[0] + max(len(passes), 3))
+        # From the first residual, as many passes as were made, at least two so that the slope is seen.
+        line = np.arange(passes[0], passes[0] + max(len(passes), 2))
         ax.plot(line, values[0] * growth ** (line - line[0]), color=style.GREY, linewidth=4, alpha=0.35, zorder=1)
 
 
