@@ -28,7 +28,7 @@ def page(outcomes: list[Outcome], drawn: list[Figure], settings: tuple[str, ...]
                     "Colour: its size on one scale for all; arrows: its direction, the longest of each map drawn "
                     "equally long, none where it is round-off; grey: wall particles."),
              section("What it costs", prose.cost(outcomes)),
-             images(drawn, "cost", "Time a step by stage."),
+             images(drawn, "cost", "Time a step by stage; A and B with the first solver that completes."),
              all_runs(outcomes), how_to(settings)]
     return ("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

@@ -1,7 +1,7 @@
 """Time a step by stage, for the runs of one input; what treats walls stands out."""
 from pathlib import Path
 
-from ..results import cost_per_step, stages
+from ..results import cost_per_step, representatives, stages
 from ..runner import COMPLETED, Outcome
 from . import style
 
@@ -21,7 +21,7 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     file = input_shown(outcomes, files)
     if file is None:
         return False
-    runs = [o for o in outcomes if o.case.file == file and o.kind == COMPLETED and cost_per_step(o)]
+    runs = [o for o in representatives(outcomes, file) if cost_per_step(o)]
     total: dict[str, float] = {}
     for outcome in runs:
         for name, seconds in stages(outcome).items():
