@@ -20,6 +20,8 @@ struct neighbour_list {
   std::vector<std::size_t> start;      // per row, into `neighbours`; one more at the end
   std::vector<std::int32_t> neighbours;
   std::size_t pairs = 0;               // entries without padding
+  std::size_t null = 0;                // the null particle's index, the largest there is
+  mutable particles::array records;    // scratch of the pair loop: what it reads of the neighbours, packed
 
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
 };
@@ -29,6 +31,7 @@ template <int D, class Centre, class Accept>
 neighbour_list make_list(const grid<D>& g, const std::array<particles::array, D>& x, std::size_t rows, double reach,
                          std::size_t null, Centre&& centre, Accept&& accept) {
   neighbour_list list;
+  list.null = null;
   std::vector<std::uint32_t> count(rows, 0);
   const double reach2 = reach * reach;
   const auto visit = [&](std::size_t r, auto&& take) {

@@ -19,10 +19,14 @@ struct conduction {
     real k, dV, T, sum;
   };
 
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV)};
+  }
   me begin(std::size_t i) const { return {real(k[i]), real(dV[i]), real(T[i]), real(0.0)}; }
-  void add(me& a, const pairs::pair<D>& ij) const {
-    const real factor = harmonic(a.k, pairs::gather(k, ij.j)) * a.dV * pairs::gather(dV, ij.j) * ij.F;
-    a.sum += factor * (a.T - pairs::gather(T, ij.j));
+  void add(me& a, const auto& ij) const {
+    const real factor = harmonic(a.k, ij(pairs::of_conductivity)) * a.dV * ij(pairs::of_volume) * ij.F;
+    a.sum += factor * (a.T - ij(pairs::of_temperature));
   }
   void end(std::size_t i, const me& a) const { heat[i] += pairs::sum(a.sum); }
 };

@@ -19,13 +19,14 @@ struct continuity {
     real sum;
   };
 
+  auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
   me begin(std::size_t i) const {
     me a{{}, real(0.0)};
     for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
     return a;
   }
-  void add(me& a, const pairs::pair<D>& ij) const {
-    a.sum += pairs::gather(dV, ij.j) * ij.F * foundation::dot(a.v - pairs::gather<D>(v, ij.j), ij.x_ij);
+  void add(me& a, const auto& ij) const {
+    a.sum += ij(pairs::of_volume) * ij.along_gradient(a.v - ij(pairs::of_velocity));
   }
   void end(std::size_t i, const me& a) const { dlnrho[i] = pairs::sum(a.sum); }
 };

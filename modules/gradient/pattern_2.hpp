@@ -31,17 +31,21 @@ struct pattern_2::term {
     real work;                     // W
   };
 
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, dV)};
+  }
   me begin(std::size_t i) const {
     me a{real(p[i] * dV[i]), real(dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
     for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
     return a;
   }
-  void add(me& a, const pairs::pair<D>& ij) const {
-    const real dV_j = pairs::gather(dV, ij.j);
-    const real Y_j = pairs::gather(p, ij.j) * dV_j;
-    const auto pull = (a.dV * Y_j + a.Y * dV_j) * ij.gradient();
-    a.force += pull;
-    a.work += foundation::dot(a.v - pairs::gather<D>(v, ij.j), pull);
+  void add(me& a, const auto& ij) const {
+    const real dV_j = ij(pairs::of_volume);
+    const real Y_j = ij(pairs::of_pressure) * dV_j;
+    const real stress = a.dV * Y_j + a.Y * dV_j;
+    a.force += stress * ij.gradient();
+    a.work += stress * ij.along_gradient(a.v - ij(pairs::of_velocity));
   }
   void end(std::size_t i, const me& a) const {
     for (std::size_t k = 0; k < D; ++k) out.dv[k][i] -= pairs::sum(a.force[k]) / m[i];

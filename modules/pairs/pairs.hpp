@@ -1,16 +1,17 @@
 // The pair loop: every sum over neighbours in the physics runs through here.
 //
-// A term is a small struct that writes one sum of the notes. It names what it keeps of
-// particle i (`begin`), what a neighbour j adds (`add`, for several neighbours at once: `real`
-// holds one value a lane), and where the finished sum goes (`end`):
+// A term is a small struct that writes one sum of the notes. It names what it reads of the
+// neighbours (records.hpp), what it keeps of particle i (`begin`), what neighbours add (`add`, for
+// several at once: `real` holds one value a lane), and where the finished sum goes (`end`):
 //
 //   struct divergence {                                  // Σ_j ΔV_j v_ij·∇_i W_ij
+//     auto reads() const;                                // -> {read(of_velocity, v), read(of_volume, dV)}
 //     auto begin(std::size_t i) const;                   // -> what the sum needs of i, and its zero
-//     void add(me& a, const pair<D>& ij) const;          // a.sum += gather(dV, ij.j) * dot(v_ij, ij.gradient())
+//     void add(me& a, const auto& ij) const;             // a.sum += ij(of_volume) * ij.F * dot(a.v - ij(of_velocity), ij.x_ij)
 //     void end(std::size_t i, const me& a) const;        // out[i] = sum(a.sum)
 //   };
 //
-// Several terms in one call share the neighbour's distance and kernel: one pass for the
+// Several terms in one call share the neighbour's record, distance and kernel: one pass for the
 // whole right-hand side. Neighbours are added in the list's order, lane by lane, and the
 // lanes in a fixed tree, so the result depends on neither ranks nor threads.
 #pragma once
@@ -19,24 +20,18 @@
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <experimental/simd>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
+#include <pairs/records.hpp>
 #include <particles/particles.hpp>
-#include <span>
 #include <tuple>
 #include <utility>
 
 namespace tetsuame::pairs {
 
-namespace stdx = std::experimental;
-
-using real = stdx::native_simd<double>;
-inline constexpr std::size_t lanes = real::size();
 static_assert(cells::neighbour_list::lanes % lanes == 0);
 
-using foundation::vec;
-
+// For terms that read a field now and then: from the array itself.
 inline real gather(const double* a, const std::int32_t* j) {
   return real([&](auto lane) { return a[j[lane]]; });
 }
@@ -48,7 +43,16 @@ vec<real, D> gather(const std::array<const double*, D>& a, const std::int32_t* j
   return values;
 }
 
-inline double sum(const real& a) {
+// The lanes' sum in the fixed order of a binary tree: (0 + 2) + (1 + 3) for four lanes.
+template <class R>
+double sum(const R& a) {
+#if defined(__AVX__)
+  if constexpr (R::size() == 4) {
+    const auto all = static_cast<__m256d>(a);
+    const __m128d pair = _mm_add_pd(_mm256_castpd256_pd128(all), _mm256_extractf128_pd(all, 1));
+    return _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)));
+  }
+#endif
   std::array<double, lanes> part;
   a.copy_to(part.data(), stdx::element_aligned);
   for (std::size_t half = lanes / 2; half > 0; half /= 2)
@@ -71,6 +75,27 @@ struct pair {
   real W;                 // 1/m^D
   real F;                 // 1/m^(D+2), W'(r)/r
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
+  // v·∇_i W_ij, written so that terms which need it for the same v share it.
+  real along_gradient(const vec<real, D>& v) const { return F * foundation::dot(v, x_ij); }
+};
+
+// A pair with the neighbours' records: ij(of_volume) is a real, ij(of_velocity) a vector.
+template <int D, class Layout>
+struct packed_pair : pair<D> {
+  std::array<real, Layout::size> values;
+
+  template <class Tag>
+  auto operator()(Tag) const {
+    constexpr std::size_t at = Layout::template place<Tag>(), n = Layout::template components<Tag>();
+    static_assert(n > 0, "a term uses a field that its reads() does not name");
+    if constexpr (n == 1) {
+      return values[at];
+    } else {
+      vec<real, static_cast<int>(n)> v;
+      for (std::size_t k = 0; k < n; ++k) v[k] = values[at + k];
+      return v;
+    }
+  }
 };
 
 template <class Mine, class Pair, std::size_t... T, class... Terms>
@@ -83,28 +108,39 @@ void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const T
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
+// One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
+// sums and kernel in registers whatever it thinks of the program's size.
+template <int D, class Form, class Kernel, class... Terms>
+[[gnu::flatten]] void sum_row(std::size_t i, const cells::neighbour_list& list, const std::array<const double*, D>& x,
+                              const Kernel& kernel, const Terms&... terms) {
+  const double* records = list.records.data();
+  vec<real, D> x_i;
+  for (std::size_t k = 0; k < D; ++k) x_i[k] = real(x[k][i]);
+  std::tuple mine{terms.begin(i)...};
+  const std::int32_t* end = list.neighbours.data() + list.start[i + 1];
+  for (const std::int32_t* j = list.neighbours.data() + list.start[i]; j < end; j += lanes) {
+    packed_pair<D, Form> ij;
+    ij.j = j;
+    detail::load(records, j, ij.values);
+    for (std::size_t k = 0; k < D; ++k) ij.x_ij[k] = x_i[k] - ij.values[k];
+    ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
+    kernel.both(stdx::sqrt(ij.r2), ij.W, ij.F);
+    add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
+  }
+  end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
+}
+
 // For each particle i = rows[r]: begin, its neighbours from row i of the list, end.
 template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
+  const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
+                                std::tuple_cat(reads_of(terms)...));
+  using form = decltype(layout_of<D>(reads));
+  pack<D>(x, reads, list.null + 1, list.records);
   const std::size_t n = rows.size();
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < n; ++r) {
-    const std::size_t i = rows[r];
-    vec<real, D> x_i;
-    for (std::size_t k = 0; k < D; ++k) x_i[k] = real(x[k][i]);
-    std::tuple mine{terms.begin(i)...};
-    const std::int32_t* end = list.neighbours.data() + list.start[i + 1];
-    for (const std::int32_t* j = list.neighbours.data() + list.start[i]; j < end; j += lanes) {
-      pair<D> ij;
-      ij.j = j;
-      ij.x_ij = x_i - gather<D>(x, j);
-      ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
-      kernel.both(stdx::sqrt(ij.r2), ij.W, ij.F);
-      add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
-    }
-    end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
-  }
+  for (std::size_t r = 0; r < n; ++r) sum_row<D, form>(rows[r], list, x, kernel, terms...);
 }
 
 // Rows of sum_over: all particles in [0, n).

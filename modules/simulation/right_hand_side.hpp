@@ -70,10 +70,15 @@ void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   std::fill_n(out.du, s.fluid, 0.0);
   std::visit([&](auto t) { t.template accelerate<D>(w, scene.walls, out.dv); }, scene.treatment);
   const auto v = pairs::pointers<D>(s.v);
-  w.sum(w.fluid(), typename Gradient::template term<D>{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}},
-        gradient::continuity<D>{v, s.dV.data(), work.dlnrho.data()},
-        diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), s.m.data(), out.dv, work.heat.data()},
-        diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), work.heat.data()});
+  const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}};
+  const gradient::continuity<D> continuity{v, s.dV.data(), work.dlnrho.data()};
+  if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
+    w.sum(w.fluid(), pressure, continuity,
+          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), s.m.data(), out.dv, work.heat.data()});
+  else
+    w.sum(w.fluid(), pressure, continuity,
+          diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), s.m.data(), out.dv, work.heat.data()},
+          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), work.heat.data()});
 }
 
 // Stage 7:  ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.

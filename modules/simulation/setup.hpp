@@ -4,6 +4,7 @@
 
 #include <foundation/threads.hpp>
 #include <kernels/lattice.hpp>
+#include <optional>
 #include <pairs/workspace.hpp>
 #include <simulation/options.hpp>
 #include <walls/treatments.hpp>
@@ -19,6 +20,7 @@ struct scene {
   std::int64_t fluid_total = 0;
   bool density_carried = false; // ρ is part of the state
   bool weight_carried = false;  // Y is
+  std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
 };
 
 // Pressure of the exact solution at the height y: the initial pressure, or the hydrostatic
@@ -176,6 +178,7 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;
+  if (o.material.conductivity == 0.0) scene.uniform_transport = o.material.viscosity;
   scene.skin = o.skin * w.dx;
   scene.treatment = walls::make(o.walls.treatment);
   scene.walls.how = o.walls;

@@ -22,8 +22,9 @@ struct weight_sum {
   struct me {
     real sum;
   };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y)}; }
   me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const pairs::pair<D>& ij) const { a.sum += pairs::gather(Y, ij.j) * ij.W; }
+  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_weight) * ij.W; }
   void end(std::size_t i, const me& a) const { p[i] = (pairs::sum(a.sum) + Y[i] * self) * scale; }
 };
 
@@ -39,10 +40,11 @@ struct weight_mean {
   struct me {
     real sum, norm;
   };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)}; }
   me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const pairs::pair<D>& ij) const {
-    a.sum += pairs::gather(Y, ij.j) * ij.W;
-    a.norm += pairs::gather(dV, ij.j) * ij.W;
+  void add(me& a, const auto& ij) const {
+    a.sum += ij(pairs::of_weight) * ij.W;
+    a.norm += ij(pairs::of_volume) * ij.W;
   }
   void end(std::size_t i, const me& a) const {
     p[i] = (pairs::sum(a.sum) + Y[i] * self) / (pairs::sum(a.norm) + dV[i] * self);
@@ -61,7 +63,7 @@ struct number_volume {
     real sum;
   };
   me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const pairs::pair<D>& ij) const { a.sum += ij.W; }
+  void add(me& a, const auto& ij) const { a.sum += ij.W; }
   void end(std::size_t i, const me& a) const { dV[i] = scale / (pairs::sum(a.sum) + self); }
 };
 
