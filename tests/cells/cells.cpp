@@ -1,0 +1,193 @@
+// Grids and neighbour lists against a search through all particles and their images.
+#define BOOST_TEST_MODULE cells
+#include "../support/scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::test;
+
+namespace {
+
+template <int D>
+struct point {
+  std::array<double, D> x;
+  std::int64_t id;
+};
+
+// All fluid and wall particles of all ranks, and their images over periodic borders: positions are
+// the sums the halo makes, so everything below holds bit by bit.
+template <int D>
+std::vector<point<D>> all_with_images(const simulation::scene<D>& scene) {
+  const auto& s = scene.w.s;
+  std::vector<point<D>> all;
+  const auto gather = [&](std::size_t begin, std::size_t n) {
+    std::vector<double> mine;
+    for (std::size_t i = begin; i < begin + n; ++i) {
+      for (std::size_t a = 0; a < D; ++a) mine.push_back(s.x[a][i]);
+      mine.push_back(static_cast<double>(s.id[i]));
+    }
+    const auto& ranks = scene.w.d.ranks;
+    const std::vector<std::vector<double>> to_all(static_cast<std::size_t>(ranks.size), mine);
+    const auto rows = domain::detail::all_to_all(ranks, to_all, MPI_DOUBLE);
+    for (std::size_t k = 0; k < rows.size(); k += D + 1) {
+      point<D> p;
+      for (std::size_t a = 0; a < D; ++a) p.x[a] = rows[k + a];
+      p.id = static_cast<std::int64_t>(rows[k + D]);
+      all.push_back(p);
+    }
+  };
+  gather(0, s.fluid);
+  gather(s.first_wall(), s.walls);
+  const auto& region = scene.w.d.region;
+  for (std::size_t a = 0; a < D; ++a) {
+    if (!region.periodic[a]) continue;
+    const std::size_t n = all.size();
+    for (std::size_t k = 0; k < n; ++k)
+      for (const double shift : {-region.length[a], region.length[a]}) {
+        all.push_back(all[k]);
+        all.back().x[a] += shift;
+      }
+  }
+  return all;
+}
+
+// IDs of the neighbours of a point in the order of the lists: by cell along the axes, then ID.
+template <int D>
+std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point<D>& centre, double reach) {
+  std::vector<std::pair<std::array<double, D>, std::int64_t>> found;
+  for (const auto& p : all) {
+    double r2 = 0.0;
+    std::array<double, D> cell;
+    for (std::size_t a = 0; a < D; ++a) {
+      r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
+      cell[a] = std::floor(p.x[a] / reach);
+    }
+    if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.id);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::int64_t> ids;
+  for (const auto& f : found) ids.push_back(f.second);
+  return ids;
+}
+
+template <int D>
+void check_lists(const simulation::scene<D>& scene) {
+  const auto& w = scene.w;
+  const auto& s = w.s;
+  const auto all = all_with_images<D>(scene);
+  const double reach = w.support() + scene.skin;
+  BOOST_REQUIRE(w.d.ranks.sum(static_cast<std::int64_t>(s.fluid)) == scene.fluid_total);
+  BOOST_REQUIRE(w.list.rows() == s.fluid);
+  std::size_t pairs = 0, wrong = 0, bad_padding = 0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto should = expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach);
+    const std::size_t begin = w.list.start[i], end = w.list.start[i + 1];
+    std::vector<std::int64_t> is;
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto j = static_cast<std::size_t>(w.list.neighbours[k]);
+      if (k - begin < should.size())
+        is.push_back(s.id[j]);
+      else
+        bad_padding += j != s.null();
+    }
+    const std::size_t lanes = cells::neighbour_list::lanes;
+    bad_padding += end - begin != (should.size() + lanes - 1) / lanes * lanes;
+    wrong += is != should;
+    pairs += should.size();
+  }
+  BOOST_TEST(wrong == 0U);
+  BOOST_TEST(bad_padding == 0U);
+  BOOST_TEST(w.list.pairs == pairs);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(lists_on_the_lattice_and_jittered) {
+  for (const bool periodic : {true, false})
+    for (const double jitter : {0.0, 0.4}) {
+      check_lists<2>(make_scene<2>(box<2>({16, 9}, periodic), domain::communicator::world(), jitter));
+      check_lists<3>(make_scene<3>(box<3>({12, 6, 6}, periodic, "none", "wendland_c2"), domain::communicator::world(), jitter));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(lists_with_walls) {
+  auto o = box<2>({16, 8}, false, "frozen");
+  check_lists<2>(make_scene<2>(o, domain::communicator::world(), 0.3));
+  o.domain.periodic[0] = true;
+  check_lists<2>(make_scene<2>(o, domain::communicator::world(), 0.3));
+}
+
+// Most particles in a corner, far from equal numbers a cell or a rank.
+BOOST_AUTO_TEST_CASE(lists_of_a_cluster) {
+  for (const bool periodic : {true, false})
+    check_lists<2>(make_scene<2>(box<2>({16, 16}, periodic), domain::communicator::world(), [](std::int64_t, std::array<double, 2> x) {
+      for (double& c : x) c = 16.0 * std::pow(c / 16.0, 4);
+      return x;
+    }));
+}
+
+// Cells hold each particle once, in their bounds, by ID; negative coordinates and far-off ones too.
+BOOST_AUTO_TEST_CASE(grid_sorts_by_cell_and_id) {
+  constexpr std::size_t n = 500;
+  std::array<particles::array, 2> x;
+  std::vector<std::int64_t> id;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[0].push_back(7.0 * noise(static_cast<std::int64_t>(i), 1));
+    x[1].push_back(3.0 * noise(static_cast<std::int64_t>(i), 2) - 40.0);
+    id.push_back(static_cast<std::int64_t>((i * 77) % n));
+  }
+  const double size = 0.9;
+  const auto g = cells::make_grid<2>(x, id, n, size);
+  BOOST_REQUIRE(g.members.size() == n);
+  std::vector<std::array<double, 3>> order;
+  std::vector<int> seen(n, 0);
+  for (const auto i : g.members) {
+    ++seen[i];
+    order.push_back({std::floor(x[0][i] / size), std::floor(x[1][i] / size), static_cast<double>(id[i])});
+  }
+  BOOST_TEST(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(n));
+  BOOST_TEST(std::is_sorted(order.begin(), order.end()));
+}
+
+// Rows with centres of their own, as the walls' markers: anywhere, inside or outside the grid, and a filter.
+BOOST_AUTO_TEST_CASE(list_about_other_points) {
+  constexpr std::size_t n = 400, rows = 60;
+  std::array<particles::array, 3> x;
+  std::vector<std::int64_t> id;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t a = 0; a < 3; ++a) x[a].push_back(5.0 * noise(static_cast<std::int64_t>(i), 3 + a));
+    id.push_back(static_cast<std::int64_t>(i));
+  }
+  const auto centre = [](std::size_t r) {
+    std::array<double, 3> c;
+    for (std::size_t a = 0; a < 3; ++a) c[a] = 9.0 * noise(static_cast<std::int64_t>(r), 10 + a);
+    return c;
+  };
+  const auto even = [](std::size_t, std::uint32_t j) { return j % 2 == 0; };
+  // Reaches above and below the grid's own cells.
+  for (const double reach : {0.8, 2.0, 7.0}) {
+    const auto g = cells::make_grid<3>(x, id, n, 2.0);
+    const auto list = cells::make_list<3>(g, x, rows, reach, n, centre, even);
+    BOOST_REQUIRE(list.rows() == rows);
+    for (std::size_t r = 0; r < rows; ++r) {
+      std::vector<std::int32_t> is, should;
+      for (std::size_t k = list.start[r]; k < list.start[r + 1]; ++k)
+        if (list.neighbours[k] != static_cast<std::int32_t>(n)) is.push_back(list.neighbours[k]);
+      std::sort(is.begin(), is.end());
+      for (std::size_t j = 0; j < n; j += 2) {
+        double r2 = 0.0;
+        for (std::size_t a = 0; a < 3; ++a) r2 += (centre(r)[a] - x[a][j]) * (centre(r)[a] - x[a][j]);
+        if (r2 < reach * reach) should.push_back(static_cast<std::int32_t>(j));
+      }
+      BOOST_TEST(is == should, boost::test_tools::per_element());
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(no_particles_no_neighbours) {
+  std::array<particles::array, 2> x;
+  const auto g = cells::make_grid<2>(x, {}, 0, 1.0);
+  const auto list = cells::make_list<2>(g, x, 1, 1.0, 0, [](std::size_t) { return std::array{0.0, 0.0}; },
+                                        [](std::size_t, std::uint32_t) { return true; });
+  BOOST_TEST(list.pairs == 0U);
+  BOOST_TEST(list.rows() == 1U);
+}

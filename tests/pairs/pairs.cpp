@@ -1,0 +1,135 @@
+// The pair loop against a plain double loop over all particles, for every kernel.
+#define BOOST_TEST_MODULE pairs
+#include <omp.h>
+
+#include "../support/scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::test;
+
+namespace {
+
+// Σ_j f_j W_ij and Σ_j (f_i - f_j) ∇_i W_ij: everything a pair offers.
+template <int D>
+struct probe {
+  using real = pairs::real;
+  const double* f;
+  double* scalar;
+  std::array<double*, D> vector;
+
+  struct me {
+    real f, scalar;
+    pairs::vec<real, D> vector;
+  };
+  me begin(std::size_t i) const { return {real(f[i]), real(0.0), foundation::zero<real, D>()}; }
+  void add(me& a, const pairs::pair<D>& ij) const {
+    const real f_j = pairs::gather(f, ij.j);
+    a.scalar += f_j * ij.W;
+    a.vector += (a.f - f_j) * ij.gradient();
+  }
+  void end(std::size_t i, const me& a) const {
+    scalar[i] = pairs::sum(a.scalar);
+    for (std::size_t k = 0; k < D; ++k) vector[k][i] = pairs::sum(a.vector[k]);
+  }
+};
+
+template <int D>
+struct result {
+  particles::array scalar;
+  std::array<particles::array, D> vector;
+  explicit result(std::size_t n) : scalar(n) { vector.fill(particles::array(n)); }
+  probe<D> of(const particles::array& f) {
+    probe<D> p{f.data(), scalar.data(), {}};
+    for (std::size_t k = 0; k < D; ++k) p.vector[k] = vector[k].data();
+    return p;
+  }
+};
+
+template <int D>
+void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
+  auto scene = make_scene<D>(box<D>(n, true, "none", kernel), domain::communicator::world(), 0.4);
+  auto& w = scene.w;
+  auto& s = w.s;
+  randomise<D>(w, s.T, 1, -1.0, 1.0);
+  result<D> is(s.fluid);
+  w.sum(w.fluid(), is.of(s.T));
+  std::visit(
+      [&](const auto& k) {
+        for (std::size_t i = 0; i < s.fluid; ++i) {
+          double scalar = 0.0, scalar_size = 0.0;
+          std::array<double, D> vector{}, vector_size{};
+          neighbours_of<D>(w, i, [&](std::size_t j, const std::array<double, D>& x_ij, double r) {
+            scalar += s.T[j] * k.value(r);
+            scalar_size += std::abs(s.T[j] * k.value(r));
+            for (std::size_t a = 0; a < D; ++a) {
+              vector[a] += (s.T[i] - s.T[j]) * k.gradient_over_r(r) * x_ij[a];
+              vector_size[a] += std::abs((s.T[i] - s.T[j]) * k.gradient_over_r(r) * x_ij[a]);
+            }
+          });
+          // Some 150 terms in two orders, each rounded a few times, the kernel's polynomial included: 100 ε of the
+          // absolute sum leaves a wide margin, and a missing or doubled neighbour is far beyond it.
+          BOOST_TEST(std::abs(is.scalar[i] - scalar) <= 100.0 * epsilon * scalar_size);
+          for (std::size_t a = 0; a < D; ++a)
+            BOOST_TEST(std::abs(is.vector[a][i] - vector[a]) <= 100.0 * epsilon * vector_size[a]);
+        }
+      },
+      w.kernel);
+
+  // Threads share out particles, never a sum.
+  omp_set_num_threads(2);
+  result<D> again(s.fluid);
+  w.sum(w.fluid(), again.of(s.T));
+  omp_set_num_threads(1);
+  const auto same = [](const particles::array& a, const particles::array& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return bits(x) == bits(y); });
+  };
+  BOOST_TEST(same(again.scalar, is.scalar));
+  for (std::size_t a = 0; a < D; ++a) BOOST_TEST(same(again.vector[a], is.vector[a]));
+
+  // The same bits as one rank alone gives.
+  auto single = make_scene<D>(box<D>(n, true, "none", kernel), alone(), 0.4);
+  randomise<D>(single.w, single.w.s.T, 1, -1.0, 1.0);
+  result<D> lone(single.w.s.fluid);
+  single.w.sum(single.w.fluid(), lone.of(single.w.s.T));
+  BOOST_TEST(same_bits(fluid_by_id(scene, is.scalar), fluid_by_id(single, lone.scalar)));
+  for (std::size_t a = 0; a < D; ++a)
+    BOOST_TEST(same_bits(fluid_by_id(scene, is.vector[a]), fluid_by_id(single, lone.vector[a])));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(plane) {
+  for (const auto& line : kernels::table)
+    BOOST_TEST_CONTEXT(line.name) check_kernel<2>(std::string(line.name), {16, 11});
+}
+
+BOOST_AUTO_TEST_CASE(space) {
+  for (const auto& line : kernels::table)
+    BOOST_TEST_CONTEXT(line.name) check_kernel<3>(std::string(line.name), {11, 11, 11});
+}
+
+// Any subset of rows, and a sum over no rows.
+BOOST_AUTO_TEST_CASE(chosen_rows_alone_are_written) {
+  auto scene = make_scene<2>(box<2>({16, 10}, true), alone(), 0.4);
+  auto& s = scene.w.s;
+  randomise<2>(scene.w, s.T, 1, -1.0, 1.0);
+  result<2> all(s.fluid), some(s.fluid);
+  std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
+  const std::vector<std::size_t> rows{3, 17, 5}, none;
+  scene.w.sum(scene.w.fluid(), all.of(s.T));
+  scene.w.sum(rows, some.of(s.T));
+  scene.w.sum(none, some.of(s.T));
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
+}
+
+BOOST_AUTO_TEST_CASE(the_first_fault_is_that_of_the_lowest_id) {
+  pairs::fault f;
+  f.report(7, "seven");
+  f.report(9, "nine");
+  f.report(7, "seven again");
+  BOOST_TEST(f.message == "seven");
+  f.report(2, "two");
+  BOOST_TEST(f.message == "two");
+  BOOST_TEST(f.id == 2);
+}

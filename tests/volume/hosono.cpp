@@ -1,0 +1,187 @@
+// Hosono's iteration: one answer whatever the solver, the limits theory gives it, and how it fails.
+#define BOOST_TEST_MODULE hosono
+#include <volume/hosono_iteration.hpp>
+
+#include "evaluate.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::test;
+
+namespace {
+
+constexpr double K_T = 1e11;  // Pa
+
+simulation::options at_pressure(double p) {
+  auto o = box<2>({16, 8}, true);
+  o.initial.pressure = p;
+  o.material.eos.reference_pressure = p;
+  o.material.eos.bulk_modulus = K_T;
+  return o;
+}
+
+struct outcome {
+  std::vector<double> Y, p, rho, p_eos;  // by ID
+  std::int64_t passes;
+  std::vector<double> residuals;
+};
+
+outcome solve(const simulation::options& o, double jitter, volume::hosono_options options,
+              const domain::communicator& ranks = domain::communicator::world(), bool normalise = false) {
+  auto scene = make_scene<2>(o, ranks, jitter);
+  refresh(scene);
+  volume::hosono_iteration how{.how = std::move(options)};
+  test::evaluate<volume::smoothed>(scene, how, {normalise});
+  const auto& s = scene.w.s;
+  outcome result{fluid_by_id(scene, s.Y), fluid_by_id(scene, s.p), fluid_by_id(scene, s.rho), fluid_by_id(scene, s.p_eos), how.passes, {}};
+  for (const auto& r : how.residuals) result.residuals.push_back(r.residual);
+  return result;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(std::log(a[i] / b[i])));
+  return largest;
+}
+
+// What every solution is, whatever found it: p^ = p to the tolerance, and p = Σ Y W holds by construction.
+void check_solution(const outcome& r, double tolerance) {
+  BOOST_TEST(largest_difference(r.p_eos, r.p) <= 2.0 * tolerance);
+  for (std::size_t i = 0; i < r.Y.size(); ++i) BOOST_TEST(std::abs(r.rho[i] * r.Y[i] / (7000.0 * r.p[i]) - 1.0) < 1e-14);
+}
+
+}  // namespace
+
+// With κ = K_T/p the linear operator 1 + (κ - 1)(1 - S) lies between 1 and κ: a residual of tol leaves an
+// error of at most tol in ln Y times a few for the walk back through p; ten times bounds it for all.
+BOOST_AUTO_TEST_CASE(all_solvers_agree_where_plain_converges) {
+  const double tolerance = 1e-11;
+  const auto plain = solve(at_pressure(0.7 * K_T), 0.2, {.solver = "plain", .tolerance = tolerance});
+  check_solution(plain, tolerance);
+  for (const std::string solver : {"under_relaxed", "anderson", "newton"})
+    BOOST_TEST_CONTEXT(solver) {
+      const auto other = solve(at_pressure(0.7 * K_T), 0.2, {.solver = solver, .tolerance = tolerance});
+      check_solution(other, tolerance);
+      BOOST_TEST(largest_difference(other.Y, plain.Y) < 10.0 * tolerance);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_cures_agree_where_plain_diverges) {
+  const double tolerance = 1e-10;
+  const auto newton = solve(at_pressure(0.1 * K_T), 0.1, {.solver = "newton", .tolerance = tolerance});
+  check_solution(newton, tolerance);
+  BOOST_TEST_MESSAGE("newton: " << newton.passes << " passes");
+  for (const std::string solver : {"under_relaxed", "anderson"})
+    BOOST_TEST_CONTEXT(solver) {
+      const auto other = solve(at_pressure(0.1 * K_T), 0.1, {.solver = solver, .tolerance = tolerance, .max_iterations = 20000});
+      BOOST_TEST_MESSAGE(solver << ": " << other.passes << " passes");
+      check_solution(other, tolerance);
+      BOOST_TEST(largest_difference(other.Y, newton.Y) < 10.0 * 10.0 * tolerance);  // κ = 10 between ln ρ and ln p
+    }
+  BOOST_CHECK_THROW(solve(at_pressure(0.1 * K_T), 0.1, {.solver = "plain"}), volume::divergence);
+}
+
+// Theory: a pass multiplies the wave of S_min by G = -(κ - 1)(1 - S_min). From a perturbation of 1e-6 the fastest
+// wave leads while it is still linear; 20 % is what is left of the slower ones beside it.
+BOOST_AUTO_TEST_CASE(plain_diverges_at_the_rate_of_theory) {
+  for (const double ratio : {0.4, 0.3, 0.2}) {  // p/K_T
+    const auto o = at_pressure(ratio * K_T);
+    auto scene = make_scene<2>(o, domain::communicator::world(), 1e-6);
+    refresh(scene);
+    const double S_min = kernels::transfer_minimum<2>(scene.w.kernel, scene.w.dx).value;
+    const double G = (1.0 / ratio - 1.0) * (1.0 - S_min);
+    volume::hosono_iteration how{.how = {.solver = "plain", .tolerance = 1e-13, .max_iterations = 200}};
+    std::string message;
+    try {
+      test::evaluate<volume::smoothed>(scene, how);
+    } catch (const volume::divergence& e) {
+      message = e.what();
+      BOOST_TEST(e.iteration() == static_cast<std::int64_t>(how.residuals.size()));
+    }
+    BOOST_REQUIRE(!message.empty());
+    BOOST_TEST(message.find("solver = 'newton'") != std::string::npos);
+    // The last passes whose residual is below 1 %.
+    double measured = 0.0;
+    for (std::size_t n = 1; n < how.residuals.size(); ++n)
+      if (how.residuals[n].residual < 1e-2) measured = how.residuals[n].residual / how.residuals[n - 1].residual;
+    BOOST_TEST_MESSAGE("p/K_T " << ratio << ": growth " << measured << ", theory " << G);
+    BOOST_TEST(std::abs(measured / G - 1.0) < 0.2);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(plain_converges_above_half_the_modulus) {
+  const auto r = solve(at_pressure(0.55 * K_T), 1e-6, {.solver = "plain", .tolerance = 1e-12});
+  check_solution(r, 1e-12);
+}
+
+// An ideal gas at fixed T has κ = 1: Y_new = m R T whatever ρ, so the second pass confirms the first.
+BOOST_AUTO_TEST_CASE(ideal_gas_converges_at_once) {
+  auto o = box<2>({16, 8}, true);
+  o.material.eos = {};
+  o.material.eos.name = "ideal_gas";
+  o.initial.temperature = 300.0;
+  o.initial.pressure = 1e5;
+  for (const std::string solver : {"plain", "under_relaxed"}) {
+    const auto r = solve(o, 0.3, {.solver = solver, .tolerance = 1e-13});
+    BOOST_TEST(r.passes <= 4);
+    BOOST_TEST(largest_difference(r.p_eos, r.p) < 1e-12);
+  }
+}
+
+// The most that smoothing allows is p^(m σ_max); on the lattice p0 - K_T (1 - s). The proof speaks exactly where that
+// is not positive, and never with normalised smoothing there.
+BOOST_AUTO_TEST_CASE(proof_that_no_state_exists) {
+  const auto proof = [](double p, bool normalise) {
+    auto scene = make_scene<2>(at_pressure(p), domain::communicator::world());
+    refresh(scene);
+    volume::hosono_iteration how;
+    const volume::surroundings<2> around{scene.treatment, scene.walls, {normalise}};
+    how.before_walls(scene.w, around);
+    return volume::detail::no_state_exists(scene.w, around);
+  };
+  const auto scene = make_scene<2>(at_pressure(1e10), alone());
+  const double least = K_T * (1.0 - scene.w.lattice_sum);
+  BOOST_TEST(std::abs(least / 5.622e6 - 1.0) < 1e-3);
+  BOOST_TEST(!proof(1e5, false).empty());
+  BOOST_TEST(!proof(least * (1.0 - 1e-6), false).empty());
+  BOOST_TEST(proof(least * (1.0 + 1e-6), false).empty());
+  for (const double p : {1e5, least * (1.0 - 1e-6)}) BOOST_TEST(proof(p, true).empty());
+  // Said before a single pass is made, by every solver that could go on for ever.
+  for (const std::string solver : {"under_relaxed", "anderson", "newton"})
+    BOOST_CHECK_EXCEPTION(solve(at_pressure(1e5), 0.0, {.solver = solver}), volume::divergence, [](const volume::divergence& e) {
+      return e.iteration() == 0 && std::string(e.what()).find("no state with p > 0 exists") != std::string::npos;
+    });
+}
+
+BOOST_AUTO_TEST_CASE(too_few_passes_are_told) {
+  BOOST_CHECK_EXCEPTION(solve(at_pressure(0.1 * K_T), 0.1, {.solver = "under_relaxed", .max_iterations = 3}), volume::divergence,
+                        [](const volume::divergence& e) {
+                          return e.iteration() == 3 && e.status() == foundation::exit_status::calculation_failed;
+                        });
+}
+
+BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks) {
+  for (const std::string solver : {"under_relaxed", "anderson", "newton"})
+    BOOST_TEST_CONTEXT(solver) {
+      const volume::hosono_options how{.solver = solver, .tolerance = 1e-10};
+      const auto together = solve(at_pressure(0.3 * K_T), 0.1, how), lone = solve(at_pressure(0.3 * K_T), 0.1, how, alone());
+      BOOST_TEST(same_bits(together.Y, lone.Y));
+      BOOST_TEST(same_bits(together.p, lone.p));
+      BOOST_TEST(same_bits(together.residuals, lone.residuals));
+    }
+}
+
+// Column between corrected walls: the walls' weights are part of the system; all cures find the same state.
+BOOST_AUTO_TEST_CASE(solvers_agree_between_corrected_walls) {
+  auto o = at_pressure(0.1 * K_T);
+  o.domain.periodic[1] = false;
+  o.walls.treatment = "virtual_marker";
+  o.g = 1e4;
+  o.initial.profile = "hydrostatic";
+  const double tolerance = 1e-10;
+  const auto newton = solve(o, 0.05, {.solver = "newton", .tolerance = tolerance});
+  BOOST_TEST(largest_difference(newton.p_eos, newton.p) <= 2.0 * tolerance);
+  for (const std::string solver : {"under_relaxed", "anderson"}) {
+    const auto other = solve(o, 0.05, {.solver = solver, .tolerance = tolerance, .max_iterations = 20000});
+    BOOST_TEST(largest_difference(other.Y, newton.Y) < 100.0 * tolerance);
+  }
+}

@@ -1,0 +1,340 @@
+// Wall particles and their markers, and what each treatment gives them.
+#define BOOST_TEST_MODULE walls
+#include <set>
+
+#include "../support/scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::test;
+
+namespace {
+
+// Disordered fluid in a box with walls on all sides; in space with the short kernel C2, which keeps it small.
+template <int D>
+simulation::options closed_box(const std::string& treatment, const std::string& interpolation = "mls") {
+  simulation::options o;
+  if constexpr (D == 2)
+    o = box<2>({24, 9}, false, treatment);
+  else
+    o = box<3>({16, 6, 7}, false, treatment, "wendland_c2");
+  o.walls.interpolation = interpolation;
+  return o;
+}
+
+template <int D>
+simulation::scene<D> disorder(const simulation::options& o, const domain::communicator& ranks = domain::communicator::world()) {
+  auto scene = make_scene<D>(o, ranks, 0.25);
+  auto& w = scene.w;
+  auto& s = w.s;
+  for (std::size_t a = 0; a < D; ++a) fill<D>(w, s.v[a], [](std::size_t) { return 0.0; });
+  fill<D>(w, s.rho, [](std::size_t) { return 7000.0; });
+  fill<D>(w, s.T, [](std::size_t) { return 2500.0; });
+  fill<D>(w, s.dV, [&](std::size_t i) { return s.m[i] / 7000.0; });
+  fill<D>(w, s.p, [](std::size_t) { return 1e10; });
+  fill<D>(w, s.Y, [&](std::size_t i) { return s.p[i] * s.dV[i]; });
+  return scene;
+}
+
+// f(i, x, marker) for every owned wall particle, with the marker found from its position alone.
+template <int D, class F>
+void for_each_wall(const simulation::scene<D>& scene, F&& f) {
+  const auto& s = scene.w.s;
+  for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
+    const auto x = cells::position<D>(s.x, i);
+    auto marker = x;
+    for (std::size_t a = 0; a < D; ++a) {
+      const double length = scene.w.d.region.length[a];
+      if (x[a] < 0.0) marker[a] = -x[a];
+      if (x[a] > length) marker[a] = 2.0 * length - x[a];
+    }
+    f(i, x, marker);
+  }
+}
+
+// Which side a coordinate is beyond: 0 the low, 1 the high end, -1 none.
+int beyond(double x, double length) { return x < 0.0 ? 0 : x > length ? 1 : -1; }
+
+template <int D>
+double linear(const std::array<double, D>& x) {
+  double value = 5.0;
+  for (std::size_t a = 0; a < D; ++a) value += (0.3 - 0.7 * static_cast<double>(a)) * x[a];
+  return value;
+}
+template <int D>
+double quadratic(const std::array<double, D>& x) {
+  return linear<D>(x) + 0.2 * x[0] * x[0] - 0.3 * x[0] * x[1] + 0.1 * x[D - 1] * x[D - 1];
+}
+
+// Values of up to 100 at the particles, moments of a condition up to 1e5 (see interpolation.cpp): 1e-8.
+constexpr double exact = 1e-8;
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(places_and_markers) {
+  const auto check = []<int D>(const simulation::scene<D>& scene, std::int64_t expected) {
+    const auto& w = scene.w;
+    std::set<std::int64_t> ids;
+    for_each_wall<D>(scene, [&](std::size_t i, const auto& x, const auto& marker) {
+      bool outside = false;
+      for (std::size_t a = 0; a < D; ++a) {
+        // On the lattice, as deep as the kernel reaches, not beyond a periodic border.
+        const double length = w.d.region.length[a];
+        BOOST_TEST(x[a] - std::floor(x[a]) == 0.5);
+        BOOST_TEST((beyond(x[a], length) < 0 || !w.d.region.periodic[a]));
+        BOOST_TEST(std::max(-x[a], x[a] - length) < std::ceil(w.support()));
+        outside = outside || beyond(x[a], length) >= 0;
+        BOOST_TEST(scene.walls.marker[a][i - w.s.first_wall()] == marker[a]);
+        BOOST_TEST((marker[a] > 0.0 && marker[a] < length));
+      }
+      BOOST_TEST(outside);
+      BOOST_TEST(w.s.id[i] >= scene.fluid_total);
+      ids.insert(w.s.id[i]);
+    });
+    BOOST_TEST(ids.size() == w.s.walls);
+    BOOST_TEST(w.d.ranks.sum(static_cast<std::int64_t>(w.s.walls)) == expected);
+  };
+  const auto world = domain::communicator::world();
+  // Layers: 4 of the quintic's 3.6 spacings, 3 of C2's 2.6.
+  check(make_scene<2>(closed_box<2>("virtual_marker"), world), 32 * 17 - 24 * 9);
+  check(make_scene<3>(closed_box<3>("virtual_marker"), world), 22 * 12 * 13 - 16 * 6 * 7);
+  auto o = closed_box<2>("virtual_marker");
+  o.domain.periodic[0] = true;
+  check(make_scene<2>(o, world), 24 * 8);
+  o = closed_box<2>("virtual_marker");
+  o.domain.periodic[1] = true;
+  check(make_scene<2>(o, world), 8 * 9);
+}
+
+BOOST_AUTO_TEST_CASE(walls_deeper_than_the_box_are_bad_input) {
+  auto o = box<2>({16, 3}, false, "virtual_marker");
+  o.domain.periodic[0] = true;
+  BOOST_CHECK_EXCEPTION(make_scene<2>(o, domain::communicator::world()), foundation::error, [](const foundation::error& e) {
+    return e.status() == foundation::exit_status::bad_input && std::string(e.what()).find("axis 2") != std::string::npos;
+  });
+}
+
+BOOST_AUTO_TEST_CASE(interpolation_at_every_marker_corners_too) {
+  const auto check = []<int D>(const std::string& interpolation, double (*field)(const std::array<double, D>&)) {
+    auto scene = disorder<D>(closed_box<D>("virtual_marker", interpolation));
+    auto& s = scene.w.s;
+    fill<D>(scene.w, s.T, [&](std::size_t i) { return field(cells::position<D>(s.x, i)); });
+    walls::virtual_marker::kinematics(scene.w, scene.walls);
+    double worst = 0.0;
+    for_each_wall<D>(scene, [&](std::size_t i, const auto&, const auto& marker) {
+      worst = std::max(worst, std::abs(s.T[i] - field(marker)));
+    });
+    return scene.w.d.ranks.maximum(worst);
+  };
+  BOOST_TEST(check.operator()<2>("mls", linear<2>) < exact);
+  BOOST_TEST(check.operator()<3>("mls", linear<3>) < exact);
+  BOOST_TEST(check.operator()<2>("mls2", quadratic<2>) < exact);
+  BOOST_TEST(check.operator()<3>("mls2", quadratic<3>) < exact);
+  BOOST_TEST(check.operator()<2>("shepard", +[](const std::array<double, 2>&) { return 42.0; }) < exact);
+  // Orders below what the field needs are seen to miss it.
+  BOOST_TEST(check.operator()<2>("shepard", linear<2>) > 1e-2);
+  BOOST_TEST(check.operator()<2>("mls", quadratic<2>) > 1e-2);
+}
+
+// Every side with its own slip, heat, temperature and velocity; where two or three meet, all their mirrors act.
+BOOST_AUTO_TEST_CASE(slip_and_heat_of_every_side) {
+  const auto check = []<int D>(unsigned pattern) {
+    auto o = closed_box<D>("virtual_marker");
+    o.walls.slip = "free_slip";
+    o.walls.thermal = "fixed";
+    for (std::size_t n = 0; n < 2 * D; ++n) {
+      auto& side = o.walls.sides[n];
+      side.slip = (pattern >> n & 1U) != 0 ? "no_slip" : "inherit";
+      side.thermal = (pattern >> (n + 1) & 1U) != 0 ? "inherit" : "adiabatic";
+      side.temperature = 300.0 + 10.0 * static_cast<double>(n);
+      side.velocity = 1.0 + static_cast<double>(n);
+    }
+    auto scene = disorder<D>(o);
+    auto& s = scene.w.s;
+    for (std::size_t a = 0; a < D; ++a)
+      fill<D>(scene.w, s.v[a], [&](std::size_t i) { return (1.0 + static_cast<double>(a)) * linear<D>(cells::position<D>(s.x, i)); });
+    fill<D>(scene.w, s.T, [&](std::size_t i) { return 400.0 + linear<D>(cells::position<D>(s.x, i)); });
+    walls::virtual_marker::kinematics(scene.w, scene.walls);
+    double worst = 0.0;
+    for_each_wall<D>(scene, [&](std::size_t i, const auto& x, const auto& marker) {
+      std::array<double, D> v;
+      for (std::size_t a = 0; a < D; ++a) v[a] = (1.0 + static_cast<double>(a)) * linear<D>(marker);
+      double T = 400.0 + linear<D>(marker);
+      for (std::size_t axis = 0; axis < D; ++axis) {
+        const int end = beyond(x[axis], scene.w.d.region.length[axis]);
+        if (end < 0) continue;
+        const std::size_t n = 2 * axis + static_cast<std::size_t>(end);
+        std::array<double, D> wall_v{};
+        wall_v[axis == 0 ? 1 : 0] = 1.0 + static_cast<double>(n);
+        if ((pattern >> n & 1U) != 0)
+          for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall_v[a] - v[a];
+        else
+          v[axis] = -v[axis];
+        if ((pattern >> (n + 1) & 1U) != 0) T = 2.0 * (300.0 + 10.0 * static_cast<double>(n)) - T;
+      }
+      for (std::size_t a = 0; a < D; ++a) worst = std::max(worst, std::abs(s.v[a][i] - v[a]));
+      worst = std::max(worst, std::abs(s.T[i] - T));
+    });
+    BOOST_TEST(scene.w.d.ranks.maximum(worst) < 10.0 * exact);  // values up to 500
+  };
+  for (const unsigned pattern : {0b00000U, 0b11111U, 0b00110U, 0b01001U}) check.operator()<2>(pattern);
+  for (const unsigned pattern : {0b0000000U, 0b1111111U, 0b0101101U}) check.operator()<3>(pattern);
+}
+
+// p = p0 - ρ g·(…) linear, ρ uniform: the step from marker to wall particle continues both p and Y = p ΔV as they are.
+BOOST_AUTO_TEST_CASE(hydrostatic_pressure_goes_on_beyond_the_walls) {
+  const auto check = []<int D>() {
+    auto o = closed_box<D>("virtual_marker");
+    auto scene = disorder<D>(o);
+    auto& w = scene.w;
+    auto& s = w.s;
+    for (std::size_t a = 0; a < D; ++a) w.g[a] = 3.0 - 5.0 * static_cast<double>(a);  // aslant: every wall takes part
+    const auto p = [&](const std::array<double, D>& x) {
+      double value = 1e6;
+      for (std::size_t a = 0; a < D; ++a) value += 7000.0 * w.g[a] * x[a];
+      return value;
+    };
+    fill<D>(w, s.p, [&](std::size_t i) { return p(cells::position<D>(s.x, i)); });
+    fill<D>(w, s.Y, [&](std::size_t i) { return s.p[i] * s.dV[i]; });
+    walls::virtual_marker::kinematics(w, scene.walls);
+    walls::virtual_marker::weights(w, scene.walls);
+    walls::virtual_marker::pressures(w, scene.walls);
+    double worst = 0.0;
+    for_each_wall<D>(scene, [&](std::size_t i, const auto& x, const auto&) {
+      worst = std::max({worst, std::abs(s.p[i] - p(x)), std::abs(s.Y[i] - p(x) * 1.0), std::abs(s.dV[i] - 1.0) * 1e6});
+    });
+    BOOST_TEST(w.d.ranks.maximum(worst) < 1e6 * exact);
+  };
+  check.operator()<2>();
+  check.operator()<3>();
+}
+
+// f = ν∇²v + g on all fluid that a marker sees: the sum over all fluid, owned or ghost.
+BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
+  auto scene = disorder<2>(closed_box<2>("virtual_marker"));
+  auto& w = scene.w;
+  auto& s = w.s;
+  w.g = {0.5, -9.0};
+  for (std::size_t a = 0; a < 2; ++a) randomise<2>(w, s.v[a], 3 + a, -1.0, 1.0);
+  randomise<2>(w, s.eta, 5, 1e3, 5e3);
+  walls::virtual_marker::kinematics(w, scene.walls);
+  std::array<particles::array, 2> f;
+  for (std::size_t a = 0; a < 2; ++a) f[a].assign(s.total() + 1, w.g[a]);
+  test::sum<2>(w, diffusion::viscosity<2>{pairs::pointers<2>(s.v), s.eta.data(), s.dV.data(), s.m.data(), {f[0].data(), f[1].data()}, nullptr});
+  for (std::size_t a = 0; a < 2; ++a) w.exchange_fluid({f[a].data()});
+  const auto& list = scene.walls.near_marker;
+  std::size_t seen = 0, wrong = 0;
+  for (std::size_t k = 0; k < list.neighbours.size(); ++k) {
+    const auto j = static_cast<std::size_t>(list.neighbours[k]);
+    if (scene.walls.phi[k] == 0.0) continue;
+    ++seen;
+    for (std::size_t a = 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
+  }
+  BOOST_TEST((seen > 0 || s.walls == 0));
+  BOOST_TEST(wrong == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(treatments_by_name) {
+  for (const std::string name : {"virtual_marker", "none", "frozen", "repulsion"})
+    std::visit([&](auto t) { BOOST_TEST(decltype(t)::name == name); }, walls::make(name));
+  const auto scene = make_scene<2>(closed_box<2>("none"), domain::communicator::world());
+  BOOST_TEST(scene.w.s.walls + scene.w.s.wall_ghosts == 0U);
+}
+
+// ρ = ρ0 exp(ρ0 g (L - y)/K) solves the linear EOS's column, beyond the walls as within.
+BOOST_AUTO_TEST_CASE(frozen_walls_keep_the_start) {
+  auto o = closed_box<2>("frozen");
+  o.g = 1e4;
+  o.initial.profile = "hydrostatic";
+  o.walls.sides[2].velocity = 2.5;
+  auto scene = make_scene<2>(o, domain::communicator::world(), 0.2);
+  auto& s = scene.w.s;
+  for (std::size_t i = s.first_wall(); i < s.total(); ++i) s.v[0][i] = s.rho[i] = s.p[i] = s.dV[i] = s.Y[i] = -1.0;
+  walls::frozen::kinematics(scene.w, scene.walls);
+  walls::frozen::weights(scene.w, scene.walls);
+  for (std::size_t i = s.first_wall(); i < s.total(); ++i) {
+    const double y = s.x[1][i], rho = 7000.0 * std::exp(7000.0 * 1e4 * (9.0 - y) / 1e11), p = 1e10 + 1e11 * (rho / 7000.0 - 1.0);
+    // Runge-Kutta of fourth order with an exponent of 4e-5 a step: rounding alone.
+    BOOST_TEST(std::abs(s.rho[i] / rho - 1.0) < 1e-12);
+    BOOST_TEST(std::abs(s.p[i] / p - 1.0) < 1e-12);
+    BOOST_TEST(std::abs(s.dV[i] - 1.0) < 1e-12);
+    BOOST_TEST(std::abs(s.Y[i] / p - 1.0) < 1e-12);
+    BOOST_TEST(s.v[0][i] == (y < 0.0 ? 2.5 : 0.0));
+  }
+}
+
+// Λ n = (f·n) λ n with λ = -1 at the wall: it takes away f there, and nothing from its range on; the pressure gets no step.
+BOOST_AUTO_TEST_CASE(repulsion_by_distance) {
+  auto o = closed_box<2>("repulsion");
+  o.walls.repulsion_range = 2.0;
+  auto scene = disorder<2>(o);
+  auto& w = scene.w;
+  auto& s = w.s;
+  w.g = {0.5, -9.0};
+  walls::repulsion::kinematics(w, scene.walls);
+  std::array<particles::array, 2> dv;
+  for (auto& component : dv) component.assign(s.fluid, 0.0);
+  walls::repulsion::accelerate<2>(w, scene.walls, {dv[0].data(), dv[1].data()});
+  const auto share = [](double x, double length) { return std::max(0.0, 1.0 - x / 2.0) + std::max(0.0, 1.0 - (length - x) / 2.0); };
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    BOOST_TEST(std::abs(dv[0][i] + 0.5 * share(s.x[0][i], 24.0)) < 10.0 * epsilon);
+    BOOST_TEST(std::abs(dv[1][i] - 9.0 * share(s.x[1][i], 9.0)) < 100.0 * epsilon);
+  }
+  fill<2>(w, s.p, [&](std::size_t i) { return linear<2>(cells::position<2>(s.x, i)); });
+  walls::repulsion::pressures(w, scene.walls);
+  double worst = 0.0;
+  for_each_wall<2>(scene, [&](std::size_t i, const auto&, const auto& marker) {
+    worst = std::max(worst, std::abs(s.p[i] - linear<2>(marker)));
+  });
+  BOOST_TEST(w.d.ranks.maximum(worst) < exact);
+}
+
+BOOST_AUTO_TEST_CASE(reflection_counts_and_mirrors) {
+  auto o = closed_box<2>("virtual_marker");
+  o.domain.periodic[0] = true;
+  auto scene = disorder<2>(o, alone());
+  auto& s = scene.w.s;
+  const auto put = [&](std::size_t i, double x, double y, double v) {
+    s.x[0][i] = x;
+    s.x[1][i] = y;
+    s.v[0][i] = 7.0;
+    s.v[1][i] = v;
+  };
+  put(0, 3.0, -0.25, -2.0);   // through the bottom
+  put(1, 3.0, 9.5, 4.0);      // through the top
+  put(2, 3.0, -0.5, 1.0);     // outside, on its way back
+  put(3, -0.5, 0.25, -2.0);   // over a periodic border: no wall there
+  put(4, 3.0, 0.0, -2.0);     // on the wall is inside
+  BOOST_TEST(walls::reflect(scene.walls, s) == 3);
+  const double expected[5][2] = {{0.25, 2.0}, {8.5, -4.0}, {0.5, 1.0}, {0.25, -2.0}, {0.0, -2.0}};
+  for (std::size_t i = 0; i < 5; ++i) {
+    BOOST_TEST(s.x[1][i] == expected[i][0]);
+    BOOST_TEST(s.v[1][i] == expected[i][1]);
+    BOOST_TEST(s.v[0][i] == 7.0);
+  }
+  BOOST_TEST(s.x[0][3] == -0.5);
+  BOOST_TEST(walls::reflect(scene.walls, s) == 0);
+}
+
+BOOST_AUTO_TEST_CASE(walls_do_not_depend_on_ranks) {
+  const auto values = [](const domain::communicator& ranks, const std::string& interpolation) {
+    auto scene = disorder<2>(closed_box<2>("virtual_marker", interpolation), ranks);
+    auto& w = scene.w;
+    auto& s = w.s;
+    w.g = {0.5, -9.0};
+    for (std::size_t a = 0; a < 2; ++a) randomise<2>(w, s.v[a], 3 + a, -1.0, 1.0);
+    randomise<2>(w, s.T, 6, 2000.0, 3000.0);
+    randomise<2>(w, s.eta, 7, 1.0, 2.0);
+    randomise<2>(w, s.p, 8, 1e9, 2e9);
+    walls::virtual_marker::kinematics(w, scene.walls);
+    walls::virtual_marker::weights(w, scene.walls);
+    walls::virtual_marker::pressures(w, scene.walls);
+    std::vector<double> all;
+    for (const auto* a : {&s.x[0], &s.x[1], &s.v[0], &s.v[1], &s.T, &s.eta, &s.dV, &s.Y, &s.p}) {
+      const auto one = walls_by_id(scene, *a);
+      all.insert(all.end(), one.begin(), one.end());
+    }
+    return all;
+  };
+  for (const std::string interpolation : {"mls", "mls2"})
+    BOOST_TEST(same_bits(values(domain::communicator::world(), interpolation), values(alone(), interpolation)));
+}
