@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 #include <vector>
+#include <foundation/threads.hpp>
 
 namespace tetsuame::cells {
 
@@ -38,7 +39,7 @@ neighbour_list make_list(const grid<D>& g, const std::array<particles::array, D>
       if (r2 < reach2 && accept(r, j)) take(j);
     });
   };
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (rows > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < rows; ++r) visit(r, [&](std::uint32_t) { ++count[r]; });
   list.start.resize(rows + 1);
   list.start[0] = 0;
@@ -48,7 +49,7 @@ neighbour_list make_list(const grid<D>& g, const std::array<particles::array, D>
     list.pairs += count[r];
   }
   list.neighbours.resize(list.start[rows]);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (rows > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < rows; ++r) {
     std::size_t k = list.start[r];
     visit(r, [&](std::uint32_t j) { list.neighbours[k++] = static_cast<std::int32_t>(j); });

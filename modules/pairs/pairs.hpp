@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <experimental/simd>
+#include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
 #include <particles/particles.hpp>
 #include <span>
@@ -87,7 +88,7 @@ template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
   const std::size_t n = rows.size();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const std::size_t i = rows[r];
     vec<real, D> x_i;

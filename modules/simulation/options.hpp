@@ -42,7 +42,7 @@ struct time_options {
 
 struct output_options {
   double interval = 0.0;              // s
-  std::int64_t history_interval = 1;  // steps
+  std::int64_t history_interval = 10;  // steps
 };
 
 struct run_options {

@@ -14,6 +14,7 @@
 
 #include <diffusion/conduction.hpp>
 #include <diffusion/viscosity.hpp>
+#include <foundation/threads.hpp>
 #include <gradient/continuity.hpp>
 #include <simulation/setup.hpp>
 #include <span>
@@ -83,7 +84,7 @@ void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& ou
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
   bool finite = true;
-#pragma omp parallel for schedule(static) reduction(&& : finite)
+#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     for (std::size_t a = 0; a < D; ++a) out.dx[a][i] = s.v[a][i];
     const double power = out.du[i], heating = work.heat[i] / s.m[i];

@@ -2,6 +2,7 @@
 // moved far enough.
 #pragma once
 
+#include <foundation/threads.hpp>
 #include <kernels/lattice.hpp>
 #include <pairs/workspace.hpp>
 #include <simulation/options.hpp>
@@ -157,7 +158,7 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
 template <int D>
 double moved_since_lists(const particles::particles<D>& s) {
   double largest = 0.0;
-#pragma omp parallel for schedule(static) reduction(max : largest)
+#pragma omp parallel for schedule(static) reduction(max : largest) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     double r2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);

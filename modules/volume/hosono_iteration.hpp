@@ -152,7 +152,7 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
     std::visit(
         [&](const auto& material) {
           p_most = std::max(p_most, material.evaluate(s.m[i] / densest, s.T[i]).p);
-          const auto start = material.evaluate(s.rho[i], s.T[i]);
+          const auto start = material.evaluate(s.rho_guess[i], s.T[i]);
           p_start = std::max(p_start, start.p);
           K_T = std::max(K_T, start.K_T);
         },

@@ -6,6 +6,7 @@
 //   determine(w, walls, ...)         Y, p, ΔV = Y/p, ρ and the material's properties, of fluid and ghosts
 #pragma once
 
+#include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
 #include <walls/treatments.hpp>
 
@@ -77,7 +78,7 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
   for (std::size_t k = 0; k < w.materials.size(); ++k)
     std::visit(
         [&](const auto& material) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
           for (std::size_t i = 0; i < n; ++i) {
             if (s.material[i] != static_cast<std::int32_t>(k)) continue;
             const eos::properties e = material.evaluate(s.rho[i], s.T[i]);

@@ -16,6 +16,7 @@
 
 #include <diffusion/viscosity.hpp>
 #include <variant>
+#include <foundation/threads.hpp>
 #include <walls/interpolation.hpp>
 #include <walls/wall_set.hpp>
 
@@ -58,7 +59,7 @@ void shape_markers(const pairs::workspace<D>& w, wall_set<D>& set, const Kernel&
   const auto& s = w.s;
   const int order = polynomial_order(set.how.interpolation);
   const double squeeze = w.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
-#pragma omp parallel
+#pragma omp parallel if (s.walls > foundation::rows_worth_threads)
   {
     std::vector<double> weights;
     std::vector<std::array<double, D>> offsets;
@@ -99,7 +100,7 @@ template <int D>
 void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
   std::visit([&](const auto& kernel) { shape_markers(w, set, kernel); }, w.kernel);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
     std::array<double, D> v;
@@ -134,7 +135,7 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
   const auto& s = w.s;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     double f_dx = 0.0;
     for (std::size_t a = 0; a < D; ++a)
@@ -147,7 +148,7 @@ void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r)
     s.Y[s.first_wall() + r] = at_marker(set, r, s.Y) + set.weight_step[r];
   w.exchange_walls({s.Y.data()});
@@ -156,7 +157,7 @@ void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
     s.p[i] = at_marker(set, r, s.p) + set.pressure_step[r];

@@ -1,0 +1,50 @@
+"""One look for all figures: a colour and a marker for each program, the same everywhere."""
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+
+# Okabe and Ito's palette: told apart with any common colour blindness, and in the order of
+# table 1. C and E often coincide, so E's line is dashed and its marker open.
+COLOUR = {"A": "#E69F00", "B": "#CC79A7", "C": "#0072B2", "D": "#D55E00", "E": "#56B4E9", "F": "#009E73"}
+MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
+DASHED = {"E"}
+
+INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
+WIDTH = 10.4  # inches: the report's column
+
+plt.rcParams.update({
+    "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
+    "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
+    "axes.titlelocation": "left", "axes.edgecolor": GREY, "axes.labelcolor": INK, "axes.linewidth": 0.7,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": FAINT,
+    "grid.linewidth": 0.6, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK, "legend.frameon": False, "lines.linewidth": 1.6, "text.color": INK,
+})
+
+
+def line(program: str) -> dict:
+    """Keyword arguments of plot() for a program."""
+    dashed = program in DASHED
+    return {"color": COLOUR[program], "marker": MARKER[program], "markersize": 4,
+            "linestyle": (0, (4, 2)) if dashed else "-",
+            "markerfacecolor": "white" if dashed else COLOUR[program],
+            # An open, dashed line over a full one shows both.
+            "zorder": 4 if dashed else 3}
+
+
+def panels(count: int, columns: int, height: float, **options):
+    """A grid of axes, those too many removed; the axes wanted, as a list."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
+    figure, grid = plt.subplots(rows, columns, figsize=(WIDTH, height * rows), squeeze=False, **options)
+    flat = list(grid.flat)
+    for axes in flat[count:]:
+        axes.remove()
+    return figure, flat[:count]
+
+
+def save(figure, path) -> None:
+    figure.savefig(path)
+    plt.close(figure)

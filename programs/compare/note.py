@@ -1,0 +1,56 @@
+"""What the note reports, as data: the one place where its entries stand.
+
+Source: K. Shobuzako, note of 17 May 2022, section 1.1: table 1 (the programs), table 2 (the
+results) and the remarks below it. Translated from Japanese.
+"""
+from dataclasses import dataclass
+
+SOURCE = "K. Shobuzako, note of 17 May 2022, section 1.1"
+
+
+@dataclass(frozen=True)
+class Program:
+    volume: str     # how Y comes about
+    wall: str
+    gradient: str
+    remark: str = ""
+
+
+# Table 1. Pattern 1 is the form derived by the note's author, pattern 2 that of the original DISPH papers.
+TABLE_1 = {
+    "A": Program("Hosono iteration", "corrected", "pattern 1"),
+    "B": Program("Hosono iteration", "none", "pattern 1"),
+    "C": Program("our method", "corrected", "pattern 1"),
+    "D": Program("our method", "none", "pattern 1"),
+    "E": Program("our method", "corrected", "pattern 2"),
+    "F": Program("our method", "corrected", "pattern 1", "non-smoothed pressure"),
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    dt: str                      # s
+    pressure: str                # Pa
+    diverged: bool
+    step: int | None = None      # where it diverged
+    iteration: int | None = None
+
+
+# Table 2: (file, program) -> entry. 1000 steps, 2500 K everywhere.
+TABLE_2 = {
+    ("11", "A"): Entry("1e-3", "1e5", True, 2, 2),
+    ("11", "B"): Entry("1e-3", "1e5", True, 1, 2),
+    ("11", "C"): Entry("1e-3", "1e5", False),
+    ("11", "D"): Entry("1e-3", "1e5", False),
+    ("11", "E"): Entry("1e-3", "1e5", False),
+    ("11", "F"): Entry("1e-3", "1e5", False),
+    ("12", "A"): Entry("1e-5", "1e10", True, 2, 2),
+    ("12", "B"): Entry("1e-5", "1e10", True, 1, 2),
+    ("12", "C"): Entry("1e-5", "1e10", False),
+    ("12", "D"): Entry("1e-5", "1e10", False),
+    ("12", "E"): Entry("1e-5", "1e10", False),
+    ("12", "F"): Entry("1e-5", "1e10", False),
+}
+
+ACCURACY_ORDER = "F > C > E > D"   # the remark in table 2, best first, for both files
+COST_OF_CORRECTION = 2.0           # run time with the boundary correction over that without, in the note

@@ -1,0 +1,166 @@
+"""Runs the cases, several at a time, and tells a calculation that failed from a program that did."""
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+from .cases import Case
+from .options import Options
+
+COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
+CALCULATION_FAILED = 3  # the exit status by which a program says so itself
+
+
+@dataclass(frozen=True)
+class Outcome:
+    case: Case
+    kind: str        # COMPLETED, STOPPED (exit 3: a result), CRASHED
+    reason: str      # in words, unless completed
+    folder: Path
+    summary: dict    # summary.json; empty if there is none
+    reused: bool     # the last report's run: nothing it depends on has changed
+
+
+def run_all(cases: list[Case], options: Options) -> list[Outcome]:
+    """The outcomes in the order of the cases."""
+    progress = Progress(len(cases))
+    outcomes: dict[Case, Outcome] = {}
+    with ThreadPoolExecutor(options.jobs) as pool:
+        futures = {pool.submit(run_one, case, options, progress): case for case in cases}
+        for future in as_completed(futures):
+            outcome = future.result()
+            outcomes[outcome.case] = outcome
+            progress.finished(outcome)
+    progress.end()
+    return [outcomes[case] for case in cases]
+
+
+def run_one(case: Case, options: Options, progress: "Progress") -> Outcome:
+    folder = options.output.resolve() / "runs" / case.folder
+    program = options.binaries.resolve() / f"disph_{case.program.lower()}"
+    if not program.is_file():
+        return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
+
+    mark = fingerprint(program, case)
+    record = record_of(folder)
+    if not options.fresh and (status := recorded_status(record, mark)) is not None:
+        outcome = judge(case, folder, status, True)
+        if outcome.kind != CRASHED:
+            return outcome
+
+    # Files of an earlier run would be taken for this one's, and the programs want an empty folder.
+    shutil.rmtree(folder, ignore_errors=True)
+    record.unlink(missing_ok=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    command = [str(program), str(case.input), "--output", str(folder)]
+    for setting in case.settings:
+        command += ["--set", setting]
+    progress.started(case)
+    with open(terminal_of(folder), "w") as log:
+        try:
+            status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                    env=os.environ | {"OMP_NUM_THREADS": "1"},
+                                    timeout=options.time_limit).returncode
+        except subprocess.TimeoutExpired:
+            return Outcome(case, CRASHED, f"did not end within {options.time_limit:g} s", folder, {}, False)
+        except OSError as error:
+            return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
+    record.write_text(json.dumps({"fingerprint": mark, "status": status}))
+    return judge(case, folder, status, False)
+
+
+def judge(case: Case, folder: Path, status: int, reused: bool) -> Outcome:
+    """What the exit status and summary.json together say."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text())
+    except OSError:
+        summary, fault = {}, "left no summary.json"
+    except ValueError:
+        summary, fault = {}, "left a summary.json that is no JSON"
+    if status < 0:
+        name = signal.Signals(-status).name if -status in iter(signal.Signals) else f"signal {-status}"
+        return Outcome(case, CRASHED, f"killed by {name}", folder, summary, reused)
+    if status not in (0, CALCULATION_FAILED):
+        return Outcome(case, CRASHED, f"exit {status}{last_line(folder)}", folder, summary, reused)
+    if not summary:
+        return Outcome(case, CRASHED, f"exit {status}, but {fault}", folder, summary, reused)
+    said = summary.get("status")
+    if (said == "completed") != (status == 0):
+        return Outcome(case, CRASHED, f"exit {status}, but summary.json says '{said}'", folder, summary, reused)
+    if status == 0:
+        return Outcome(case, COMPLETED, "", folder, summary, reused)
+    return Outcome(case, STOPPED, summary.get("message") or "the calculation failed", folder, summary, reused)
+
+
+def last_line(folder: Path) -> str:
+    said = terminal_of(folder)
+    lines = said.read_text(errors="replace").strip().splitlines() if said.is_file() else []
+    return f": {lines[-1].strip()[:200]}" if lines else ""
+
+
+def record_of(folder: Path) -> Path:
+    """Beside a run's folder, which belongs to the program: what compare notes of the run."""
+    return folder.with_name(folder.name + ".json")
+
+
+def terminal_of(folder: Path) -> Path:
+    """Beside a run's folder: what the program wrote to the terminal."""
+    return folder.with_name(folder.name + ".log")
+
+
+def fingerprint(program: Path, case: Case) -> str:
+    """Changes with everything the result of a run depends on."""
+    digest = hashlib.sha256()
+    for part in (program.read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode()):
+        digest.update(len(part).to_bytes(8, "little"))
+        digest.update(part)
+    return digest.hexdigest()
+
+
+def recorded_status(record: Path, mark: str) -> int | None:
+    try:
+        content = json.loads(record.read_text())
+        return content["status"] if content["fingerprint"] == mark else None
+    except (OSError, ValueError, KeyError):
+        return None
+
+
+class Progress:
+    """One line, redrawn, on a terminal; a line for each finished run elsewhere."""
+
+    def __init__(self, total: int):
+        self.total, self.done, self.start = total, 0, time.monotonic()
+        self.terminal = sys.stderr.isatty()
+        self.running: list[str] = []
+
+    def started(self, case: Case) -> None:
+        self.running.append(f"{case.label} on {case.file}")
+        self.draw()
+
+    def finished(self, outcome: Outcome) -> None:
+        self.done += 1
+        name = f"{outcome.case.label} on {outcome.case.file}"
+        if name in self.running:
+            self.running.remove(name)
+        if self.terminal:
+            self.draw()
+        elif not outcome.reused:
+            print(f"compare: {self.done}/{self.total} {name}: {outcome.kind}", file=sys.stderr, flush=True)
+
+    def draw(self) -> None:
+        if self.terminal:
+            seconds = time.monotonic() - self.start
+            line = f"compare: {self.done}/{self.total} runs, {seconds:.0f} s; now {', '.join(self.running) or '-'}"
+            width = shutil.get_terminal_size().columns - 1
+            print(f"\r\033[K{line[:width]}", end="", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        if self.terminal:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,129 @@
+"""The tables: what each run gave, for the terminal and as CSV."""
+import csv
+from pathlib import Path
+
+from . import note
+from .results import cost_per_step, number, wall_share
+from .runner import COMPLETED, CRASHED, Outcome, terminal_of
+
+COLUMNS = (
+    "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees",
+    "pressure_error_mean", "pressure_error_max", "density_error_max", "displacement_max_over_dx",
+    "steps", "seconds_per_step", "wall_correction_share", "mass_drift", "momentum_drift", "energy_drift", "state_hash",
+)
+
+
+def row(outcome: Outcome) -> dict:
+    """One run by COLUMNS; None where there is no value."""
+    summary, case = outcome.summary, outcome.case
+    step, iteration = number(summary, "diverged_step"), number(summary, "diverged_iteration")
+    return dict(zip(COLUMNS, (
+        case.file, case.program, case.variant, verdict(outcome), step, iteration, outcome.reason or None,
+        note_says(outcome), agreement(outcome),
+        *(error(outcome, name) for name in
+          ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
+        number(summary, "steps"), cost_per_step(outcome), wall_share(outcome),
+        *(number(summary, "conservation", name) for name in ("mass", "momentum", "energy")),
+        summary.get("state_hash"),
+    )))
+
+
+def error(outcome: Outcome, name: str) -> float | None:
+    """An error of a completed run; those of a run that stopped are of a state on its way out."""
+    return number(outcome.summary, "errors", name) if outcome.kind == COMPLETED else None
+
+
+def verdict(outcome: Outcome) -> str:
+    """'completed', 'diverged', 'failed' (the programs' own words) or 'crashed'."""
+    return outcome.kind if outcome.kind in (COMPLETED, CRASHED) else outcome.summary.get("status", "failed")
+
+
+def place(outcome: Outcome) -> str:
+    """Where a calculation stopped: 'step 1, iteration 2'."""
+    names = ("step", "diverged_step"), ("iteration", "diverged_iteration")
+    # Iteration 0: a solver saw that there is no solution before it began.
+    return ", ".join(f"{word} {value:g}" for word, key in names if (value := number(outcome.summary, key)))
+
+
+def note_says(outcome: Outcome) -> str | None:
+    entry = note.TABLE_2.get((outcome.case.file, outcome.case.program)) if not outcome.case.variant else None
+    if entry is None:
+        return None
+    return f"diverges, step {entry.step}, iteration {entry.iteration}" if entry.diverged else "completes"
+
+
+def agreement(outcome: Outcome) -> str | None:
+    """'yes' or 'no' where the note has an entry: whether the run completes as it does there."""
+    entry = note.TABLE_2.get((outcome.case.file, outcome.case.program)) if not outcome.case.variant else None
+    if entry is None:
+        return None
+    return "yes" if outcome.kind != CRASHED and entry.diverged == (outcome.kind != COMPLETED) else "no"
+
+
+def files(outcomes: list[Outcome]) -> list[str]:
+    return list(dict.fromkeys(outcome.case.file for outcome in outcomes))
+
+
+def labels(outcomes: list[Outcome]) -> list[str]:
+    """Programs and variants, by program."""
+    return sorted(dict.fromkeys(outcome.case.label for outcome in outcomes), key=lambda label: label[0])
+
+
+def accuracy_order(outcomes: list[Outcome], file: str) -> str | None:
+    """C to F by mean pressure error, best first, '=' where two agree to 1 %."""
+    errors = sorted((value, outcome.case.program) for outcome in outcomes
+                    if outcome.case.file == file and outcome.case.program in "CDEF" and not outcome.case.variant
+                    and (value := error(outcome, "pressure_mean")) is not None)
+    if len(errors) < 2:
+        return None
+    text = errors[0][1]
+    for (better, _), (worse, program) in zip(errors, errors[1:]):
+        text += f" {'=' if worse <= 1.01 * better else '>'} {program}"
+    return text
+
+
+def write_csv(outcomes: list[Outcome], path: Path) -> None:
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(row(outcome) for outcome in outcomes)
+
+
+def cell(outcome: Outcome | None) -> str:
+    """A run in a few characters: the mean pressure error, or where it stopped."""
+    if outcome is None:
+        return ""
+    if outcome.kind == CRASHED:
+        return "CRASHED"
+    if outcome.kind != COMPLETED:
+        step, iteration = number(outcome.summary, "diverged_step"), number(outcome.summary, "diverged_iteration")
+        where = f" {step:g}" if step is not None else ""
+        return verdict(outcome) + where + (f"/{iteration:g}" if iteration is not None else "")
+    value = error(outcome, "pressure_mean")
+    return "completed" if value is None else f"{value:.1e}"
+
+
+def terminal(outcomes: list[Outcome], colour: bool) -> str:
+    """Programs down, files across, then every crash in full."""
+    by_place = {(outcome.case.label, outcome.case.file): outcome for outcome in outcomes}
+    columns = files(outcomes)
+    lines = ["Mean pressure error |p - p_ref|/p_ref, or where it stopped (step/iteration):", ""]
+    lines.append(f"{'program':<23}" + "".join(f"{'file ' + name:>16}" for name in columns))
+    for label in labels(outcomes):
+        line = f"{label:<23}"
+        for name in columns:
+            outcome = by_place.get((label, name))
+            text = f"{cell(outcome):>16}"
+            red = colour and outcome is not None and outcome.kind == CRASHED
+            line += f"\033[31m{text}\033[0m" if red else text
+        lines.append(line)
+    lines.append("")
+    for outcome in outcomes:
+        if outcome.kind == CRASHED:
+            lines.append(f"CRASHED: {outcome.case.label} on file {outcome.case.file}: {outcome.reason}")
+            if terminal_of(outcome.folder).is_file():
+                lines.append(f"         what it said: {terminal_of(outcome.folder)}")
+        elif agreement(outcome) == "no":
+            lines.append(f"Not as in the note: {outcome.case.label} on file {outcome.case.file}: "
+                         f"{verdict(outcome)}; the note: {note_says(outcome)}")
+    return "\n".join(lines)
