@@ -471,11 +471,14 @@ struct run {
   }
 };
 
-// Main program: reads the input, runs, returns the exit status.
-template <class Program, int D = 2>
+// Main program: reads the input, runs in 2-D or 3-D, returns the exit status.
+template <class Program>
 int hydrostatic(int argc, char** argv) {
   return start(argc, argv, Program::name, Program::wall::name, [](const command_line& line, const input& in) {
-    run<Program, D>(line, in).carry_out();
+    if (in.values.domain.dimension == 3)
+      run<Program, 3>(line, in).carry_out();
+    else
+      run<Program, 2>(line, in).carry_out();
   });
 }
 
