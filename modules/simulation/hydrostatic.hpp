@@ -302,9 +302,13 @@ struct run {
     // Lists stand where they stood, so that sums keep their order: they are made from the positions
     // of that time, and the present ones put back after.
     auto& s = world.w.s;
-    std::swap(s.x, s.x_list);
+    const auto exchange_positions = [&] {  // of the fluid: walls stay where they are
+      for (std::size_t n = 0; n < D; ++n)
+        std::swap_ranges(s.x[n].begin(), s.x[n].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[n].begin());
+    };
+    exchange_positions();
     rebuild(world, keep_list_positions);
-    std::swap(s.x, s.x_list);
+    exchange_positions();
     make_integrator(0.0);
     restore(saved.globals);
     output::forget_checkpoints_after(ranks.comm, line.output, step);
