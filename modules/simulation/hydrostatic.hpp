@@ -48,6 +48,7 @@ struct run {
   std::optional<output::history> history;
   std::optional<residual_file> residuals;
   output::series series;
+  std::optional<output::latest_checkpoint> found;  // to be continued
   summary report;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
@@ -277,28 +278,37 @@ struct run {
     write_snapshot();
   }
 
+  // Read and checked before anything is written: one that does not fit leaves the directory as it was.
+  output::latest_checkpoint read_saved() const {
+    output::latest_checkpoint saved;
+    if (line.restart == "latest")
+      saved = output::find_latest(ranks.comm, line.output);
+    else
+      saved = {line.restart, output::read_checkpoint(ranks.comm, line.restart), {}};
+    const auto& texts = saved.state.globals.texts;
+    check_restart(texts.at("program"), texts.at("input"), line.program, resolved);
+    return saved;
+  }
+
   void continue_from_checkpoint() {
-    output::checkpoint saved;
-    if (line.restart == "latest") {
-      auto latest = output::find_latest(ranks.comm, line.output);
-      for (const auto& message : latest.messages) {
-        say(message);
-        if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, message);
-      }
-      say("continuing from " + latest.path);
-      saved = std::move(latest.state);
-    } else {
-      saved = output::read_checkpoint(ranks.comm, line.restart);
-      say("continuing from " + line.restart);
+    for (const auto& message : found->messages) {
+      say(message);
+      if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, message);
     }
-    check_restart(saved.globals.texts.at("program"), saved.globals.texts.at("input"), line.program, resolved);
+    say("continuing from " + found->path);
+    const output::checkpoint saved = std::move(found->state);
+    found.reset();
     fluid_from_checkpoint(saved.tables.at("fluid"), world.w.s);
     // Lists stand where they stood, so that sums keep their order: they are made from the positions
     // of that time, and the present ones put back after.
     auto& s = world.w.s;
-    std::swap(s.x, s.x_list);
+    const auto exchange_positions = [&] {  // of the fluid: walls stay where they are
+      for (std::size_t n = 0; n < D; ++n)
+        std::swap_ranges(s.x[n].begin(), s.x[n].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[n].begin());
+    };
+    exchange_positions();
     rebuild(world, keep_list_positions);
-    std::swap(s.x, s.x_list);
+    exchange_positions();
     make_integrator(0.0);
     restore(saved.globals);
     output::forget_checkpoints_after(ranks.comm, line.output, step);
@@ -408,6 +418,7 @@ struct run {
       start_kappa = volume::detail::largest_kappa(world.w);
     }
     output::open_directory(ranks.comm, line.output, !line.restart.empty() ? mode::restart : line.force ? mode::force : mode::fresh);
+    if (!line.restart.empty()) found = read_saved();
     log.emplace(ranks.comm, line.output + "/run.log");
     say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size, omp_get_max_threads(), line.input));
     const auto& material = eos::about(world.w.materials[0]);
@@ -464,11 +475,14 @@ struct run {
   }
 };
 
-// Main program: reads the input, runs, returns the exit status.
-template <class Program, int D = 2>
+// Main program: reads the input, runs in 2-D or 3-D, returns the exit status.
+template <class Program>
 int hydrostatic(int argc, char** argv) {
   return start(argc, argv, Program::name, Program::wall::name, [](const command_line& line, const input& in) {
-    run<Program, D>(line, in).carry_out();
+    if (in.values.domain.dimension == 3)
+      run<Program, 3>(line, in).carry_out();
+    else
+      run<Program, 2>(line, in).carry_out();
   });
 }
 

@@ -1,0 +1,104 @@
+"""Runs the six programs the way a user does, each in a directory of its own.
+
+Where the programs and the inputs are comes from the environment, which CMake sets:
+TETSUAME_PROGRAMS, TETSUAME_INPUTS and TETSUAME_MPIEXEC. To run one test by hand:
+
+    TETSUAME_PROGRAMS=build/programs TETSUAME_INPUTS=inputs TETSUAME_MPIEXEC=mpirun \\
+        python3 -m unittest -v tests/programs/test_usage.py
+"""
+
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+PROGRAMS = pathlib.Path(os.environ["TETSUAME_PROGRAMS"]).resolve()
+INPUTS = pathlib.Path(os.environ["TETSUAME_INPUTS"]).resolve()
+MPIEXEC = os.environ["TETSUAME_MPIEXEC"]
+
+COMPLETED, BAD_INPUT, CALCULATION_FAILED, FILE_FAILED, INTERRUPTED = 0, 2, 3, 4, 75
+ALL = ["disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f"]
+
+# Above the longest run of any test here, so that a hanging program fails its test and not all of them.
+LIMIT_S = 90
+
+ENVIRONMENT = {
+    "OMP_WAIT_POLICY": "passive",
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+}
+
+
+class Result:
+    """What a finished run left: its exit status, what it said, and its output directory."""
+
+    def __init__(self, status, stdout, stderr, directory):
+        self.status, self.stdout, self.stderr, self.directory = status, stdout, stderr, directory
+
+    def __repr__(self):
+        return f"exit {self.status}\n{self.stdout}{self.stderr}"
+
+    @property
+    def summary(self):
+        return json.loads((self.directory / "summary.json").read_text())
+
+    def rows(self, name="history.csv"):
+        """The header and the lines of a table of the run, as texts."""
+        with open(self.directory / name, newline="") as file:
+            lines = list(csv.reader(file))
+        return lines[0], lines[1:]
+
+
+def command(program, *arguments, ranks=None):
+    start = [] if ranks is None else [MPIEXEC, "--bind-to", "none", "-n", str(ranks)]
+    return [*start, str(PROGRAMS / program), *map(str, arguments)]
+
+
+def environment(threads=1):
+    return {**os.environ, **ENVIRONMENT, "OMP_NUM_THREADS": str(threads)}
+
+
+class Case(unittest.TestCase):
+    """A test with an empty directory `self.here`, which is also where its programs run."""
+
+    def setUp(self):
+        self.here = pathlib.Path(tempfile.mkdtemp(prefix="tetsuame_"))
+        self.addCleanup(shutil.rmtree, self.here, ignore_errors=True)
+
+    def call(self, program, *arguments, ranks=None, threads=1, directory=None):
+        """Any command line, as it is."""
+        done = subprocess.run(
+            command(program, *arguments, ranks=ranks), cwd=self.here, env=environment(threads),
+            stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LIMIT_S)
+        return Result(done.returncode, done.stdout, done.stderr, directory)
+
+    def arguments(self, name, settings, directory, options=()):
+        source = name if isinstance(name, pathlib.Path) else INPUTS / f"{name}.nml"
+        changes = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+        return [source, *changes, "--output", directory, *options]
+
+    def run_program(self, program, name, settings=None, output=None, options=(), expect=COMPLETED, **how):
+        """`program` on the shipped input `name` (or a path), with `settings` over it: {"time.steps": 10}."""
+        directory = self.here / (output or self.fresh_name(program))
+        result = self.call(program, *self.arguments(name, settings or {}, directory, options), directory=directory, **how)
+        self.assertEqual(result.status, expect, result)
+        return result
+
+    def fresh_name(self, program):
+        return f"{program}_{len(list(self.here.iterdir()))}"
+
+    def assert_says(self, result, status, *parts):
+        """The exit status, and every part of the message, in any order."""
+        self.assertEqual(result.status, status, result)
+        for part in parts:
+            self.assertIn(part, result.stderr)
+
+    def listing(self):
+        """Every file below `here` with its content, to see that nothing was written."""
+        return {path.relative_to(self.here): path.read_bytes() if path.is_file() else None
+                for path in sorted(self.here.rglob("*"))}

@@ -1,0 +1,262 @@
+"""Stopped runs go on: signals, the wall-clock limit, kill -9, damaged checkpoints; on other ranks, with the same bits."""
+
+import os
+import signal
+import subprocess
+import time
+
+import unittest
+
+from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, FILE_FAILED, INTERRUPTED, LIMIT_S, Case, Result, command, environment
+from test_ranks import case_of
+
+LATEST = ["--restart", "latest"]
+
+
+def long_case(program, method="euler"):
+    """A case that goes on for a second or so after its first lines of history."""
+    name, settings = case_of(program, **{"time.steps": 150 if program != "disph_a" else 80, "time.dt": 0.1, "output.history_interval": 1})
+    if method == "adaptive":
+        settings.update({"time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 8 if program != "disph_a" else 3})
+    return name, settings
+
+
+class Restart(Case):
+    def start(self, program, name, settings, output, ranks=None):
+        """The run under way, in a process group of its own."""
+        process = subprocess.Popen(
+            command(program, *self.arguments(name, settings, self.here / output), ranks=ranks), cwd=self.here, env=environment(),
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
+        return process
+
+    def wait_for(self, process, ready):
+        end = time.monotonic() + LIMIT_S
+        while not ready():
+            self.assertIsNone(process.poll(), "the run ended before it could be stopped")
+            self.assertLess(time.monotonic(), end, "the run does not come far enough")
+            time.sleep(0.002)
+
+    def lines(self, output):
+        path = self.here / output / "history.csv"
+        return path.read_text().count("\n") if path.exists() else 0
+
+    def finish(self, process, output):
+        _, errors = process.communicate(timeout=LIMIT_S)
+        return Result(process.returncode, "", errors, self.here / output)
+
+    def stop(self, program, name, settings, output, number, ranks=None, after=20):
+        process = self.start(program, name, settings, output, ranks)
+        self.wait_for(process, lambda: self.lines(output) > after)
+        process.send_signal(number)
+        result = self.finish(process, output)
+        self.assertEqual(result.status, INTERRUPTED, result)
+        return result
+
+    def assert_interrupted(self, result):
+        s = result.summary
+        self.assertEqual(s["status"], "interrupted")
+        self.assertIn("--restart latest", s["message"])
+        self.assertIn("--restart latest", result.stderr)
+        self.assertTrue((result.directory / f"checkpoint_{s['steps']:08d}.h5").exists(), "the checkpoint of the last step")
+
+    def assert_same_run(self, whole, continued):
+        """State, table and everything measured, as if nothing had happened."""
+        a, b = whole.summary, continued.summary
+        for name in ["status", "state_hash", "steps", "time", "errors", "conservation", "last_dt", "attempts"]:
+            self.assertEqual(b[name], a[name], name)
+        for table in ["history.csv"]:
+            self.assertEqual((continued.directory / table).read_text(), (whole.directory / table).read_text())
+        steps = [int(row[0]) for row in continued.rows()[1]]
+        self.assertEqual(steps, sorted(set(steps)), "no step twice")
+
+    # ---- signals ----
+
+    def test_signals(self):
+        name, settings = long_case("disph_f")
+        whole = self.run_program("disph_f", name, settings, "whole")
+        for number in [signal.SIGTERM, signal.SIGINT, signal.SIGUSR1]:
+            with self.subTest(number.name):
+                stopped = self.stop("disph_f", name, settings, number.name, number)
+                self.assert_interrupted(stopped)
+                self.assertLess(stopped.summary["steps"], whole.summary["steps"])
+                again = self.run_program("disph_f", name, settings, number.name, options=LATEST, ranks=2)
+                self.assert_same_run(whole, again)
+
+    def test_on_other_ranks(self):
+        """Stopped on some ranks by the signal that mpirun hands on, continued on others."""
+        for program, method, before, after in [
+                ("disph_a", "euler", 2, 3), ("disph_c", "euler", 4, 1), ("disph_f", "euler", 1, 4),
+                ("disph_a", "adaptive", 1, 2), ("disph_c", "adaptive", 3, 4), ("disph_f", "adaptive", 2, None)]:
+            with self.subTest(program=program, method=method):
+                name, settings = long_case(program, method)
+                output = f"{program}_{method}"
+                whole = self.run_program(program, name, settings, f"{output}_whole")
+                stopped = self.stop(program, name, settings, output, signal.SIGUSR1, ranks=before, after=10)
+                self.assert_interrupted(stopped)
+                again = self.run_program(program, name, settings, output, options=LATEST, ranks=after)
+                self.assert_same_run(whole, again)
+                if program == "disph_a":
+                    self.assert_no_pass_twice(again)
+
+    def assert_no_pass_twice(self, result):
+        header, rows = result.rows("residuals.csv")
+        passes = [(int(float(r[1])), int(float(r[2]))) for r in rows]
+        self.assertEqual(len(passes), len(set(passes)))
+        self.assertEqual([int(r[0]) for r in rows], sorted(int(r[0]) for r in rows))
+
+    def test_twice(self):
+        """Two stops one after the other, with snapshots due between."""
+        name, settings = long_case("disph_c")
+        settings["output.interval"] = 1.0
+        whole = self.run_program("disph_c", name, settings, "whole")
+        self.stop("disph_c", name, settings, "out", signal.SIGTERM)
+        process = subprocess.Popen(command("disph_c", *self.arguments(name, settings, self.here / "out", LATEST)),
+                                   env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        lines = self.lines("out")
+        self.wait_for(process, lambda: self.lines("out") > lines + 10)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.finish(process, "out").status, INTERRUPTED)
+        again = self.run_program("disph_c", name, settings, "out", options=LATEST)
+        self.assert_same_run(whole, again)
+        snapshots = [sorted(p.name for p in r.directory.glob("snapshot_*.h5")) for r in (whole, again)]
+        self.assertEqual(*snapshots)
+        self.assertEqual(*((r.directory / "series.xdmf").read_text() for r in (whole, again)))
+
+    # ---- limits and crashes ----
+
+    def test_wall_clock_limit(self):
+        name, settings = long_case("disph_c")
+        whole = self.run_program("disph_c", name, settings, "whole")
+        limited = {**settings, "run.wall_clock_limit": 0.1}
+        stopped = self.run_program("disph_c", name, limited, "out", expect=INTERRUPTED, ranks=2)
+        self.assert_interrupted(stopped)
+        again = self.run_program("disph_c", name, settings, "out", options=LATEST)
+        self.assert_same_run(whole, again)
+
+    def test_killed(self):
+        """kill -9: from the newest of the periodic checkpoints, whatever lies half written beside it."""
+        name, settings = long_case("disph_f")
+        settings["run.checkpoint_interval"] = 10
+        whole = self.run_program("disph_f", name, settings, "whole")
+        process = self.start("disph_f", name, settings, "out")
+        self.wait_for(process, lambda: (self.here / "out" / "checkpoint_00000030.h5").exists())
+        os.killpg(process.pid, signal.SIGKILL)
+        self.assertEqual(self.finish(process, "out").status, -signal.SIGKILL)
+        (self.here / "out" / "checkpoint_00000140.h5.tmp").write_bytes(b"half")
+        again = self.run_program("disph_f", name, settings, "out", options=LATEST, ranks=2)
+        self.assert_same_run(whole, again)
+        left = sorted(p.name for p in again.directory.glob("checkpoint_*"))
+        self.assertEqual(left, ["checkpoint_00000140.h5", "checkpoint_00000150.h5"], "the two newest are kept")
+
+    def test_longer(self):
+        """A completed run goes on when the input asks for more steps."""
+        name, settings = long_case("disph_f")
+        short = {**settings, "time.steps": 40, "run.checkpoint_interval": 40}
+        self.run_program("disph_f", name, short, "out")
+        again = self.run_program("disph_f", name, settings, "out", options=LATEST)
+        self.assertEqual(again.summary["state_hash"], self.run_program("disph_f", name, settings).summary["state_hash"])
+
+    def test_failed_calculation_leaves_the_last_good_state(self):
+        """A fluid that falls until its pressure at the top is negative: exit 3 tells where, and the checkpoint is the
+        state of the step before, as a run of just so many steps finds it."""
+        settings = {"time.dt": 0.1, "time.steps": 200, "initial.profile": "uniform", "initial.pressure": 1e9,
+                    "material.viscosity": 1e11, "output.interval": 0}
+        failed = self.run_program("disph_c", "hydrostatic_column", settings, "out", expect=CALCULATION_FAILED)
+        s = failed.summary
+        self.assertEqual(s["status"], "failed")
+        self.assertGreater(s["steps"], 10)
+        self.assertRegex(s["message"], rf"step {s['steps'] + 1}: .*pressure p = -.* particle \d+ at \(.*\) m")
+        shorter = {**settings, "time.steps": s["steps"]}
+        last = self.run_program("disph_c", "hydrostatic_column", shorter, "out", options=LATEST)
+        self.assertEqual(last.summary["state_hash"], self.run_program("disph_c", "hydrostatic_column", shorter).summary["state_hash"])
+
+
+class Checkpoints(Case):
+    """Which checkpoint is taken, and which is refused."""
+
+    def setUp(self):
+        super().setUp()
+        self.name, self.settings = case_of("disph_f", **{"time.steps": 30})
+        self.saving = {**self.settings, "run.checkpoint_interval": 10}
+        self.first = self.run_program("disph_f", self.name, self.saving, "out")
+        self.checkpoints = sorted(self.first.directory.glob("checkpoint_*.h5"))
+        self.assertEqual([p.name for p in self.checkpoints], ["checkpoint_00000020.h5", "checkpoint_00000030.h5"])
+
+    def damage(self, path, position):
+        content = bytearray(path.read_bytes())
+        content[int(position * len(content))] ^= 0x40
+        path.write_bytes(content)
+
+    def continued(self, options=LATEST, expect=COMPLETED, program="disph_f", settings=None):
+        return self.run_program(program, self.name, settings or self.saving, "out", options=options, expect=expect)
+
+    def test_older_one_is_used_when_the_newest_is_damaged(self):
+        for position in [0.0001, 0.3, 0.6, 0.95]:
+            with self.subTest(position):
+                self.damage(self.checkpoints[-1], position)
+                again = self.continued()
+                self.assertIn("checkpoint_00000030.h5", again.stderr)
+                self.assertIn("damaged" if position > 0.1 else "checkpoint", again.stderr)
+                self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+                self.assertEqual(len(self.checkpoints), len(list(again.directory.glob("checkpoint_*.h5"))))
+
+    def test_cut_short(self):
+        content = self.checkpoints[-1].read_bytes()
+        self.checkpoints[-1].write_bytes(content[: len(content) // 2])
+        again = self.continued()
+        self.assertIn("checkpoint_00000030.h5", again.stderr)
+        self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+
+    def test_all_damaged(self):
+        for path in self.checkpoints:
+            self.damage(path, 0.6)
+        before = self.listing()
+        failed = self.continued(expect=FILE_FAILED)
+        for path in self.checkpoints:
+            self.assertIn(path.name, failed.stderr)
+        self.assertEqual(self.listing(), before)
+
+    def test_damaged_by_name(self):
+        self.damage(self.checkpoints[0], 0.6)
+        before = self.listing()
+        self.assertIn("checkpoint_00000020.h5", self.continued(["--restart", self.checkpoints[0]], FILE_FAILED).stderr)
+        self.assertEqual(self.listing(), before)
+
+    def test_by_name(self):
+        again = self.continued(["--restart", self.checkpoints[0]])
+        self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+
+    def test_no_checkpoint(self):
+        for path in self.checkpoints:
+            path.unlink()
+        before = self.listing()
+        self.assertIn("checkpoint", self.continued(expect=FILE_FAILED).stderr)
+        self.continued(["--restart", "no_such.h5"], FILE_FAILED)
+        self.assertEqual(self.listing(), before)
+        missing = self.run_program("disph_f", self.name, self.saving, "nowhere", options=LATEST, expect=FILE_FAILED)
+        self.assertIn("nowhere", missing.stderr)
+        self.assertFalse((self.here / "nowhere").exists())
+
+    def test_no_checkpoint_at_all_but_a_snapshot(self):
+        """Another HDF5 file is no checkpoint."""
+        before = self.listing()
+        snapshot = next(self.first.directory.glob("snapshot_*.h5"))
+        self.assertIn(snapshot.name, self.continued(["--restart", snapshot], FILE_FAILED).stderr)
+        self.assertEqual(self.listing(), before)
+
+    def test_of_another_program(self):
+        before = self.listing()
+        result = self.continued(expect=BAD_INPUT, program="disph_c")
+        self.assertIn("disph_f", result.stderr)
+        self.assertEqual(self.listing(), before, "something was written")
+
+    def test_of_another_input(self):
+        before = self.listing()
+        result = self.continued(expect=BAD_INPUT, settings={**self.saving, "material.viscosity": 1e11})
+        self.assertIn("viscosity", result.stderr)
+        self.assertEqual(self.listing(), before, "something was written")
+
+
+if __name__ == "__main__":
+    unittest.main()
