@@ -98,6 +98,29 @@ struct packed_pair : pair<D> {
   }
 };
 
+// A pair whose fields come from the arrays themselves: for a few rows, where packing all particles
+// would cost more than it saves. The same values, so the same bits.
+template <int D, class Reads>
+struct gathered_pair : pair<D> {
+  const Reads* reads;
+
+  template <class Tag>
+  auto operator()(Tag) const {
+    return std::apply([this](const auto&... r) { return pick<Tag>(r...); }, *reads);
+  }
+
+ private:
+  template <class Tag, class Read, class... Rest>
+  auto pick(const Read& read, const Rest&... rest) const {
+    if constexpr (std::is_same_v<Tag, typename Read::tag> && Read::components == 1)
+      return gather(read.from[0], this->j);
+    else if constexpr (std::is_same_v<Tag, typename Read::tag>)
+      return gather<static_cast<int>(Read::components)>(read.from, this->j);
+    else
+      return pick<Tag>(rest...);
+  }
+};
+
 template <class Mine, class Pair, std::size_t... T, class... Terms>
 void add_all(Mine& mine, const Pair& ij, std::index_sequence<T...>, const Terms&... terms) {
   (terms.add(std::get<T>(mine), ij), ...);
@@ -108,21 +131,26 @@ void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const T
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
+// Rows of sum_over: all particles in [0, n).
+struct every {
+  std::size_t n;
+  std::size_t size() const { return n; }
+  std::size_t operator[](std::size_t r) const { return r; }
+};
+
 // One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
 // sums and kernel in registers whatever it thinks of the program's size.
-template <int D, class Form, class Kernel, class... Terms>
+template <int D, class Pair, class Fetch, class Kernel, class... Terms>
 [[gnu::flatten]] void sum_row(std::size_t i, const cells::neighbour_list& list, const std::array<const double*, D>& x,
-                              const Kernel& kernel, const Terms&... terms) {
-  const double* records = list.records.data();
+                              const Fetch& fetch, const Kernel& kernel, const Terms&... terms) {
   vec<real, D> x_i;
   for (std::size_t k = 0; k < D; ++k) x_i[k] = real(x[k][i]);
   std::tuple mine{terms.begin(i)...};
   const std::int32_t* end = list.neighbours.data() + list.start[i + 1];
   for (const std::int32_t* j = list.neighbours.data() + list.start[i]; j < end; j += lanes) {
-    packed_pair<D, Form> ij;
+    Pair ij;
     ij.j = j;
-    detail::load(records, j, ij.values);
-    for (std::size_t k = 0; k < D; ++k) ij.x_ij[k] = x_i[k] - ij.values[k];
+    ij.x_ij = x_i - fetch(ij);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
     kernel.both(stdx::sqrt(ij.r2), ij.W, ij.F);
     add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
@@ -136,18 +164,28 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
               const Kernel& kernel, const Terms&... terms) {
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
-  using form = decltype(layout_of<D>(reads));
-  pack<D>(x, reads, list.null + 1, list.records);
   const std::size_t n = rows.size();
+  if constexpr (std::is_same_v<Rows, every>) {
+    using packed = packed_pair<D, decltype(layout_of<D>(reads))>;
+    pack<D>(x, reads, list.null + 1, list.records);
+    const double* records = list.records.data();
+    const auto fetch = [records](packed& ij) {
+      detail::load(records, ij.j, ij.values);
+      vec<real, D> x_j;
+      for (std::size_t k = 0; k < D; ++k) x_j[k] = ij.values[k];
+      return x_j;
+    };
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < n; ++r) sum_row<D, form>(rows[r], list, x, kernel, terms...);
+    for (std::size_t r = 0; r < n; ++r) sum_row<D, packed>(rows[r], list, x, fetch, kernel, terms...);
+  } else {
+    using gathered = gathered_pair<D, decltype(reads)>;
+    const auto fetch = [&](gathered& ij) {
+      ij.reads = &reads;
+      return gather<D>(x, ij.j);
+    };
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
+    for (std::size_t r = 0; r < n; ++r) sum_row<D, gathered>(rows[r], list, x, fetch, kernel, terms...);
+  }
 }
-
-// Rows of sum_over: all particles in [0, n).
-struct every {
-  std::size_t n;
-  std::size_t size() const { return n; }
-  std::size_t operator[](std::size_t r) const { return r; }
-};
 
 }  // namespace tetsuame::pairs

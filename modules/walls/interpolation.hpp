@@ -63,32 +63,43 @@ bool solve_first(std::array<std::array<double, N>, N> A, std::size_t n, std::arr
   return true;
 }
 
+namespace detail {
+
+// Of one order, so that the loops over terms have a fixed length.
+template <int D, int Order>
+void shape_functions_of(std::span<const double> weights, std::span<const std::array<double, D>> offsets,
+                        std::span<double> phi) {
+  constexpr std::size_t N = terms(Order, D);
+  std::array<std::array<double, N>, N> A{};
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    const auto P = polynomial<D>(offsets[j]);
+    for (std::size_t a = 0; a < N; ++a)
+      for (std::size_t b = 0; b <= a; ++b) A[a][b] += weights[j] * P[a] * P[b];
+  }
+  std::array<double, N> c{};
+  if constexpr (Order == 0) {
+    if (A[0][0] > 0.0) c[0] = 1.0 / A[0][0];
+  } else if (A[0][0] > 0.0) {
+    for (int lower = Order; !solve_first(A, terms(lower, D), c); --lower) c.fill(0.0);
+  }
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    const auto P = polynomial<D>(offsets[j]);
+    double value = 0.0;
+    for (std::size_t a = 0; a < N; ++a) value += P[a] * c[a];
+    phi[j] = weights[j] * value;
+  }
+}
+
+}  // namespace detail
+
 // weights: W_mj; offsets: (x_j - x_m)/reach; phi: out, one a neighbour. All zero where the
 // marker sees no fluid.
 template <int D>
 void shape_functions(std::span<const double> weights, std::span<const std::array<double, D>> offsets, int order,
                      std::span<double> phi) {
-  constexpr std::size_t N = terms(2, D);
-  std::array<std::array<double, N>, N> A{};
-  const std::size_t most = terms(order, D);
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const auto P = polynomial<D>(offsets[j]);
-    for (std::size_t a = 0; a < most; ++a)
-      for (std::size_t b = 0; b <= a; ++b) A[a][b] += weights[j] * P[a] * P[b];
-  }
-  if (!(A[0][0] > 0.0)) {
-    for (double& value : phi) value = 0.0;
-    return;
-  }
-  std::array<double, N> c{};
-  std::size_t n = most;
-  for (int lower = order; !solve_first(A, n, c);) n = terms(--lower, D);
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const auto P = polynomial<D>(offsets[j]);
-    double value = 0.0;
-    for (std::size_t a = 0; a < n; ++a) value += P[a] * c[a];
-    phi[j] = weights[j] * value;
-  }
+  if (order == 0) detail::shape_functions_of<D, 0>(weights, offsets, phi);
+  if (order == 1) detail::shape_functions_of<D, 1>(weights, offsets, phi);
+  if (order == 2) detail::shape_functions_of<D, 2>(weights, offsets, phi);
 }
 
 }  // namespace tetsuame::walls

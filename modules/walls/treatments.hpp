@@ -15,6 +15,7 @@
 #pragma once
 
 #include <diffusion/viscosity.hpp>
+#include <tuple>
 #include <variant>
 #include <foundation/threads.hpp>
 #include <walls/interpolation.hpp>
@@ -58,6 +59,8 @@ template <int D, class Kernel>
 void shape_markers(const pairs::workspace<D>& w, wall_set<D>& set, const Kernel& kernel) {
   const auto& s = w.s;
   const int order = polynomial_order(set.how.interpolation);
+  const double per_reach = 1.0 / set.reach;
+  const auto x = w.x();
   const double squeeze = w.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
 #pragma omp parallel if (s.walls > foundation::rows_worth_threads)
   {
@@ -68,50 +71,60 @@ void shape_markers(const pairs::workspace<D>& w, wall_set<D>& set, const Kernel&
       const std::size_t begin = set.near_marker.start[r], n = set.near_marker.start[r + 1] - begin;
       weights.resize(n);
       offsets.resize(n);
-      for (std::size_t k = 0; k < n; ++k) {
-        const auto j = static_cast<std::size_t>(set.near_marker.neighbours[begin + k]);
-        double r2 = 0.0;
+      for (std::size_t k = 0; k < n; k += pairs::lanes) {
+        pairs::vec<pairs::real, D> e = pairs::gather<D>(x, set.near_marker.neighbours.data() + begin + k);
+        for (std::size_t a = 0; a < D; ++a) e[a] -= set.marker[a][r];
+        const pairs::real W = kernel.value(pairs::real(pairs::stdx::sqrt(foundation::dot(e, e)) * squeeze));
+        W.copy_to(weights.data() + k, pairs::stdx::element_aligned);
         for (std::size_t a = 0; a < D; ++a) {
-          const double e = s.x[a][j] - set.marker[a][r];
-          offsets[k][a] = e / set.reach;
-          r2 += e * e;
+          // Without weight the place does not matter; the null particle's is too far for powers.
+          pairs::stdx::where(W == 0.0, e[a]) = 0.0;
+          for (std::size_t lane = 0; lane < pairs::lanes; ++lane) offsets[k + lane][a] = e[a][lane] * per_reach;
         }
-        weights[k] = j == s.null() ? 0.0 : kernel.value(std::sqrt(r2) * squeeze);
-        if (weights[k] == 0.0) offsets[k].fill(0.0);
       }
       shape_functions<D>(weights, offsets, order, std::span<double>(set.phi.data() + begin, n));
     }
   }
 }
 
-// f(x_m) of the marker of row r.
-template <int D>
-double at_marker(const wall_set<D>& set, std::size_t r, const particles::array& f) {
-  pairs::real value(0.0);
+// The fields f_n(x_m) at the marker of row r, in one sweep over its neighbours.
+template <int D, std::size_t N>
+std::array<double, N> at_marker(const wall_set<D>& set, std::size_t r, const std::array<const double*, N>& f) {
+  std::array<pairs::real, N> sums;
+  sums.fill(pairs::real(0.0));
   const std::size_t end = set.near_marker.start[r + 1];
   for (std::size_t k = set.near_marker.start[r]; k < end; k += pairs::lanes) {
     const pairs::real phi(set.phi.data() + k, pairs::stdx::element_aligned);
-    value += phi * pairs::gather(f.data(), set.near_marker.neighbours.data() + k);
+    for (std::size_t n = 0; n < N; ++n) sums[n] += phi * pairs::gather(f[n], set.near_marker.neighbours.data() + k);
   }
-  return pairs::sum(value);
+  std::array<double, N> values;
+  for (std::size_t n = 0; n < N; ++n) values[n] = pairs::sum(sums[n]);
+  return values;
+}
+
+template <int D>
+double at_marker(const wall_set<D>& set, std::size_t r, const particles::array& f) {
+  return at_marker(set, r, std::array<const double*, 1>{f.data()})[0];
 }
 
 template <int D>
 void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
   std::visit([&](const auto& kernel) { shape_markers(w, set, kernel); }, w.kernel);
+  std::array<const double*, D + 5> fields;
+  std::copy_n(pairs::pointers<D>(s.v).begin(), D, fields.begin());
+  std::copy_n(std::array<const double*, 5>{s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()}.begin(), 5,
+              fields.begin() + D);
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
+    const auto f = at_marker(set, r, fields);
     std::array<double, D> v;
-    for (std::size_t a = 0; a < D; ++a) v[a] = at_marker(set, r, s.v[a]);
+    std::copy_n(f.begin(), D, v.begin());
+    std::tie(s.T[i], s.rho[i], s.eta[i], s.k[i], s.dV[i]) = std::tuple{f[D], f[D + 1], f[D + 2], f[D + 3], f[D + 4]};
     mirror_velocity<D>(set, r, v);
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    s.T[i] = mirror_temperature(set, r, at_marker(set, r, s.T));
-    s.rho[i] = at_marker(set, r, s.rho);
-    s.eta[i] = at_marker(set, r, s.eta);
-    s.k[i] = at_marker(set, r, s.k);
-    s.dV[i] = at_marker(set, r, s.dV);
+    s.T[i] = mirror_temperature(set, r, s.T[i]);
   }
   for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
   w.exchange_walls({s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
@@ -135,13 +148,16 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
   const auto& s = w.s;
+  std::array<const double*, D + 1> fields;
+  std::copy_n(pairs::pointers<D>(set.f).begin(), D, fields.begin());
+  fields[D] = s.m.data();
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
+    const auto f = at_marker(set, r, fields);
     double f_dx = 0.0;
-    for (std::size_t a = 0; a < D; ++a)
-      f_dx += at_marker(set, r, set.f[a]) * (s.x[a][s.first_wall() + r] - set.marker[a][r]);
-    set.pressure_step[r] = at_marker(set, r, s.rho) * f_dx;
-    set.weight_step[r] = at_marker(set, r, s.m) * f_dx;
+    for (std::size_t a = 0; a < D; ++a) f_dx += f[a] * (s.x[a][s.first_wall() + r] - set.marker[a][r]);
+    set.pressure_step[r] = s.rho[s.first_wall() + r] * f_dx;
+    set.weight_step[r] = f[D] * f_dx;
   }
 }
 
@@ -160,8 +176,9 @@ void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
-    s.p[i] = at_marker(set, r, s.p) + set.pressure_step[r];
-    s.dV[i] = at_marker(set, r, s.dV);
+    const auto f = at_marker(set, r, std::array<const double*, 2>{s.p.data(), s.dV.data()});
+    s.p[i] = f[0] + set.pressure_step[r];
+    s.dV[i] = f[1];
   }
   w.exchange_walls({s.p.data(), s.dV.data()});
 }
