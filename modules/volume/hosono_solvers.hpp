@@ -66,7 +66,8 @@ void fail_unconverged(const pass<D>& one, const std::string& reason, double kapp
                                       number(kappa) + "; worst at " + worst_particle(one.w));
 }
 
-// x = ln Y, g(x) = x + ω ln(p^/p).
+// x = ln(Y/Y_0), g(x) = x + ω ln(p^/p). Relative to the start, so that x and its rounding are small: the tolerance is
+// ω times that of the residual, less than the rounding of ln Y itself where K_T/p is large.
 template <int D>
 void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   // Far from the solution extrapolation misleads: relaxed passes first.
@@ -74,10 +75,10 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   relax(one, omega, tolerance, near, kappa);
   auto& w = one.w;
   auto& s = w.s;
-  std::vector<double> x(s.fluid);
-  for (std::size_t i = 0; i < s.fluid; ++i) x[i] = std::log(s.Y[i]);
+  std::vector<double> x(s.fluid, 0.0);
+  const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
   const auto g = [&](std::span<const double> at, std::span<double> to) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = std::exp(at[i]);
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = start[i] * std::exp(at[i]);
     one.evaluate();
     one.record(one.residual());
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
