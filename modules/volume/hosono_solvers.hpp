@@ -66,7 +66,8 @@ void fail_unconverged(const pass<D>& one, const std::string& reason, double kapp
                                       number(kappa) + "; worst at " + worst_particle(one.w));
 }
 
-// x = ln Y, g(x) = x + ω ln(p^/p).
+// x = ln(Y/Y_0), g(x) = x + ω ln(p^/p). Relative to the start, so that x and its rounding are small: the tolerance is
+// ω times that of the residual, less than the rounding of ln Y itself where K_T/p is large.
 template <int D>
 void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   // Far from the solution extrapolation misleads: relaxed passes first.
@@ -74,10 +75,10 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   relax(one, omega, tolerance, near, kappa);
   auto& w = one.w;
   auto& s = w.s;
-  std::vector<double> x(s.fluid);
-  for (std::size_t i = 0; i < s.fluid; ++i) x[i] = std::log(s.Y[i]);
+  std::vector<double> x(s.fluid, 0.0);
+  const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
   const auto g = [&](std::span<const double> at, std::span<double> to) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = std::exp(at[i]);
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = start[i] * std::exp(at[i]);
     one.evaluate();
     one.record(one.residual());
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
@@ -91,9 +92,9 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   if (!result.converged) fail_unconverged(one, result.reason, kappa);
 }
 
-// Unknowns ln ρ; equations (p^_i - p_i)/(scale of p_i).
+// Unknowns ln ρ; equations (p^_i - p_i)/(scale of p_i), the scale being p^ of the first guess.
 template <int D>
-void newton(pass<D>& one, double tolerance, double kappa) {
+integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   auto& w = one.w;
   const auto& around = one.around;
   auto& s = w.s;
@@ -135,10 +136,37 @@ void newton(pass<D>& one, double tolerance, double kappa) {
       d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
     return 0;
   };
-  const auto result = integrators::newton_krylov(
+  return integrators::newton_krylov(
       w.d.ranks.comm, x, residual, product, diagonal,
       {.tolerance = tolerance, .max_iterations = static_cast<int>(one.self.how.max_iterations)});
-  if (!result.converged) fail_unconverged(one, result.reason, kappa);
+}
+
+// The equations have a second root, p = p^ = 0 everywhere, which a long step from strong disorder can reach; and a
+// pressure far below its start's is not held to the tolerance by the start's scale. So a result counts only by
+// |ln(p^/p)|, at the scale of its own pressure: once more from there if it is near, and from relaxed passes if not.
+template <int D>
+void newton(pass<D>& one, double omega, double tolerance, double kappa) {
+  constexpr double near = 0.3;  // of |ln(p^/p)|
+  constexpr int rounds = 5;
+  auto& s = one.w.s;
+  const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
+  bool relaxed = false;
+  std::string reason;
+  for (int round = 0; round < rounds; ++round) {
+    const auto result = newton_from_here(one, 0.9 * tolerance);  // the next round must not find the residual just met
+    const double residual = one.residual();
+    if (result.converged && residual <= tolerance) return;
+    reason = result.converged ? "p is not positive, or far from p^" : result.reason;
+    if (result.converged && residual <= near) {
+      tolerance = std::max(tolerance, reachable(0.0, largest_kappa(one.w)));
+      continue;
+    }
+    if (relaxed) break;
+    relaxed = true;
+    std::copy(start.begin(), start.end(), s.Y.begin());
+    relax(one, omega, tolerance, near, kappa);
+  }
+  fail_unconverged(one, reason, kappa);
 }
 
 }  // namespace detail
@@ -158,11 +186,11 @@ void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& 
   if (how.solver == "anderson")
     detail::accelerate(one, omega, tolerance, kappa);
   else if (how.solver == "newton")
-    detail::newton(one, tolerance, kappa);
+    detail::newton(one, omega, tolerance, kappa);
   else
     detail::relax(one, omega, tolerance, 0.0, kappa);
-  // Y, p and ρ of the last pass are consistent: bring them to the ghosts.
-  for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = s.m[i] * s.p[i] / s.Y[i];
+  // Y, p and ρ of the last pass are consistent: bring them to the ghosts. For newton ρ is the unknown itself, and
+  // m p/Y in its place would enlarge the residual by the factor κ - 1.
   w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});
   equation_of_state(w, s.first_wall());
   volumes_from_weights(w);

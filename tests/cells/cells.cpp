@@ -105,7 +105,8 @@ BOOST_AUTO_TEST_CASE(lists_on_the_lattice_and_jittered) {
   for (const bool periodic : {true, false})
     for (const double jitter : {0.0, 0.4}) {
       check_lists<2>(make_scene<2>(box<2>({16, 9}, periodic), domain::communicator::world(), jitter));
-      check_lists<3>(make_scene<3>(box<3>({12, 6, 6}, periodic, "none", "wendland_c2"), domain::communicator::world(), jitter));
+      check_lists<3>(
+          make_scene<3>(box<3>({12, 6, 6}, periodic, "none", "wendland_c2"), domain::communicator::world(), jitter));
     }
 }
 
@@ -119,10 +120,11 @@ BOOST_AUTO_TEST_CASE(lists_with_walls) {
 // Most particles in a corner, far from equal numbers a cell or a rank.
 BOOST_AUTO_TEST_CASE(lists_of_a_cluster) {
   for (const bool periodic : {true, false})
-    check_lists<2>(make_scene<2>(box<2>({16, 16}, periodic), domain::communicator::world(), [](std::int64_t, std::array<double, 2> x) {
-      for (double& c : x) c = 16.0 * std::pow(c / 16.0, 4);
-      return x;
-    }));
+    check_lists<2>(make_scene<2>(box<2>({16, 16}, periodic), domain::communicator::world(),
+                                 [](std::int64_t, std::array<double, 2> x) {
+                                   for (double& c : x) c = 16.0 * std::pow(c / 16.0, 4);
+                                   return x;
+                                 }));
 }
 
 // Cells hold each particle once, in their bounds, by ID; negative coordinates and far-off ones too.
@@ -186,8 +188,12 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
 BOOST_AUTO_TEST_CASE(no_particles_no_neighbours) {
   std::array<particles::array, 2> x;
   const auto g = cells::make_grid<2>(x, {}, 0, 1.0);
-  const auto list = cells::make_list<2>(g, x, 1, 1.0, 0, [](std::size_t) { return std::array{0.0, 0.0}; },
-                                        [](std::size_t, std::uint32_t) { return true; });
+  const auto list = cells::make_list<2>(
+      g, x, 1, 1.0, 0,
+      [](std::size_t) {
+        return std::array{0.0, 0.0};
+      },
+      [](std::size_t, std::uint32_t) { return true; });
   BOOST_TEST(list.pairs == 0U);
   BOOST_TEST(list.rows() == 1U);
 }

@@ -24,7 +24,8 @@ output_arrays<D> friction(const pairs::workspace<D>& w) {
   output_arrays<D> out(s.fluid);
   std::array<double*, D> dv;
   for (std::size_t a = 0; a < D; ++a) dv[a] = out.dv[a].data();
-  test::sum<D>(w, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), dv, out.heat.data()});
+  test::sum<D>(
+      w, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), dv, out.heat.data()});
   return out;
 }
 
@@ -161,7 +162,8 @@ BOOST_AUTO_TEST_CASE(uniform_fields_rest) {
   for (std::size_t a = 0; a < 2; ++a) fill<2>(w, w.s.v[a], [](std::size_t) { return -3.25; });
   const auto out = friction<2>(w);
   for (const double q : conducted<2>(w)) BOOST_TEST(q == 0.0);
-  for (std::size_t i = 0; i < w.s.fluid; ++i) BOOST_TEST((out.dv[0][i] == 0.0 && out.dv[1][i] == 0.0 && out.heat[i] == 0.0));
+  for (std::size_t i = 0; i < w.s.fluid; ++i)
+    BOOST_TEST((out.dv[0][i] == 0.0 && out.dv[1][i] == 0.0 && out.heat[i] == 0.0));
 }
 
 // sin(k x) on the lattice is an eigenvector of the sum, with the lattice's rate; the rate is that of

@@ -27,10 +27,11 @@ std::vector<located<D>> images(const simulation::scene<D>& scene, std::size_t be
     const auto p = locate<D>(scene.w.s, i);
     mine.insert(mine.end(), p.begin(), p.end());
   }
-  const auto rows =
-      domain::detail::all_to_all(ranks, std::vector<std::vector<double>>(static_cast<std::size_t>(ranks.size), mine), MPI_DOUBLE);
+  const auto rows = domain::detail::all_to_all(
+      ranks, std::vector<std::vector<double>>(static_cast<std::size_t>(ranks.size), mine), MPI_DOUBLE);
   std::vector<located<D>> all(rows.size() / (D + 1));
-  for (std::size_t k = 0; k < all.size(); ++k) std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(k * (D + 1)), D + 1, all[k].begin());
+  for (std::size_t k = 0; k < all.size(); ++k)
+    std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(k * (D + 1)), D + 1, all[k].begin());
   const auto& region = scene.w.d.region;
   for (std::size_t a = 0; a < D; ++a) {
     if (!region.periodic[a]) continue;
@@ -107,7 +108,8 @@ BOOST_AUTO_TEST_CASE(exchange_refreshes_ghosts) {
   set(s.first_wall(), s.walls);
   scene.w.exchange_fluid({s.T.data(), s.Y.data()});
   std::size_t wrong = 0;
-  for (std::size_t i = 0; i < s.first_wall() + s.walls; ++i) wrong += s.T[i] != noise(s.id[i], 1) || s.Y[i] != noise(s.id[i], 2);
+  for (std::size_t i = 0; i < s.first_wall() + s.walls; ++i)
+    wrong += s.T[i] != noise(s.id[i], 1) || s.Y[i] != noise(s.id[i], 2);
   BOOST_TEST(wrong == 0U);
   // Ghosts of the walls are not of the fluid's halo, and come with their own.
   for (std::size_t i = s.first_wall() + s.walls; i < s.total(); ++i) wrong += s.T[i] != -1.0;
@@ -124,7 +126,8 @@ BOOST_AUTO_TEST_CASE(positions_of_ghosts_follow_their_owners) {
   domain::exchange_positions<2>(scene.w.d.ranks, scene.w.d.fluid_halo, s.x);
   const auto all = images<2>(scene, 0, s.fluid);
   std::size_t strangers = 0;
-  for (std::size_t i = 0; i < s.first_wall(); ++i) strangers += !std::binary_search(all.begin(), all.end(), locate<2>(s, i));
+  for (std::size_t i = 0; i < s.first_wall(); ++i)
+    strangers += !std::binary_search(all.begin(), all.end(), locate<2>(s, i));
   BOOST_TEST(strangers == 0U);
 }
 
@@ -159,7 +162,8 @@ BOOST_AUTO_TEST_CASE(migration_loses_nothing) {
 BOOST_AUTO_TEST_CASE(empty_ranks_and_walls_survive_migration) {
   auto scene = make_scene<2>(box<2>({16, 8}, false, "frozen"), domain::communicator::world(), 0.0);
   auto& s = scene.w.s;
-  const auto wall_rho = walls_by_id(scene, s.rho), wall_x = walls_by_id(scene, s.x[0]), fluid_m = fluid_by_id(scene, s.m);
+  const auto wall_rho = walls_by_id(scene, s.rho), wall_x = walls_by_id(scene, s.x[0]),
+             fluid_m = fluid_by_id(scene, s.m);
   const auto start = fluid_by_id(scene, s.x[0]);
   for (std::size_t i = 0; i < s.fluid; ++i) s.x[0][i] = 15.9;
   simulation::rebuild<2>(scene);
@@ -195,10 +199,11 @@ BOOST_AUTO_TEST_CASE(wrap_moves_start_and_list_positions_along) {
 
 // A coordinate a rounding error below zero plus the length is the length itself: it must still be owned and seen.
 BOOST_AUTO_TEST_CASE(a_rounding_error_outside) {
-  const auto scene = make_scene<2>(box<2>({16, 8}, true), domain::communicator::world(), [](std::int64_t id, std::array<double, 2> x) {
-    if (id % 16 == 0) x[0] = -1e-20;
-    return x;
-  });
+  const auto scene =
+      make_scene<2>(box<2>({16, 8}, true), domain::communicator::world(), [](std::int64_t id, std::array<double, 2> x) {
+        if (id % 16 == 0) x[0] = -1e-20;
+        return x;
+      });
   check_halo<2>(scene);
   BOOST_TEST(scene.w.d.ranks.sum(static_cast<std::int64_t>(scene.w.s.fluid)) == scene.fluid_total);
 }
@@ -206,7 +211,8 @@ BOOST_AUTO_TEST_CASE(a_rounding_error_outside) {
 BOOST_AUTO_TEST_CASE(too_many_ranks_is_bad_input) {
   const domain::box<2> region{{16.0, 8.0}, {true, true}};
   const auto refused = [](const foundation::error& e) {
-    return e.status() == foundation::exit_status::bad_input && std::string(e.what()).find("at most 4 ranks") != std::string::npos;
+    return e.status() == foundation::exit_status::bad_input &&
+           std::string(e.what()).find("at most 4 ranks") != std::string::npos;
   };
   BOOST_CHECK_EXCEPTION(domain::make_slices<2>({MPI_COMM_SELF, 0, 5}, region, 3.8), foundation::error, refused);
   BOOST_CHECK_NO_THROW(domain::make_slices<2>({MPI_COMM_SELF, 0, 4}, region, 3.8));
@@ -215,7 +221,8 @@ BOOST_AUTO_TEST_CASE(too_many_ranks_is_bad_input) {
 
 BOOST_AUTO_TEST_CASE(owners_of_cuts_and_beyond) {
   const auto d = domain::make_slices<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8);
-  for (const auto& [x, owner] : {std::pair{-3.0, 0}, {0.0, 0}, {3.999, 0}, {4.0, 1}, {8.0, 2}, {12.0, 3}, {16.0, 3}, {99.0, 3}})
+  for (const auto& [x, owner] :
+       {std::pair{-3.0, 0}, {0.0, 0}, {3.999, 0}, {4.0, 1}, {8.0, 2}, {12.0, 3}, {16.0, 3}, {99.0, 3}})
     BOOST_TEST(d.owner(x) == owner);
 }
 
@@ -227,8 +234,10 @@ BOOST_AUTO_TEST_CASE(all_ranks_throw_the_fault_of_the_lowest_particle) {
     return [=](const foundation::error& e) { return e.what() == text && e.status() == status; };
   };
   // Falling IDs: the last rank knows the lowest; the text's length differs from rank to rank.
-  const auto mine = "fault of " + std::to_string(1000 - world.rank) + std::string(static_cast<std::size_t>(world.rank), '!');
-  const auto its = "fault of " + std::to_string(1001 - world.size) + std::string(static_cast<std::size_t>(world.size - 1), '!');
+  const auto mine =
+      "fault of " + std::to_string(1000 - world.rank) + std::string(static_cast<std::size_t>(world.rank), '!');
+  const auto its =
+      "fault of " + std::to_string(1001 - world.size) + std::string(static_cast<std::size_t>(world.size - 1), '!');
   BOOST_CHECK_EXCEPTION(world.agree_on_fault(1000 - world.rank, mine, calculation_failed), foundation::error,
                         told(its, calculation_failed));
   // Only one rank saw anything.

@@ -28,7 +28,8 @@ template <class Pattern, int D>
 output_arrays<D> evaluate(const pairs::workspace<D>& w) {
   const auto& s = w.s;
   output_arrays<D> out(s.fluid);
-  test::sum<D>(w, typename Pattern::template term<D>{pairs::pointers<D>(s.v), s.p.data(), s.dV.data(), s.m.data(), out.rates()});
+  test::sum<D>(
+      w, typename Pattern::template term<D>{pairs::pointers<D>(s.v), s.p.data(), s.dV.data(), s.m.data(), out.rates()});
   return out;
 }
 
@@ -131,7 +132,9 @@ BOOST_AUTO_TEST_CASE(momentum_and_energy_balance) {
 
 BOOST_AUTO_TEST_CASE(patterns_as_printed) {
   const auto first = [](double Y_i, double p_i, double Y_j, double p_j) { return Y_i * Y_i / p_i + Y_j * Y_j / p_j; };
-  const auto second = [](double Y_i, double p_i, double Y_j, double p_j) { return Y_i * Y_j * (1.0 / p_i + 1.0 / p_j); };
+  const auto second = [](double Y_i, double p_i, double Y_j, double p_j) {
+    return Y_i * Y_j * (1.0 / p_i + 1.0 / p_j);
+  };
   check_formula<gradient::pattern_1, 2>(first);
   check_formula<gradient::pattern_2, 2>(second);
   check_formula<gradient::pattern_1, 3>(first);
@@ -173,8 +176,8 @@ BOOST_AUTO_TEST_CASE(continuity_of_a_linear_velocity) {
   BOOST_TEST(w.d.ranks.sum(static_cast<std::int64_t>(inside)) == 64);
 }
 
-// With the pressure's work: p ΔV_i D ln ρ_i/Dt is not the pair's half share, but over a uniform p and ΔV the totals agree:
-// Σ m du = ½ Σ_ij 2 p ΔV² v_ij·∇W = Σ_i p ΔV (D ln ρ_i/Dt).
+// With the pressure's work: p ΔV_i D ln ρ_i/Dt is not the pair's half share, but over a uniform p and ΔV the totals
+// agree: Σ m du = ½ Σ_ij 2 p ΔV² v_ij·∇W = Σ_i p ΔV (D ln ρ_i/Dt).
 BOOST_AUTO_TEST_CASE(work_follows_compression) {
   auto scene = disorder<2>();
   auto& w = scene.w;

@@ -12,7 +12,9 @@ using namespace tetsuame::particles;
 namespace {
 
 // A value that tells the field, its component and the particle.
-double stamp(std::size_t field, std::int64_t id) { return 1e4 * static_cast<double>(field + 1) + static_cast<double>(id); }
+double stamp(std::size_t field, std::int64_t id) {
+  return 1e4 * static_cast<double>(field + 1) + static_cast<double>(id);
+}
 
 template <int D, class F>
 void for_each_array(particles<D>& s, F&& f) {
@@ -69,15 +71,20 @@ BOOST_AUTO_TEST_CASE(allocate_keeps_fluid_and_walls) {
   struct size {
     std::size_t fluid, ghosts, wall_ghosts;
   };
-  for (const auto& [from, to] : {std::pair{size{20, 0, 0}, size{20, 3, 0}}, {size{20, 0, 0}, size{20, 60, 0}},
-                                 {size{20, 9, 5}, size{20, 7, 0}}, {size{20, 60, 5}, size{20, 0, 0}},
-                                 {size{20, 9, 5}, size{25, 4, 8}}, {size{20, 9, 5}, size{2, 0, 0}},
-                                 {size{0, 0, 0}, size{4, 0, 0}}, {size{5, 2, 1}, size{0, 0, 0}}}) {
+  for (const auto& [from, to] : {std::pair{size{20, 0, 0}, size{20, 3, 0}},
+                                 {size{20, 0, 0}, size{20, 60, 0}},
+                                 {size{20, 9, 5}, size{20, 7, 0}},
+                                 {size{20, 60, 5}, size{20, 0, 0}},
+                                 {size{20, 9, 5}, size{25, 4, 8}},
+                                 {size{20, 9, 5}, size{2, 0, 0}},
+                                 {size{0, 0, 0}, size{4, 0, 0}},
+                                 {size{5, 2, 1}, size{0, 0, 0}}}) {
     auto s = stamped<2>(from.fluid, from.ghosts, 10, from.wall_ghosts);
     allocate(s, to.fluid, to.ghosts, 10, to.wall_ghosts);
     for (std::size_t i = 0; i < std::min(from.fluid, to.fluid); ++i)
       BOOST_TEST(holds<2>(s, i, static_cast<std::int64_t>(i)));
-    for (std::size_t r = 0; r < 10; ++r) BOOST_TEST(holds<2>(s, s.first_wall() + r, static_cast<std::int64_t>(1000 + r)));
+    for (std::size_t r = 0; r < 10; ++r)
+      BOOST_TEST(holds<2>(s, s.first_wall() + r, static_cast<std::int64_t>(1000 + r)));
     check_null<2>(s);
   }
 }

@@ -93,8 +93,9 @@ void randomise(const pairs::workspace<D>& w, particles::array& f, std::uint64_t 
 }
 
 // Values of the block [begin, begin + n) by ID, on all ranks; IDs from `first` on. What no rank has is zero.
-inline std::vector<double> by_id(const domain::communicator& ranks, const std::vector<std::int64_t>& id, std::size_t begin,
-                                 std::size_t n, const particles::array& f, std::int64_t first, std::int64_t total) {
+inline std::vector<double> by_id(const domain::communicator& ranks, const std::vector<std::int64_t>& id,
+                                 std::size_t begin, std::size_t n, const particles::array& f, std::int64_t first,
+                                 std::int64_t total) {
   std::vector<double> all(static_cast<std::size_t>(total), 0.0);
   for (std::size_t i = begin; i < begin + n; ++i) all[static_cast<std::size_t>(id[i] - first)] = f[i];
   MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(total), MPI_DOUBLE, MPI_SUM, ranks.comm);
@@ -114,7 +115,8 @@ std::vector<double> walls_by_id(const simulation::scene<D>& scene, const particl
 }
 
 inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return bits(x) == bits(y); });
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return bits(x) == bits(y); });
 }
 
 // Sum over all owned fluid of all ranks, rounded once, and of the absolute values.

@@ -29,10 +29,16 @@ outcome solve(const simulation::options& o, double jitter, volume::hosono_option
               const domain::communicator& ranks = domain::communicator::world(), bool normalise = false) {
   auto scene = make_scene<2>(o, ranks, jitter);
   refresh(scene);
-  volume::hosono_iteration how{.how = std::move(options)};
+  volume::hosono_iteration how;
+  how.how = std::move(options);
   test::evaluate<volume::smoothed>(scene, how, {normalise});
   const auto& s = scene.w.s;
-  outcome result{fluid_by_id(scene, s.Y), fluid_by_id(scene, s.p), fluid_by_id(scene, s.rho), fluid_by_id(scene, s.p_eos), how.passes, {}};
+  outcome result{fluid_by_id(scene, s.Y),
+                 fluid_by_id(scene, s.p),
+                 fluid_by_id(scene, s.rho),
+                 fluid_by_id(scene, s.p_eos),
+                 how.passes,
+                 {}};
   for (const auto& r : how.residuals) result.residuals.push_back(r.residual);
   return result;
 }
@@ -43,10 +49,11 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   return largest;
 }
 
-// What every solution is, whatever found it: p^ = p to the tolerance, and p = Σ Y W holds by construction.
+// What every solution is, whatever found it: p^ = p and ρ = m p/Y to the tolerance; p = Σ Y W holds by construction.
 void check_solution(const outcome& r, double tolerance) {
-  BOOST_TEST(largest_difference(r.p_eos, r.p) <= 2.0 * tolerance);
-  for (std::size_t i = 0; i < r.Y.size(); ++i) BOOST_TEST(std::abs(r.rho[i] * r.Y[i] / (7000.0 * r.p[i]) - 1.0) < 1e-14);
+  BOOST_TEST(largest_difference(r.p_eos, r.p) <= 1.01 * tolerance);
+  for (std::size_t i = 0; i < r.Y.size(); ++i)
+    BOOST_TEST(std::abs(r.rho[i] * r.Y[i] / (7000.0 * r.p[i]) - 1.0) <= 1.01 * tolerance);
 }
 
 }  // namespace
@@ -57,8 +64,7 @@ BOOST_AUTO_TEST_CASE(all_solvers_agree_where_plain_converges) {
   const double tolerance = 1e-11;
   const auto plain = solve(at_pressure(0.7 * K_T), 0.2, {.solver = "plain", .tolerance = tolerance});
   check_solution(plain, tolerance);
-  for (const std::string solver : {"under_relaxed", "anderson", "newton"})
-    BOOST_TEST_CONTEXT(solver) {
+  for (const std::string solver : {"under_relaxed", "anderson", "newton"}) BOOST_TEST_CONTEXT(solver) {
       const auto other = solve(at_pressure(0.7 * K_T), 0.2, {.solver = solver, .tolerance = tolerance});
       check_solution(other, tolerance);
       BOOST_TEST(largest_difference(other.Y, plain.Y) < 10.0 * tolerance);
@@ -70,9 +76,9 @@ BOOST_AUTO_TEST_CASE(the_cures_agree_where_plain_diverges) {
   const auto newton = solve(at_pressure(0.1 * K_T), 0.1, {.solver = "newton", .tolerance = tolerance});
   check_solution(newton, tolerance);
   BOOST_TEST_MESSAGE("newton: " << newton.passes << " passes");
-  for (const std::string solver : {"under_relaxed", "anderson"})
-    BOOST_TEST_CONTEXT(solver) {
-      const auto other = solve(at_pressure(0.1 * K_T), 0.1, {.solver = solver, .tolerance = tolerance, .max_iterations = 20000});
+  for (const std::string solver : {"under_relaxed", "anderson"}) BOOST_TEST_CONTEXT(solver) {
+      const auto other =
+          solve(at_pressure(0.1 * K_T), 0.1, {.solver = solver, .tolerance = tolerance, .max_iterations = 20000});
       BOOST_TEST_MESSAGE(solver << ": " << other.passes << " passes");
       check_solution(other, tolerance);
       BOOST_TEST(largest_difference(other.Y, newton.Y) < 10.0 * 10.0 * tolerance);  // κ = 10 between ln ρ and ln p
@@ -89,7 +95,8 @@ BOOST_AUTO_TEST_CASE(plain_diverges_at_the_rate_of_theory) {
     refresh(scene);
     const double S_min = kernels::transfer_minimum<2>(scene.w.kernel, scene.w.dx).value;
     const double G = (1.0 / ratio - 1.0) * (1.0 - S_min);
-    volume::hosono_iteration how{.how = {.solver = "plain", .tolerance = 1e-13, .max_iterations = 200}};
+    volume::hosono_iteration how;
+    how.how = {.solver = "plain", .tolerance = 1e-13, .max_iterations = 200};
     std::string message;
     try {
       test::evaluate<volume::smoothed>(scene, how);
@@ -147,23 +154,45 @@ BOOST_AUTO_TEST_CASE(proof_that_no_state_exists) {
   for (const double p : {1e5, least * (1.0 - 1e-6)}) BOOST_TEST(proof(p, true).empty());
   // Said before a single pass is made, by every solver that could go on for ever.
   for (const std::string solver : {"under_relaxed", "anderson", "newton"})
-    BOOST_CHECK_EXCEPTION(solve(at_pressure(1e5), 0.0, {.solver = solver}), volume::divergence, [](const volume::divergence& e) {
-      return e.iteration() == 0 && std::string(e.what()).find("no state with p > 0 exists") != std::string::npos;
-    });
+    BOOST_CHECK_EXCEPTION(
+        solve(at_pressure(1e5), 0.0, {.solver = solver}), volume::divergence, [](const volume::divergence& e) {
+          return e.iteration() == 0 && std::string(e.what()).find("no state with p > 0 exists") != std::string::npos;
+        });
+}
+
+// p = p^ = 0 everywhere solves the equations too, and from strong disorder Newton's long steps end there: no solver may
+// hand it out. The relaxed passes keep Y > 0 and show that a solution with p > 0 exists.
+BOOST_AUTO_TEST_CASE(vacuum_is_no_solution) {
+  const auto newton = solve(at_pressure(0.01 * K_T), 0.3, {.solver = "newton", .max_iterations = 10000});
+  BOOST_TEST(*std::min_element(newton.p.begin(), newton.p.end()) > 1e8);
+  BOOST_TEST(largest_difference(newton.p_eos, newton.p) < 1e-11);
+  // Both to 1e-12, with the operator's factor κ = 100 at most between residual and error.
+  const auto relaxed = solve(at_pressure(0.01 * K_T), 0.3, {.solver = "under_relaxed", .max_iterations = 10000});
+  BOOST_TEST(largest_difference(newton.Y, relaxed.Y) < 1e-10);
+  // Where the way there is longer than allowed, that is said.
+  BOOST_CHECK_THROW(solve(at_pressure(0.001 * K_T), 0.1, {.solver = "newton", .max_iterations = 100}),
+                    volume::divergence);
+}
+
+// ω = p/K_T = 1e-3: the tolerance on a pass's change is some ε, below the rounding of ln Y = 20.
+BOOST_AUTO_TEST_CASE(anderson_reaches_its_tolerance_at_low_pressure) {
+  const auto r = solve(at_pressure(0.001 * K_T), 0.1, {.solver = "anderson", .max_iterations = 10000});
+  // 8 ε K_T/p = 1.8e-12 is what can be asked for.
+  BOOST_TEST(largest_difference(r.p_eos, r.p) < 2e-12);
 }
 
 BOOST_AUTO_TEST_CASE(too_few_passes_are_told) {
-  BOOST_CHECK_EXCEPTION(solve(at_pressure(0.1 * K_T), 0.1, {.solver = "under_relaxed", .max_iterations = 3}), volume::divergence,
-                        [](const volume::divergence& e) {
+  BOOST_CHECK_EXCEPTION(solve(at_pressure(0.1 * K_T), 0.1, {.solver = "under_relaxed", .max_iterations = 3}),
+                        volume::divergence, [](const volume::divergence& e) {
                           return e.iteration() == 3 && e.status() == foundation::exit_status::calculation_failed;
                         });
 }
 
 BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks) {
-  for (const std::string solver : {"under_relaxed", "anderson", "newton"})
-    BOOST_TEST_CONTEXT(solver) {
+  for (const std::string solver : {"under_relaxed", "anderson", "newton"}) BOOST_TEST_CONTEXT(solver) {
       const volume::hosono_options how{.solver = solver, .tolerance = 1e-10};
-      const auto together = solve(at_pressure(0.3 * K_T), 0.1, how), lone = solve(at_pressure(0.3 * K_T), 0.1, how, alone());
+      const auto together = solve(at_pressure(0.3 * K_T), 0.1, how),
+                 lone = solve(at_pressure(0.3 * K_T), 0.1, how, alone());
       BOOST_TEST(same_bits(together.Y, lone.Y));
       BOOST_TEST(same_bits(together.p, lone.p));
       BOOST_TEST(same_bits(together.residuals, lone.residuals));
@@ -179,7 +208,7 @@ BOOST_AUTO_TEST_CASE(solvers_agree_between_corrected_walls) {
   o.initial.profile = "hydrostatic";
   const double tolerance = 1e-10;
   const auto newton = solve(o, 0.05, {.solver = "newton", .tolerance = tolerance});
-  BOOST_TEST(largest_difference(newton.p_eos, newton.p) <= 2.0 * tolerance);
+  BOOST_TEST(largest_difference(newton.p_eos, newton.p) <= 1.01 * tolerance);
   for (const std::string solver : {"under_relaxed", "anderson"}) {
     const auto other = solve(o, 0.05, {.solver = solver, .tolerance = tolerance, .max_iterations = 20000});
     BOOST_TEST(largest_difference(other.Y, newton.Y) < 100.0 * tolerance);

@@ -13,7 +13,8 @@ namespace {
 
 // Disordered fluid, densities and temperatures that vary by a few per cent: p between 0.7e10 and 1.4e10 Pa.
 template <int D>
-simulation::scene<D> disorder(const domain::communicator& ranks, bool periodic = true, const std::string& treatment = "none") {
+simulation::scene<D> disorder(const domain::communicator& ranks, bool periodic = true,
+                              const std::string& treatment = "none") {
   std::array<std::int64_t, D> n;
   n.fill(8);
   n[0] = 16;
@@ -32,7 +33,8 @@ double linear_pressure(double rho, double T) { return 1e10 + 1e11 * (rho / 7000.
 
 // Σ_j Y_j W_ij and Σ_j ΔV_j W_ij, j = i included, by a search through all particles.
 template <int D>
-std::pair<double, double> direct_sums(const pairs::workspace<D>& w, std::size_t i, const particles::array& Y, const particles::array& dV) {
+std::pair<double, double> direct_sums(const pairs::workspace<D>& w, std::size_t i, const particles::array& Y,
+                                      const particles::array& dV) {
   const auto& kernel = std::get<kernels::quintic_spline<D>>(w.kernel);
   double sum_Y = Y[i] * kernel.self(), sum_V = dV[i] * kernel.self();
   neighbours_of<D>(w, i, [&](std::size_t j, const auto&, double r) {
@@ -117,9 +119,11 @@ BOOST_AUTO_TEST_CASE(pressure_without_meaning_names_its_particle) {
   auto& s = scene.w.s;
   fill<2>(scene.w, s.rho, [&](std::size_t i) { return s.id[i] == 77 || s.id[i] == 99 ? 6000.0 : 7000.0; });
   volume::our_method how;
-  BOOST_CHECK_EXCEPTION(test::evaluate<volume::smoothed>(scene, how), foundation::error, [](const foundation::error& e) {
-    return e.status() == foundation::exit_status::calculation_failed && std::string(e.what()).find("particle 77 ") != std::string::npos;
-  });
+  BOOST_CHECK_EXCEPTION(test::evaluate<volume::smoothed>(scene, how), foundation::error,
+                        [](const foundation::error& e) {
+                          return e.status() == foundation::exit_status::calculation_failed &&
+                                 std::string(e.what()).find("particle 77 ") != std::string::npos;
+                        });
 }
 
 // ΔV is Δx^D on the start lattice, and does not change when the lattice is moved as a whole: to the rounding
@@ -127,10 +131,11 @@ BOOST_AUTO_TEST_CASE(pressure_without_meaning_names_its_particle) {
 BOOST_AUTO_TEST_CASE(number_density_on_the_lattice) {
   const auto check = []<int D>(std::array<std::int64_t, D> n) {
     for (const double shift : {0.0, 0.377}) {
-      auto scene = make_scene<D>(box<D>(n, true), domain::communicator::world(), [&](std::int64_t, std::array<double, D> x) {
-        for (std::size_t a = 0; a < D; ++a) x[a] += shift * static_cast<double>(a + 1);
-        return x;
-      });
+      auto scene =
+          make_scene<D>(box<D>(n, true), domain::communicator::world(), [&](std::int64_t, std::array<double, D> x) {
+            for (std::size_t a = 0; a < D; ++a) x[a] += shift * static_cast<double>(a + 1);
+            return x;
+          });
       refresh(scene);
       volume::number_density how;
       test::evaluate<volume::non_smoothed>(scene, how);
@@ -163,7 +168,8 @@ BOOST_AUTO_TEST_CASE(number_density_by_its_definition) {
 }
 
 // Y = m p^(ρ, T)/ρ along a change of ρ and T that is uniform in space, where the smoothing has nothing to do:
-// the rate against a central difference. Its error is of second order: steps of 1e-5 give 1e-10, and rounding ε/1e-5 2e-11.
+// the rate against a central difference. Its error is of second order: steps of 1e-5 give 1e-10, and rounding ε/1e-5
+// 2e-11.
 BOOST_AUTO_TEST_CASE(rate_of_y_follows_the_equation_of_state) {
   for (const std::string name : {"linear", "liquid_iron", "ideal_gas"}) {
     eos::material_options o;
@@ -175,7 +181,8 @@ BOOST_AUTO_TEST_CASE(rate_of_y_follows_the_equation_of_state) {
     for (const auto& [compression, heating] : {std::pair{1.0, 0.0}, {0.0, 40.0}, {-0.6, 25.0}}) {  // D ln ρ/Dt, DT/Dt
       const double dt = 1e-5;
       const double difference = (Y(rho * std::exp(compression * dt), T + heating * dt) -
-                                 Y(rho * std::exp(-compression * dt), T - heating * dt)) / (2.0 * dt);
+                                 Y(rho * std::exp(-compression * dt), T - heating * dt)) /
+                                (2.0 * dt);
       const double power = e.p * compression / rho;  // of the pressure, per mass
       const double rate = volume::y_evolution::rate(e.p, e.K_T, e.alpha, m / rho, m, power, heating);
       BOOST_TEST(std::abs(rate - difference) < 1e-8 * Y(rho, T));
@@ -200,8 +207,9 @@ BOOST_AUTO_TEST_CASE(y_evolution_by_its_definition) {
     BOOST_TEST(s.p_eos[i] == eos::pressure(w.materials[0], s.rho[i], s.T[i]));
   }
   fill<2>(w, s.Y, [&](std::size_t i) { return s.id[i] == 31 ? -1.0 : Y[i]; });
-  BOOST_CHECK_EXCEPTION(test::evaluate<volume::smoothed>(scene, how), foundation::error,
-                        [](const foundation::error& e) { return std::string(e.what()).find("particle 31 ") != std::string::npos; });
+  BOOST_CHECK_EXCEPTION(
+      test::evaluate<volume::smoothed>(scene, how), foundation::error,
+      [](const foundation::error& e) { return std::string(e.what()).find("particle 31 ") != std::string::npos; });
 }
 
 BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks) {
@@ -217,7 +225,9 @@ BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks) {
     return all;
   };
   const auto world = domain::communicator::world();
-  const auto check = [&](auto pressure, auto how) { BOOST_TEST(same_bits(values(world, pressure, how), values(alone(), pressure, how))); };
+  const auto check = [&](auto pressure, auto how) {
+    BOOST_TEST(same_bits(values(world, pressure, how), values(alone(), pressure, how)));
+  };
   check(volume::smoothed{}, volume::our_method{});
   check(volume::non_smoothed{}, volume::number_density{});
   check(volume::smoothed{}, volume::y_evolution{});

@@ -76,8 +76,9 @@ void check_orders() {
         const auto c = disorder<D>(D == 2 ? 30 : 60, walls, depth, seed);
         for (int order = 0; order <= 2; ++order)
           for (std::size_t term = 0; term < terms(order, D); ++term)
-            BOOST_TEST_CONTEXT("seed " << seed << ", " << walls << " walls, depth " << depth << ", order " << order << ", term " << term)
-            BOOST_TEST(std::abs(c.at_marker(order, monomial(c, term)) - (term == 0 ? 1.0 : 0.0)) < tolerance);
+            BOOST_TEST_CONTEXT("seed " << seed << ", " << walls << " walls, depth " << depth << ", order " << order
+                                       << ", term " << term)
+        BOOST_TEST(std::abs(c.at_marker(order, monomial(c, term)) - (term == 0 ? 1.0 : 0.0)) < tolerance);
         // The lower orders do miss the next monomial where the cloud is lopsided: the check above can fail.
         if (walls > 0) {
           BOOST_TEST(std::abs(c.at_marker(0, monomial(c, 1))) > 1e-3);

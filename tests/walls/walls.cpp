@@ -22,7 +22,8 @@ simulation::options closed_box(const std::string& treatment, const std::string& 
 }
 
 template <int D>
-simulation::scene<D> disorder(const simulation::options& o, const domain::communicator& ranks = domain::communicator::world()) {
+simulation::scene<D> disorder(const simulation::options& o,
+                              const domain::communicator& ranks = domain::communicator::world()) {
   auto scene = make_scene<D>(o, ranks, 0.25);
   auto& w = scene.w;
   auto& s = w.s;
@@ -108,9 +109,11 @@ BOOST_AUTO_TEST_CASE(places_and_markers) {
 BOOST_AUTO_TEST_CASE(walls_deeper_than_the_box_are_bad_input) {
   auto o = box<2>({16, 3}, false, "virtual_marker");
   o.domain.periodic[0] = true;
-  BOOST_CHECK_EXCEPTION(make_scene<2>(o, domain::communicator::world()), foundation::error, [](const foundation::error& e) {
-    return e.status() == foundation::exit_status::bad_input && std::string(e.what()).find("axis 2") != std::string::npos;
-  });
+  BOOST_CHECK_EXCEPTION(make_scene<2>(o, domain::communicator::world()), foundation::error,
+                        [](const foundation::error& e) {
+                          return e.status() == foundation::exit_status::bad_input &&
+                                 std::string(e.what()).find("axis 2") != std::string::npos;
+                        });
 }
 
 BOOST_AUTO_TEST_CASE(interpolation_at_every_marker_corners_too) {
@@ -129,7 +132,8 @@ BOOST_AUTO_TEST_CASE(interpolation_at_every_marker_corners_too) {
   BOOST_TEST(check.operator()<3>("mls", linear<3>) < exact);
   BOOST_TEST(check.operator()<2>("mls2", quadratic<2>) < exact);
   BOOST_TEST(check.operator()<3>("mls2", quadratic<3>) < exact);
-  BOOST_TEST(check.operator()<2>("shepard", +[](const std::array<double, 2>&) { return 42.0; }) < exact);
+  BOOST_TEST(check.operator()<2>(
+                 "shepard", +[](const std::array<double, 2>&) { return 42.0; }) < exact);
   // Orders below what the field needs are seen to miss it.
   BOOST_TEST(check.operator()<2>("shepard", linear<2>) > 1e-2);
   BOOST_TEST(check.operator()<2>("mls", quadratic<2>) > 1e-2);
@@ -151,7 +155,8 @@ BOOST_AUTO_TEST_CASE(slip_and_heat_of_every_side) {
     auto scene = disorder<D>(o);
     auto& s = scene.w.s;
     for (std::size_t a = 0; a < D; ++a)
-      fill<D>(scene.w, s.v[a], [&](std::size_t i) { return (1.0 + static_cast<double>(a)) * linear<D>(cells::position<D>(s.x, i)); });
+      fill<D>(scene.w, s.v[a],
+              [&](std::size_t i) { return (1.0 + static_cast<double>(a)) * linear<D>(cells::position<D>(s.x, i)); });
     fill<D>(scene.w, s.T, [&](std::size_t i) { return 400.0 + linear<D>(cells::position<D>(s.x, i)); });
     walls::virtual_marker::kinematics(scene.w, scene.walls);
     double worst = 0.0;
@@ -219,7 +224,9 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   walls::virtual_marker::kinematics(w, scene.walls);
   std::array<particles::array, 2> f;
   for (std::size_t a = 0; a < 2; ++a) f[a].assign(s.total() + 1, w.g[a]);
-  test::sum<2>(w, diffusion::viscosity<2>{pairs::pointers<2>(s.v), s.eta.data(), s.dV.data(), s.m.data(), {f[0].data(), f[1].data()}, nullptr});
+  test::sum<2>(
+      w, diffusion::viscosity<2>{
+             pairs::pointers<2>(s.v), s.eta.data(), s.dV.data(), s.m.data(), {f[0].data(), f[1].data()}, nullptr});
   for (std::size_t a = 0; a < 2; ++a) w.exchange_fluid({f[a].data()});
   const auto& list = scene.walls.near_marker;
   std::size_t seen = 0, wrong = 0;
@@ -252,7 +259,8 @@ BOOST_AUTO_TEST_CASE(frozen_walls_keep_the_start) {
   walls::frozen::kinematics(scene.w, scene.walls);
   walls::frozen::weights(scene.w, scene.walls);
   for (std::size_t i = s.first_wall(); i < s.total(); ++i) {
-    const double y = s.x[1][i], rho = 7000.0 * std::exp(7000.0 * 1e4 * (9.0 - y) / 1e11), p = 1e10 + 1e11 * (rho / 7000.0 - 1.0);
+    const double y = s.x[1][i], rho = 7000.0 * std::exp(7000.0 * 1e4 * (9.0 - y) / 1e11),
+                 p = 1e10 + 1e11 * (rho / 7000.0 - 1.0);
     // Runge-Kutta of fourth order with an exponent of 4e-5 a step: rounding alone.
     BOOST_TEST(std::abs(s.rho[i] / rho - 1.0) < 1e-12);
     BOOST_TEST(std::abs(s.p[i] / p - 1.0) < 1e-12);
@@ -262,7 +270,8 @@ BOOST_AUTO_TEST_CASE(frozen_walls_keep_the_start) {
   }
 }
 
-// Λ n = (f·n) λ n with λ = -1 at the wall: it takes away f there, and nothing from its range on; the pressure gets no step.
+// Λ n = (f·n) λ n with λ = -1 at the wall: it takes away f there, and nothing from its range on; the pressure gets no
+// step.
 BOOST_AUTO_TEST_CASE(repulsion_by_distance) {
   auto o = closed_box<2>("repulsion");
   o.walls.repulsion_range = 2.0;
@@ -274,7 +283,9 @@ BOOST_AUTO_TEST_CASE(repulsion_by_distance) {
   std::array<particles::array, 2> dv;
   for (auto& component : dv) component.assign(s.fluid, 0.0);
   walls::repulsion::accelerate<2>(w, scene.walls, {dv[0].data(), dv[1].data()});
-  const auto share = [](double x, double length) { return std::max(0.0, 1.0 - x / 2.0) + std::max(0.0, 1.0 - (length - x) / 2.0); };
+  const auto share = [](double x, double length) {
+    return std::max(0.0, 1.0 - x / 2.0) + std::max(0.0, 1.0 - (length - x) / 2.0);
+  };
   for (std::size_t i = 0; i < s.fluid; ++i) {
     BOOST_TEST(std::abs(dv[0][i] + 0.5 * share(s.x[0][i], 24.0)) < 10.0 * epsilon);
     BOOST_TEST(std::abs(dv[1][i] - 9.0 * share(s.x[1][i], 9.0)) < 100.0 * epsilon);
@@ -299,11 +310,11 @@ BOOST_AUTO_TEST_CASE(reflection_counts_and_mirrors) {
     s.v[0][i] = 7.0;
     s.v[1][i] = v;
   };
-  put(0, 3.0, -0.25, -2.0);   // through the bottom
-  put(1, 3.0, 9.5, 4.0);      // through the top
-  put(2, 3.0, -0.5, 1.0);     // outside, on its way back
-  put(3, -0.5, 0.25, -2.0);   // over a periodic border: no wall there
-  put(4, 3.0, 0.0, -2.0);     // on the wall is inside
+  put(0, 3.0, -0.25, -2.0);  // through the bottom
+  put(1, 3.0, 9.5, 4.0);     // through the top
+  put(2, 3.0, -0.5, 1.0);    // outside, on its way back
+  put(3, -0.5, 0.25, -2.0);  // over a periodic border: no wall there
+  put(4, 3.0, 0.0, -2.0);    // on the wall is inside
   BOOST_TEST(walls::reflect(scene.walls, s) == 3);
   const double expected[5][2] = {{0.25, 2.0}, {8.5, -4.0}, {0.5, 1.0}, {0.25, -2.0}, {0.0, -2.0}};
   for (std::size_t i = 0; i < 5; ++i) {
