@@ -5,10 +5,10 @@ import unittest
 
 from running import ALL, BAD_INPUT, Case
 
-# Walls that drag the fluid along in opposite directions: four spacings in 12 s, a tenth of the box for a viscous
-# fluid of 2e11 Pa s, at a step of about the CFL limit. Every slice of a periodic box is crossed.
+# Walls that drag the fluid along in opposite directions: more than a spacing each way in 6 s, with a
+# viscous fluid and a step of about the CFL limit. Particles cross the border of every slice of the periodic box.
 SHEARED = ("hydrostatic_13_linear",
-           {"time.dt": 0.2, "time.steps": 60, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
+           {"time.dt": 0.2, "time.steps": 30, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
             "material.viscosity": 2e11, "output.interval": 0, "hosono.solver": "newton"})
 
 # B and D have no walls that could drag: a box whose fluid falls, and expands where it lacks support. Of 22 columns
@@ -43,7 +43,7 @@ class Same(Case):
     def assert_moved(self, result, program):
         displacement, rebuilds = result[3]["displacement_max_over_dx"], result[2] - result[1]
         # One right-hand side a step of Euler's method, one at the start, and one more whenever lists were made anew.
-        self.assertGreater(displacement, 2 if CASES[program] is SHEARED else 0.1)
+        self.assertGreater(displacement, 1 if CASES[program] is SHEARED else 0.1)
         self.assertGreater(rebuilds, 1)
 
     def test_programs_on_ranks(self):
