@@ -1,10 +1,11 @@
 """The explanation in the report, with the numbers of these runs. Derivations: docs/theory."""
 import math
+from html import escape
 
 from . import note
 from .cases import CURES
 from .results import cost_per_step, number, representatives, residuals, wall_share
-from .runner import COMPLETED, Outcome
+from .runner import COMPLETED, STOPPED, Outcome
 from .table import accuracy_order, error, files
 
 # Properties of the quintic kernel at h = 1.2 spacings on the square lattice, derived in
@@ -22,7 +23,7 @@ def iteration(outcomes: list[Outcome]) -> list[str]:
         "<b>G = −(κ − 1)(1 − S(k))</b>, where κ = K_T/p is the equation of state's stiffness and S(k) what the smoothing "
         "lets through. Perturbations from particle to particle are smoothed away almost wholly (S ≈ 0), so for them "
         "|G| ≈ κ − 1: the iteration converges only if p &gt; K_T/2. An ideal gas at fixed energy has κ = 1 and "
-        "converges at once; in a liquid κ is 4 or more even at the pressures of the Earth's outer core, and no time step helps."]
+        "converges at once; for a liquid at the pressures of planetary interiors κ is well above 2, and no time step helps."]
     rows = []
     for outcome in outcomes:
         kappa = number(outcome.summary, "metrics", "hosono_kappa")
@@ -61,7 +62,17 @@ def limit(outcomes: list[Outcome]) -> list[str]:
         names = " and ".join(sorted({o.case.program for o in normalised}))
         text.append(f"Dividing the smoothed pressure by the kernel sum (<code>smoothing.normalise</code>) restores the "
                     f"solution: {names} with Newton's method then completes file 11.")
+    failed = [o for o in outcomes if "normalised" in o.case.variant and o.kind == STOPPED and o.case.program == "B"]
+    if failed:
+        text.append("<b>B fails there all the same</b>: what is missing in its sums is half a neighbourhood at the wall, not the lattice's "
+                    f"{LATTICE_SUM_DEFICIT:.1e}, and at 10⁵ Pa the pressures that would balance it are negative "
+                    f"({escape(short_reason(failed[0]))}). No choice of solver changes that.")
     return text
+
+
+def short_reason(outcome: Outcome) -> str:
+    """The program's message without its advice: up to the particle."""
+    return outcome.reason.partition(",")[0].partition(" Y = p dV")[0]
 
 
 def walls(outcomes: list[Outcome]) -> list[str]:
