@@ -33,7 +33,7 @@ def iteration(outcomes: list[Outcome]) -> list[str]:
             rows.append(f"file {outcome.case.file}: κ = {kappa:.3g}, |G| = {growth:.3g}, so that even round-off "
                         f"reaches order one in {passes} passes")
     if rows:
-        text.append("In these runs: " + "; ".join(rows) + ".")
+        text.append("In these runs: " + "; ".join(rows) + ". A run that stops sooner began with a larger disturbance than round-off.")
     cured = [o for o in outcomes if o.case.variant in CURES and o.kind == COMPLETED]
     if cured:
         most: dict[str, int] = {}
@@ -71,8 +71,8 @@ def limit(outcomes: list[Outcome]) -> list[str]:
 
 
 def short_reason(outcome: Outcome) -> str:
-    """The program's message without its advice: up to the particle."""
-    return outcome.reason.partition(",")[0].partition(" Y = p dV")[0]
+    """The program's message up to the particle, without its state and the advice."""
+    return outcome.reason.partition(": particle")[0]
 
 
 def walls(outcomes: list[Outcome]) -> list[str]:
@@ -114,8 +114,8 @@ def cost(outcomes: list[Outcome]) -> list[str]:
     if shares:
         text.append(f"The stages that treat walls take {span([100 * share for share in shares], '.0f')} % of the time of "
                     "C, E and F. This box has few particles and many of them near a wall, so that in larger boxes it is less.")
-    text.append("The times are of runs side by side on a shared machine, the evaluations for history.csv included: they compare the programs and "
-                "do not measure the machine.")
+    text.append("The times are of runs side by side, the evaluations for history.csv included: other work on the machine shows in them. "
+                "<code>./run compare --jobs 1 --fresh</code> on an idle machine compares the programs best.")
     return text
 
 
