@@ -1,10 +1,11 @@
 """The tables: what each run gave, for the terminal and as CSV."""
 import csv
+import re
 from pathlib import Path
 
 from . import note
 from .results import cost_per_step, number, wall_share
-from .runner import COMPLETED, CRASHED, Outcome, terminal_of
+from .runner import COMPLETED, CRASHED, STOPPED, Outcome, terminal_of
 
 COLUMNS = (
     "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees",
@@ -16,7 +17,7 @@ COLUMNS = (
 def row(outcome: Outcome) -> dict:
     """One run by COLUMNS; None where there is no value."""
     summary, case = outcome.summary, outcome.case
-    step, iteration = number(summary, "diverged_step"), number(summary, "diverged_iteration")
+    step, iteration = stopped_step(outcome), number(summary, "diverged_iteration")
     return dict(zip(COLUMNS, (
         case.file, case.program, case.variant, verdict(outcome), step, iteration, outcome.reason or None,
         note_says(outcome), agreement(outcome),
@@ -38,11 +39,19 @@ def verdict(outcome: Outcome) -> str:
     return outcome.kind if outcome.kind in (COMPLETED, CRASHED) else outcome.summary.get("status", "failed")
 
 
+def stopped_step(outcome: Outcome) -> int | None:
+    """The step in which a calculation stopped; a failure that is no divergence has it in its message."""
+    if (step := number(outcome.summary, "diverged_step")) is not None:
+        return int(step)
+    said = re.match(r"step (\d+):", outcome.reason)
+    return int(said[1]) if outcome.kind == STOPPED and said else None
+
+
 def place(outcome: Outcome) -> str:
     """Where a calculation stopped: 'step 1, iteration 2'."""
-    names = ("step", "diverged_step"), ("iteration", "diverged_iteration")
     # Iteration 0: a solver saw that there is no solution before it began.
-    return ", ".join(f"{word} {value:g}" for word, key in names if (value := number(outcome.summary, key)))
+    parts = ("step", stopped_step(outcome)), ("iteration", number(outcome.summary, "diverged_iteration"))
+    return ", ".join(f"{word} {value:g}" for word, value in parts if value)
 
 
 def note_says(outcome: Outcome) -> str | None:
@@ -96,8 +105,8 @@ def cell(outcome: Outcome | None) -> str:
     if outcome.kind == CRASHED:
         return "CRASHED"
     if outcome.kind != COMPLETED:
-        step, iteration = number(outcome.summary, "diverged_step"), number(outcome.summary, "diverged_iteration")
-        where = f" {step:g}" if step is not None else ""
+        step, iteration = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
+        where = f" {step}" if step is not None else ""
         return verdict(outcome) + where + (f"/{iteration:g}" if iteration is not None else "")
     value = error(outcome, "pressure_mean")
     return "completed" if value is None else f"{value:.1e}"

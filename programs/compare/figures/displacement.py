@@ -54,7 +54,8 @@ def draw_map(ax, case, snapshot, norm):
         ax.quiver(*position[longer].T, *arrows[longer].T, angles="xy", scale_units="xy", scale=1,
                   pivot="mid", color=style.INK, width=0.0035, headwidth=4, headlength=4, headaxislength=3.5)
     ax.set_title(f"{case.label}\n", pad=2)
-    ax.text(0, 1.015, f"largest: {largest:.1e} spacings", transform=ax.transAxes, fontsize=8.5, color=style.GREY)
+    said = f"largest: {largest:.1e} spacings" if largest > 0 else "none moved"
+    ax.text(0, 1.015, said, transform=ax.transAxes, fontsize=8.5, color=style.GREY)
     ax.set_aspect("equal")
     ax.grid(False)
     margin = 3.2 * snapshot.spacing / 1e3

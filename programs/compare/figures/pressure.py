@@ -39,7 +39,8 @@ def draw(outcomes: list[Outcome], files: list[str], path: Path) -> bool:
     handles = {}
     for ax, (file, lines) in zip(axes, curves.items()):
         for case, (depth, error) in lines:
-            handles[case.label], = ax.plot(error, depth, **style.line(case.program), label=case.label)
+            label = f"{case.program} (cured)" if case.variant else case.program
+            handles[label], = ax.plot(error, depth, **style.line(case.program), label=label)
         ax.set_title(f"File {file}")
     axes[0].set_xscale("log")
     axes[0].set_xlim(ROUND_OFF / 3, 1)

@@ -49,8 +49,8 @@ def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
     passes, values = history.iteration[good], history.residual[good]
     colour = style.COLOUR[outcome.case.program]
     if stopped and not good[-1]:
-        # p^ <= 0: the logarithm has no value. The mark stands at the upper edge.
-        ax.plot(history.iteration[-1], 0.96, color=colour, marker="x", markersize=7, markeredgewidth=2,
+        # p^ <= 0: the logarithm has no value. The mark stands at the upper edge, B's below A's.
+        ax.plot(history.iteration[-1], 0.96 if outcome.case.program == "A" else 0.88, color=colour, marker="x", markersize=7, markeredgewidth=2,
                 transform=ax.get_xaxis_transform())
     if len(passes) == 0:
         return
