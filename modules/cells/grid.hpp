@@ -33,7 +33,8 @@ struct grid {
   }
   std::size_t linear(const index<D>& c) const {
     std::size_t n = 0;
-    for (std::size_t a = 0; a < D; ++a) n = n * static_cast<std::size_t>(extent[a]) + static_cast<std::size_t>(c[a] - first[a]);
+    for (std::size_t a = 0; a < D; ++a)
+      n = n * static_cast<std::size_t>(extent[a]) + static_cast<std::size_t>(c[a] - first[a]);
     return n;
   }
 };

@@ -8,20 +8,20 @@
 #include <cells/grid.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <foundation/threads.hpp>
 #include <span>
 #include <vector>
-#include <foundation/threads.hpp>
 
 namespace tetsuame::cells {
 
 struct neighbour_list {
   static constexpr std::size_t lanes = 8;  // a multiple of every SIMD width in use
 
-  std::vector<std::size_t> start;      // per row, into `neighbours`; one more at the end
+  std::vector<std::size_t> start;  // per row, into `neighbours`; one more at the end
   std::vector<std::int32_t> neighbours;
-  std::size_t pairs = 0;               // entries without padding
-  std::size_t null = 0;                // the null particle's index, the largest there is
-  mutable particles::array records;    // scratch of the pair loop: what it reads of the neighbours, packed
+  std::size_t pairs = 0;             // entries without padding
+  std::size_t null = 0;              // the null particle's index, the largest there is
+  mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
 
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
 };

@@ -40,8 +40,7 @@ std::string communicator::broadcast(std::string text) const {
   return text;
 }
 
-void communicator::agree_on_fault(std::int64_t id, const std::string& message,
-                                  foundation::exit_status status) const {
+void communicator::agree_on_fault(std::int64_t id, const std::string& message, foundation::exit_status status) const {
   constexpr auto no_fault = std::numeric_limits<std::int64_t>::max();
   const std::int64_t mine = message.empty() ? no_fault : id;
   std::int64_t lowest = mine;

@@ -20,14 +20,14 @@ namespace tetsuame::domain {
 
 template <int D>
 struct box {
-  std::array<double, D> length{};      // m; the box is [0, length)
+  std::array<double, D> length{};  // m; the box is [0, length)
   std::array<bool, D> periodic{};
 };
 
 // One dimension's copies from a block to the ghosts behind it.
 struct copy {
-  int to = 0, from = 0;                    // ranks; MPI_PROC_NULL: none
-  double shift = 0.0;                      // m, added to the coordinate of what is sent
+  int to = 0, from = 0;  // ranks; MPI_PROC_NULL: none
+  double shift = 0.0;    // m, added to the coordinate of what is sent
   std::size_t axis = 0;
   std::vector<std::size_t> sources;        // local indices sent
   std::size_t destination = 0, count = 0;  // local indices received
@@ -40,8 +40,8 @@ template <int D>
 struct slices {
   communicator ranks;
   box<D> region;
-  double width = 0.0;              // m, of the halo
-  std::vector<double> cuts;        // m, ranks + 1 of them
+  double width = 0.0;        // m, of the halo
+  std::vector<double> cuts;  // m, ranks + 1 of them
   halo fluid_halo, wall_halo;
 
   double lower() const { return cuts[static_cast<std::size_t>(ranks.rank)]; }
@@ -62,9 +62,10 @@ slices<D> make_slices(const communicator& ranks, const box<D>& region, double ha
   d.width = halo_width;
   const auto most = static_cast<int>(region.length[0] / halo_width);
   if (ranks.size > 1 && ranks.size > most)
-    foundation::fail_input("too many MPI ranks for this domain: a slice along x must be at least as wide as the halo, " +
-                           std::to_string(halo_width) + " m (kernel support, marker radius and list skin), so at most " +
-                           std::to_string(std::max(most, 1)) + " ranks; use fewer ranks, and OpenMP threads beside them");
+    foundation::fail_input(
+        "too many MPI ranks for this domain: a slice along x must be at least as wide as the halo, " +
+        std::to_string(halo_width) + " m (kernel support, marker radius and list skin), so at most " +
+        std::to_string(std::max(most, 1)) + " ranks; use fewer ranks, and OpenMP threads beside them");
   for (int r = 0; r <= ranks.size; ++r) d.cuts.push_back(region.length[0] * r / ranks.size);
   return d;
 }
@@ -157,7 +158,8 @@ void migrate(const slices<D>& d, particles::particles<D>& s, const particles::ar
 
 namespace detail {
 
-inline void transfer(const communicator& ranks, const copy& c, const std::vector<double>& out, std::vector<double>& in) {
+inline void transfer(const communicator& ranks, const copy& c, const std::vector<double>& out,
+                     std::vector<double>& in) {
   if (c.to == ranks.rank && c.from == ranks.rank) {
     in = out;
     return;

@@ -7,8 +7,8 @@
 //   struct divergence {                                  // Σ_j ΔV_j v_ij·∇_i W_ij
 //     auto reads() const;                                // -> {read(of_velocity, v), read(of_volume, dV)}
 //     auto begin(std::size_t i) const;                   // -> what the sum needs of i, and its zero
-//     void add(me& a, const auto& ij) const;             // a.sum += ij(of_volume) * ij.F * dot(a.v - ij(of_velocity), ij.x_ij)
-//     void end(std::size_t i, const me& a) const;        // out[i] = sum(a.sum)
+//     void add(me& a, const auto& ij) const;             // a.sum += ij(of_volume) * ij.F * dot(a.v - ij(of_velocity),
+//     ij.x_ij) void end(std::size_t i, const me& a) const;        // out[i] = sum(a.sum)
 //   };
 //
 // Several terms in one call share the neighbour's record, distance and kernel: one pass for the
@@ -69,11 +69,11 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
 
 template <int D>
 struct pair {
-  const std::int32_t* j;  // local indices of the neighbours, one a lane
-  vec<real, D> x_ij;      // m, x_i - x_j
-  real r2;                // m2
-  real W;                 // 1/m^D
-  real F;                 // 1/m^(D+2), W'(r)/r
+  const std::int32_t* j;                              // local indices of the neighbours, one a lane
+  vec<real, D> x_ij;                                  // m, x_i - x_j
+  real r2;                                            // m2
+  real W;                                             // 1/m^D
+  real F;                                             // 1/m^(D+2), W'(r)/r
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
   // v·∇_i W_ij, written so that terms which need it for the same v share it.
   real along_gradient(const vec<real, D>& v) const { return F * foundation::dot(v, x_ij); }

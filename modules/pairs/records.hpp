@@ -126,8 +126,11 @@ void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& rea
   std::array<const double*, form::size> source{};
   std::size_t k = 0;
   for (const double* a : x) source[k++] = a;
-  std::apply([&](const auto&... r) { ((std::copy(r.from.begin(), r.from.end(), source.begin() + k), k += r.from.size()), ...); },
-             reads);
+  std::apply(
+      [&](const auto&... r) {
+        ((std::copy(r.from.begin(), r.from.end(), source.begin() + k), k += r.from.size()), ...);
+      },
+      reads);
   for (; k < form::size; ++k) source[k] = x[0];  // fills up the last register; never looked at
   if (records.size() < n * form::size) records.resize(n * form::size);
   double* out = records.data();

@@ -34,10 +34,10 @@ struct workspace {
   domain::slices<D> d;
   std::vector<eos::any> materials;
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
-  double dx = 0.0;            // m, spacing of the start lattice
-  double lattice_sum = 1.0;   // of the kernel over the start lattice, times dx^D
-  cells::neighbour_list list; // rows: owned fluid; all its neighbours, itself excluded
-  std::array<double, D> g{};  // m/s2
+  double dx = 0.0;             // m, spacing of the start lattice
+  double lattice_sum = 1.0;    // of the kernel over the start lattice, times dx^D
+  cells::neighbour_list list;  // rows: owned fluid; all its neighbours, itself excluded
+  std::array<double, D> g{};   // m/s2
   fault first_fault;
   mutable foundation::stage_times times;
 

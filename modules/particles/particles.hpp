@@ -46,34 +46,33 @@ template <int D>
 struct particles {
   std::size_t fluid = 0, fluid_ghosts = 0, walls = 0, wall_ghosts = 0;
 
-  std::vector<std::int64_t> id;         // global; fluid first, wall particles after them
-  std::vector<std::int32_t> material;   // index into the materials of the run
+  std::vector<std::int64_t> id;        // global; fluid first, wall particles after them
+  std::vector<std::int32_t> material;  // index into the materials of the run
 
-  std::array<array, D> x;    // m
-  std::array<array, D> v;    // m/s
-  array rho;                 // kg/m3
-  array T;                   // K
-  array Y;                   // J, DISPH weight p dV
-  array u;                   // J/kg, internal energy gained since the start
+  std::array<array, D> x;  // m
+  std::array<array, D> v;  // m/s
+  array rho;               // kg/m3
+  array T;                 // K
+  array Y;                 // J, DISPH weight p dV
+  array u;                 // J/kg, internal energy gained since the start
 
-  array m;                   // kg
-  array eta;                 // Pa s
-  array k;                   // W/(m K)
+  array m;                       // kg
+  array eta;                     // Pa s
+  array k;                       // W/(m K)
   std::array<array, D> x_start;  // m, moved along when a periodic border is crossed
   std::array<array, D> x_list;   // m, where the particle was when the neighbour lists were made
   array p_reference;             // Pa, pressure of the exact solution at the start position
   array rho_reference;           // kg/m3
 
-
   array rho_guess;  // kg/m3, where the iteration for Y starts
 
-  array p_eos;   // Pa, p^(rho, T), straight from the equation of state
-  array p;       // Pa, what the forces use: smoothed, or p^
-  array dV;      // m^D, volume element Y/p
-  array K_T;     // Pa
-  array alpha;   // 1/K
-  array c_V;     // J/(kg K)
-  array c;       // m/s, sound speed
+  array p_eos;  // Pa, p^(rho, T), straight from the equation of state
+  array p;      // Pa, what the forces use: smoothed, or p^
+  array dV;     // m^D, volume element Y/p
+  array K_T;    // Pa
+  array alpha;  // 1/K
+  array c_V;    // J/(kg K)
+  array c;      // m/s, sound speed
 
   std::size_t first_wall() const { return fluid + fluid_ghosts; }
   std::size_t total() const { return fluid + fluid_ghosts + walls + wall_ghosts; }
@@ -81,7 +80,7 @@ struct particles {
 };
 
 struct field_info {
-  const char* name;         // of the data set
+  const char* name;  // of the data set
   const char* unit;
   const char* description;
   role kind;

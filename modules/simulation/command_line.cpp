@@ -21,8 +21,11 @@ int parse(int argc, char** argv, bool speaks, command_line& line) {
   CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
   app.add_option("INPUT", line.input, "namelist file")->type_name("INPUT.nml");
   app.add_option("--set", line.set, "group.key=value, over what the file says; may be repeated")
-      ->expected(1)->take_all()->type_name("group.key=value");
-  app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")->type_name("DIR");
+      ->expected(1)
+      ->take_all()
+      ->type_name("group.key=value");
+  app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")
+      ->type_name("DIR");
   app.add_option("--restart", line.restart, "continue from a checkpoint, or from the latest in the output directory")
       ->type_name("FILE|latest");
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");

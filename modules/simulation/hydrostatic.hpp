@@ -64,9 +64,10 @@ struct run {
     const double moved = std::sqrt(ranks.maximum(moved_since_lists(world.w.s)));
     if (!(moved <= 0.5 * world.skin)) {
       if (o.time.method == "adaptive") return 1;
-      foundation::fail_calculation(
-          fmt::format("particles moved {:.3g} m within one step, more than half the skin of the neighbour lists ({:.3g} m): "
-                      "the time step is too large, or the flow has blown up", moved, 0.5 * world.skin));
+      foundation::fail_calculation(fmt::format(
+          "particles moved {:.3g} m within one step, more than half the skin of the neighbour lists ({:.3g} m): "
+          "the time step is too large, or the flow has blown up",
+          moved, 0.5 * world.skin));
     }
     evaluate<Program>(world, how, o.smoothing, work, rate);
     return 0;
@@ -169,7 +170,11 @@ struct run {
 
   output::progress_state progress() const {
     const auto& statistics = integrator->statistics();
-    return {step, o.time.method == "adaptive" ? 0 : o.time.steps, integrator->time(), *o.time.t_end, statistics.last_dt,
+    return {step,
+            o.time.method == "adaptive" ? 0 : o.time.steps,
+            integrator->time(),
+            *o.time.t_end,
+            statistics.last_dt,
             static_cast<std::uint64_t>(statistics.evaluations) * static_cast<std::uint64_t>(world.fluid_total)};
   }
 
@@ -185,7 +190,8 @@ struct run {
     const auto now = std::chrono::steady_clock::now();
     const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
     // Rank 0's clock decides for all.
-    const double since = ranks.maximum(ranks.rank == 0 ? std::chrono::duration<double>(now - last_checkpoint).count() : 0.0);
+    const double since =
+        ranks.maximum(ranks.rank == 0 ? std::chrono::duration<double>(now - last_checkpoint).count() : 0.0);
     if (by_steps || (o.run.checkpoint_seconds > 0.0 && since >= o.run.checkpoint_seconds)) write_checkpoint();
   }
 
@@ -193,15 +199,22 @@ struct run {
     const foundation::stage timed(world.w.times, "output");
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
-    history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean, e.pressure_max,
-                                     e.density_max, e.displacement_max_over_dx, t.kinetic, t.potential, t.internal,
-                                     t.energy() - start_totals.energy()});
+    history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
+                                     e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic, t.potential,
+                                     t.internal, t.energy() - start_totals.energy()});
   }
 
   static std::vector<output::history_column> history_columns() {
-    return {{"time", "s"}, {"dt", "s"}, {"pressure_error_mean", "1"}, {"pressure_error_max", "1"},
-            {"density_error_max", "1"}, {"displacement_max", "dx"}, {"kinetic_energy", "J"}, {"potential_energy", "J"},
-            {"internal_energy_gained", "J"}, {"energy_change", "J"}};
+    return {{"time", "s"},
+            {"dt", "s"},
+            {"pressure_error_mean", "1"},
+            {"pressure_error_max", "1"},
+            {"density_error_max", "1"},
+            {"displacement_max", "dx"},
+            {"kinetic_energy", "J"},
+            {"potential_energy", "J"},
+            {"internal_energy_gained", "J"},
+            {"energy_change", "J"}};
   }
 
   void write_snapshot() {
@@ -220,7 +233,8 @@ struct run {
     output::write_snapshot(ranks.comm, line.output + "/" + name, header, groups, {line.program, version(), resolved});
     output::add_to_series(ranks.comm, line.output, name, series);
     ++snapshots;
-    while (o.output.interval > 0.0 && next_snapshot <= integrator->time() * (1.0 + 1e-9) + 1e-300) next_snapshot += o.output.interval;
+    while (o.output.interval > 0.0 && next_snapshot <= integrator->time() * (1.0 + 1e-9) + 1e-300)
+      next_snapshot += o.output.interval;
   }
 
   void write_checkpoint() {
@@ -228,15 +242,27 @@ struct run {
     const auto memory = integrator->save();
     const auto& st = memory.statistics;
     output::checkpoint_globals g;
-    g.reals = {{"time", memory.t}, {"next_dt", memory.next_dt}, {"previous_error", memory.previous_error},
-               {"next_snapshot", next_snapshot}, {"last_dt", st.last_dt}, {"energy_start", start_totals.energy()},
-               {"mass_start", start_totals.mass}, {"stepping_seconds", stepping_seconds}};
+    g.reals = {{"time", memory.t},
+               {"next_dt", memory.next_dt},
+               {"previous_error", memory.previous_error},
+               {"next_snapshot", next_snapshot},
+               {"last_dt", st.last_dt},
+               {"energy_start", start_totals.energy()},
+               {"mass_start", start_totals.mass},
+               {"stepping_seconds", stepping_seconds}};
     for (std::size_t a = 0; a < D; ++a) g.reals["momentum_start_" + std::to_string(a)] = start_totals.momentum[a];
     g.reals["pressure_volume_start"] = start_totals.pressure_volume;
     g.reals["sound_momentum_start"] = start_totals.sound_momentum;
-    g.integers = {{"step", step}, {"snapshots", snapshots}, {"steps", st.steps}, {"attempts", st.attempts},
-                  {"rejections", st.rejections}, {"unevaluable", st.unevaluable}, {"evaluations", st.evaluations},
-                  {"wall_crossings", wall_crossings}, {"dimension", D}, {"fluid_particles", world.fluid_total}};
+    g.integers = {{"step", step},
+                  {"snapshots", snapshots},
+                  {"steps", st.steps},
+                  {"attempts", st.attempts},
+                  {"rejections", st.rejections},
+                  {"unevaluable", st.unevaluable},
+                  {"evaluations", st.evaluations},
+                  {"wall_crossings", wall_crossings},
+                  {"dimension", D},
+                  {"fluid_particles", world.fluid_total}};
     if constexpr (iterates) {
       g.integers["hosono_evaluations"] = how.evaluations;
       g.integers["hosono_passes"] = how.passes;
@@ -244,7 +270,8 @@ struct run {
     for (const auto& [name, count] : st.limited_by) g.integers["limited_by " + name] = count;
     g.texts = {{"program", line.program}, {"input", resolved}, {"version", version()}};
     std::vector<std::int64_t> materials;
-    const auto path = output::write_checkpoint(ranks.comm, line.output, step, g, {checkpoint_table(world.w.s, materials)});
+    const auto path =
+        output::write_checkpoint(ranks.comm, line.output, step, g, {checkpoint_table(world.w.s, materials)});
     last_checkpoint = std::chrono::steady_clock::now();
     say(fmt::format("checkpoint {} at step {}", path, step));
   }
@@ -262,9 +289,10 @@ struct run {
 
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
-    throw foundation::error(foundation::exit_status::interrupted,
-                            fmt::format("stopped at step {} of {}, t = {:.6g} s, after a checkpoint: continue with --restart latest",
-                                        step, o.time.steps, integrator->time()));
+    throw foundation::error(
+        foundation::exit_status::interrupted,
+        fmt::format("stopped at step {} of {}, t = {:.6g} s, after a checkpoint: continue with --restart latest", step,
+                    o.time.steps, integrator->time()));
   }
 
   void start_anew() {
@@ -399,8 +427,8 @@ struct run {
   void warn_about_step() {
     const auto least = measure_limits(world, o.time).least();
     if (o.time.method == "adaptive" || o.time.dt <= least.dt) return;
-    const auto text = fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", o.time.dt,
-                                  least.name, least.dt);
+    const auto text = fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up",
+                                  o.time.dt, least.name, least.dt);
     say(text);
     if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, text);
   }
@@ -417,12 +445,17 @@ struct run {
       volume::equation_of_state(world.w, world.w.s.fluid);
       start_kappa = volume::detail::largest_kappa(world.w);
     }
-    output::open_directory(ranks.comm, line.output, !line.restart.empty() ? mode::restart : line.force ? mode::force : mode::fresh);
+    output::open_directory(ranks.comm, line.output,
+                           !line.restart.empty() ? mode::restart
+                           : line.force          ? mode::force
+                                                 : mode::fresh);
     if (!line.restart.empty()) found = read_saved();
     log.emplace(ranks.comm, line.output + "/run.log");
-    say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size, omp_get_max_threads(), line.input));
+    say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
+                    omp_get_max_threads(), line.input));
     const auto& material = eos::about(world.w.materials[0]);
-    say(fmt::format("equation of state {}: {}{}", material.name, material.source, material.illustrative ? " (illustrative)" : ""));
+    say(fmt::format("equation of state {}: {}{}", material.name, material.source,
+                    material.illustrative ? " (illustrative)" : ""));
     write_text(ranks, line.output + "/resolved.nml", resolved);
     watch_signals();
   }

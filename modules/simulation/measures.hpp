@@ -8,9 +8,9 @@
 namespace tetsuame::simulation {
 
 struct errors {
-  double pressure_mean = 0.0;                 // mean |p - p_exact|/p_exact
+  double pressure_mean = 0.0;  // mean |p - p_exact|/p_exact
   double pressure_max = 0.0;
-  double density_max = 0.0;                   // max |ρ - ρ_exact|/ρ_exact
+  double density_max = 0.0;  // max |ρ - ρ_exact|/ρ_exact
   double displacement_max_over_dx = 0.0;
 };
 
@@ -39,11 +39,11 @@ errors measure_errors(const scene<D>& scene) {
 
 template <int D>
 struct totals {
-  double mass = 0.0;                        // kg (2-D: kg/m)
-  std::array<double, D> momentum{};         // kg m/s
+  double mass = 0.0;                                      // kg (2-D: kg/m)
+  std::array<double, D> momentum{};                       // kg m/s
   double kinetic = 0.0, potential = 0.0, internal = 0.0;  // J; internal: gained since the start
-  double pressure_volume = 0.0;             // J, Σ p ΔV: the scale of energies
-  double sound_momentum = 0.0;              // kg m/s, Σ m c: the scale of momenta
+  double pressure_volume = 0.0;                           // J, Σ p ΔV: the scale of energies
+  double sound_momentum = 0.0;                            // kg m/s, Σ m c: the scale of momenta
   double energy() const { return kinetic + potential + internal; }
 };
 
@@ -82,7 +82,8 @@ struct step_limits {
 
   integrators::step_limit least() const {
     if (cfl <= viscous && cfl <= thermal) return {cfl, "cfl"};
-    return viscous <= thermal ? integrators::step_limit{viscous, "viscous"} : integrators::step_limit{thermal, "thermal"};
+    return viscous <= thermal ? integrators::step_limit{viscous, "viscous"}
+                              : integrators::step_limit{thermal, "thermal"};
   }
 };
 
@@ -99,7 +100,8 @@ step_limits measure_limits(const scene<D>& scene, const time_options& o) {
   }
   const auto& ranks = scene.w.d.ranks;
   const double dx = scene.w.dx;
-  return {o.cfl * dx / ranks.maximum(c), o.viscous * dx * dx / ranks.maximum(nu), o.thermal * dx * dx / ranks.maximum(kappa)};
+  return {o.cfl * dx / ranks.maximum(c), o.viscous * dx * dx / ranks.maximum(nu),
+          o.thermal * dx * dx / ranks.maximum(kappa)};
 }
 
 }  // namespace tetsuame::simulation

@@ -14,8 +14,9 @@ void declare(namelist::schema& schema, domain_options& o) {
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string axis = axis_names[a];
     const std::string only = a == 2 ? " (3-D only)" : "";
-    schema.add("domain", "length_" + axis, o.length[a],
-               {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box along " + axis + only});
+    schema.add(
+        "domain", "length_" + axis, o.length[a],
+        {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box along " + axis + only});
     schema.add("domain", "particles_" + axis, o.particles[a],
                {.minimum = 1, .maximum = 1e9, .meaning = "fluid particles along " + axis + only});
     schema.add("domain", "periodic_" + axis, o.periodic[a],
@@ -25,19 +26,25 @@ void declare(namelist::schema& schema, domain_options& o) {
 
 void declare(namelist::schema& schema, initial_options& o) {
   schema.group("initial", "start state");
-  schema.add("initial", "temperature", o.temperature, {.unit = "K", .minimum = 0.0, .exclusive_minimum = true, .meaning = "everywhere"});
+  schema.add("initial", "temperature", o.temperature,
+             {.unit = "K", .minimum = 0.0, .exclusive_minimum = true, .meaning = "everywhere"});
   schema.add("initial", "pressure", o.pressure,
-             {.unit = "Pa", .minimum = 0.0, .exclusive_minimum = true, .meaning = "everywhere, or at the top where the profile is hydrostatic"});
-  schema.add("initial", "profile", o.profile,
-             {.choices = {"hydrostatic", "uniform"},
-              .meaning = "of pressure and density; hydrostatic: exact for the equation of state, uniform without gravity"});
+             {.unit = "Pa",
+              .minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "everywhere, or at the top where the profile is hydrostatic"});
+  schema.add(
+      "initial", "profile", o.profile,
+      {.choices = {"hydrostatic", "uniform"},
+       .meaning = "of pressure and density; hydrostatic: exact for the equation of state, uniform without gravity"});
 }
 
 void declare(namelist::schema& schema, material_options& o) {
   schema.group("material", "equation of state and transport");
   std::vector<std::string> choices;
   for (const auto name : eos::names()) choices.emplace_back(name);
-  schema.add("material", "eos", o.eos.name, {.choices = choices, .meaning = "equation of state; its parameters default to the material's own"});
+  schema.add("material", "eos", o.eos.name,
+             {.choices = choices, .meaning = "equation of state; its parameters default to the material's own"});
   schema.add("material", "curve", o.eos.curve, {.meaning = "of liquid_silicate: vinet or birch_murnaghan"});
   schema.add("material", "tillotson", o.eos.tillotson, {.meaning = "of tillotson: iron, granite or basalt"});
   for (const auto& p : eos::parameters) {
@@ -50,7 +57,8 @@ void declare(namelist::schema& schema, material_options& o) {
     schema.add("material", std::string(p.key), o.eos.*p.member, info);
   }
   schema.add("material", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "dynamic viscosity"});
-  schema.add("material", "conductivity", o.conductivity, {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal conductivity"});
+  schema.add("material", "conductivity", o.conductivity,
+             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal conductivity"});
 }
 
 void declare(namelist::schema& schema, time_options& o) {
@@ -59,19 +67,31 @@ void declare(namelist::schema& schema, time_options& o) {
              {.choices = {"euler", "order_2", "order_3", "order_4", "order_5", "adaptive"},
               .meaning = "explicit Runge-Kutta with a fixed step, or with error control"});
   schema.add("time", "order", o.order, {.minimum = 2, .maximum = 5, .meaning = "of the adaptive method"});
-  schema.add("time", "dt", o.dt, {.unit = "s", .minimum = 0.0, .exclusive_minimum = true, .meaning = "time step; adaptive: the first one"});
-  schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .meaning = "number of steps at most; adaptive without t_end: runs to steps * dt"});
-  schema.add("time", "t_end", o.t_end, {.unit = "s", .minimum = 0.0, .meaning = "time at the end; not given: steps * dt"});
-  schema.add("time", "rtol", o.rtol, {.minimum = 1e-14, .maximum = 1e-1, .meaning = "adaptive: relative error of a step; of positions per particle spacing"});
+  schema.add("time", "dt", o.dt,
+             {.unit = "s", .minimum = 0.0, .exclusive_minimum = true, .meaning = "time step; adaptive: the first one"});
+  schema.add("time", "steps", o.steps,
+             {.minimum = 0,
+              .maximum = 1e15,
+              .meaning = "number of steps at most; adaptive without t_end: runs to steps * dt"});
+  schema.add("time", "t_end", o.t_end,
+             {.unit = "s", .minimum = 0.0, .meaning = "time at the end; not given: steps * dt"});
+  schema.add("time", "rtol", o.rtol,
+             {.minimum = 1e-14,
+              .maximum = 1e-1,
+              .meaning = "adaptive: relative error of a step; of positions per particle spacing"});
   const auto positive = [](std::string unit, std::string meaning) {
-    return namelist::key_info{.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+    return namelist::key_info{
+        .unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
   };
-  schema.add("time", "atol_position", o.atol_position, positive("dx", "adaptive: absolute error of positions, in particle spacings"));
+  schema.add("time", "atol_position", o.atol_position,
+             positive("dx", "adaptive: absolute error of positions, in particle spacings"));
   schema.add("time", "atol_velocity", o.atol_velocity, positive("m/s", "adaptive: absolute error of velocities"));
   schema.add("time", "atol_temperature", o.atol_temperature, positive("K", "adaptive: absolute error of temperatures"));
   schema.add("time", "atol_density", o.atol_density, positive("kg/m^3", "adaptive: absolute error of densities"));
-  schema.add("time", "atol_weight", o.atol_weight, positive("J", "adaptive: absolute error of weights, where Y is integrated"));
-  schema.add("time", "atol_energy", o.atol_energy, positive("J/kg", "adaptive: absolute error of the internal energy gained"));
+  schema.add("time", "atol_weight", o.atol_weight,
+             positive("J", "adaptive: absolute error of weights, where Y is integrated"));
+  schema.add("time", "atol_energy", o.atol_energy,
+             positive("J/kg", "adaptive: absolute error of the internal energy gained"));
   schema.add("time", "cfl", o.cfl, positive("", "largest dt c/dx"));
   schema.add("time", "viscous", o.viscous, positive("", "largest dt eta/(rho dx^2)"));
   schema.add("time", "thermal", o.thermal, positive("", "largest dt k/(rho c_V dx^2)"));
@@ -82,8 +102,14 @@ void declare_kernel(namelist::schema& schema, options& o) {
   std::vector<std::string> choices;
   for (const auto& k : kernels::table) choices.emplace_back(k.name);
   schema.add("kernel", "name", o.kernel, {.choices = choices, .meaning = "of the kernel"});
-  schema.add("kernel", "h_over_dx", o.h_over_dx, {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
-  schema.add("kernel", "skin", o.skin, {.minimum = 0.0, .maximum = 2.0, .exclusive_minimum = true, .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
+  schema.add(
+      "kernel", "h_over_dx", o.h_over_dx,
+      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
+  schema.add("kernel", "skin", o.skin,
+             {.minimum = 0.0,
+              .maximum = 2.0,
+              .exclusive_minimum = true,
+              .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
 }
 
 void check_box(const namelist::schema& schema, options& o, double support) {
@@ -93,14 +119,16 @@ void check_box(const namelist::schema& schema, options& o, double support) {
     const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
     if (std::abs(spacing - dx) > 1e-9 * dx)
       schema.fail("domain", std::string("particles_") + axis_names[a],
-                  "the particle spacing must be the same along x and " + std::string(axis_names[a]) + ": " + std::to_string(dx) +
-                      " m and " + std::to_string(spacing) + " m; change particles_" + axis_names[a] + " or length_" + axis_names[a]);
+                  "the particle spacing must be the same along x and " + std::string(axis_names[a]) + ": " +
+                      std::to_string(dx) + " m and " + std::to_string(spacing) + " m; change particles_" +
+                      axis_names[a] + " or length_" + axis_names[a]);
   }
   for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
     if (d.periodic[a] && 2.0 * support > d.length[a])
       schema.fail("domain", std::string("particles_") + axis_names[a],
-                  "the kernel's support, " + std::to_string(2.0 * support) + " m across, is wider than the periodic box, " +
-                      std::to_string(d.length[a]) + " m along " + axis_names[a] + ": use more particles or a smaller h_over_dx");
+                  "the kernel's support, " + std::to_string(2.0 * support) +
+                      " m across, is wider than the periodic box, " + std::to_string(d.length[a]) + " m along " +
+                      axis_names[a] + ": use more particles or a smaller h_over_dx");
 }
 
 }  // namespace
@@ -117,12 +145,17 @@ void declare(namelist::schema& schema, options& o) {
   volume::declare(schema, o.smoothing);
   volume::declare(schema, o.hosono);
   schema.group("output", "what is written, and how often");
-  schema.add("output", "interval", o.output.interval, {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
-  schema.add("output", "history_interval", o.output.history_interval, {.minimum = 1, .meaning = "steps between lines of history.csv"});
+  schema.add("output", "interval", o.output.interval,
+             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
+  schema.add("output", "history_interval", o.output.history_interval,
+             {.minimum = 1, .meaning = "steps between lines of history.csv"});
   schema.group("run", "limits and checkpoints");
-  schema.add("run", "wall_clock_limit", o.run.wall_clock_limit, {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
-  schema.add("run", "checkpoint_interval", o.run.checkpoint_interval, {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
-  schema.add("run", "checkpoint_seconds", o.run.checkpoint_seconds, {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+  schema.add("run", "wall_clock_limit", o.run.wall_clock_limit,
+             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
+  schema.add("run", "checkpoint_interval", o.run.checkpoint_interval,
+             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
+  schema.add("run", "checkpoint_seconds", o.run.checkpoint_seconds,
+             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
 }
 
 void resolve(const namelist::schema& schema, options& o) {
@@ -131,7 +164,8 @@ void resolve(const namelist::schema& schema, options& o) {
   check_box(schema, o, support);
   if (o.g == 0.0) o.initial.profile = "uniform";
   if (o.initial.profile == "hydrostatic" && o.domain.periodic[1])
-    schema.fail("domain", "periodic_y", "a hydrostatic profile needs walls at the bottom and the top: set periodic_y = .false.");
+    schema.fail("domain", "periodic_y",
+                "a hydrostatic profile needs walls at the bottom and the top: set periodic_y = .false.");
   if (o.material.eos.name == "linear" && !o.material.eos.reference_pressure)
     o.material.eos.reference_pressure = o.initial.pressure;
   try {

@@ -16,7 +16,7 @@ namespace tetsuame::simulation {
 
 struct domain_options {
   std::int64_t dimension = 2;
-  std::array<double, 3> length{1e5, 1e5, 1e5};       // m
+  std::array<double, 3> length{1e5, 1e5, 1e5};  // m
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
 };
@@ -30,25 +30,25 @@ struct initial_options {
 struct time_options {
   std::string method = "euler";
   std::int64_t order = 3;
-  double dt = 1e-3;                                 // s
+  double dt = 1e-3;  // s
   std::int64_t steps = 1000;
-  std::optional<double> t_end;                      // s
+  std::optional<double> t_end;  // s
   double rtol = 1e-4;
-  double atol_position = 1e-6;                      // of the particle spacing
+  double atol_position = 1e-6;                                                // of the particle spacing
   double atol_velocity = 1e-6, atol_temperature = 1e-6, atol_density = 1e-9;  // m/s, K, kg/m3
-  double atol_weight = 1e-9, atol_energy = 1e-3;    // J, J/kg
-  double cfl = 0.5, viscous = 0.25, thermal = 0.25; // fractions of Δx/c, ρ Δx²/η, ρ c_V Δx²/k
+  double atol_weight = 1e-9, atol_energy = 1e-3;                              // J, J/kg
+  double cfl = 0.5, viscous = 0.25, thermal = 0.25;  // fractions of Δx/c, ρ Δx²/η, ρ c_V Δx²/k
 };
 
 struct output_options {
-  double interval = 0.0;              // s
+  double interval = 0.0;               // s
   std::int64_t history_interval = 10;  // steps
 };
 
 struct run_options {
-  double wall_clock_limit = 0.0;          // s
-  std::int64_t checkpoint_interval = 0;   // steps
-  double checkpoint_seconds = 600.0;      // s
+  double wall_clock_limit = 0.0;         // s
+  std::int64_t checkpoint_interval = 0;  // steps
+  double checkpoint_seconds = 600.0;     // s
 };
 
 struct material_options {

@@ -25,7 +25,9 @@ class residual_file {
 
  private:
   explicit residual_file(output::history file) : file_(std::move(file)) {}
-  static std::vector<output::history_column> columns() { return {{"evaluation", "1"}, {"iteration", "1"}, {"residual", "1"}}; }
+  static std::vector<output::history_column> columns() {
+    return {{"evaluation", "1"}, {"iteration", "1"}, {"residual", "1"}};
+  }
   output::history file_;
 };
 

@@ -74,7 +74,8 @@ void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   const gradient::continuity<D> continuity{v, s.dV.data(), work.dlnrho.data()};
   if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(w.fluid(), pressure, continuity,
-          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), s.m.data(), out.dv, work.heat.data()});
+          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), s.m.data(), out.dv,
+                                          work.heat.data()});
   else
     w.sum(w.fluid(), pressure, continuity,
           diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), s.m.data(), out.dv, work.heat.data()},
@@ -107,9 +108,9 @@ void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& ou
     bool good = std::isfinite(out.dT[i]);
     for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
     if (!good)
-      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) + ", p = " +
-                                        volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) + " kg/m3, T = " +
-                                        volume::number(s.T[i]) + " K; the time step may be too large");
+      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
+                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
+                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
   }
 }
 

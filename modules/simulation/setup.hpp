@@ -16,10 +16,10 @@ struct scene {
   pairs::workspace<D> w;
   walls::any treatment;
   walls::wall_set<D> walls;
-  double skin = 0.0;            // m
+  double skin = 0.0;  // m
   std::int64_t fluid_total = 0;
-  bool density_carried = false; // ρ is part of the state
-  bool weight_carried = false;  // Y is
+  bool density_carried = false;             // ρ is part of the state
+  bool weight_carried = false;              // Y is
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
 };
 

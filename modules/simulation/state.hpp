@@ -15,10 +15,8 @@ std::vector<integrators::field> state_fields(scene<D>& scene, const time_options
   auto& s = scene.w.s;
   std::vector<integrators::field> all;
   constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-  for (std::size_t a = 0; a < D; ++a)
-    all.push_back({axis[a], s.x[a].data(), o.atol_position * scene.w.dx, scene.w.dx});
-  for (std::size_t a = 0; a < D; ++a)
-    all.push_back({std::string("v") + axis[a], s.v[a].data(), o.atol_velocity, 0.0});
+  for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), o.atol_position * scene.w.dx, scene.w.dx});
+  for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), o.atol_velocity, 0.0});
   all.push_back({"T", s.T.data(), o.atol_temperature, 0.0});
   all.push_back({"u", s.u.data(), o.atol_energy, 0.0});
   if (scene.density_carried) all.push_back({"rho", s.rho.data(), o.atol_density, 0.0});
@@ -50,7 +48,8 @@ output::particle_group group_of(const particles::particles<D>& s, int type, std:
 // Fluid and walls for a snapshot, with the smoothing length and the displacement beside the fields of
 // the table; `extra` holds what is made for the occasion.
 template <int D>
-std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, double h, std::vector<particles::array>& extra) {
+std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, double h,
+                                                    std::vector<particles::array>& extra) {
   const auto& s = scene.w.s;
   extra.assign(D + 1, particles::array(s.total(), 0.0));
   std::fill(extra[0].begin(), extra[0].end(), h);
@@ -75,7 +74,9 @@ template <int D>
 std::string hash_of_state(const scene<D>& scene) {
   const auto& s = scene.w.s;
   output::particle_group g{0, s.fluid, s.id.data(), {}};
-  const auto add = [&](const char* name, const particles::array& a) { g.columns.push_back({name, "", "", {a.data()}, false}); };
+  const auto add = [&](const char* name, const particles::array& a) {
+    g.columns.push_back({name, "", "", {a.data()}, false});
+  };
   for (std::size_t a = 0; a < D; ++a) add("x", s.x[a]);
   for (std::size_t a = 0; a < D; ++a) add("v", s.v[a]);
   add("T", s.T);

@@ -8,7 +8,8 @@
 
 namespace tetsuame::simulation {
 
-void summary::set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx) {
+void summary::set_errors(double pressure_mean, double pressure_max, double density_max,
+                         double displacement_max_over_dx) {
   errors = {{"pressure_mean", pressure_mean},
             {"pressure_max", pressure_max},
             {"density_max", density_max},
@@ -52,11 +53,13 @@ void summary::write(const domain::communicator& where, const std::string& direct
 }
 
 void summary::print() const {
-  fmt::print("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message, wall_seconds, statistics.evaluations);
+  fmt::print("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message, wall_seconds,
+             statistics.evaluations);
   if (statistics.rejections > 0) fmt::print(", {} steps rejected", statistics.rejections);
   fmt::print(")\n");
   std::string held;
-  for (const auto& [name, count] : statistics.limited_by) held += fmt::format("{}{} {}", held.empty() ? "" : ", ", name, count);
+  for (const auto& [name, count] : statistics.limited_by)
+    held += fmt::format("{}{} {}", held.empty() ? "" : ", ", name, count);
   fmt::print("  step set by: {}\n", held.empty() ? "-" : held);
   if (errors.is_object())
     fmt::print("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
@@ -79,7 +82,8 @@ std::vector<std::string> binding_lines(const std::string& input) {
   std::istringstream in(input);
   bool free = false;
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("&")) free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
+    if (line.starts_with("&"))
+      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
     if (!free) lines.push_back(line);
   }
   return lines;
@@ -95,8 +99,9 @@ void check_restart(const std::string& saved_program, const std::string& saved_in
   for (std::size_t n = 0; n < std::max(was.size(), is.size()); ++n) {
     const std::string a = n < was.size() ? was[n] : "(nothing)", b = n < is.size() ? is[n] : "(nothing)";
     if (a != b)
-      foundation::fail_input("the input is not that of the checkpoint (only &time, &output and &run may change): it was\n  " + a +
-                             "\nand is now\n  " + b);
+      foundation::fail_input(
+          "the input is not that of the checkpoint (only &time, &output and &run may change): it was\n  " + a +
+          "\nand is now\n  " + b);
   }
 }
 

@@ -80,9 +80,8 @@ struct pass {
     double largest = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double r = std::abs(std::log(s.p_eos[i] / s.p[i]));
-      largest = std::max(largest, s.p_eos[i] > 0.0 && s.p[i] > 0.0 && std::isfinite(r)
-                                      ? r
-                                      : std::numeric_limits<double>::infinity());
+      largest = std::max(
+          largest, s.p_eos[i] > 0.0 && s.p[i] > 0.0 && std::isfinite(r) ? r : std::numeric_limits<double>::infinity());
     }
     return w.d.ranks.maximum(largest);
   }
@@ -164,8 +163,9 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   K_T = w.d.ranks.maximum(K_T);
   const double deficit = 1.0 - w.lattice_sum / scale;
   return "no state with p > 0 exists: the kernel's sum over the lattice is 1 - " + number(deficit) +
-         ", which lowers the density by that factor and the pressure by " + number(deficit) + " K_T = " +
-         number(deficit * K_T) + " Pa, more than p = " + number(p_start) + " Pa (K_T/p = " + number(K_T / p_start) +
+         ", which lowers the density by that factor and the pressure by " + number(deficit) +
+         " K_T = " + number(deficit * K_T) + " Pa, more than p = " + number(p_start) +
+         " Pa (K_T/p = " + number(K_T / p_start) +
          "). Divide the smoothing by the kernel sum (&smoothing normalise = .true.), or use program C, D, E or F";
 }
 

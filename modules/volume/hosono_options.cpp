@@ -15,12 +15,15 @@ void declare(namelist::schema& schema, hosono_options& o) {
              {.choices = {"plain", "under_relaxed", "anderson", "newton"},
               .meaning = "plain as published; the others converge where it does not"});
   schema.add("hosono", "tolerance", o.tolerance,
-             {.minimum = 0.0, .maximum = 1e-2, .exclusive_minimum = true,
+             {.minimum = 0.0,
+              .maximum = 1e-2,
+              .exclusive_minimum = true,
               .meaning = "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"});
   schema.add("hosono", "max_iterations", o.max_iterations,
              {.minimum = 1, .maximum = 1e7, .meaning = "passes in one evaluation at most"});
   schema.add("hosono", "relaxation", o.relaxation,
-             {.minimum = 0.0, .maximum = 1.0,
+             {.minimum = 0.0,
+              .maximum = 1.0,
               .meaning = "exponent of (Y_new/Y) for under_relaxed and anderson; 0: the least p/K_T of all particles"});
   schema.add("hosono", "anderson_depth", o.anderson_depth,
              {.minimum = 0, .maximum = 50, .meaning = "earlier passes that anderson combines"});

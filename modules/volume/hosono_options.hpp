@@ -12,10 +12,10 @@ namespace tetsuame::volume {
 struct smoothing_options;
 
 struct hosono_options {
-  std::string solver = "plain";      // plain, under_relaxed, anderson, newton
-  double tolerance = 1e-12;          // of max |ln(Y_new/Y)|
+  std::string solver = "plain";  // plain, under_relaxed, anderson, newton
+  double tolerance = 1e-12;      // of max |ln(Y_new/Y)|
   std::int64_t max_iterations = 1000;
-  double relaxation = 0.0;           // exponent ω; 0: the least p/K_T of all particles
+  double relaxation = 0.0;  // exponent ω; 0: the least p/K_T of all particles
   std::int64_t anderson_depth = 5;
 };
 

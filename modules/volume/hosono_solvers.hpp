@@ -9,13 +9,15 @@ namespace detail {
 
 // Why there is no end: κ, the growth factor of theory and of the last passes, where it began.
 template <int D>
-std::string account(const pass<D>& one, const std::string& outcome, double kappa, double measured, const std::string& began) {
+std::string account(const pass<D>& one, const std::string& outcome, double kappa, double measured,
+                    const std::string& began) {
   auto& w = one.w;
   const std::string& solver = one.self.how.solver;
   const double S_min = kernels::transfer_minimum<D>(w.kernel, w.dx).value;
   const double G = (kappa - 1.0) * (1.0 - S_min);
-  std::string text = "Hosono's iteration (" + solver + ") " + outcome + " at iteration " + std::to_string(one.iteration) +
-                     ": K_T/p = " + number(kappa) + ", predicted growth factor of a pass |G| = (K_T/p - 1)(1 - S_min) = " + number(G);
+  std::string text = "Hosono's iteration (" + solver + ") " + outcome + " at iteration " +
+                     std::to_string(one.iteration) + ": K_T/p = " + number(kappa) +
+                     ", predicted growth factor of a pass |G| = (K_T/p - 1)(1 - S_min) = " + number(G);
   if (std::isfinite(measured) && measured > 0.0) text += ", last measured " + number(measured);
   text += ". It began at " + began;
   const std::string proof = no_state_exists(w, one.around);
@@ -51,19 +53,21 @@ void relax(pass<D>& one, double omega, double tolerance, double enough, double k
     const bool dead = plain && !std::isfinite(residual);
     if (dead || iteration >= self.how.max_iterations) {
       if (began.empty()) began = worst_particle(w);
-      throw divergence(iteration, account(one, dead ? "diverged" : "did not converge", kappa, residual / previous, began));
+      throw divergence(iteration,
+                       account(one, dead ? "diverged" : "did not converge", kappa, residual / previous, began));
     }
     previous = residual;
     for (std::size_t i = 0; i < s.fluid; ++i)
-      s.Y[i] = plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+      s.Y[i] =
+          plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
   }
 }
 
 template <int D>
 void fail_unconverged(const pass<D>& one, const std::string& reason, double kappa) {
   throw divergence(one.iteration, "Hosono's iteration (" + one.self.how.solver + ") did not converge after " +
-                                      std::to_string(one.iteration) + " passes: " + reason + ". K_T/p = " +
-                                      number(kappa) + "; worst at " + worst_particle(one.w));
+                                      std::to_string(one.iteration) + " passes: " + reason +
+                                      ". K_T/p = " + number(kappa) + "; worst at " + worst_particle(one.w));
 }
 
 // x = ln(Y/Y_0), g(x) = x + ω ln(p^/p). Relative to the start, so that x and its rounding are small: the tolerance is
@@ -84,11 +88,10 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
     return 0;
   };
-  const auto result = integrators::anderson(
-      w.d.ranks.comm, x, g,
-      {.tolerance = omega * tolerance,
-       .max_iterations = static_cast<int>(one.self.how.max_iterations),
-       .depth = static_cast<int>(one.self.how.anderson_depth)});
+  const auto result = integrators::anderson(w.d.ranks.comm, x, g,
+                                            {.tolerance = omega * tolerance,
+                                             .max_iterations = static_cast<int>(one.self.how.max_iterations),
+                                             .depth = static_cast<int>(one.self.how.anderson_depth)});
   if (!result.converged) fail_unconverged(one, result.reason, kappa);
 }
 
@@ -132,8 +135,7 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   };
   const double self = self_value(w) / (around.smoothing.normalise ? w.lattice_sum : 1.0);
   const auto diagonal = [&](std::span<const double>, std::span<double> d) {
-    for (std::size_t i = 0; i < s.fluid; ++i)
-      d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
+    for (std::size_t i = 0; i < s.fluid; ++i) d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
     return 0;
   };
   return integrators::newton_krylov(

@@ -98,9 +98,10 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
   const auto& s = w.s;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))
-      w.first_fault.report(s.id[i], std::string(what) + " p = " + number(p[i]) + " Pa is not positive and finite: " +
-                                        where_is(s, i) + ", rho = " + number(s.rho[i]) + " kg/m3, T = " +
-                                        number(s.T[i]) + " K. Y = p dV has no meaning there; use a smaller time step, a "
+      w.first_fault.report(s.id[i], std::string(what) + " p = " + number(p[i]) +
+                                        " Pa is not positive and finite: " + where_is(s, i) +
+                                        ", rho = " + number(s.rho[i]) + " kg/m3, T = " + number(s.T[i]) +
+                                        " K. Y = p dV has no meaning there; use a smaller time step, a "
                                         "higher pressure, or a volume that allows tension");
 }
 

@@ -17,7 +17,7 @@ struct weight_sum {
   const double* Y;  // J
   double self;      // 1/m^D, W(0)
   double scale;
-  double* p;        // Pa, set
+  double* p;  // Pa, set
 
   struct me {
     real sum;
@@ -55,9 +55,9 @@ struct weight_mean {
 template <int D>
 struct number_volume {
   using real = pairs::real;
-  double self;   // 1/m^D
+  double self;  // 1/m^D
   double scale;
-  double* dV;    // m^D, set
+  double* dV;  // m^D, set
 
   struct me {
     real sum;

@@ -17,7 +17,9 @@ namespace tetsuame::walls {
 
 // Number of terms of a polynomial of the order in D dimensions.
 constexpr std::size_t terms(int order, int D) {
-  return order == 0 ? 1 : order == 1 ? 1 + static_cast<std::size_t>(D) : static_cast<std::size_t>((D + 1) * (D + 2) / 2);
+  return order == 0   ? 1
+         : order == 1 ? 1 + static_cast<std::size_t>(D)
+                      : static_cast<std::size_t>((D + 1) * (D + 2) / 2);
 }
 
 inline int polynomial_order(const std::string& interpolation) {

@@ -12,20 +12,20 @@
 namespace tetsuame::walls {
 
 struct side_options {
-  std::string slip = "inherit";      // 'inherit': as &walls slip
+  std::string slip = "inherit";  // 'inherit': as &walls slip
   std::string thermal = "inherit";
-  double temperature = 300.0;        // K, where thermal is 'fixed'
-  double velocity = 0.0;             // m/s, along the wall (x for bottom and top, y for left and right)
+  double temperature = 300.0;  // K, where thermal is 'fixed'
+  double velocity = 0.0;       // m/s, along the wall (x for bottom and top, y for left and right)
 };
 
 struct options {
-  std::string treatment;             // the program's own unless the input says otherwise
+  std::string treatment;  // the program's own unless the input says otherwise
   std::string interpolation = "mls";
   std::string slip = "no_slip";
   std::string thermal = "adiabatic";
-  double marker_radius = 0.0;        // in kernel supports; 0: 1, and 1.35 for mls2
-  double repulsion_range = 1.0;      // in particle spacings
-  std::array<side_options, 6> sides; // left, right, bottom, top, back, front
+  double marker_radius = 0.0;         // in kernel supports; 0: 1, and 1.35 for mls2
+  double repulsion_range = 1.0;       // in particle spacings
+  std::array<side_options, 6> sides;  // left, right, bottom, top, back, front
 };
 
 inline constexpr std::array<const char*, 6> side_names{"left", "right", "bottom", "top", "back", "front"};
@@ -37,8 +37,8 @@ void declare(namelist::schema& schema, int dimension, options& o);
 template <int D>
 struct side {
   std::size_t axis;
-  double position;                   // m
-  double inward;                     // +1 at the low end, -1 at the high end
+  double position;  // m
+  double inward;    // +1 at the low end, -1 at the high end
   bool no_slip;
   bool fixed_temperature;
   double temperature;                // K

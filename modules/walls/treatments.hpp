@@ -15,9 +15,9 @@
 #pragma once
 
 #include <diffusion/viscosity.hpp>
+#include <foundation/threads.hpp>
 #include <tuple>
 #include <variant>
-#include <foundation/threads.hpp>
 #include <walls/interpolation.hpp>
 #include <walls/wall_set.hpp>
 
@@ -31,8 +31,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
   set.near_marker = cells::make_list<D>(
-      grid, s.x, s.walls, set.reach + skin, s.null(),
-      [&](std::size_t r) { return cells::position<D>(set.marker, r); },
+      grid, s.x, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
       [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
   set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);
@@ -139,7 +138,8 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
     f[a] = set.f[a].data();
     for (const std::size_t i : set.near_wall) set.f[a][i] = w.g[a];
   }
-  w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), f, nullptr});
+  w.sum(set.near_wall,
+        diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), f, nullptr});
   for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
 }
 
@@ -165,8 +165,7 @@ template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r)
-    s.Y[s.first_wall() + r] = at_marker(set, r, s.Y) + set.weight_step[r];
+  for (std::size_t r = 0; r < s.walls; ++r) s.Y[s.first_wall() + r] = at_marker(set, r, s.Y) + set.weight_step[r];
   w.exchange_walls({s.Y.data()});
 }
 

@@ -23,7 +23,7 @@ struct wall_set {
 
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J).
   particles::array pressure_step, weight_step;
-  std::array<particles::array, D> f;       // m/s2, of fluid near the walls: ν∇²v + g
+  std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g
 };
 
 // Radius of a marker's interpolation in kernel supports.
@@ -44,8 +44,9 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
     cells[a] = std::llround(box.length[a] / w.dx);
     low[a] = box.periodic[a] ? 0 : layers;
     if (!box.periodic[a] && layers > cells[a])
-      foundation::fail_input("the box is narrower along axis " + std::to_string(a + 1) +
-                             " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
+      foundation::fail_input(
+          "the box is narrower along axis " + std::to_string(a + 1) +
+          " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
   }
   struct point {
     std::array<double, D> x;
