@@ -11,8 +11,10 @@ ITERATING = ("A", "B")  # the programs that find Y by the Hosono iteration
 CURES = ("newton", "anderson")
 CURED_INPUTS = ("12", "13", "13_linear")
 # At 1e5 Pa on this lattice no solver can help, since there is nothing to find;
-# dividing by the kernel sum makes a solution exist.
+# dividing by the kernel sum makes a solution exist for A. B misses half a neighbourhood
+# at the walls, which no such division gives back.
 NORMALISED_INPUTS = ("11",)
+NORMALISED_PROGRAMS = ("A",)
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[st
                 cases += [Case(program, path, cure, (f"hosono.solver={cure}", *settings)) for cure in CURES]
             if base.file in NORMALISED_INPUTS:
                 cases.append(Case(program, path, "newton", ("hosono.solver=newton", *settings)))
-                cases.append(Case(program, path, "newton, normalised",
-                                  ("hosono.solver=newton", "smoothing.normalise=.true.", *settings)))
+                if program in NORMALISED_PROGRAMS:
+                    cases.append(Case(program, path, "newton, normalised",
+                                      ("hosono.solver=newton", "smoothing.normalise=.true.", *settings)))
     return cases

@@ -1,6 +1,5 @@
 """The explanation in the report, with the numbers of these runs. Derivations: docs/theory."""
 import math
-from html import escape
 
 from . import note
 from .cases import CURES
@@ -62,17 +61,7 @@ def limit(outcomes: list[Outcome]) -> list[str]:
         names = " and ".join(sorted({o.case.program for o in normalised}))
         text.append(f"Dividing the smoothed pressure by the kernel sum (<code>smoothing.normalise</code>) restores the "
                     f"solution: {names} with Newton's method then completes file 11.")
-    failed = [o for o in outcomes if "normalised" in o.case.variant and o.kind == STOPPED and o.case.program == "B"]
-    if failed:
-        text.append("<b>B fails there all the same</b>: what is missing in its sums is half a neighbourhood at the wall, not the lattice's "
-                    f"{LATTICE_SUM_DEFICIT:.1e}, and at 10⁵ Pa the pressures that would balance it are negative "
-                    f"({escape(short_reason(failed[0]))}). No choice of solver changes that.")
     return text
-
-
-def short_reason(outcome: Outcome) -> str:
-    """The program's message up to the particle, without its state and the advice."""
-    return outcome.reason.partition(": particle")[0]
 
 
 def walls(outcomes: list[Outcome]) -> list[str]:
