@@ -1,0 +1,229 @@
+// Times the right-hand side in the programs' own time loop: `./run bench`. The cases are in
+// bench/rig.hpp; what is written, in docs/performance.md.
+#include <fmt/format.h>
+#include <mpi.h>
+#include <omp.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <bench/measure.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <domain/communicator.hpp>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <pairs/records.hpp>
+#include <simulation/command_line.hpp>
+
+namespace {
+
+using namespace tetsuame;
+using json = nlohmann::ordered_json;
+
+struct settings {
+  bool quick = false;
+  std::string output = "output/bench";
+  std::vector<int> threads{1};
+  std::vector<std::string> cases = bench::case_names;
+  std::vector<int> dimensions{2, 3};
+  std::vector<std::int64_t> particles;  // empty: the plan's own
+  double seconds = 1.0;
+  std::int64_t steps_a_list = 20;
+};
+
+// Status to leave with, or -1 to go on.
+int parse(int argc, char** argv, settings& o) {
+  const int cores = omp_get_num_procs();
+  if (cores > 1) o.threads.push_back(cores);
+  CLI::App app{
+      "Measures the speed of the right-hand side on this machine. Writes DIR/bench.json; ./run bench makes a page of "
+      "it. Use a machine that does nothing else.",
+      "bench"};
+  app.add_flag("--quick", o.quick, "fewer cases and sizes: under a minute");
+  app.add_option("--output", o.output, "directory for bench.json")->type_name("DIR")->capture_default_str();
+  app.add_option("--threads", o.threads, "numbers of threads, each measured")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--cases", o.cases, "which cases")
+      ->delimiter(',')
+      ->check(CLI::IsMember(bench::case_names))
+      ->capture_default_str();
+  app.add_option("--dimensions", o.dimensions, "2, 3 or both")
+      ->delimiter(',')
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  app.add_option("--particles", o.particles, "about how many, instead of the sizes of the plan")
+      ->delimiter(',')
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
+  auto* seconds =
+      app.add_option("--seconds", o.seconds, "to measure each case with each number of threads (quick: 0.25)")
+          ->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--steps-per-list", o.steps_a_list, "steps that share the making of one list")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.set_version_flag("--version", simulation::version());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    app.exit(e);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    fmt::print(stderr, "bench: {}\nTry --help.\n", e.what());
+    return static_cast<int>(foundation::exit_status::bad_input);
+  }
+  if (o.quick && seconds->count() == 0) o.seconds = 0.25;
+  return -1;
+}
+
+// The box of about n particles, wide enough for support and skin (7.6 spacings) to fit into it.
+std::int64_t side_of(std::int64_t n, int dimension) {
+  const auto side = static_cast<std::int64_t>(std::lround(std::pow(static_cast<double>(n), 1.0 / dimension)));
+  return std::max<std::int64_t>(side, 8);
+}
+
+std::vector<bench::request> plan(const settings& o) {
+  std::vector<bench::request> all;
+  for (const int dimension : o.dimensions)
+    for (const auto& name : o.cases) {
+      std::vector<std::int64_t> sizes = o.particles;
+      if (sizes.empty() && !o.quick) sizes = {10'000, 40'000, 160'000, 1'000'000, 4'000'000};
+      if (sizes.empty() && dimension == 2) sizes = {160'000};
+      if (sizes.empty()) sizes = {64'000};
+      // One case from small to large, to see whether a particle's time stays the same.
+      if (o.quick && o.particles.empty() && name == "program_c" && dimension == 2) sizes = {10'000, 40'000, 160'000};
+      for (const auto n : sizes)
+        all.push_back({name, dimension, side_of(n, dimension), o.threads, o.seconds, o.steps_a_list});
+    }
+  return all;
+}
+
+// From /proc/cpuinfo; "unknown" where there is none.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+// Bytes that can still be had, infinite where the system does not say.
+double memory_free() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("MemAvailable:")) return 1024.0 * std::stod(line.substr(line.find(':') + 1));
+  return std::numeric_limits<double>::infinity();
+}
+
+json as_json(const bench::result& r, const settings& o, const std::string& processor_name) {
+  json j;
+  j["name"] = r.name;
+  j["dimension"] = r.dimension;
+  j["particles"] = r.particles;
+  j["threads"] = r.threads;
+  j["neighbours"] = r.neighbours;
+  j["list_entries"] = r.list_entries;
+  j["passes"] = r.passes;
+  j["updates_per_second"] = r.updates_per_second();
+  j["updates_per_second_per_core"] = r.updates_per_second() / r.threads;
+  j["pairs_per_second"] = r.pairs_per_second();
+  j["pairs_per_second_per_core"] = r.pairs_per_second() / r.threads;
+  j["ns_per_pair"] = r.ns_per_pair();
+  j["bytes_per_particle"] = r.bytes_per_particle;
+  j["list_bytes_per_particle"] = r.list_bytes_per_particle;
+  j["stages"] = r.stages;
+  j["list_seconds"] = r.list_seconds;
+  j["steps_per_list"] = o.steps_a_list;
+  if (r.speedup_over_scalar) {
+    j["speedup_over_scalar"] = *r.speedup_over_scalar;
+    j["scalar_ns_per_pair"] = r.scalar_ns_per_pair;
+    j["deviation_from_scalar"] = *r.deviation_from_scalar;
+  }
+  j["load_average"] = r.load_average;
+  j["processor"] = processor_name;
+  j["simd_lanes"] = pairs::lanes;
+  j["version"] = simulation::version();
+  return j;
+}
+
+void print_head() {
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "case", "D", "particles", "threads",
+             "pairs", "Mupd/s", "Mpairs/s", "ns/pair", "scalar/", "walls", "bytes/", "list");
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "", "", "", "", "each", "per core",
+             "per core", "per core", "engine", "share", "particle", "bytes");
+}
+
+void print_row(const bench::result& r) {
+  const auto walls = r.stages.find("walls");
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7.1f}{:>10.3f}{:>10.1f}{:>9.2f}{:>9}{:>6.1f}%{:>8.0f}{:>8.0f}\n", r.name,
+             r.dimension, r.particles, r.threads, r.neighbours, 1e-6 * r.updates_per_second() / r.threads,
+             1e-6 * r.pairs_per_second() / r.threads, r.ns_per_pair(),
+             r.speedup_over_scalar ? fmt::format("{:.2f}", *r.speedup_over_scalar) : "",
+             walls != r.stages.end() ? 100.0 * walls->second : 0.0, r.bytes_per_particle, r.list_bytes_per_particle);
+  std::fflush(stdout);
+}
+
+void write(const std::string& directory, const json& all) {
+  const auto path = std::filesystem::path(directory) / "bench.json";
+  std::ofstream file(path);
+  file << all.dump(1) << '\n';
+  file.close();
+  if (!file) foundation::fail_file(path.string() + ": cannot be written; is there space, and may you write there?");
+}
+
+void run(const settings& o) {
+  if (domain::communicator::world().size > 1)
+    foundation::fail_input("bench measures one process and its threads: start it without mpirun");
+  std::error_code failed;
+  std::filesystem::create_directories(o.output, failed);
+  if (failed) foundation::fail_file(o.output + ": cannot be made: " + failed.message());
+
+  const auto requests = plan(o);
+  const bool watched = isatty(STDERR_FILENO) != 0;
+  const std::string name = processor();
+  fmt::print("{}, {} lanes of double, version {}\n", name, pairs::lanes, simulation::version());
+  print_head();
+  json all = json::array();
+  for (std::size_t n = 0; n < requests.size(); ++n) {
+    const auto& asked = requests[n];
+    if (bench::memory_needed(asked) > 0.9 * memory_free()) {
+      fmt::print("{:<15}{:>3}{:>10}  left out: needs about {:.1f} GB, {:.1f} GB are free\n", asked.name,
+                 asked.dimension, asked.particles(), 1e-9 * bench::memory_needed(asked), 1e-9 * memory_free());
+      continue;
+    }
+    if (watched)
+      fmt::print(stderr, "[{}/{}] {} {}-D {} \r", n + 1, requests.size(), asked.name, asked.dimension,
+                 asked.particles());
+    bench::measure(asked, [&](const bench::result& r) {
+      print_row(r);
+      all.push_back(as_json(r, o, name));
+    });
+    write(o.output, all);  // after each case: what was measured is not lost
+  }
+  if (all.empty()) foundation::fail_input("nothing was measured: every case needs more memory than is free");
+  fmt::print("{}/bench.json\n", o.output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  settings o;
+  int status = parse(argc, argv, o);
+  if (status < 0) {
+    try {
+      run(o);
+      status = 0;
+    } catch (const foundation::error& e) {
+      fmt::print(stderr, "bench: {}\n", e.what());
+      status = static_cast<int>(e.status());
+    } catch (const std::exception& e) {  // not ours: out of memory, say
+      fmt::print(stderr, "bench: {}\n", e.what());
+      status = static_cast<int>(foundation::exit_status::calculation_failed);
+    }
+  }
+  MPI_Finalize();
+  return status;
+}
