@@ -59,7 +59,7 @@ int parse(int argc, char** argv, settings& o) {
       ->delimiter(',')
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
   auto* seconds =
-      app.add_option("--seconds", o.seconds, "to measure each case with each number of threads (quick: 0.25)")
+      app.add_option("--seconds", o.seconds, "to measure each case with each number of threads (quick: 0.2)")
           ->check(CLI::Range(1e-3, 1e4));
   app.add_option("--steps-per-list", o.steps_a_list, "steps that share the making of one list")
       ->check(CLI::Range(1, 1000000))
@@ -74,7 +74,7 @@ int parse(int argc, char** argv, settings& o) {
     fmt::print(stderr, "bench: {}\nTry --help.\n", e.what());
     return static_cast<int>(foundation::exit_status::bad_input);
   }
-  if (o.quick && seconds->count() == 0) o.seconds = 0.25;
+  if (o.quick && seconds->count() == 0) o.seconds = 0.2;
   return -1;
 }
 
@@ -91,7 +91,7 @@ std::vector<bench::request> plan(const settings& o) {
       std::vector<std::int64_t> sizes = o.particles;
       if (sizes.empty() && !o.quick) sizes = {10'000, 40'000, 160'000, 1'000'000, 4'000'000};
       if (sizes.empty() && dimension == 2) sizes = {160'000};
-      if (sizes.empty()) sizes = {64'000};
+      if (sizes.empty()) sizes = {27'000};
       // One case from small to large, to see whether a particle's time stays the same.
       if (o.quick && o.particles.empty() && name == "program_c" && dimension == 2) sizes = {10'000, 40'000, 160'000};
       for (const auto n : sizes)

@@ -39,7 +39,7 @@ def over_particles(measured: list[dict], value, text: str):
             ax.plot([r["particles"] for r in found], [value(r) for r in found], marker="o", markersize=4,
                     color=COLOUR.get(kind[0], style.INK), label=label(found[0]))
         ax.set_xscale("log")
-        ax.set_ylim(bottom=0)
+        ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
         ax.set_xlabel("particles")
         ax.set_title(f"{dimension}-D, {count(few)}")
         ax.legend(fontsize=8, loc="lower right")
