@@ -97,6 +97,7 @@ struct run {
   void refresh_lists() {
     auto& s = world.w.s;
     double speed2 = 0.0;
+#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::values_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       double v2 = 0.0;
       for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
