@@ -8,6 +8,7 @@
 #include <cells/grid.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <experimental/simd>
 #include <foundation/threads.hpp>
 #include <span>
 #include <vector>
@@ -15,7 +16,8 @@
 namespace tetsuame::cells {
 
 struct neighbour_list {
-  static constexpr std::size_t lanes = 8;  // a multiple of every SIMD width in use
+  // Values in one SIMD register: a row is padded to a multiple of it.
+  static constexpr std::size_t lanes = std::experimental::native_simd<double>::size();
 
   std::vector<std::size_t> start;  // per row, into `neighbours`; one more at the end
   std::vector<std::int32_t> neighbours;

@@ -9,4 +9,11 @@ namespace tetsuame::foundation {
 inline constexpr std::size_t rows_worth_threads = 1024;    // sums over neighbours
 inline constexpr std::size_t values_worth_threads = 8192;  // a few operations each
 
+// f(i) for i in [0, n), each independent of the others.
+template <class F>
+void for_all(std::size_t n, const F& f) {
+#pragma omp parallel for schedule(static) if (n > values_worth_threads)
+  for (std::size_t i = 0; i < n; ++i) f(i);
+}
+
 }  // namespace tetsuame::foundation

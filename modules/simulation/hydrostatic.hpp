@@ -18,6 +18,7 @@
 #include <simulation/interrupt.hpp>
 #include <simulation/measures.hpp>
 #include <simulation/residuals.hpp>
+#include <simulation/restart.hpp>
 #include <simulation/right_hand_side.hpp>
 #include <simulation/state.hpp>
 #include <simulation/summary.hpp>
@@ -97,6 +98,7 @@ struct run {
   void refresh_lists() {
     auto& s = world.w.s;
     double speed2 = 0.0;
+#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::values_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       double v2 = 0.0;
       for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
@@ -239,35 +241,18 @@ struct run {
 
   void write_checkpoint() {
     const foundation::stage timed(world.w.times, "output");
-    const auto memory = integrator->save();
-    const auto& st = memory.statistics;
     output::checkpoint_globals g;
-    g.reals = {{"time", memory.t},
-               {"next_dt", memory.next_dt},
-               {"previous_error", memory.previous_error},
-               {"next_snapshot", next_snapshot},
-               {"last_dt", st.last_dt},
-               {"energy_start", start_totals.energy()},
-               {"mass_start", start_totals.mass},
-               {"stepping_seconds", stepping_seconds}};
-    for (std::size_t a = 0; a < D; ++a) g.reals["momentum_start_" + std::to_string(a)] = start_totals.momentum[a];
-    g.reals["pressure_volume_start"] = start_totals.pressure_volume;
-    g.reals["sound_momentum_start"] = start_totals.sound_momentum;
-    g.integers = {{"step", step},
-                  {"snapshots", snapshots},
-                  {"steps", st.steps},
-                  {"attempts", st.attempts},
-                  {"rejections", st.rejections},
-                  {"unevaluable", st.unevaluable},
-                  {"evaluations", st.evaluations},
-                  {"wall_crossings", wall_crossings},
-                  {"dimension", D},
-                  {"fluid_particles", world.fluid_total}};
+    save(integrator->save(), g);
+    save(start_totals, g);
+    g.reals["next_snapshot"] = next_snapshot;
+    g.reals["stepping_seconds"] = stepping_seconds;
+    g.integers["step"] = step;
+    g.integers["snapshots"] = snapshots;
+    g.integers["wall_crossings"] = wall_crossings;
     if constexpr (iterates) {
       g.integers["hosono_evaluations"] = how.evaluations;
       g.integers["hosono_passes"] = how.passes;
     }
-    for (const auto& [name, count] : st.limited_by) g.integers["limited_by " + name] = count;
     g.texts = {{"program", line.program}, {"input", resolved}, {"version", version()}};
     std::vector<std::int64_t> materials;
     const auto path =
@@ -347,21 +332,8 @@ struct run {
   }
 
   void restore(const output::checkpoint_globals& g) {
-    integrators::explicit_memory memory;
-    memory.t = g.reals.at("time");
-    memory.next_dt = g.reals.at("next_dt");
-    memory.previous_error = g.reals.at("previous_error");
-    auto& st = memory.statistics;
-    st.last_dt = g.reals.at("last_dt");
-    st.next_dt = memory.next_dt;
-    st.steps = g.integers.at("steps");
-    st.attempts = g.integers.at("attempts");
-    st.rejections = g.integers.at("rejections");
-    st.unevaluable = g.integers.at("unevaluable");
-    st.evaluations = g.integers.at("evaluations");
-    for (const auto& [name, count] : g.integers)
-      if (name.starts_with("limited_by ")) st.limited_by[name.substr(11)] = count;
-    integrator->restore(memory);
+    integrator->restore(integrator_memory(g));
+    start_totals = totals_of_start<D>(g);
     step = g.integers.at("step");
     snapshots = g.integers.at("snapshots");
     next_snapshot = g.reals.at("next_snapshot");
@@ -371,11 +343,6 @@ struct run {
       how.evaluations = g.integers.at("hosono_evaluations");
       how.passes = g.integers.at("hosono_passes");
     }
-    start_totals.mass = g.reals.at("mass_start");
-    start_totals.potential = g.reals.at("energy_start");  // only the sum is needed
-    for (std::size_t a = 0; a < D; ++a) start_totals.momentum[a] = g.reals.at("momentum_start_" + std::to_string(a));
-    start_totals.pressure_volume = g.reals.at("pressure_volume_start");
-    start_totals.sound_momentum = g.reals.at("sound_momentum_start");
   }
 
   void fill_report() {

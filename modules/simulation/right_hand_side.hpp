@@ -64,10 +64,12 @@ void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
-  work.dlnrho.assign(s.fluid, 0.0);
-  work.heat.assign(s.fluid, 0.0);
-  for (std::size_t a = 0; a < D; ++a) std::fill_n(out.dv[a], s.fluid, w.g[a]);
-  std::fill_n(out.du, s.fluid, 0.0);
+  work.dlnrho.resize(s.fluid);
+  work.heat.resize(s.fluid);
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = w.g[a];
+    out.du[i] = work.heat[i] = 0.0;
+  });
   std::visit([&](auto t) { t.template accelerate<D>(w, scene.walls, out.dv); }, scene.treatment);
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}};

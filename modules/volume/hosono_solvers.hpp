@@ -32,6 +32,19 @@ inline bool settled(double residual, double previous, double tolerance) {
   return residual <= tolerance && residual <= previous;
 }
 
+// The exponent that no wave outgrows: ω (1 + (κ - 1)(1 - S)) stays below 2 for every particle if
+// ω <= 1/κ at the present pressures, which near an open wall are far below those of the start.
+// Not less than a twentieth of the start's, lest a pressure near zero on the way hold all up.
+template <int D>
+double stable_exponent(const pass<D>& one, double start) {
+  if (one.self.how.relaxation > 0.0) return start;
+  const auto& s = one.w.s;
+  double kappa = 1.0 / start;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (s.p[i] > 0.0) kappa = std::max(kappa, s.K_T[i] / s.p[i]);
+  return std::max(1.0 / one.w.d.ranks.maximum(kappa), start / 20.0);
+}
+
 // plain and under_relaxed: Y ← Y (Y_new/Y)^ω, ω = 1 for plain. Ends when settled, or when the
 // residual is below `enough`; throws when it diverged or took too many passes.
 template <int D>
@@ -57,9 +70,10 @@ void relax(pass<D>& one, double omega, double tolerance, double enough, double k
                        account(one, dead ? "diverged" : "did not converge", kappa, residual / previous, began));
     }
     previous = residual;
+    const double exponent = plain ? 1.0 : stable_exponent(one, omega);
     for (std::size_t i = 0; i < s.fluid; ++i)
       s.Y[i] =
-          plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+          plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(exponent * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
   }
 }
 
@@ -77,6 +91,7 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   // Far from the solution extrapolation misleads: relaxed passes first.
   constexpr double near = 0.3;
   relax(one, omega, tolerance, near, kappa);
+  omega = stable_exponent(one, omega);
   auto& w = one.w;
   auto& s = w.s;
   std::vector<double> x(s.fluid, 0.0);

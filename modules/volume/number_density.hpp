@@ -17,9 +17,9 @@ struct number_density {
     auto& s = w.s;
     w.sum(w.fluid(), number_volume<D>{self_value(w), w.lattice_sum, s.dV.data()});
     w.exchange_fluid({s.dV.data()});
-    for (std::size_t i = 0; i < s.first_wall(); ++i) s.rho[i] = s.m[i] / s.dV[i];
+    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
     equation_of_state(w, s.first_wall());
-    for (std::size_t i = 0; i < s.first_wall(); ++i) s.Y[i] = s.p_eos[i] * s.dV[i];
+    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
   }
 
   template <class Pressure, int D>

@@ -15,10 +15,10 @@ struct our_method {
     auto& s = w.s;
     equation_of_state(w, s.first_wall());
     require_positive(w, s.p_eos, "the equation of state's pressure");
-    for (std::size_t i = 0; i < s.first_wall(); ++i) {
+    foundation::for_all(s.first_wall(), [&](std::size_t i) {
       s.dV[i] = s.m[i] / s.rho[i];
       s.Y[i] = s.p_eos[i] * s.dV[i];
-    }
+    });
   }
 
   template <class Pressure, int D>

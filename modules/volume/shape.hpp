@@ -96,6 +96,10 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
 template <int D>
 void require_positive(pairs::workspace<D>& w, const particles::array& p, const char* what) {
   const auto& s = w.s;
+  bool good = true;
+#pragma omp parallel for schedule(static) reduction(&& : good) if (s.fluid > foundation::values_worth_threads)
+  for (std::size_t i = 0; i < s.fluid; ++i) good = good && p[i] > 0.0 && std::isfinite(p[i]);
+  if (good) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))
       w.first_fault.report(s.id[i], std::string(what) + " p = " + number(p[i]) +

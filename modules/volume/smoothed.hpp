@@ -83,7 +83,7 @@ void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
 template <int D>
 void volumes_from_weights(pairs::workspace<D>& w) {
   auto& s = w.s;
-  for (std::size_t i = 0; i < s.first_wall(); ++i) s.dV[i] = s.Y[i] / s.p[i];
+  foundation::for_all(s.first_wall(), [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
 }
 
 struct smoothed {
@@ -109,7 +109,7 @@ struct non_smoothed {
   template <int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>&) {
     auto& s = w.s;
-    std::copy_n(s.p_eos.begin(), s.first_wall(), s.p.begin());
+    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
   }
 };
 

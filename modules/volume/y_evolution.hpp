@@ -19,7 +19,7 @@ struct y_evolution {
     require_positive(w, s.Y, "the weight Y, written as a pressure,");
     w.sum(w.fluid(), number_volume<D>{self_value(w), w.lattice_sum, s.dV.data()});
     w.exchange_fluid({s.dV.data()});
-    for (std::size_t i = 0; i < s.first_wall(); ++i) s.rho[i] = s.m[i] / s.dV[i];
+    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
   }
 
   template <class Pressure, int D>
@@ -30,7 +30,7 @@ struct y_evolution {
     require_positive(w, s.p, "the smoothed pressure");
     w.exchange_fluid({s.p.data()});
     volumes_from_weights(w);
-    for (std::size_t i = 0; i < s.first_wall(); ++i) s.rho[i] = s.m[i] / s.dV[i];
+    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
     equation_of_state(w, s.first_wall());
   }
 

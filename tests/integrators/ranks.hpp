@@ -10,14 +10,14 @@
 #include <cstdint>
 #include <vector>
 
-struct mpi_session {
-  mpi_session() {
+struct mpi_environment {
+  mpi_environment() {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   }
-  ~mpi_session() { MPI_Finalize(); }
+  ~mpi_environment() { MPI_Finalize(); }
 };
-BOOST_TEST_GLOBAL_FIXTURE(mpi_session);
+BOOST_TEST_GLOBAL_FIXTURE(mpi_environment);
 
 inline int rank_of(MPI_Comm communicator) {
   int rank = 0;

@@ -15,12 +15,12 @@
 
 namespace tetsuame::test {
 
-struct mpi_session {
-  mpi_session() {
+struct mpi_environment {
+  mpi_environment() {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   }
-  ~mpi_session() { MPI_Finalize(); }
+  ~mpi_environment() { MPI_Finalize(); }
 };
 
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -158,5 +158,5 @@ void neighbours_of(const pairs::workspace<D>& w, std::size_t i, F&& f) {
 
 }  // namespace tetsuame::test
 
-using tetsuame_test_session = tetsuame::test::mpi_session;
-BOOST_TEST_GLOBAL_FIXTURE(tetsuame_test_session);
+using tetsuame_test_environment = tetsuame::test::mpi_environment;
+BOOST_TEST_GLOBAL_FIXTURE(tetsuame_test_environment);

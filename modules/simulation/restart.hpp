@@ -1,0 +1,65 @@
+// What of a run stands in a checkpoint beside the particles, and back: the integrator's memory
+// and the totals of the start, against which conservation is measured.
+#pragma once
+
+#include <integrators/explicit_integrator.hpp>
+#include <output/checkpoint.hpp>
+#include <simulation/measures.hpp>
+#include <string>
+
+namespace tetsuame::simulation {
+
+inline void save(const integrators::explicit_memory& memory, output::checkpoint_globals& g) {
+  const auto& st = memory.statistics;
+  g.reals["time"] = memory.t;
+  g.reals["next_dt"] = memory.next_dt;
+  g.reals["previous_error"] = memory.previous_error;
+  g.reals["last_dt"] = st.last_dt;
+  g.integers["steps"] = st.steps;
+  g.integers["attempts"] = st.attempts;
+  g.integers["rejections"] = st.rejections;
+  g.integers["unevaluable"] = st.unevaluable;
+  g.integers["evaluations"] = st.evaluations;
+  for (const auto& [name, count] : st.limited_by) g.integers["limited_by " + name] = count;
+}
+
+inline integrators::explicit_memory integrator_memory(const output::checkpoint_globals& g) {
+  integrators::explicit_memory memory;
+  memory.t = g.reals.at("time");
+  memory.next_dt = g.reals.at("next_dt");
+  memory.previous_error = g.reals.at("previous_error");
+  auto& st = memory.statistics;
+  st.last_dt = g.reals.at("last_dt");
+  st.next_dt = memory.next_dt;
+  st.steps = g.integers.at("steps");
+  st.attempts = g.integers.at("attempts");
+  st.rejections = g.integers.at("rejections");
+  st.unevaluable = g.integers.at("unevaluable");
+  st.evaluations = g.integers.at("evaluations");
+  for (const auto& [name, count] : g.integers)
+    if (name.starts_with("limited_by ")) st.limited_by[name.substr(11)] = count;
+  return memory;
+}
+
+template <int D>
+void save(const totals<D>& start, output::checkpoint_globals& g) {
+  g.reals["mass_start"] = start.mass;
+  for (std::size_t a = 0; a < D; ++a) g.reals["momentum_start_" + std::to_string(a)] = start.momentum[a];
+  g.reals["energy_start"] = start.energy();
+  g.reals["pressure_volume_start"] = start.pressure_volume;
+  g.reals["sound_momentum_start"] = start.sound_momentum;
+}
+
+// Of the energies only the sum is kept: it stands as the potential.
+template <int D>
+totals<D> totals_of_start(const output::checkpoint_globals& g) {
+  totals<D> start;
+  start.mass = g.reals.at("mass_start");
+  for (std::size_t a = 0; a < D; ++a) start.momentum[a] = g.reals.at("momentum_start_" + std::to_string(a));
+  start.potential = g.reals.at("energy_start");
+  start.pressure_volume = g.reals.at("pressure_volume_start");
+  start.sound_momentum = g.reals.at("sound_momentum_start");
+  return start;
+}
+
+}  // namespace tetsuame::simulation
