@@ -201,16 +201,10 @@ struct none : nothing {
   static constexpr bool has_particles = false, has_markers = false;
 };
 
-struct virtual_marker : nothing {
-  static constexpr const char* name = "virtual_marker";
+// What the treatments with markers share.
+struct with_markers : nothing {
   static constexpr bool has_particles = true, has_markers = true;
 
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
-    detail::momentum_steps(w, set);
-  }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
     detail::marker_weights(w, set);
@@ -221,22 +215,24 @@ struct virtual_marker : nothing {
   }
 };
 
-struct repulsion : nothing {
-  static constexpr const char* name = "repulsion";
-  static constexpr bool has_particles = true, has_markers = true;
+struct virtual_marker : with_markers {
+  static constexpr const char* name = "virtual_marker";
 
   template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     detail::marker_kinematics(w, set);
     detail::nonpressure_acceleration(w, set);
+    detail::momentum_steps(w, set);
   }
+};
+
+struct repulsion : with_markers {
+  static constexpr const char* name = "repulsion";
+
   template <int D>
-  static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_weights(w, set);
-  }
-  template <int D>
-  static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_pressures(w, set);
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_kinematics(w, set);
+    detail::nonpressure_acceleration(w, set);
   }
   template <int D>
   static void accelerate(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& dv) {

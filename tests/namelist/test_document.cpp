@@ -57,7 +57,7 @@ BOOST_AUTO_TEST_CASE(comments_and_commas_at_line_ends) {
 BOOST_AUTO_TEST_CASE(overrides) {
   auto d = namelist::parse_text("&time dt = 1 /", "f.nml");
   d.set("Time.Method=newton");
-  d.set("new.path=/tmp/a!b;c&d=e/it's");
+  d.set("new.path=/data/a!b;c&d=e/it's");
   d.set("new.list(2)=1, 2*'x y' ,3");
   const auto& method = d.groups().at(0).assignments.at(1);
   BOOST_TEST(method.key == "method");
@@ -65,7 +65,7 @@ BOOST_AUTO_TEST_CASE(overrides) {
   BOOST_TEST(d.where(method) == "--set Time.Method=newton");
   const auto& added = d.groups().at(1);
   BOOST_TEST(added.name == "new");
-  BOOST_TEST(added.assignments.at(0).values.at(0).content == "/tmp/a!b;c&d=e/it's");
+  BOOST_TEST(added.assignments.at(0).values.at(0).content == "/data/a!b;c&d=e/it's");
   const auto& list = added.assignments.at(1).values;
   BOOST_REQUIRE_EQUAL(list.size(), 3U);
   BOOST_TEST((list[1].repeat == 2U && list[1].content == "x y" && list[1].what == kind::text));
