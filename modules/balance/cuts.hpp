@@ -1,0 +1,123 @@
+// The slice grid: the box cut into N_x columns, each column cut by itself into N_y cells, and in
+// 3-D each of these into N_z boxes [Furuichi & Nishiura, Comput. Phys. Commun. 219, 135 (2017)]. A rank
+// owns one cell; every rank knows all cuts.
+//
+//   rank = (i_x N_y + i_y) N_z + i_z
+//
+// A level's cuts stand one group after another: at[0] has one group of N_x + 1 cuts, at[1] N_x
+// groups of N_y + 1, at[2] N_x N_y groups of N_z + 1. The first and last cut of a group are the box's
+// borders, where particles outside (walls) belong to the outermost cells. Two cuts may
+// coincide: the cell between them is empty.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace tetsuame::balance {
+
+template <int D>
+struct cuts {
+  std::array<int, D> counts{};              // N_x, N_y, …
+  std::array<std::vector<double>, D> at{};  // m
+
+  int ranks() const {
+    int n = 1;
+    for (const int c : counts) n *= c;
+    return n;
+  }
+  // Groups of cuts at a level: the cells of the levels before.
+  std::size_t groups(std::size_t axis) const {
+    std::size_t n = 1;
+    for (std::size_t a = 0; a < axis; ++a) n *= static_cast<std::size_t>(counts[a]);
+    return n;
+  }
+  const double* group(std::size_t axis, std::size_t g) const {
+    return at[axis].data() + g * static_cast<std::size_t>(counts[axis] + 1);
+  }
+  double* group(std::size_t axis, std::size_t g) {
+    return at[axis].data() + g * static_cast<std::size_t>(counts[axis] + 1);
+  }
+
+  // The rank that owns a point; a point on a cut belongs to the cell above it.
+  int owner(const std::array<double, D>& x) const {
+    std::size_t cell = 0;
+    for (std::size_t a = 0; a < D; ++a) {
+      const double* c = group(a, cell);
+      const auto above = std::upper_bound(c + 1, c + counts[a], x[a]);
+      cell = cell * static_cast<std::size_t>(counts[a]) + static_cast<std::size_t>(above - (c + 1));
+    }
+    return static_cast<int>(cell);
+  }
+
+  struct bounds {
+    std::array<double, D> lower{}, upper{};  // m; infinite at the outermost cells' outer sides
+  };
+  // The cell of a rank, open towards the outside of the box.
+  bounds cell(int rank) const {
+    bounds b;
+    std::array<std::size_t, D> i{};
+    auto rest = static_cast<std::size_t>(rank);
+    for (std::size_t a = D; a-- > 0;) {
+      i[a] = rest % static_cast<std::size_t>(counts[a]);
+      rest /= static_cast<std::size_t>(counts[a]);
+    }
+    std::size_t g = 0;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < D; ++a) {
+      const double* c = group(a, g);
+      b.lower[a] = i[a] == 0 ? -infinity : c[i[a]];
+      b.upper[a] = i[a] + 1 == static_cast<std::size_t>(counts[a]) ? infinity : c[i[a] + 1];
+      g = g * static_cast<std::size_t>(counts[a]) + i[a];
+    }
+    return b;
+  }
+};
+
+// Cells of equal size.
+template <int D>
+cuts<D> equal_cuts(const std::array<int, D>& counts, const std::array<double, D>& length) {
+  cuts<D> c;
+  c.counts = counts;
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t g = 0; g < c.groups(a); ++g)
+      for (int n = 0; n <= counts[a]; ++n) c.at[a].push_back(length[a] * n / counts[a]);
+  return c;
+}
+
+// N_x × N_y (× N_z) = ranks with the least surface of a cell, for cells of equal size; of equals, the one
+// with most cuts along x. A positive ranks_x is kept where it divides `ranks`.
+template <int D>
+std::array<int, D> choose_counts(int ranks, const std::array<double, D>& length, int ranks_x = 0) {
+  std::array<int, D> best{}, now{};
+  double least = std::numeric_limits<double>::infinity();
+  const auto surface = [&](const std::array<int, D>& n) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      double face = n[a] > 1 ? 1.0 : 0.0;  // an axis that is not cut costs nothing
+      for (std::size_t b = 0; b < D; ++b)
+        if (b != a) face *= length[b] / n[b];
+      sum += face;
+    }
+    return sum;
+  };
+  const auto try_axis = [&](auto&& self, std::size_t axis, int rest) -> void {
+    if (axis + 1 == D) {
+      now[axis] = rest;
+      const double s = surface(now);
+      if (s < least * (1.0 - 1e-12)) least = s, best = now;
+      return;
+    }
+    for (int n = rest; n >= 1; --n) {
+      if (rest % n != 0 || (axis == 0 && ranks_x > 0 && n != ranks_x)) continue;
+      now[axis] = n;
+      self(self, axis + 1, rest / n);
+    }
+  };
+  try_axis(try_axis, 0, ranks);
+  return best;
+}
+
+}  // namespace tetsuame::balance
