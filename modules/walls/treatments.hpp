@@ -4,7 +4,7 @@
 //   kinematics   v, T, η, k, ΔV of the wall particles
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
-//   accelerate   what the wall adds to dv/dt directly
+//   push         what the wall adds to the forces directly
 //
 // virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
 //   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
@@ -136,10 +136,11 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   std::array<double*, D> f;
   for (std::size_t a = 0; a < D; ++a) {
     f[a] = set.f[a].data();
-    for (const std::size_t i : set.near_wall) set.f[a][i] = w.g[a];
+    for (const std::size_t i : set.near_wall) set.f[a][i] = 0.0;
   }
-  w.sum(set.near_wall,
-        diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), f, nullptr});
+  w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
+  for (std::size_t a = 0; a < D; ++a)
+    for (const std::size_t i : set.near_wall) f[a][i] = f[a][i] / s.m[i] + w.g[a];
   for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
 }
 
@@ -193,7 +194,7 @@ struct nothing {
   template <int D>
   static void pressures(pairs::workspace<D>&, wall_set<D>&) {}
   template <int D>
-  static void accelerate(const pairs::workspace<D>&, const wall_set<D>&, const std::array<double*, D>&) {}
+  static void push(const pairs::workspace<D>&, const wall_set<D>&, const std::array<double*, D>&) {}
 };
 
 struct none : nothing {
@@ -235,13 +236,13 @@ struct repulsion : with_markers {
     detail::nonpressure_acceleration(w, set);
   }
   template <int D>
-  static void accelerate(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& dv) {
+  static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
     for (const std::size_t i : set.near_wall)
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);
-        dv[wall.axis][i] += set.f[wall.axis][i] * lambda;  // (f·n) λ n
+        force[wall.axis][i] += w.s.m[i] * set.f[wall.axis][i] * lambda;  // m (f·n) λ n
       }
   }
 };
