@@ -22,9 +22,9 @@
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
-#include <pairs/lanes.hpp>
 #include <pairs/records.hpp>
 #include <particles/particles.hpp>
 #include <tuple>
@@ -176,7 +176,7 @@ template <int D, class Source, class Kernel, class... Terms>
     ij.j = j;
     ij.x_ij = x_i - source.neighbour(ij);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
-    const auto root = both_roots(max(ij.r2, nearest));
+    const auto root = foundation::both_roots(max(ij.r2, nearest));
     kernel.both(root.r, root.inverse, ij.W, ij.F);
     add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
   }

@@ -12,9 +12,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
-#include <pairs/lanes.hpp>
 #include <particles/particles.hpp>
 #include <tuple>
 #include <type_traits>
@@ -22,7 +22,8 @@
 
 namespace tetsuame::pairs {
 
-using foundation::vec;
+namespace stdx = std::experimental;
+using foundation::lanes, foundation::real, foundation::sum, foundation::vec;
 
 struct velocity_tag {};
 struct volume_tag {};

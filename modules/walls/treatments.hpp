@@ -31,7 +31,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
   set.near_marker = cells::make_list<D>(
-      grid, s.x, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
+      grid, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
       [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
   set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);

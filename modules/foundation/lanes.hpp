@@ -1,14 +1,15 @@
-// Several doubles in one register, one neighbour a lane: what the pair loop needs beside arithmetic.
+// Several doubles in one register, one neighbour a lane: what loops over neighbours need beside arithmetic.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <experimental/simd>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
-namespace tetsuame::pairs {
+namespace tetsuame::foundation {
 
 namespace stdx = std::experimental;
 
@@ -38,6 +39,22 @@ double sum(const R& a) {
   return part[0];
 }
 
+// Bit n: whether a < b in lane n.
+template <class R>
+std::uint32_t bits_of_less(const R& a, const R& b) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) return _mm512_cmp_pd_mask(static_cast<__m512d>(a), static_cast<__m512d>(b), _CMP_LT_OQ);
+#endif
+#if defined(__AVX__)
+  if constexpr (R::size() == 4)
+    return static_cast<std::uint32_t>(
+        _mm256_movemask_pd(_mm256_cmp_pd(static_cast<__m256d>(a), static_cast<__m256d>(b), _CMP_LT_OQ)));
+#endif
+  std::uint32_t all = 0;
+  for (std::size_t lane = 0; lane < R::size(); ++lane) all |= (a[lane] < b[lane] ? 1U : 0U) << lane;
+  return all;
+}
+
 // r and 1/r of r² > 0, to a rounding or two.
 template <class R>
 struct roots {
@@ -65,4 +82,4 @@ roots<R> both_roots(const R& r2) {
   return {r, R(1.0 / r)};
 }
 
-}  // namespace tetsuame::pairs
+}  // namespace tetsuame::foundation
