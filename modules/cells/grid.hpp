@@ -50,6 +50,13 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
   return point;
 }
 
+// m, edge of the cells for neighbours within `reach`: small enough that a particle's neighbours are for the most part
+// those of the one before it, and few beyond the reach are looked at.
+template <int D>
+double cell_edge(double reach) {
+  return reach / (D == 3 ? 3.0 : 2.0);
+}
+
 // Sorts particles [0, n) into cells of the given edge.
 template <int D>
 grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<std::int64_t>& id, std::size_t n,
