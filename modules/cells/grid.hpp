@@ -13,6 +13,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <foundation/lanes.hpp>
+#include <foundation/threads.hpp>
+#include <limits>
 #include <particles/particles.hpp>
 #include <vector>
 
@@ -61,37 +63,48 @@ double cell_edge(double reach) {
 template <int D>
 grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<std::int64_t>& id, std::size_t n,
                   double size) {
+  using foundation::values_worth_threads;
   grid<D> g;
   g.size = size;
-  std::vector<index<D>> cell_of(n);
   index<D> last;
   g.first.fill(INT64_MAX);
   last.fill(INT64_MIN);
-  for (std::size_t i = 0; i < n; ++i) {
-    cell_of[i] = g.cell(position<D>(x, i));
-    for (std::size_t a = 0; a < D; ++a) {
-      g.first[a] = std::min(g.first[a], cell_of[i][a]);
-      last[a] = std::max(last[a], cell_of[i][a]);
+  for (std::size_t a = 0; a < D; ++a) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+#pragma omp parallel for schedule(static) reduction(min : low) reduction(max : high) if (n > values_worth_threads)
+    for (std::size_t i = 0; i < n; ++i) {
+      low = std::min(low, x[a][i]);
+      high = std::max(high, x[a][i]);
     }
+    if (n == 0) continue;
+    g.first[a] = static_cast<std::int64_t>(std::floor(low / size));
+    last[a] = static_cast<std::int64_t>(std::floor(high / size));
   }
   std::size_t cells = n > 0 ? 1 : 0;
   for (std::size_t a = 0; a < D && n > 0; ++a) {
     g.extent[a] = last[a] - g.first[a] + 1;
     cells *= static_cast<std::size_t>(g.extent[a]);
   }
+  std::vector<std::uint32_t> cell_of(n);
+  foundation::for_all(
+      n, [&](std::size_t i) { cell_of[i] = static_cast<std::uint32_t>(g.linear(g.cell(position<D>(x, i)))); });
   g.start.assign(cells + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) ++g.start[g.linear(cell_of[i]) + 1];
+  for (std::size_t i = 0; i < n; ++i) ++g.start[cell_of[i] + 1];
   for (std::size_t c = 0; c < cells; ++c) g.start[c + 1] += g.start[c];
   g.members.resize(n);
-  auto next = g.start;
-  for (std::size_t i = 0; i < n; ++i) g.members[next[g.linear(cell_of[i])]++] = static_cast<std::uint32_t>(i);
-  for (std::size_t c = 0; c < cells; ++c)
+  {
+    auto next = g.start;
+    for (std::size_t i = 0; i < n; ++i) g.members[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
+  }
+  for (auto& component : g.x) component.resize(n + foundation::lanes);
+#pragma omp parallel for schedule(static) if (n > values_worth_threads)
+  for (std::size_t c = 0; c < cells; ++c) {
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
               [&](std::uint32_t i, std::uint32_t j) { return id[i] < id[j]; });
-  for (std::size_t a = 0; a < D; ++a) {
-    g.x[a].assign(n + foundation::lanes, 1e60);
-    for (std::size_t k = 0; k < n; ++k) g.x[a][k] = x[a][g.members[k]];
+    for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
+      for (std::size_t a = 0; a < D; ++a) g.x[a][k] = x[a][g.members[k]];
   }
+  for (auto& component : g.x) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
   return g;
 }
 

@@ -31,16 +31,19 @@ struct neighbour_list {
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
 };
 
-// Row r lists the particles j with |centre(r) - x_j| < reach and accept(r, j).
+// Row r lists the particles j with |centre(r) - x_j| < reach and accept(r, j). The list's memory serves again.
 template <int D, class Centre, class Accept>
-neighbour_list make_list(const grid<D>& g, std::size_t rows, double reach, std::size_t null, Centre&& centre,
-                         Accept&& accept) {
-  neighbour_list list;
+void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double reach, std::size_t null,
+               Centre&& centre, Accept&& accept) {
   list.null = null;
   list.start.assign(rows + 1, 0);
   // Each thread makes its share of rows in a store of its own; then all stand one behind the other.
   const int threads = rows > foundation::rows_worth_threads ? omp_get_max_threads() : 1;
   std::vector<std::vector<std::int32_t>> shares(static_cast<std::size_t>(threads));
+  if (threads == 1) {
+    shares[0] = std::move(list.neighbours);
+    shares[0].clear();
+  }
   std::size_t pairs = 0;
 #pragma omp parallel num_threads(threads) reduction(+ : pairs)
   {
@@ -73,7 +76,6 @@ neighbour_list make_list(const grid<D>& g, std::size_t rows, double reach, std::
     }
   }
   list.pairs = pairs;
-  return list;
 }
 
 }  // namespace tetsuame::cells

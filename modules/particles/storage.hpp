@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <foundation/threads.hpp>
 #include <limits>
 #include <particles/particles.hpp>
 #include <span>
@@ -37,9 +38,11 @@ void allocate(particles<D>& s, std::size_t fluid, std::size_t fluid_ghosts, std:
   const std::size_t n = s.total() + 1;
   const bool walls_move = walls == old_walls && s.first_wall() != old_first_wall && walls > 0;
   const auto resize = [&](auto& a) {
+    // A little to spare, where the library's own growth would double.
+    const std::size_t most = walls_move ? std::max(n, std::max(s.first_wall(), old_first_wall) + walls) : n;
+    if (a.capacity() < most) a.reserve(most + most / 32);
     if (walls_move) {
-      if (a.size() < std::max(s.first_wall(), old_first_wall) + walls)
-        a.resize(std::max(s.first_wall(), old_first_wall) + walls);
+      if (a.size() < most) a.resize(most);
       const auto from = a.begin() + static_cast<std::ptrdiff_t>(old_first_wall);
       const auto to = a.begin() + static_cast<std::ptrdiff_t>(s.first_wall());
       if (to > from)
@@ -63,8 +66,8 @@ template <int D>
 void reorder(particles<D>& s, std::size_t begin, std::span<const std::size_t> order) {
   std::vector<double> buffer(order.size());
   const auto permute = [&](auto& a, auto& scratch) {
-    for (std::size_t k = 0; k < order.size(); ++k) scratch[k] = a[begin + order[k]];
-    for (std::size_t k = 0; k < order.size(); ++k) a[begin + k] = scratch[k];
+    foundation::for_all(order.size(), [&](std::size_t k) { scratch[k] = a[begin + order[k]]; });
+    foundation::for_all(order.size(), [&](std::size_t k) { a[begin + k] = scratch[k]; });
   };
   std::vector<std::int64_t> ids(order.size());
   permute(s.id, ids);

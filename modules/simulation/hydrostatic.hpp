@@ -39,7 +39,6 @@ struct run {
 
   scene<D> world;
   volume_module how{};
-  scratch work;
   std::unique_ptr<integrators::explicit_integrator> integrator;
   std::int64_t step = 0, snapshots = 0;
   double next_snapshot = 0.0;  // s
@@ -71,7 +70,7 @@ struct run {
           "the time step is too large, or the flow has blown up",
           moved, 0.5 * world.skin));
     }
-    evaluate<Program>(world, how, o.smoothing, work, rate);
+    evaluate<Program>(world, how, o.smoothing, rate);
     return 0;
   }
 
@@ -80,7 +79,7 @@ struct run {
     std::vector<particles::array> rates(state_fields(world, o.time).size(), particles::array(world.w.s.fluid));
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
-    evaluate<Program>(world, how, o.smoothing, work, pointers);
+    evaluate<Program>(world, how, o.smoothing, pointers);
   }
 
   void make_integrator(double t) {

@@ -29,6 +29,10 @@ struct state_rates {
   double* du;
   double* volume;  // dρ/dt or dY/dt; null where nothing is carried
 
+  // Sums that stage 7 turns into rates wait where it puts the velocities.
+  double* dlnrho() const { return dx[0]; }  // 1/s
+  double* heat() const { return dx[1]; }    // W, conduction and dissipation
+
   explicit state_rates(std::span<double* const> rate) {
     std::size_t n = 0;
     for (auto& component : dx) component = rate[n++];
@@ -37,12 +41,6 @@ struct state_rates {
     du = rate[n++];
     volume = n < rate.size() ? rate[n] : nullptr;
   }
-};
-
-// What an evaluation needs beside the state and does not keep.
-struct scratch {
-  particles::array dlnrho;  // 1/s
-  particles::array heat;    // W, conduction and dissipation
 };
 
 // The state and its ghosts.
@@ -60,33 +58,30 @@ void refresh_halo(scene<D>& scene) {
 
 // Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du.
 template <class Gradient, int D>
-void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
+void sum_forces(scene<D>& scene, const state_rates<D>& out) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
-  work.dlnrho.resize(s.fluid);
-  work.heat.resize(s.fluid);
   foundation::for_all(s.fluid, [&](std::size_t i) {
     for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = 0.0;
-    out.du[i] = work.heat[i] = 0.0;
+    out.du[i] = out.heat()[i] = 0.0;
   });
   std::visit([&](auto t) { t.template push<D>(w, scene.walls, out.dv); }, scene.treatment);
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
-  const gradient::continuity<D> continuity{v, s.dV.data(), work.dlnrho.data()};
+  const gradient::continuity<D> continuity{v, s.dV.data(), out.dlnrho()};
   if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(w.fluid(), pressure, continuity,
-          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), out.dv, work.heat.data()});
+          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), out.dv, out.heat()});
   else
-    w.sum(w.fluid(), pressure, continuity,
-          diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, work.heat.data()},
-          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), work.heat.data()});
+    w.sum(w.fluid(), pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
+          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.heat()});
 }
 
 // Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
 //   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
 template <class Program, int D>
-void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& out) {
+void finish_rates(scene<D>& scene, const state_rates<D>& out) {
   using volume::carries;
   auto& w = scene.w;
   auto& s = w.s;
@@ -94,15 +89,15 @@ void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& ou
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    const double per_mass = 1.0 / s.m[i];
+    const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], heating = out.heat()[i] * per_mass;
     for (std::size_t a = 0; a < D; ++a) {
       out.dx[a][i] = s.v[a][i];
       out.dv[a][i] = out.dv[a][i] * per_mass + w.g[a];
     }
-    const double power = out.du[i] * per_mass, heating = work.heat[i] * per_mass;
-    out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * work.dlnrho[i]) / s.c_V[i];
+    const double power = out.du[i] * per_mass;
+    out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * dlnrho) / s.c_V[i];
     out.du[i] = power + heating;
-    if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * work.dlnrho[i];
+    if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * dlnrho;
     if constexpr (Program::volume::carried == carries::weight)
       out.volume[i] = Program::volume::rate(s.p[i], s.K_T[i], s.alpha[i], s.dV[i], s.m[i], power, out.dT[i]);
     bool good = std::isfinite(out.dT[i]) && std::isfinite(out.du[i]);
@@ -122,7 +117,7 @@ void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& ou
 
 // One evaluation of dy/dt at the state in the particle arrays. Throws on every rank alike.
 template <class Program, int D>
-void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoothing_options& smoothing, scratch& work,
+void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoothing_options& smoothing,
               std::span<double* const> rate) {
   auto& w = scene.w;
   const state_rates<D> out(rate);
@@ -148,8 +143,8 @@ void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoo
     const foundation::stage timed(w.times, "walls");
     std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
   }
-  sum_forces<typename Program::gradient>(scene, work, out);
-  finish_rates<Program>(scene, work, out);
+  sum_forces<typename Program::gradient>(scene, out);
+  finish_rates<Program>(scene, out);
   w.agree();
 }
 

@@ -146,11 +146,9 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
   w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
 
   const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(reach));
-  auto scratch = std::move(w.list.records);  // its memory serves on
-  w.list = cells::make_list<D>(
-      grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
+  cells::make_list<D>(
+      w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
       [](std::size_t i, std::uint32_t j) { return i != j; });
-  w.list.records = std::move(scratch);
   std::visit(
       [&](auto t) {
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, scene.walls, grid, scene.skin);

@@ -30,8 +30,9 @@ template <int D>
 void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
-  set.near_marker = cells::make_list<D>(
-      grid, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
+  cells::make_list<D>(
+      set.near_marker, grid, s.walls, set.reach + skin, s.null(),
+      [&](std::size_t r) { return cells::position<D>(set.marker, r); },
       [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
   set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);

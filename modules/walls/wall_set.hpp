@@ -118,6 +118,7 @@ std::int64_t reflect(const wall_set<D>& set, particles::particles<D>& s) {
   for (const auto& wall : set.sides) {
     auto& x = s.x[wall.axis];
     auto& v = s.v[wall.axis];
+#pragma omp parallel for schedule(static) reduction(+ : crossings) if (s.fluid > foundation::values_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       if ((x[i] - wall.position) * wall.inward >= 0.0) continue;
       x[i] = 2.0 * wall.position - x[i];

@@ -193,7 +193,6 @@ class rig {
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
     const simulation::state_rates<D> out(pointers);
-    simulation::scratch work;
     const scalar_problem<D> problem{s.fluid,
                                     w.list.start.data(),
                                     w.list.neighbours.data(),
@@ -212,7 +211,7 @@ class rig {
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
-        simulation::sum_forces<typename Program::gradient>(world, work, out);
+        simulation::sum_forces<typename Program::gradient>(world, out);
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in simulation::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
@@ -238,8 +237,8 @@ class rig {
     differ(s.p, sums.p);
     for (std::size_t a = 0; a < D; ++a) differ(out.dv[a], sums.dv[a]);
     differ(out.du, sums.work);
-    differ(work.dlnrho, sums.dlnrho);
-    differ(work.heat, sums.heat);
+    differ(out.dlnrho(), sums.dlnrho);
+    differ(out.heat(), sums.heat);
     r.deviation_from_scalar = worst;
     // Hundreds of terms that nearly cancel, added in another order.
     constexpr double round_off = 1e-11;

@@ -165,10 +165,11 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
     return c;
   };
   const auto even = [](std::size_t, std::uint32_t j) { return j % 2 == 0; };
+  cells::neighbour_list list;  // one after the other in the same memory
   // Reaches above and below the grid's own cells.
   for (const double reach : {0.8, 2.0, 7.0}) {
     const auto g = cells::make_grid<3>(x, id, n, 2.0);
-    const auto list = cells::make_list<3>(g, rows, reach, n, centre, even);
+    cells::make_list<3>(list, g, rows, reach, n, centre, even);
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
       std::vector<std::int32_t> is, should;
@@ -188,8 +189,9 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
 BOOST_AUTO_TEST_CASE(no_particles_no_neighbours) {
   std::array<particles::array, 2> x;
   const auto g = cells::make_grid<2>(x, {}, 0, 1.0);
-  const auto list = cells::make_list<2>(
-      g, 1, 1.0, 0,
+  cells::neighbour_list list;
+  cells::make_list<2>(
+      list, g, 1, 1.0, 0,
       [](std::size_t) {
         return std::array{0.0, 0.0};
       },
