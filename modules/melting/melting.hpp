@@ -10,10 +10,9 @@
 
 namespace tetsuame::melting {
 
-enum class composition {
-  peridotitic,  // above 20 GPa G. Fiquet et al., Science 329, 1516 (2010)
-  chondritic,   // above 20 GPa D. Andrault et al., Earth Planet. Sci. Lett. 304, 251 (2011)
-};
+// Liquidus above 20 GPa, fitted to G. Fiquet et al., Science 329, 1516 (2010), or D. Andrault et al., Earth Planet.
+// Sci. Lett. 304, 251 (2011); below, and for the solidus, one curve serves both.
+enum class composition { peridotitic, chondritic };
 
 // T = T0 (p/a + 1)^(1/c) [F. Simon and G. Glatzel, Z. Anorg. Allg. Chem. 178, 309 (1929)].
 struct simon_glatzel {
@@ -24,21 +23,16 @@ struct simon_glatzel {
   }
 };
 
-// Fits collected by J. Monteux, D. Andrault and H. Samuel, Earth Planet. Sci. Lett. 448, 140 (2016), eqs. 10-13; up
-// to 20 GPa to C. Herzberg and J. Zhang, J. Geophys. Res. 101, 8271 (1996). The two pieces meet within 2 K
-// (peridotitic) and 35 K (chondritic).
+// Fits of J. Monteux, D. Andrault and H. Samuel, Earth Planet. Sci. Lett. 448, 140 (2016), eqs. 10-13, which use C.
+// Herzberg and J. Zhang, J. Geophys. Res. 101, 8271 (1996), up to 20 GPa. The pieces meet there within 2 K.
 inline constexpr double transition = 20e9;  // Pa
 inline constexpr simon_glatzel low_solidus{1661.2, 1.336e9, 7.437};
 inline constexpr simon_glatzel low_liquidus{1982.1, 6.594e9, 5.374};
-inline constexpr simon_glatzel peridotitic_solidus{2081.8, 101.69e9, 1.226};
+inline constexpr simon_glatzel high_solidus{2081.8, 101.69e9, 1.226};
 inline constexpr simon_glatzel peridotitic_liquidus{78.74, 4.054e6, 2.44};
-inline constexpr simon_glatzel chondritic_solidus{2045.0, 92e9, 1.3};
-inline constexpr simon_glatzel chondritic_liquidus{1940.0, 29e9, 1.9};
+inline constexpr simon_glatzel chondritic_liquidus{2006.8, 34.65e9, 1.844};
 
-inline double solidus(composition c, double p) {
-  if (p <= transition) return low_solidus.at(p);
-  return (c == composition::peridotitic ? peridotitic_solidus : chondritic_solidus).at(p);
-}
+inline double solidus(double p) { return (p <= transition ? low_solidus : high_solidus).at(p); }
 
 inline double liquidus(composition c, double p) {
   if (p <= transition) return low_liquidus.at(p);

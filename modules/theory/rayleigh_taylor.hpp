@@ -28,7 +28,9 @@ struct layer {
   double thickness;  // m
   double viscosity;  // Pa s, > 0
   barotrope material;
-  double bulk_viscosity = 0.0;  // Pa s: stress eta (grad v + grad v^T - 2/3 div v) + bulk_viscosity div v
+  // Pa s, >= -viscosity/3: stress eta (grad v + grad v^T - 2/3 div v) + bulk_viscosity div v. At -viscosity/3
+  // the force is eta lap v alone, as in modules/diffusion, and the stress traceless in two dimensions.
+  double bulk_viscosity = 0.0;
 };
 
 struct two_layers {
@@ -43,7 +45,7 @@ struct two_layers {
 // Growth rate, 1/s, at wave number k, 1/m. 0 where the interface is stable,
 // (rho_upper - rho_lower) g <= surface_tension k^2; else there is exactly one growing mode.
 // fail_input: an argument out of range. fail_calculation: boundary layers or decay lengths too
-// thin for the largest resolution, 256 points a layer.
+// thin for the largest resolution, 180 points a layer.
 double growth_rate(const two_layers& flow, double k);
 
 // The growing mode, per metre of the interface's amplitude.

@@ -145,7 +145,8 @@ double fall_velocity(const drop_in_box& box, int cells) {
 }
 
 double fall_velocity_extrapolated(const drop_in_box& box, int cells) {
-  return (4.0 * fall_velocity(box, 2 * cells) - fall_velocity(box, cells)) / 3.0;
+  const double finer = fall_velocity(box, 2 * cells), change = finer - fall_velocity(box, cells);
+  return finer + change / (box.viscosity == box.drop_viscosity ? 3.0 : 1.0);
 }
 
 }  // namespace tetsuame::theory

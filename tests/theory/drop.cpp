@@ -104,13 +104,13 @@ BOOST_AUTO_TEST_CASE(no_slip_square) {
   }
 }
 
-// Unequal viscosities: the array's closed form, whose error is of order c^2.
+// Unequal viscosities: the array's closed form, whose error is of order c^2, 2.4e-3.
 BOOST_AUTO_TEST_CASE(square_array) {
   const double a = 0.125, c = pi * a * a;
   for (const double kappa : {0.1, 1.0, 10.0}) {
     const theory::drop_in_box box{1.0, 1.0, a, 0.5, 0.5, 1.0, kappa, 1.0, 1.0, sides::periodic, sides::periodic};
-    BOOST_TEST(
-        close(theory::fall_velocity_extrapolated(box, 48), a * a * theory::square_array_velocity(c, kappa), 0.01));
+    BOOST_TEST(close(theory::fall_velocity_extrapolated(box, 48), a * a * theory::square_array_velocity(c, kappa),
+                     kappa == 1.0 ? 2e-3 : 6e-3));
   }
 }
 
