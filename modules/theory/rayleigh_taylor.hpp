@@ -1,0 +1,90 @@
+// Linear growth of a dense layer over a light one between two horizontal boundaries: viscosity,
+// inertia, compressibility and surface tension together. Equations: docs/theory/rayleigh_taylor.md.
+//
+// x is horizontal, y upward, y = 0 at the interface at rest. Perturbations are e^(growth t) times
+// cos kx or sin kx; in 3-D k is the length of the horizontal wave vector. SI units.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace tetsuame::theory {
+
+// no_slip: u = v = 0; free_slip: v = 0 and no shear stress; free_surface (lid only): no traction.
+enum class boundary { no_slip, free_slip, free_surface };
+
+struct material_state {
+  double density;       // kg/m^3
+  double bulk_modulus;  // Pa, rho dp/drho along the relation that base state and perturbation follow
+};
+
+// Density as a function of pressure alone: an isotherm or an adiabat.
+using barotrope = std::function<material_state(double pressure)>;
+
+// p = K (rho/rho0 - 1), so rho dp/drho = K rho/rho0; K infinite: incompressible.
+barotrope linear_barotrope(double rho0, double K);
+
+struct layer {
+  double thickness;  // m
+  double viscosity;  // Pa s, > 0
+  barotrope material;
+  // Pa s, >= -viscosity/3: stress eta (grad v + grad v^T - 2/3 div v) + bulk_viscosity div v. At -viscosity/3
+  // the force is eta lap v alone, as in modules/diffusion, and the stress traceless in two dimensions.
+  double bulk_viscosity = 0.0;
+};
+
+struct two_layers {
+  layer lower, upper;
+  double gravity;             // m/s^2, towards -y
+  double top_pressure = 0.0;  // Pa, at the lid; matters only through the materials
+  boundary floor = boundary::no_slip, lid = boundary::no_slip;
+  double surface_tension = 0.0;  // N/m
+  bool inertia = true;           // false: creeping flow
+};
+
+// Growth rate, 1/s, at wave number k, 1/m. 0 where the interface is stable,
+// (rho_upper - rho_lower) g <= surface_tension k^2; else there is exactly one growing mode.
+// fail_input: an argument out of range. fail_calculation: boundary layers or decay lengths too
+// thin for the largest resolution, 180 points a layer.
+double growth_rate(const two_layers& flow, double k);
+
+// The growing mode, per metre of the interface's amplitude.
+struct mode {
+  struct profile {
+    std::vector<double> y;                    // m, from the lower to the upper end of the layer
+    std::vector<double> u, v;                 // velocity, 1/s (m/s per m)
+    std::vector<double> pressure;             // Eulerian perturbation, Pa/m
+    std::vector<double> density, background;  // Eulerian perturbation, kg/m^4; base density, kg/m^3
+  };
+  double k = 0.0, growth_rate = 0.0;  // 1/m, 1/s
+  profile lower, upper;
+};
+
+// Fails as growth_rate does, and with fail_input where the interface is stable.
+mode eigenmode(const two_layers& flow, double k);
+
+// Amplitudes at height y, which lies inside the layers (fail_input otherwise); y = 0 is taken
+// from the upper layer. The fields of an interface at y = a cos kx are a times
+// displacement_x sin kx, displacement_y cos kx, velocity_x sin kx, velocity_y cos kx,
+// pressure cos kx and density cos kx. Displacement = velocity/growth_rate.
+struct mode_values {
+  double displacement_x, displacement_y;  // m/m
+  double velocity_x, velocity_y;          // 1/s
+  double pressure;                        // Eulerian perturbation, Pa/m
+  double density;                         // Eulerian perturbation, kg/m^4
+};
+mode_values at(const mode& m, double y);
+
+// Limits in closed form, for two layers of uniform density.
+//
+// Inviscid: growth^2 = [(rho_u - rho_l) g k - sigma k^3]/[rho_u coth(k b_u) + rho_l coth(k b_l)]
+// [S. Chandrasekhar, Hydrodynamic and Hydromagnetic Stability, Oxford (1961), sect. 92, with walls]; 0 if stable.
+double inviscid_growth_rate(double rho_lower, double rho_upper, double b_lower, double b_upper, double g, double k,
+                            double surface_tension = 0.0);
+
+// Creeping, both layers of thickness b and viscosity eta between no-slip walls
+// [D. L. Turcotte and G. Schubert, Geodynamics, sect. 6.12]:
+// growth = (drho g b/4 eta) [tanh kb/(kb)^2 - 1/(sinh kb cosh kb)]/[1/kb + 1/(sinh kb cosh kb)].
+double creeping_growth_rate(double density_difference, double eta, double b, double g, double k);
+
+}  // namespace tetsuame::theory

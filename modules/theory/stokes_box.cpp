@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <Eigen/Sparse>
+#include <array>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <theory/stokes_box.hpp>
+#include <vector>
+
+// The marker-and-cell scheme in its stream function: psi at the corners of the cells, u = dpsi/dy and
+// v = -dpsi/dx on the faces, free of divergence by construction. The flow minimises
+//   1/2 int [4 eta psi_xy^2 + eta (psi_yy - psi_xx)^2] - int f v,
+// with psi_xy at the cells' centres and psi_yy - psi_xx at their corners, which gives a symmetric
+// positive definite matrix. A free-slip wall needs nothing but psi = 0; behind a no-slip wall
+// psi is mirrored.
+namespace tetsuame::theory {
+
+namespace {
+
+struct axis {
+  int cells;
+  double spacing;  // m
+  sides walls;
+  bool periodic() const { return walls == sides::periodic; }
+  int corners() const { return periodic() ? cells : cells + 1; }
+  bool on_wall(int i) const { return !periodic() && (i == 0 || i == cells); }
+  int wrapped(int i) const { return periodic() ? (i + cells) % cells : i; }
+};
+
+// Part of a cell about (x, y) that the drop covers, by midpoints.
+double covered(const drop_in_box& box, double x, double y, double dx, double dy) {
+  constexpr int m = 16;
+  const double r = std::hypot(x - box.x, y - box.y), reach = 0.5 * std::hypot(dx, dy);
+  if (r >= box.radius + reach) return 0.0;
+  if (r <= box.radius - reach) return 1.0;
+  int inside = 0;
+  for (int a = 0; a < m; ++a) {
+    for (int b = 0; b < m; ++b) {
+      const double px = x + dx * ((a + 0.5) / m - 0.5) - box.x, py = y + dy * ((b + 0.5) / m - 0.5) - box.y;
+      inside += px * px + py * py < box.radius * box.radius;
+    }
+  }
+  return static_cast<double>(inside) / (m * m);
+}
+
+void check(const drop_in_box& box, int cells) {
+  const auto need = [](bool good, const char* what) {
+    if (!good) foundation::fail_input(fmt::format("drop in a box: {}", what));
+  };
+  need(box.width > 0.0 && box.height > 0.0 && box.radius > 0.0, "width, height and radius must be > 0");
+  need(box.viscosity > 0.0 && box.drop_viscosity > 0.0, "the viscosities must be > 0");
+  need(box.x - box.radius >= 0.0 && box.x + box.radius <= box.width && box.y - box.radius >= 0.0 &&
+           box.y + box.radius <= box.height,
+       "the drop must lie inside the box");
+  need(box.floor_lid != sides::periodic || box.left_right == sides::periodic,
+       "a periodic floor and lid need periodic sides");
+  need(cells >= 8, "at least 8 cells are needed");
+}
+
+}  // namespace
+
+double fall_velocity(const drop_in_box& box, int cells) {
+  check(box, cells);
+  const axis X{cells, box.width / cells, box.left_right};
+  const int rows = std::max(8, static_cast<int>(std::lround(cells * box.height / box.width)));
+  const axis Y{rows, box.height / rows, box.floor_lid};
+  const double dx = X.spacing, dy = Y.spacing, area = dx * dy;
+
+  std::vector<int> number(static_cast<std::size_t>(X.corners() * Y.corners()), -1);  // -1: psi = 0
+  const auto at = [&](int i, int j) -> int& {
+    return number[static_cast<std::size_t>(Y.wrapped(j) * X.corners() + X.wrapped(i))];
+  };
+  int unknowns = 0;
+  for (int j = 0; j < Y.corners(); ++j) {
+    for (int i = 0; i < X.corners(); ++i) {
+      const bool pinned = X.periodic() && Y.periodic() && i == 0 && j == 0;  // psi is known but for a constant
+      if (!X.on_wall(i) && !Y.on_wall(j) && !pinned) at(i, j) = unknowns++;
+    }
+  }
+  const auto viscosity = [&](int i2, int j2) {  // at (i2/2, j2/2) spacings
+    const double x = 0.5 * i2 * dx, y = 0.5 * j2 * dy;
+    const double c = covered(box, x, y, dx, dy);
+    return std::pow(box.viscosity, 1.0 - c) * std::pow(box.drop_viscosity, c);
+  };
+
+  std::vector<Eigen::Triplet<double>> entries;
+  struct term {
+    int unknown;
+    double factor;
+  };
+  const auto add = [&](double weight, const auto& terms) {
+    for (const term& a : terms) {
+      for (const term& b : terms) {
+        if (a.unknown >= 0 && b.unknown >= 0) entries.emplace_back(a.unknown, b.unknown, weight * a.factor * b.factor);
+      }
+    }
+  };
+  for (int j = 0; j < Y.cells; ++j) {
+    for (int i = 0; i < X.cells; ++i) {
+      const double c = 1.0 / area;
+      add(4.0 * viscosity(2 * i + 1, 2 * j + 1) * area,
+          std::array<term, 4>{{{at(i, j), c}, {at(i + 1, j), -c}, {at(i, j + 1), -c}, {at(i + 1, j + 1), c}}});
+    }
+  }
+  for (int j = 0; j < Y.corners(); ++j) {
+    for (int i = 0; i < X.corners(); ++i) {
+      const bool wall_x = X.on_wall(i), wall_y = Y.on_wall(j);
+      if (wall_x && wall_y) continue;
+      const double cx = -1.0 / (dx * dx), cy = 1.0 / (dy * dy);
+      const double eta = viscosity(2 * i, 2 * j);
+      if (wall_x || wall_y) {
+        const axis& across = wall_x ? X : Y;
+        if (across.walls != sides::no_slip) continue;
+        const int inner = wall_x ? at(i == 0 ? 1 : i - 1, j) : at(i, j == 0 ? 1 : j - 1);
+        add(0.5 * eta * area, std::array<term, 1>{{{inner, 2.0 * (wall_x ? cx : cy)}}});
+      } else {
+        add(eta * area, std::array<term, 5>{{{at(i, j), -2.0 * (cx + cy)},
+                                             {at(i - 1, j), cx},
+                                             {at(i + 1, j), cx},
+                                             {at(i, j - 1), cy},
+                                             {at(i, j + 1), cy}}});
+      }
+    }
+  }
+
+  // Weight of the faces that v stands on; v = -(psi(i + 1, j) - psi(i, j))/dx.
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(unknowns);
+  double drop_area = 0.0;
+  for (int j = 0; j < Y.corners(); ++j) {
+    for (int i = 0; i < X.cells; ++i) {
+      const double c = covered(box, (i + 0.5) * dx, j * dy, dx, dy) * area;
+      drop_area += c;
+      if (const int a = at(i, j); a >= 0) load[a] += c / dx;
+      if (const int b = at(i + 1, j); b >= 0) load[b] -= c / dx;
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(matrix);
+  if (factors.info() != Eigen::Success)
+    foundation::fail_calculation("drop in a box: the matrix could not be factorised");
+  // load . psi is the drop's volume flux upward; the force on it is -drho g.
+  const Eigen::VectorXd psi = factors.solve(load);
+  return box.density_difference * box.gravity * load.dot(psi) / drop_area;
+}
+
+double fall_velocity_extrapolated(const drop_in_box& box, int cells) {
+  const double finer = fall_velocity(box, 2 * cells), change = finer - fall_velocity(box, cells);
+  return finer + change / (box.viscosity == box.drop_viscosity ? 3.0 : 1.0);
+}
+
+}  // namespace tetsuame::theory

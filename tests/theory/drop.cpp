@@ -1,0 +1,123 @@
+#include <foundation/error.hpp>
+#include <limits>
+#include <numbers>
+#include <theory/drop.hpp>
+#include <theory/stokes_box.hpp>
+
+#include "close.hpp"
+
+namespace theory = tetsuame::theory;
+using theory::sides;
+
+namespace {
+constexpr double pi = std::numbers::pi;
+constexpr double rigid = std::numeric_limits<double>::infinity();
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(one_sphere) {
+  const theory::drop solid{0.01, 4000.0, 10.0, 100.0, rigid};
+  BOOST_TEST(close(theory::hadamard_rybczynski(solid), 2.0 / 9.0 * 4000.0 * 10.0 * 1e-4 / 100.0, 1e-14));
+  theory::drop bubble = solid;
+  bubble.drop_viscosity = 0.0;
+  BOOST_TEST(close(theory::hadamard_rybczynski(bubble) / theory::hadamard_rybczynski(solid), 1.5, 1e-14));
+  bubble.drop_viscosity = 100.0;  // equal: (2/3)(1 + 1)/(2 + 3)
+  BOOST_TEST(close(theory::hadamard_rybczynski(bubble), 4.0 / 15.0 * 4000.0 * 10.0 * 1e-4 / 100.0, 1e-14));
+}
+
+// Drag ratios of rigid spheres in tubes: exact solution of Haberman and Sayre as tabled by Happel and Brenner,
+// table 7-3.1 (1.263 at 0.1, 1.680 at 0.2, 2.371 at 0.3, 3.596 at 0.4, 5.970 at 0.5).
+BOOST_AUTO_TEST_CASE(walls) {
+  const double table[] = {1.263, 1.680, 2.371, 3.596, 5.970};
+  for (int i = 0; i < 5; ++i)
+    BOOST_TEST(close(1.0 / theory::tube_factor(0.1 * (i + 1), rigid), table[i], i < 4 ? 0.005 : 0.02));
+  // A drop's far field is its force: the first term is the rigid one's times the drag.
+  for (const double kappa : {0.0, 1.0, 30.0}) {
+    const double lambda = 1e-4;
+    const auto loss = [&](double v) { return 1.0 - v; };
+    BOOST_TEST(close(loss(theory::tube_factor(lambda, kappa)) / loss(theory::tube_factor(lambda, rigid)),
+                     theory::mobility_factor(kappa), 1e-3));
+    BOOST_TEST(close(loss(theory::cubic_array_factor(1e-9, kappa)) / loss(theory::cubic_array_factor(1e-9, rigid)),
+                     theory::mobility_factor(kappa), 1e-3));
+  }
+  // Two plates at equal distance take less than twice what one takes, and more than one.
+  const double one = 1.0 - theory::wall_factor_along(0.1, rigid), two = 1.0 - theory::plates_factor_rigid(0.1);
+  BOOST_TEST(two > one);
+  BOOST_TEST(two < 2.0 * one);
+  BOOST_CHECK_THROW(theory::tube_factor(0.7, 1.0), tetsuame::foundation::error);
+  BOOST_CHECK_THROW(theory::tube_factor(0.1, -1.0), tetsuame::foundation::error);
+}
+
+// Drag from the standard curve [Clift, Grace and Weber (1978), table 5.1]: Re = 100 has C_D = 1.09.
+BOOST_AUTO_TEST_CASE(beyond_creeping_flow) {
+  const double a = 0.01, rho = 1000.0, eta = 0.1, V = 100.0 * eta / (2.0 * a * rho);
+  const double drho = 3.0 / 8.0 * 1.09 * rho * V * V / (10.0 * a);
+  BOOST_TEST(close(theory::rigid_terminal_velocity({a, drho, 10.0, eta, rigid}, rho), V, 0.02));
+  BOOST_TEST(close(theory::rigid_terminal_velocity({1e-5, 1000.0, 10.0, 1.0, rigid}, rho), 2.0 / 9.0 * 1e-6, 1e-4));
+  BOOST_TEST(theory::rigid_terminal_velocity({a, -drho, 10.0, eta, rigid}, rho) < 0.0);
+}
+
+// Iron in magma: sigma = 1 N/m, drho = 3700 kg/m^3, g = 10 give capillary length 5.2 mm, so drops up to a centimetre.
+BOOST_AUTO_TEST_CASE(size) {
+  BOOST_TEST(close(theory::capillary_length(1.0, 3700.0, 10.0), 5.1988e-3, 1e-4));
+  BOOST_TEST(close(theory::largest_radius(1.0, 3700.0, 10.0), 1.03975e-2, 1e-4));
+  // The definition: at the radius, the velocity of that drag has that Weber number.
+  const double rho = 3000.0, a = theory::weber_radius(1.0, 3700.0, 10.0, 10.0, 0.5);
+  const double V2 = 8.0 / 3.0 * a * 3700.0 * 10.0 / (0.5 * rho);
+  BOOST_TEST(close(rho * V2 * 2.0 * a / 1.0, 10.0, 1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(hindered) {
+  BOOST_TEST(theory::hindered_settling_exponent(0.01) == 4.65);
+  BOOST_TEST(theory::hindered_settling_exponent(1e4) == 2.39);
+  for (const double at : {0.2, 1.0, 500.0}) {  // the published pieces meet within 3 %
+    BOOST_TEST(
+        close(theory::hindered_settling_exponent(at * 0.999), theory::hindered_settling_exponent(at * 1.001), 0.03));
+  }
+  BOOST_TEST(close(theory::hindered_settling_factor(0.1, 0.0), std::pow(0.9, 4.65), 1e-14));
+}
+
+// Equal viscosities between free-slip walls: the force's sine series is the solution's, term by term,
+// V = (drho g/eta) sum of kx^2/(kx^2 + ky^2)^2 times the square of the drop's mean of sin kx x sin ky y times 4/(L H)
+// times its area, the mean being 2 J1(ka)/(ka) sin kx x0 sin ky y0.
+BOOST_AUTO_TEST_CASE(free_slip_box) {
+  const double L = 1.0, H = 1.25, a = 0.15, x0 = 0.5, y0 = 0.7;
+  double sum = 0.0;
+  for (int m = 1; m <= 300; ++m) {
+    for (int n = 1; n <= 300; ++n) {
+      // v ~ cos(m pi x/L) sin(n pi y/H)
+      const double kx = m * pi / L, ky = n * pi / H, k2 = kx * kx + ky * ky, ka = std::sqrt(k2) * a;
+      const double mean = 2.0 * std::cyl_bessel_j(1.0, ka) / ka * std::cos(kx * x0) * std::sin(ky * y0);
+      sum += kx * kx / (k2 * k2) * mean * mean * 4.0 / (L * H) * pi * a * a;
+    }
+  }
+  const theory::drop_in_box box{L, H, a, x0, y0, 2.0, 2.0, 3.0, 10.0, sides::free_slip, sides::free_slip};
+  BOOST_TEST(close(theory::fall_velocity_extrapolated(box, 40), sum * 3.0 * 10.0 / 2.0, 1e-3));
+}
+
+// V = c drho g L^2/eta of a drop of radius 0.1 L in a no-slip square, equal viscosities, from another
+// finite-difference code, extrapolated.
+BOOST_AUTO_TEST_CASE(no_slip_square) {
+  const struct { double y, c; } table[] = {{0.7, 2.147e-3}, {0.6, 2.344e-3}, {0.5, 2.392e-3}};
+  for (const auto& row : table) {
+    const theory::drop_in_box box{1.0, 1.0, 0.1, 0.5, row.y, 1.0, 1.0, 1.0, 1.0};
+    BOOST_TEST(close(theory::fall_velocity_extrapolated(box, 40), row.c, 3e-3));
+  }
+}
+
+// Unequal viscosities: the array's closed form, whose error is of order c^2, 2.4e-3.
+BOOST_AUTO_TEST_CASE(square_array) {
+  const double a = 0.125, c = pi * a * a;
+  for (const double kappa : {0.1, 1.0, 10.0}) {
+    const theory::drop_in_box box{1.0, 1.0, a, 0.5, 0.5, 1.0, kappa, 1.0, 1.0, sides::periodic, sides::periodic};
+    BOOST_TEST(close(theory::fall_velocity_extrapolated(box, 48), a * a * theory::square_array_velocity(c, kappa),
+                     kappa == 1.0 ? 2e-3 : 6e-3));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(box_arguments) {
+  theory::drop_in_box box{1.0, 1.0, 0.1, 0.5, 0.95, 1.0, 1.0, 1.0, 1.0};
+  BOOST_CHECK_THROW(theory::fall_velocity(box, 32), tetsuame::foundation::error);
+  box.y = 0.5;
+  box.floor_lid = sides::periodic;
+  BOOST_CHECK_THROW(theory::fall_velocity(box, 32), tetsuame::foundation::error);
+}
