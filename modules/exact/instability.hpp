@@ -1,0 +1,59 @@
+// Growth of small waves on a layered flow, U(y) along x, gravity towards -y.
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace tetsuame::exact {
+
+// Sharp and incompressible, of unbounded layers, 1/s [S. Chandrasekhar, Hydrodynamic and
+// Hydromagnetic Stability (1961), sections 92 and 101]; k > 0 in 1/m.
+//   Kelvin-Helmholtz: k |dU| sqrt(rho1 rho2)/(rho1 + rho2)
+//   Rayleigh-Taylor: sqrt[g k (rho_u - rho_l)/(rho_u coth(k h_u) + rho_l coth(k h_l))], layers of
+//   thickness h between walls; 0 where the lower one is the heavier.
+double kelvin_helmholtz_growth(double k, double speed_difference, double rho1, double rho2);
+double rayleigh_taylor_growth(double k, double g, double rho_upper, double rho_lower,
+                              double h_upper = std::numeric_limits<double>::infinity(),
+                              double h_lower = std::numeric_limits<double>::infinity());
+
+struct layer_state {
+  double rho, U, p;  // kg/m^3, m/s, Pa
+};
+
+enum class edge {
+  wall,      // displacement 0; also the plane of symmetry where pressure is even
+  free,      // pressure of the moving fluid 0: a surface, or where pressure is odd
+  decaying,  // uniform beyond, the wave dies away; g = 0 only
+};
+
+// For ideal gas or, with gamma infinite, an incompressible fluid. p(y) has to be hydrostatic,
+// dp/dy = -rho g, and U and rho may jump at `jumps` (inside, rising), where at() is never asked.
+struct layered_flow {
+  std::function<layer_state(double y)> at;
+  double gamma;
+  double g;          // m/s^2 towards -y
+  double low, high;  // m, the edges
+  edge at_low, at_high;
+  std::vector<double> jumps;
+};
+
+// Displacement eta and pressure of the moving fluid P (Lagrangian) of a wave exp[ik(x - ct)] obey
+// (derived here; adiabatic, linear)
+//   eta' = g eta/(U-c)^2 + P {1/[rho (U-c)^2] - 1/(gamma p)}
+//   P'   = rho [k^2 (U-c)^2 - g^2/(U-c)^2] eta - g P/(U-c)^2,
+// both continuous where rho and U jump. With g = 0, gamma infinite this is Rayleigh's equation.
+// The system is integrated from both edges; the mismatch in the middle, a function of c
+// that is analytic for Im c > 0, vanishes for a mode.
+std::complex<double> mismatch(const layered_flow& flow, double k, std::complex<double> c);
+
+// The mode next to the guess (m/s), by the secant method; fail_calculation without one.
+std::complex<double> phase_speed(const layered_flow& flow, double k, std::complex<double> guess);
+
+// The fastest growing mode, c with the largest Im c that searches from a net of guesses find
+// (Howard's semicircle, widened by sqrt(g/k)); 0 if none grows faster than 1e-6 of the net's
+// width. Growth rate: k Im c.
+std::complex<double> fastest_mode(const layered_flow& flow, double k);
+
+}  // namespace tetsuame::exact

@@ -1,0 +1,48 @@
+// The two sides of a Riemann problem. Each is a stiffened gas of its own,
+//   p = (gamma - 1) rho e - p_inf,   K_S = rho c^2 = gamma (p + p_inf),
+// which holds the ideal gas (p_inf = 0) and, by a local fit, any equation of state: on the
+// stiffened gas's isentrope K_S is linear in p with the slope gamma, so with
+//   gamma = K' = (dK/dp),   p_inf = K/K' - p
+// its isentrope through (rho, p) is Murnaghan's and touches the material's own to third order
+// in the compression [F. D. Murnaghan, Proc. Natl. Acad. Sci. 30, 244 (1944)]. The fit with
+// K_S is for waves without heat exchange; with K_T for waves at fixed temperature.
+// R: double, or lanes of it (lanes.hpp).
+#pragma once
+
+#include <riemann/lanes.hpp>
+
+namespace tetsuame::riemann {
+
+template <class R>
+struct side {
+  R rho, u, p;          // kg/m^3; m/s towards +x; Pa. rho > 0, p > -p_infinity
+  R gamma, p_infinity;  // dimensionless > 1; Pa
+};
+
+template <class R>
+side<R> ideal_gas(const R& rho, const R& u, const R& p, const R& gamma) {
+  return {rho, u, p, gamma, R(0.0)};
+}
+
+// K = rho (dp/drho) in Pa along the compression that the waves follow, K_prime = dK/dp > 1.
+template <class R>
+side<R> local_fit(const R& rho, const R& u, const R& p, const R& K, const R& K_prime) {
+  return {rho, u, p, K_prime, K / K_prime - p};
+}
+
+template <class R>
+R sound_speed(const side<R>& s) {
+  using std::sqrt;
+  return sqrt(s.gamma * (s.p + s.p_infinity) / s.rho);
+}
+
+// Between the outer waves. The contact parts left from right.
+template <class R>
+struct star {
+  R p, u;             // Pa, m/s; u is (u_l + u_r)/2
+  R u_l, u_r;         // m/s: both u, but where a vacuum opens between them
+  R rho_l, rho_r;     // kg/m^3
+  mask_of<R> vacuum;  // the sides part: p is the least pressure either can have
+};
+
+}  // namespace tetsuame::riemann
