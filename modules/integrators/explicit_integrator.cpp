@@ -414,7 +414,7 @@ template <class Value>
 void explicit_integrator::implementation::set_arrays(Value value) {
   for (std::size_t k = 0; k < fields.size(); ++k) {
     double* y = fields[k].data;
-#pragma omp parallel for schedule(static) if (n > 4096)
+#pragma omp parallel for simd schedule(static) if (n > 4096)
     for (std::size_t i = 0; i < n; ++i) y[i] = value(k, i);
   }
   home_was_changed(home.get());

@@ -14,14 +14,14 @@
 namespace tetsuame::relaxation {
 
 struct two_layers {
-  double L = 1.5e6;            // m, edge of the box; defaults: the note's example
-  double c = 1e4;              // m/s
-  double rho_min = 3e3;        // kg/m3
-  double delta_rho = 7e3;      // kg/m3
-  double g = 10.0;             // m/s2
-  double heat_capacity = 1e3;  // J/(kg K)
-  double conductivity = 0.0;   // W/(m K); 0: no limit
-  std::optional<double> eta = std::nullopt;   // Pa s; not given: (18)
+  double L = 1.5e6;                          // m, edge of the box; defaults: the note's example
+  double c = 1e4;                            // m/s
+  double rho_min = 3e3;                      // kg/m3
+  double delta_rho = 7e3;                    // kg/m3
+  double g = 10.0;                           // m/s2
+  double heat_capacity = 1e3;                // J/(kg K)
+  double conductivity = 0.0;                 // W/(m K); 0: no limit
+  std::optional<double> eta = std::nullopt;  // Pa s; not given: (18)
 };
 
 struct overturn_plan {

@@ -28,11 +28,11 @@ std::vector<rule> all_rules(const fluid_layer& f, double phi_xi);
 enum class method { none, rsst, vim, rsst_vim };
 
 struct choice {
-  std::optional<method> how = std::nullopt;       // not given: rsst_vim where the Stokes speed is the slower one, else rsst
-  bool boundary_layers = true;     // the wider bounds
-  bool later_rule = false;         // [S1b] instead of [S1]
-  double mach = 0.1;               // V/c_eff, the factor below the bound
-  double phi_xi = 0.5;             // xi below its bound
+  std::optional<method> how = std::nullopt;  // not given: rsst_vim where the Stokes speed is the slower one, else rsst
+  bool boundary_layers = true;               // the wider bounds
+  bool later_rule = false;                   // [S1b] instead of [S1]
+  double mach = 0.1;                         // V/c_eff, the factor below the bound
+  double phi_xi = 0.5;                       // xi below its bound
   std::optional<double> zeta = std::nullopt, xi = std::nullopt;  // given: taken as they are
 };
 
