@@ -127,6 +127,7 @@ void check(const std::vector<field>& fields, bool weighed, bool keeps_rate, std:
 
 std::vector<double*> arrays(const std::vector<field>& fields) {
   std::vector<double*> result;
+  result.reserve(fields.size());
   for (const field& f : fields) result.push_back(f.data);
   return result;
 }

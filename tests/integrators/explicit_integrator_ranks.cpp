@@ -91,11 +91,13 @@ BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks_and_threads_and_through_migration) {
     omp_set_num_threads(1);
     const auto alone = outcome(MPI_COMM_SELF, options, {0, 0, 0});
     if (options.dt == 0.5) BOOST_CHECK_GT(alone.back(), 0.0);  // rejections are among what agrees
+    // Every way for one of each kind; for the others the one that moves the most.
+    const bool all = options.method == "adaptive" || options.method == "rkl2";
+    std::vector<std::vector<int>> ways{{2, 0, 1}};
+    if (all) ways.insert(ways.end(), {{0, 0, 0}, {1, 1, 1}, {0, 2, 2}});
     for (int threads : {1, 2}) {
       omp_set_num_threads(threads);
-      for (const std::vector<int>& ways :
-           {std::vector{0, 0, 0}, std::vector{1, 1, 1}, std::vector{2, 0, 1}, std::vector{0, 2, 2}})
-        BOOST_CHECK(same_bits(outcome(MPI_COMM_WORLD, options, ways), alone));
+      for (const auto& way : ways) BOOST_CHECK(same_bits(outcome(MPI_COMM_WORLD, options, way), alone));
     }
   }
   omp_set_num_threads(1);
