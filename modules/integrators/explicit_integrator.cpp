@@ -6,9 +6,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <foundation/error.hpp>
 #include <integrators/reduce.hpp>
+#include <integrators/stabilised.hpp>
 #include <integrators/state_vector.hpp>
 #include <utility>
 
@@ -41,7 +44,26 @@ table_handle ralston_table() {
   return table_handle(ARKodeButcherTable_Create(2, 2, 1, c, a, b, d));
 }
 
-table_handle table_of_order(int order) {
+// C.-W. Shu, S. Osher, J. Comput. Phys. 77, 439 (1988), (2.18)
+table_handle ssp_rk3_table() {
+  double c[] = {0.0, 1.0, 0.5}, a[] = {0, 0, 0, 1.0, 0, 0, 0.25, 0.25, 0}, b[] = {1.0 / 6, 1.0 / 6, 2.0 / 3};
+  return table_handle(ARKodeButcherTable_Create(3, 3, 0, c, a, b, nullptr));
+}
+
+// W. Kutta, Z. Math. Phys. 46, 435 (1901)
+table_handle rk4_table() {
+  double c[] = {0.0, 0.5, 0.5, 1.0}, b[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  double a[] = {0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1.0, 0};
+  return table_handle(ARKodeButcherTable_Create(4, 4, 0, c, a, b, nullptr));
+}
+
+bool stabilised(const std::string& method) { return method == "rkl2" || method == "rkc2"; }
+bool formed_here(const std::string& method) { return stabilised(method) || method == "ab2"; }
+
+table_handle table_of(const std::string& method, int order) {
+  if (formed_here(method)) return nullptr;
+  if (method == "ssp_rk3") return ssp_rk3_table();
+  if (method == "rk4") return rk4_table();
   switch (order) {
     case 1:
       return euler_table();
@@ -57,13 +79,14 @@ table_handle table_of_order(int order) {
 }
 
 int order_of(const explicit_options& o) {
-  const std::map<std::string, int> fixed = {
-      {"euler", 1}, {"order_2", 2}, {"order_3", 3}, {"order_4", 4}, {"order_5", 5}};
+  const std::map<std::string, int> fixed = {{"euler", 1},   {"order_2", 2}, {"order_3", 3}, {"order_4", 4},
+                                            {"order_5", 5}, {"ab2", 2},     {"ssp_rk3", 3}, {"rk4", 4},
+                                            {"rkl2", 2},    {"rkc2", 2}};
   if (const auto found = fixed.find(o.method); found != fixed.end()) return found->second;
   if (o.method != "adaptive")
     fail_input(
         fmt::format("time integration method '{}' is unknown: give 'euler', 'order_2', 'order_3', 'order_4', "
-                    "'order_5' or 'adaptive'",
+                    "'order_5', 'ssp_rk3', 'rk4', 'ab2', 'rkl2', 'rkc2' or 'adaptive'",
                     o.method));
   if (o.order < 2 || o.order > 5)
     fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
@@ -71,24 +94,32 @@ int order_of(const explicit_options& o) {
 }
 
 void check(const explicit_options& o, bool adaptive) {
+  if (stabilised(o.method) && o.max_stages < 3)
+    fail_input(fmt::format("max_stages must be >= 3, not {}", o.max_stages));
+  if (stabilised(o.method) && o.radius_interval < 1)
+    fail_input(fmt::format("radius_interval must be >= 1, not {}", o.radius_interval));
+  if ((adaptive || stabilised(o.method)) && !(o.rtol > 0.0 && o.rtol < 1.0))
+    fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
   if (!adaptive) {
     if (!(o.dt > 0.0) || !std::isfinite(o.dt))
       fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
     return;
   }
   if (!(o.dt >= 0.0) || !std::isfinite(o.dt)) fail_input(fmt::format("the first step dt must be >= 0, not {}", o.dt));
-  if (!(o.rtol > 0.0 && o.rtol < 1.0)) fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
   if (!(o.dt_max > 0.0)) fail_input(fmt::format("dt_max must be > 0, not {}", o.dt_max));
   if (!(o.safety > 0.0 && o.safety < 1.0)) fail_input(fmt::format("safety must lie between 0 and 1, not {}", o.safety));
   if (!(o.max_growth > 1.0)) fail_input(fmt::format("max_growth must be > 1, not {}", o.max_growth));
   if (o.max_attempts < 1) fail_input(fmt::format("max_attempts must be >= 1, not {}", o.max_attempts));
 }
 
-void check(const std::vector<field>& fields, bool adaptive) {
+// weighed: by the error control or the power iteration
+void check(const std::vector<field>& fields, bool weighed, bool keeps_rate, std::size_t n) {
   for (const field& f : fields) {
+    if (keeps_rate && n > 0 && f.previous_rate == nullptr)
+      fail_input(fmt::format("method 'ab2' needs an array for the earlier rate of {}", f.name));
     if (!(f.absolute_tolerance >= 0.0) || !(f.scale >= 0.0))
       fail_input(fmt::format("tolerance and scale of {} must be >= 0", f.name));
-    if (adaptive && f.absolute_tolerance == 0.0 && f.scale == 0.0)
+    if (weighed && f.absolute_tolerance == 0.0 && f.scale == 0.0)
       fail_input(fmt::format(
           "{} needs an absolute tolerance or a scale: where it vanishes a relative one means nothing", f.name));
   }
@@ -96,11 +127,23 @@ void check(const std::vector<field>& fields, bool adaptive) {
 
 std::vector<double*> arrays(const std::vector<field>& fields) {
   std::vector<double*> result;
+  result.reserve(fields.size());
   for (const field& f : fields) result.push_back(f.data);
   return result;
 }
 
+// splitmix64's mixing step [G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014]
+std::uint64_t mixed(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
 }  // namespace
+
+bool controls_error(const explicit_options& o) {
+  return o.method == "adaptive" || (stabilised(o.method) && o.error_control);
+}
 
 struct explicit_integrator::implementation {
   enum class outcome { accepted, rejected, unevaluable };
@@ -116,13 +159,18 @@ struct explicit_integrator::implementation {
   explicit_options options;
   rhs_function rhs;
   limit_function limit;
+  radius_function radius_bound;
 
   int order = order_of(options);
-  bool adaptive = options.method == "adaptive";
-  table_handle table = table_of_order(order);
+  bool adaptive = controls_error(options);
+  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2";
+  stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
+  table_handle table = table_of(options.method, order);
 
   double t;
   double previous_error = 0.0;
+  double previous_dt = 0.0;  // explicit_memory
+  int radius_age = -1;
   explicit_statistics statistics{};
 
   sundials_context context{};
@@ -131,6 +179,8 @@ struct explicit_integrator::implementation {
   vector_handle home{};         // over the particle arrays; ARKODE forms every stage in it
   vector_handle start_rate{};   // f(t, y) if rate_known
   vector_handle latest_rate{};  // what f gave last
+  vector_handle saved{};        // formed here: the state at the start of the step
+  vector_handle spare{};        // stage j-2, perturbation, error
   arkode_handle arkode{};
   bool rate_known = false;
   bool starting = false;    // ARKODE's next call of f is that at the start of the step
@@ -147,20 +197,44 @@ struct explicit_integrator::implementation {
   plan choose_fixed(double t_stop) const;
   void cut_for_stop(double t_stop, plan& p) const;
   outcome attempt(double dt);
+  outcome attempt_with_arkode(double dt);
+  outcome attempt_here(double dt);
+  int stabilised_stages(double dt);
+  int ab2_step(double dt);
+  void form_stage(const recurrence& r, std::size_t j, double dt);
+  void estimate_error(double factor, double dt);
+  void check_fields() const;
+  bool weighed() const { return adaptive || (is_stabilised && !radius_bound); }
+  void know_radius(bool again);
+  double largest_stabilised_dt() const;
+  double iterated_radius();
+  void perturb_roughly(double size);
+  void return_to_saved();
+  template <class Value>
+  void set_arrays(Value value);
   void raise_rhs_failure();
+  [[noreturn]] void raise_unevaluable(double dt);
   double accepted_factor(bool after_failure) const;
   double failed_factor(outcome why) const;
-  double embedding_exponent() const { return 1.0 / (table->p + 1); }
+  // The estimates of 'rkl2' and 'rkc2' are of third order in dt.
+  double embedding_exponent() const { return is_stabilised ? 1.0 / 3.0 : 1.0 / (table->p + 1); }
 };
 
 void explicit_integrator::implementation::build() {
   arkode.reset();
   start_rate.reset();
   latest_rate.reset();
-  home = make_state_vector(context, communicator, arrays(fields), n, adaptive ? norms::computed : norms::skipped);
+  saved.reset();
+  spare.reset();
+  home = make_state_vector(context, communicator, arrays(fields), n, weighed() ? norms::computed : norms::skipped);
   start_rate.reset(N_VClone(home.get()));
   latest_rate.reset(N_VClone(home.get()));
   rate_known = false;
+  if (formed_here(options.method)) {
+    saved.reset(N_VClone(home.get()));
+    spare.reset(is_stabilised ? N_VClone(home.get()) : nullptr);
+    return;
+  }
 
   const ARKRhsFn call_rhs = [](double at, N_Vector y, N_Vector ydot, void* data) {
     return static_cast<implementation*>(data)->called_by_arkode(at, y, ydot);
@@ -278,7 +352,10 @@ void explicit_integrator::implementation::cut_for_stop(double t_stop, plan& p) c
 }
 
 explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop) {
-  if (!adaptive) return choose_fixed(t_stop);
+  if (!adaptive) {
+    if (is_stabilised) know_radius(false);
+    return choose_fixed(t_stop);
+  }
   if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
   plan p{statistics.next_dt, "accuracy", false, false};
   if (options.dt_max < p.dt) p = {options.dt_max, "maximum", false, false};
@@ -289,6 +366,10 @@ explicit_integrator::implementation::plan explicit_integrator::implementation::c
           fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
     if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
   }
+  if (is_stabilised) {
+    know_radius(false);
+    if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
+  }
   cut_for_stop(t_stop, p);
   return p;
 }
@@ -297,9 +378,20 @@ explicit_integrator::implementation::outcome explicit_integrator::implementation
   if (!(t + dt > t))
     fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
   ++statistics.attempts;
-  starting = true;
   rhs_status = 0;
   step_error = 0.0;
+  return formed_here(options.method) ? attempt_here(dt) : attempt_with_arkode(dt);
+}
+
+void explicit_integrator::implementation::raise_unevaluable(double dt) {
+  fail_calculation(
+      fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
+                  "try a smaller dt or method = 'adaptive'",
+                  dt, t));
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_with_arkode(double dt) {
+  starting = true;
   messages.last.clear();
   void* m = arkode.get();
   double reached = t;
@@ -310,17 +402,192 @@ explicit_integrator::implementation::outcome explicit_integrator::implementation
 
   raise_rhs_failure();
   if (rhs_status > 0 && adaptive) return outcome::unevaluable;
-  if (rhs_status > 0)
-    fail_calculation(
-        fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
-                    "try a smaller dt or method = 'adaptive'",
-                    dt, t));
+  if (rhs_status > 0) raise_unevaluable(dt);
   if (flag == ARK_ERR_FAILURE && !(step_error <= 1.0)) return outcome::rejected;
   if (flag == ARK_TOO_MUCH_ACC)
     fail_calculation(
         fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
   fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
 }
+
+// array k of the particles at i = value(k, i), which may read what it replaces
+template <class Value>
+void explicit_integrator::implementation::set_arrays(Value value) {
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    double* y = fields[k].data;
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i) y[i] = value(k, i);
+  }
+  home_was_changed(home.get());
+}
+
+void explicit_integrator::implementation::return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
+
+// Y_j into the particle arrays, from Y_(j-1) there, Y_(j-2) in `spare` (j = 2: Y_0), which takes Y_(j-1).
+void explicit_integrator::implementation::form_stage(const recurrence& r, std::size_t j, double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+  if (j == 1) {
+    const double a = r.mu_tilde[1] * dt;
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + a * f0[k][i]; });
+    return;
+  }
+  const auto f = values(latest_rate.get());
+  const auto before = values_to_overwrite(spare.get());
+  const double mu = r.mu[j], nu = r.nu[j], rest = 1.0 - mu - nu, a = r.mu_tilde[j] * dt, a0 = r.gamma_tilde[j] * dt;
+  set_arrays([&](std::size_t k, std::size_t i) {
+    const double y1 = fields[k].data[i], y2 = j == 2 ? y0[k][i] : before[k][i];
+    before[k][i] = y1;
+    return rest * y0[k][i] + mu * y1 + nu * y2 + (a * f[k][i] + a0 * f0[k][i]);
+  });
+}
+
+// step_error = | K [y_n - y_(n+1) + dt/2 (F_n + F_(n+1))] |_w, the weights those of y_n
+void explicit_integrator::implementation::estimate_error(double factor, double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get()), f1 = values(latest_rate.get());
+  const auto weighted = values_to_overwrite(spare.get());
+  weights(saved.get(), spare.get());
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const double* y1 = fields[k].data;
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i)
+      weighted[k][i] *= factor * (y0[k][i] - y1[i] + 0.5 * dt * (f0[k][i] + f1[k][i]));
+  }
+  const auto length = static_cast<double>(N_VGetLength(home.get()));
+  step_error = length == 0.0 ? 0.0 : std::sqrt(N_VDotProd(spare.get(), spare.get()) / length);
+}
+
+// One step of 'rkl2' or 'rkc2' and the rate at its end; the value of f that was not 0, or 0.
+int explicit_integrator::implementation::stabilised_stages(double dt) {
+  const double z = dt * statistics.radius;
+  const int stages = stages_for(kind, z, options.max_stages);
+  if (stages > options.max_stages)
+    fail_calculation(
+        fmt::format("a step of {} s at t = {:.17g} s, spectral radius {} 1/s, takes more than the {} stages of "
+                    "max_stages: raise it or take a smaller dt",
+                    dt, t, statistics.radius, options.max_stages));
+  statistics.stages = stages;
+  const recurrence r = make_recurrence(kind, stages);
+  for (std::size_t j = 1; j < r.c.size(); ++j) {
+    form_stage(r, j, dt);
+    const double c = j + 1 < r.c.size() ? r.c[j] : 1.0;
+    if (const int status = evaluate(t + c * dt, latest_rate.get()); status != 0) return status;
+  }
+  if (adaptive) estimate_error(r.error_factor, dt);
+  return 0;
+}
+
+int explicit_integrator::implementation::ab2_step(double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+  const double ratio = previous_dt > 0.0 ? dt / previous_dt : 0.0;
+  if (ratio > 0.0 && ratio <= 1.5) {
+    const double now = dt * (1.0 + 0.5 * ratio), before = dt * 0.5 * ratio;
+    set_arrays([&](std::size_t k, std::size_t i) {
+      return y0[k][i] + (now * f0[k][i] - before * fields[k].previous_rate[i]);
+    });
+  } else {
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (2.0 / 3.0) * f0[k][i]; });
+    if (const int status = evaluate(t + dt * (2.0 / 3.0), latest_rate.get()); status != 0) return status;
+    const auto f1 = values(latest_rate.get());
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
+  }
+  return evaluate(t + dt, latest_rate.get());
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_here(double dt) {
+  N_VScale(1.0, home.get(), saved.get());
+  int status = 0;
+  try {
+    status = is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
+  } catch (...) {
+    return_to_saved();
+    throw;
+  }
+  if (status == 0 && (!adaptive || step_error <= 1.0)) {
+    if (is_ab2) {
+      const auto f0 = values(start_rate.get());
+      for (std::size_t k = 0; k < fields.size(); ++k) std::copy_n(f0[k], n, fields[k].previous_rate);
+      previous_dt = dt;
+    }
+    return outcome::accepted;
+  }
+  return_to_saved();
+  if (status == 0) return outcome::rejected;
+  raise_rhs_failure();
+  if (!adaptive) raise_unevaluable(dt);
+  return outcome::unevaluable;
+}
+
+double explicit_integrator::implementation::largest_stabilised_dt() const {
+  // A little below the limit, so that rounding of dt * radius does not ask for a stage more.
+  const double largest = stability_limit(kind, largest_stages(kind, options.max_stages)) * (1.0 - 1e-12);
+  return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
+}
+
+// again: a power iteration's result of an earlier step is not good enough.
+void explicit_integrator::implementation::know_radius(bool again) {
+  if (radius_bound) {
+    if (!again) statistics.radius = radius_bound(t);
+  } else if (radius_age < 0 || radius_age >= options.radius_interval || (again && radius_age > 0)) {
+    statistics.radius = iterated_radius();
+    radius_age = 0;
+  }
+  if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
+    fail_calculation(
+        fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t, statistics.radius));
+}
+
+// The particle arrays = saved + a perturbation of |.|_w = size with random signs, which `spare` takes.
+void explicit_integrator::implementation::perturb_roughly(double size) {
+  const auto y = values(saved.get());
+  std::vector<std::uint64_t> bits_of(n, 0);
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) bits_of[i] = mixed(bits_of[i] + std::bit_cast<std::uint64_t>(y[k][i]));
+  weights(saved.get(), spare.get());
+  const auto d = values_to_overwrite(spare.get());
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) d[k][i] = (mixed(bits_of[i] + k) & 1 ? size : -size) / d[k][i];
+  set_arrays([&](std::size_t k, std::size_t i) { return y[k][i] + d[k][i]; });
+}
+
+double explicit_integrator::implementation::iterated_radius() {
+  if (N_VGetLength(home.get()) == 0) return 0.0;
+  constexpr int most = 50;
+  constexpr double safety = 1.2, converged = 0.01;  // as published
+  // The weights are 1 / (rtol (|y| + atol/rtol)): this is 1.5e-8 of the state.
+  const double size = std::sqrt(std::numeric_limits<double>::epsilon()) / options.rtol;
+  N_VScale(1.0, home.get(), saved.get());
+  const vector_handle weight(N_VClone(home.get()));
+  weights(saved.get(), weight.get());
+  perturb_roughly(size);
+  double radius = 0.0, largest = 0.0;
+  for (int pass = 0; pass < most; ++pass) {
+    ++statistics.radius_evaluations;
+    rhs_status = 0;
+    if (evaluate(t, latest_rate.get()) != 0) {
+      return_to_saved();
+      raise_rhs_failure();
+      fail_calculation(
+          fmt::format("the rates of change next to the state at t = {:.17g} s could not be evaluated, as the power "
+                      "iteration for the spectral radius needs: give a bound of it instead",
+                      t));
+    }
+    N_VLinearSum(1.0, latest_rate.get(), -1.0, start_rate.get(), spare.get());
+    const double change = N_VWrmsNorm(spare.get(), weight.get()), before = radius;
+    radius = change / size;
+    if (pass >= most / 2) largest = std::max(largest, radius);  // of complex eigenvalues it swings
+    if (!(change > 0.0) || (pass > 1 && std::fabs(radius - before) <= converged * radius)) {
+      largest = radius;
+      break;
+    }
+    const auto d = values(spare.get()), y = values(saved.get());
+    const double factor = size / change;
+    set_arrays([&](std::size_t k, std::size_t i) { return y[k][i] + factor * d[k][i]; });
+  }
+  return_to_saved();
+  return safety * largest;
+}
+
+void explicit_integrator::implementation::check_fields() const { check(fields, weighed(), is_ab2, n); }
 
 double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
   const double smallest = 1e-10;  // an error of 0 must not divide
@@ -337,16 +604,18 @@ double explicit_integrator::implementation::failed_factor(outcome why) const {
 }
 
 explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
-                                         explicit_options options, rhs_function rhs, limit_function limit)
+                                         explicit_options options, rhs_function rhs, limit_function limit,
+                                         radius_function radius)
     : self_(new implementation{.communicator = communicator,
                                .fields = std::move(fields),
                                .n = n,
                                .options = std::move(options),
                                .rhs = std::move(rhs),
                                .limit = std::move(limit),
+                               .radius_bound = std::move(radius),
                                .t = t}) {
   check(self_->options, self_->adaptive);
-  check(self_->fields, self_->adaptive);
+  self_->check_fields();
   self_->build();
 }
 
@@ -369,12 +638,18 @@ double explicit_integrator::step(double t_stop) {
     if (outcome == implementation::outcome::accepted) break;
     ++(outcome == implementation::outcome::rejected ? s.statistics.rejections : s.statistics.unevaluable);
     p = {p.dt * s.failed_factor(outcome), "accuracy", false, false};
+    if (s.is_stabilised) {
+      s.know_radius(true);  // an old one may be why it failed
+      p.dt = std::min(p.dt, s.largest_stabilised_dt());
+    }
   }
+  if (s.is_stabilised && !s.radius_bound) ++s.radius_age;
 
   const double t_stages = s.t + p.dt;  // where f was evaluated last
   s.t = p.reaches_stop ? t_stop : t_stages;
   N_VScale(1.0, s.latest_rate.get(), s.start_rate.get());
-  s.rate_known = s.t == t_stages;
+  // Of a table with last abscissa 1 ARKODE takes the last stage's rate for that of the new state.
+  s.rate_known = s.t == t_stages && s.options.method != "rk4";
 
   explicit_statistics& statistics = s.statistics;
   ++statistics.steps;
@@ -396,8 +671,8 @@ double explicit_integrator::time() const { return self_->t; }
 
 void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
   implementation& s = *self_;
-  check(fields, s.adaptive);
   const bool changed = n != s.n || fields.size() != s.fields.size();
+  check(fields, s.weighed(), s.is_ab2, n);
   s.fields = std::move(fields);
   s.n = n;
   if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0)
@@ -412,13 +687,15 @@ void explicit_integrator::prepare() { self_->know_rate(); }
 void explicit_integrator::state_changed() {
   home_was_changed(self_->home.get());
   self_->rate_known = false;
+  self_->previous_dt = 0.0;
 }
 
 const explicit_statistics& explicit_integrator::statistics() const { return self_->statistics; }
 long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }
 
 explicit_memory explicit_integrator::save() const {
-  return {self_->t, self_->statistics.next_dt, self_->previous_error, self_->statistics};
+  return {self_->t,           self_->statistics.next_dt, self_->previous_error,
+          self_->previous_dt, self_->radius_age,         self_->statistics};
 }
 
 void explicit_integrator::restore(const explicit_memory& memory) {
@@ -427,6 +704,8 @@ void explicit_integrator::restore(const explicit_memory& memory) {
   self_->statistics = memory.statistics;
   self_->statistics.next_dt = memory.next_dt;
   state_changed();
+  self_->previous_dt = memory.previous_dt;
+  self_->radius_age = memory.radius_age;
 }
 
 }  // namespace tetsuame::integrators

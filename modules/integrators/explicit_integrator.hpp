@@ -1,13 +1,30 @@
-// Explicit Runge–Kutta steps y_(n+1) = y_n + dt sum_s b_s f(t_s, Y_s) straight over the
-// particle arrays, with SUNDIALS' ARKODE (ERKStep) doing the stages:
+// Explicit steps straight over the particle arrays. Runge–Kutta steps
+// y_(n+1) = y_n + dt sum_s b_s f(t_s, Y_s), SUNDIALS' ARKODE (ERKStep) doing the stages:
 //   'euler'              forward Euler, fixed step
 //   'order_2'            Ralston (1962), fixed step
 //   'order_3'            Bogacki & Shampine (1989), fixed step
 //   'order_4'            Zonneveld (1963), fixed step
 //   'order_5'            Dormand & Prince (1980), fixed step
-//   'adaptive'           the same of order 2 to 5, steps from the embedded error estimate
+//   'ssp_rk3'            Shu & Osher (1988), fixed step: stable for sound up to c dt/dx of 0.8
+//   'rk4'                the classical one of Kutta (1901), fixed step: up to 1.4
+//   'adaptive'           those of order 2 to 5, steps from the embedded error estimate
+// and steps formed here:
+//   'ab2'                Adams & Bashforth, fixed step, one evaluation a step
+//   'rkl2', 'rkc2'       stabilised for diffusion (stabilised.hpp); steps from an error estimate, or fixed
 // Order 2 has a table of its own: ERKStep 6.4 takes every table whose last abscissa is 1 for
 // "first same as last", which Heun's is not, and would go on with a rate of the wrong state.
+//
+// 'ab2': y_(n+1) = y_n + dt [(1 + r/2) f_n - (r/2) f_(n-1)], r = dt_n / dt_(n-1); where there is no
+// earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'. f_(n-1) lies in arrays of
+// the caller's, because it must move and be saved with the particles.
+//
+// 'rkl2', 'rkc2': the number of stages follows from dt and the spectral radius of df/dy, which the
+// caller bounds or a power iteration on f finds:
+//   d <- (f(y + d) - f(y)) |d| / |f(y + d) - f(y)|,   radius = 1.2 |f(y + d) - f(y)| / |d|
+// [Sommeijer, Shampine & Verwer (1998)], in the norm of the error control, |d| = 1.5e-8 of the state's. d
+// starts with signs drawn from the bits of each particle's own state: rough, and the same on any ranks.
+// Beside the particle arrays they keep four vectors (start state, stage j-2, first and latest rate).
+// Stable for eigenvalues near the negative real axis; sound needs a limit_function of its own.
 //
 // Error control: e = |y - y_embedded|_w <= 1, weights w_i = 1 / (rtol |y_i| + atol), or
 // 1 / (rtol scale + atol) for a field with a scale. Next step by the PI controller
@@ -41,6 +58,7 @@ struct field {
   double* data;                     // n values
   double absolute_tolerance = 0.0;  // the field's unit
   double scale = 0.0;               // the field's unit; > 0 replaces |y| in the weight (positions)
+  double* previous_rate = nullptr;  // 'ab2': n values, df/dt of the step before; kept and moved by the caller
 };
 
 struct explicit_options {
@@ -52,6 +70,9 @@ struct explicit_options {
   double safety = 0.9;                                      // adaptive
   double max_growth = 5.0;                                  // adaptive: dt_(n+1) / dt_n at most
   int max_attempts = 20;                                    // adaptive: at one step
+  bool error_control = true;                                // of 'rkl2', 'rkc2'; else fixed steps dt
+  int max_stages = 200;                                     // of 'rkl2', 'rkc2': 3 or more
+  int radius_interval = 25;                                 // steps between two power iterations
 };
 
 // f: when called the particle arrays hold the state at t; writes dy/dt, one array a field in the
@@ -69,24 +90,36 @@ struct step_limit {
 };
 using limit_function = std::function<step_limit(double t)>;
 
+// 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy at the state in the
+// particle arrays, 4 d kappa/dx^2 on a lattice in d dimensions, say. Called like limit_function, before every step.
+using radius_function = std::function<double(double t)>;
+
+// Whether a method takes its steps from an error estimate, so that f may refuse a state.
+bool controls_error(const explicit_options& options);
+
 struct explicit_statistics {
   long long steps = 0;
   long long attempts = 0;
-  long long rejections = 0;   // failed error tests
-  long long unevaluable = 0;  // attempts given up because f returned > 0
-  long long evaluations = 0;  // of f
-  double last_dt = 0.0;       // s
-  double next_dt = 0.0;       // s, before limits and output times
-  double last_error = 0.0;    // e of the last accepted step
-  std::map<std::string, long long>
-      limited_by;  // steps by what set dt: 'fixed', 'accuracy', 'output', 'maximum' or a limit's name
+  long long rejections = 0;          // failed error tests
+  long long unevaluable = 0;         // attempts given up because f returned > 0
+  long long evaluations = 0;         // of f
+  double last_dt = 0.0;              // s
+  double next_dt = 0.0;              // s, before limits and output times
+  double last_error = 0.0;           // e of the last accepted step
+  int stages = 0;                    // 'rkl2', 'rkc2': of the last attempt
+  double radius = 0.0;               // 1/s, the spectral radius used
+  long long radius_evaluations = 0;  // those of f for power iterations, counted in `evaluations` too
+  // steps by what set dt: 'fixed', 'accuracy', 'output', 'maximum', 'stages' or a limit's name
+  std::map<std::string, long long> limited_by;
 };
 
-// All that a restart needs besides the particle arrays.
+// All that a restart needs besides the particle arrays (of 'ab2', the earlier rates too).
 struct explicit_memory {
   double t = 0.0;
   double next_dt = 0.0;
   double previous_error = 0.0;  // 0: none yet
+  double previous_dt = 0.0;     // of 'ab2'; 0: none, the next step is of 'order_2'
+  int radius_age = -1;          // steps since the power iteration; -1: none yet
   explicit_statistics statistics;
 };
 
@@ -94,7 +127,8 @@ class explicit_integrator {
  public:
   // fail_input if an option or tolerance is out of range. Collective, as all that follows.
   explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
-                      explicit_options options, rhs_function rhs, limit_function limit = {});
+                      explicit_options options, rhs_function rhs, limit_function limit = {},
+                      radius_function radius = {});
   ~explicit_integrator();
   explicit_integrator(const explicit_integrator&) = delete;
   explicit_integrator& operator=(const explicit_integrator&) = delete;
@@ -110,7 +144,8 @@ class explicit_integrator {
 
   // The particle arrays moved, were permuted, or have another length on this rank.
   void resize(std::vector<field> fields, std::size_t n);
-  // The integrated values were changed in place (positions wrapped, say): f is asked again.
+  // The integrated values were changed in place (positions wrapped, say): f is asked again, and
+  // 'ab2' starts anew.
   void state_changed();
 
   const explicit_statistics& statistics() const;

@@ -239,6 +239,8 @@ void schema::group(const std::string& name, const std::string& meaning) {
   if (find_name(groups_, lower(name)) == groups_.end()) groups_.push_back({lower(name), meaning, {}});
 }
 
+void schema::pass_over(const std::string& group) { passed_over_.push_back(lower(group)); }
+
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
   const auto g = find_name(groups_, lower(group));
   const std::string full = fmt::format("namelist key {}.{}", group, name);
@@ -265,6 +267,7 @@ void schema::read(const document& input) {
     }
   for (const namelist::group& from : input.groups()) {
     const auto g = find_name(groups_, from.name);
+    if (g == groups_.end() && std::ranges::find(passed_over_, from.name) != passed_over_.end()) continue;
     if (g == groups_.end()) {
       const bool in_file = from.line > 0;
       fail_unknown_group(

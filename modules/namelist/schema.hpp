@@ -62,6 +62,8 @@ class schema {
  public:
   // May be called again for the same name: modules may share a group.
   void group(const std::string& name, const std::string& meaning);
+  // A group that other programs read from the same file: passed over, whatever is in it.
+  void pass_over(const std::string& group);
   void add(const std::string& group, const std::string& key, target bound, key_info info = {});
 
   template <class T>
@@ -89,6 +91,7 @@ class schema {
   const key& find(const std::string& group, const std::string& key) const;
   void check_unassigned(const std::string& input_name) const;
   std::vector<key_group> groups_;
+  std::vector<std::string> passed_over_;
 };
 
 }  // namespace tetsuame::namelist

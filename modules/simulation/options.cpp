@@ -64,7 +64,7 @@ void declare(namelist::schema& schema, material_options& o) {
 void declare(namelist::schema& schema, time_options& o) {
   schema.group("time", "time integration (ARKODE)");
   schema.add("time", "method", o.method,
-             {.choices = {"euler", "order_2", "order_3", "order_4", "order_5", "adaptive"},
+             {.choices = {"euler", "order_2", "order_3", "order_4", "order_5", "ssp_rk3", "rk4", "adaptive"},
               .meaning = "explicit Runge-Kutta with a fixed step, or with error control"});
   schema.add("time", "order", o.order, {.minimum = 2, .maximum = 5, .meaning = "of the adaptive method"});
   schema.add("time", "dt", o.dt,

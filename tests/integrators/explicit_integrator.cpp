@@ -17,9 +17,10 @@ namespace {
 //   w' = b w (1 - w),    w = 1 / (1 + (1/w_0 - 1) e^{-bt})
 struct problem {
   std::vector<double> u, w, a, b;
+  std::vector<double> earlier_u, earlier_w;  // rates that 'ab2' keeps with the particles
   int calls = 0;
 
-  explicit problem(std::size_t n = 5) : u(n), w(n), a(n), b(n) {
+  explicit problem(std::size_t n = 5) : u(n), w(n), a(n), b(n), earlier_u(n), earlier_w(n) {
     for (std::size_t i = 0; i < n; ++i) {
       a[i] = 1.0 + 0.1 * static_cast<double>(i);
       b[i] = 1.5 - 0.1 * static_cast<double>(i);
@@ -27,7 +28,10 @@ struct problem {
       w[i] = 0.1 + 0.01 * static_cast<double>(i);
     }
   }
-  std::vector<field> fields() { return {{"u", u.data(), 1e-9}, {"w", w.data(), 1e-9}}; }
+  std::vector<field> fields() {
+    return {{"u", u.data(), 1e-9, 0.0, earlier_u.data()}, {"w", w.data(), 1e-9, 0.0, earlier_w.data()}};
+  }
+  std::vector<std::vector<double>*> arrays() { return {&u, &w, &a, &b, &earlier_u, &earlier_w}; }
   std::size_t size() const { return u.size(); }
   rhs_function rhs() {
     return [this](double t, std::span<double* const> rate) {
@@ -68,18 +72,26 @@ explicit_options adaptive(int order, double rtol, double dt = 0.0) {
   return {.method = "adaptive", .order = order, .dt = dt, .rtol = rtol};
 }
 
+// Power iterations often enough that restarts and migrations meet every age of one.
+explicit_options stabilised(const std::string& method) {
+  return {.method = method, .rtol = 1e-4, .radius_interval = 3};
+}
+
 // All methods with a step of about 0.02, for tests that hold for each of them.
 std::vector<explicit_options> all_methods() {
   return {fixed("euler", 0.02),   fixed("order_2", 0.02), fixed("order_3", 0.02),
           fixed("order_4", 0.02), fixed("order_5", 0.02), adaptive(2, 1e-4),
-          adaptive(3, 1e-5),      adaptive(4, 1e-6),      adaptive(5, 1e-7)};
+          adaptive(3, 1e-5),      adaptive(4, 1e-6),      adaptive(5, 1e-7),
+          fixed("ssp_rk3", 0.02), fixed("rk4", 0.02),     fixed("ab2", 0.02),
+          stabilised("rkl2"),     stabilised("rkc2"),     {.method = "rkl2", .dt = 0.02, .error_control = false}};
 }
 
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(every_method_converges_with_its_order) {
-  const std::vector<std::pair<std::string, double>> methods = {
-      {"euler", 1}, {"order_2", 2}, {"order_3", 3}, {"order_4", 4}, {"order_5", 5}};
+  const std::vector<std::pair<std::string, double>> methods = {{"euler", 1},   {"order_2", 2}, {"order_3", 3},
+                                                               {"order_4", 4}, {"order_5", 5}, {"ssp_rk3", 3},
+                                                               {"rk4", 4},     {"ab2", 2}};
   for (const auto& [method, order] : methods) {
     const auto error_with = [&](int steps) {
       problem p;
@@ -114,6 +126,50 @@ BOOST_AUTO_TEST_CASE(euler_is_the_hand_loop_in_every_bit) {
   BOOST_CHECK_EQUAL(integrator.statistics().evaluations, 301);
 }
 
+BOOST_AUTO_TEST_CASE(fixed_methods_cost_what_they_should) {
+  // evaluations a step, and those of the start: rk4 alone asks only when the next step needs the rate
+  for (const auto& [method, each, start] :
+       {std::tuple{"ab2", 1, 2}, {"ssp_rk3", 3, 1}, {"rk4", 4, 0}, {"order_4", 5, 1}}) {
+    problem p;
+    explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed(method, 0.01), p.rhs());
+    run_to(integrator, 100, 1e9);
+    BOOST_CHECK_EQUAL(integrator.statistics().evaluations, 100 * each + start);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(adams_bashforth_is_the_hand_loop_and_starts_anew_after_a_short_step) {
+  // y' = y^2 by hand: Ralston first, then Adams-Bashforth, whose weights follow a change of step
+  const auto f = [](double y) { return y * y; };
+  const auto ralston = [&](double y, double dt) {
+    return y + dt * (0.25 * f(y) + 0.75 * f(y + dt * (2.0 / 3.0) * f(y)));
+  };
+  double y = 0.5, earlier = 0.0;
+  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 0.0, 0.0, &earlier}}, 1, 0.0, fixed("ab2", 0.1),
+                                 [&](double, std::span<double* const> rate) {
+                                   rate[0][0] = f(y);
+                                   return 0;
+                                 });
+  const double y1 = ralston(0.5, 0.1);
+  const double y2 = y1 + 0.1 * (1.5 * f(y1) - 0.5 * f(0.5));
+  const double y3 = y2 + 0.025 * (1.125 * f(y2) - 0.125 * f(y1));  // cut short: r = 1/4
+  const double y4 = ralston(y3, 0.1);                              // r = 4: anew
+  const double y5 = y4 + 0.1 * (1.5 * f(y4) - 0.5 * f(y3));
+  integrator.step(0.225);
+  BOOST_CHECK_CLOSE(y, y1, 1e-13);
+  integrator.step(0.225);
+  BOOST_CHECK_CLOSE(y, y2, 1e-13);
+  integrator.step(0.225);
+  BOOST_CHECK_CLOSE(y, y3, 1e-12);  // 0.225 - 0.2 is 0.025 to a few units of the last place of 0.2
+  integrator.step(9.0);
+  BOOST_CHECK_CLOSE(y, y4, 1e-12);
+  integrator.step(9.0);
+  BOOST_CHECK_CLOSE(y, y5, 1e-12);
+  y = 0.25;
+  integrator.state_changed();
+  integrator.step(9.0);
+  BOOST_CHECK_CLOSE(y, ralston(0.25, 0.1), 1e-13);
+}
+
 BOOST_AUTO_TEST_CASE(stages_stand_in_the_particle_arrays_and_little_is_copied) {
   for (const auto& options : all_methods()) {
     problem p;
@@ -128,8 +184,10 @@ BOOST_AUTO_TEST_CASE(stages_stand_in_the_particle_arrays_and_little_is_copied) {
     run_to(integrator, 1, 100.0);
     const long long copies = integrator.copies(), rejections = integrator.statistics().rejections;
     run_to(integrator, 31, 100.0);
-    // the state kept to go back to; and going back
-    BOOST_CHECK_EQUAL(integrator.copies() - copies, 30 + integrator.statistics().rejections - rejections);
+    // the state kept to go back to; and going back, from power iterations too
+    const int iterations =
+        options.method.starts_with("rk") && options.method != "rk4" ? 30 / options.radius_interval : 0;
+    BOOST_CHECK_EQUAL(integrator.copies() - copies, 30 + iterations + integrator.statistics().rejections - rejections);
     BOOST_CHECK_EQUAL(static_cast<long long>(stage_times.size()), integrator.statistics().evaluations);
   }
 }
@@ -282,7 +340,7 @@ BOOST_AUTO_TEST_CASE(permuted_moved_and_fewer_particles_go_on_with_the_same_bits
                               [&](double t, std::span<double* const> rate) { return current->rhs()(t, rate); });
     run_to(moved, 20, 5.0);
     other = q;
-    for (auto* array : {&other.u, &other.w, &other.a, &other.b}) std::reverse(array->begin(), array->end());
+    for (auto* array : other.arrays()) std::reverse(array->begin(), array->end());
     current = &other;
     moved.resize(other.fields(), other.size());
     run_to(moved, 40, 5.0);
@@ -296,7 +354,7 @@ BOOST_AUTO_TEST_CASE(permuted_moved_and_fewer_particles_go_on_with_the_same_bits
   explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, adaptive(3, 1e-6), p.rhs());
   run_to(integrator, 20, 5.0);
   const double next = integrator.statistics().next_dt;
-  for (auto* array : {&p.u, &p.w, &p.a, &p.b}) array->resize(25);
+  for (auto* array : p.arrays()) array->resize(25);
   integrator.resize(p.fields(), p.size());
   BOOST_CHECK_EQUAL(integrator.statistics().next_dt, next);
   run(integrator, 2.0);
@@ -396,4 +454,9 @@ BOOST_AUTO_TEST_CASE(bad_input_is_told_before_anything_runs) {
   BOOST_CHECK_THROW(make(adaptive(3, 0.0), p.fields()), error);
   BOOST_CHECK_THROW(make(adaptive(3, 1e-4), {{"u", p.u.data()}}), error);
   BOOST_CHECK_NO_THROW(make(fixed("euler", 0.1), {{"u", p.u.data()}}));
+  BOOST_CHECK_THROW(make(fixed("ab2", 0.1), {{"u", p.u.data()}}), error);
+  BOOST_CHECK_THROW(make(fixed("rkl2", 0.1), {{"u", p.u.data()}}), error);  // its power iteration weighs
+  BOOST_CHECK_THROW(make({.method = "rkl2", .error_control = false}, p.fields()), error);
+  BOOST_CHECK_THROW(make({.method = "rkc2", .max_stages = 2}, p.fields()), error);
+  BOOST_CHECK_THROW(make({.method = "rkc2", .rtol = 0.0}, p.fields()), error);
 }

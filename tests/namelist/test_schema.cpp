@@ -168,6 +168,15 @@ BOOST_AUTO_TEST_CASE(resolved_reads_back_exactly) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(groups_of_other_programs_are_passed_over_when_named) {
+  options o;
+  namelist::schema input = schema_of(o);
+  input.pass_over("Output");
+  input.read(namelist::parse_text("&output every = 'x', 3 /\n&time steps = 7 /", "f"));
+  BOOST_TEST(o.steps == 7);
+  BOOST_CHECK_THROW(input.read(namelist::parse_text("&outputs every = 1 /", "f")), foundation::error);
+}
+
 BOOST_AUTO_TEST_CASE(wrong_declarations) {
   double x = -1.0;
   std::string s = "euler";

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <foundation/error.hpp>
+#include <relaxation/options.hpp>
+
+namespace tetsuame::relaxation {
+
+namespace {
+
+constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+
+namelist::key_info positive(std::string unit, std::string meaning) {
+  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+}
+
+void declare(namelist::schema& schema, domain_options& o) {
+  schema.group("domain", "the box and the start lattice");
+  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
+    schema.add("domain", "length_" + axis, o.length[a], positive("m", "edge of the box along " + axis + only));
+    schema.add("domain", "particles_" + axis, o.particles[a],
+               {.minimum = 1, .maximum = 1e9, .meaning = "fluid particles along " + axis + only});
+    schema.add("domain", "periodic_" + axis, o.periodic[a],
+               {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
+  }
+}
+
+void declare(namelist::schema& schema, material_options& o) {
+  schema.group("material", "the fluid (Boussinesq)");
+  schema.add("material", "density", o.density, positive("kg/m^3", "rho_0, at the reference temperature"));
+  schema.add("material", "expansivity", o.expansivity, positive("1/K", "alpha, thermal"));
+  schema.add("material", "heat_capacity", o.heat_capacity, positive("J/(kg K)", "c_p, at constant pressure"));
+  schema.add("material", "conductivity", o.conductivity, positive("W/(m K)", "k, thermal"));
+  schema.add("material", "viscosity", o.viscosity, positive("Pa s", "eta, dynamic"));
+  schema.add("material", "bulk_modulus", o.bulk_modulus, positive("Pa", "K_0; sound runs at sqrt(K_0/rho_0)"));
+}
+
+void declare(namelist::schema& schema, relaxation_options& o) {
+  schema.group("relaxation", "slowed sound (RSST) and inertia (VIM)");
+  schema.add("relaxation", "method", o.method,
+             {.choices = {"auto", "none", "rsst", "vim", "rsst_vim"},
+              .meaning = "auto: rsst_vim where viscosity balances buoyancy, rsst where inertia does"});
+  schema.add("relaxation", "zeta", o.zeta,
+             {.minimum = 1.0, .meaning = "sound is slowed by it; not given: by the rule"});
+  schema.add("relaxation", "xi", o.xi,
+             {.minimum = 1.0, .meaning = "inertia is multiplied by its square; not given: by the rule"});
+  schema.add("relaxation", "rule", o.rule,
+             {.choices = {"slower_speed", "later"},
+              .meaning = "slower_speed: note of February 2023; later: of June 2023, with boundary layers"});
+  schema.add("relaxation", "boundary_layers", o.boundary_layers,
+             {.meaning = "buoyancy acts on thermal boundary layers only: the wider bounds"});
+  schema.add("relaxation", "mach", o.mach,
+             {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .meaning = "flow over slowed sound, V/c_eff"});
+  schema.add("relaxation", "phi_xi", o.phi_xi,
+             {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .meaning = "xi over its bound"});
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o) {
+  declare(schema, o.domain);
+  declare(schema, o.material);
+  schema.group("gravity", "uniform gravity");
+  schema.add("gravity", "g", o.g,
+             {.unit = "m/s^2", .minimum = 0.0, .exclusive_minimum = true, .meaning = "acceleration, towards -y"});
+  declare(schema, o.relaxation);
+}
+
+fluid_layer layer(const namelist::schema& schema, const options& o, double temperature_bottom, double temperature_top) {
+  const double dT = temperature_bottom - temperature_top;
+  if (!(dT > 0.0))
+    schema.fail("walls", "temperature_bottom",
+                fmt::format("the bottom ({} K) must be hotter than the top ({} K), or nothing rises",
+                            temperature_bottom, temperature_top));
+  const auto& d = o.domain;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a) {
+    const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
+    const double dx = d.length[1] / static_cast<double>(d.particles[1]);
+    if (std::abs(spacing - dx) > 1e-9 * dx)
+      schema.fail("domain", std::string("particles_") + axis_names[a],
+                  fmt::format("the particle spacing must be the same along {} ({} m) and y ({} m)", axis_names[a],
+                              spacing, dx));
+  }
+  const auto& m = o.material;
+  return {d.length[1],
+          dT,
+          m.density,
+          m.conductivity / (m.density * m.heat_capacity),
+          m.viscosity / m.density,
+          o.g,
+          m.expansivity,
+          m.bulk_modulus};
+}
+
+double volume_ratio(const domain_options& d) {
+  double ratio = d.length[0] / d.length[1];
+  if (d.dimension == 3) ratio *= d.length[2] / d.length[1];
+  return ratio;
+}
+
+choice wanted(const relaxation_options& o) {
+  choice c;
+  if (o.method == "none") c.how = method::none;
+  if (o.method == "rsst") c.how = method::rsst;
+  if (o.method == "vim") c.how = method::vim;
+  if (o.method == "rsst_vim") c.how = method::rsst_vim;
+  c.boundary_layers = o.boundary_layers;
+  c.later_rule = o.rule == "later";
+  c.mach = o.mach;
+  c.phi_xi = o.phi_xi;
+  c.zeta = o.zeta;
+  c.xi = o.xi;
+  return c;
+}
+
+}  // namespace tetsuame::relaxation

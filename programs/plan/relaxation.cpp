@@ -1,0 +1,287 @@
+// plan relaxation: numbers, rules and steps of slowed convection.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <foundation/error.hpp>
+#include <iostream>
+#include <memory>
+#include <plan/shared.hpp>
+#include <relaxation/options.hpp>
+#include <walls/options.hpp>
+
+namespace tetsuame::plan {
+
+namespace {
+
+using namespace relaxation;
+
+struct question {
+  shared_options shared;
+  std::string input;
+  std::vector<std::string> set;
+  bool describe = false;
+  double fraction = 0.1;
+  std::optional<double> L, dT, rho, kappa, nu, g, alpha, c_p, K;
+  std::optional<std::int64_t> n;
+};
+
+// The input of module relaxation, that of the walls, and what came from the command line.
+struct case_data {
+  options values;
+  walls::options walls;
+  double& temperature_bottom() { return walls.sides[2].temperature; }
+  double& temperature_top() { return walls.sides[3].temperature; }
+};
+
+void declare_all(namelist::schema& schema, case_data& c) {
+  c.walls.treatment = "virtual_marker";
+  c.temperature_bottom() = 1000.0;
+  c.temperature_top() = 0.0;
+  relaxation::declare(schema, c.values);
+  walls::declare(schema, 3, c.walls);
+  for (const char* others : {"initial", "time", "kernel", "smoothing", "output", "run"}) schema.pass_over(others);
+}
+
+void apply(const question& q, case_data& c) {
+  auto& m = c.values.material;
+  auto& d = c.values.domain;
+  // kappa and nu are kept when the density or c_p alone changes hands.
+  const double kappa = q.kappa.value_or(m.conductivity / (m.density * m.heat_capacity));
+  const double nu = q.nu.value_or(m.viscosity / m.density);
+  const bool dense = q.rho || q.c_p;
+  if (q.rho) m.density = *q.rho;
+  if (q.c_p) m.heat_capacity = *q.c_p;
+  if (q.kappa || dense) m.conductivity = kappa * m.density * m.heat_capacity;
+  if (q.nu || q.rho) m.viscosity = nu * m.density;
+  if (q.alpha) m.expansivity = *q.alpha;
+  if (q.K) m.bulk_modulus = *q.K;
+  if (q.g) c.values.g = *q.g;
+  if (q.dT) c.temperature_bottom() = c.temperature_top() + *q.dT;
+  if (q.L)
+    for (const std::size_t a : {0, 2, 1}) d.length[a] *= *q.L / d.length[1];  // the height last: it scales the others
+  if (q.n)
+    for (const std::size_t a : {0, 2, 1})
+      d.particles[a] = std::llround(static_cast<double>(*q.n) * d.length[a] / d.length[1]);
+}
+
+void print_numbers(const fluid_layer& f, const case_data& c) {
+  const auto& m = c.values.material;
+  table{
+      "Given",
+      {{"L", number(f.L), "m", "height of the box"},
+       {"DeltaT", number(f.dT), "K", "bottom less top"},
+       {"rho_0", number(f.rho), "kg/m^3", "density"},
+       {"alpha", number(f.alpha), "1/K", "thermal expansivity"},
+       {"g", number(f.g), "m/s^2", "gravity"},
+       {"kappa", number(f.kappa), "m^2/s", fmt::format("thermal diffusivity; k = {} W/(m K)", number(m.conductivity))},
+       {"nu", number(f.nu), "m^2/s", fmt::format("kinematic viscosity; eta = {} Pa s", number(m.viscosity))},
+       {"K_0", number(f.K), "Pa", "bulk modulus"}},
+      {false, true, false, false}}
+      .print();
+  table{"Numbers and speeds",
+        {{"Ra", number(rayleigh(f)), "", "alpha g DeltaT L^3/(kappa nu)", "S1 (19)"},
+         {"Pr", number(prandtl(f)), "", "nu/kappa", "S1 (20)"},
+         {"M_th", number(thermal_mach(f)), "", "kappa/(L c_0)", "S1 (21)"},
+         {"eps", number(thermal_strain(f)), "", "alpha DeltaT", "S1 (22)"},
+         {"c_0", number(sound_speed(f)), "m/s", "(K_0/rho_0)^1/2", "S1 (69)"},
+         {"V_s", number(stokes_speed(f, false)), "m/s", "Stokes speed", "S1 (23)"},
+         {"V_f", number(free_fall_speed(f, false)), "m/s", "free-fall speed", "S1 (24)"},
+         {"V_s^tb", number(stokes_speed(f, true)), "m/s", "Stokes speed, boundary layers", "S1 (25)"},
+         {"V_f^tb", number(free_fall_speed(f, true)), "m/s", "free-fall speed, boundary layers", "S1 (26)"}},
+        {false, true, false, false, false}}
+      .print();
+}
+
+void print_rules(const std::vector<rule>& rules, const recommendation& r) {
+  table t{"Rules: each quantity must lie far below its bound",
+          {{"limits", "bound", "formula", "source", "for", ""}},
+          {false, true, false, false, false},
+          true};
+  for (const auto& one : rules) {
+    const char* mark = one.source == r.zeta_rule ? "<- sets zeta" : one.source == r.xi_rule ? "<- sets xi" : "";
+    t.rows.push_back({one.limits, number(one.bound), one.formula, one.source, one.says, mark});
+  }
+  t.print();
+}
+
+// "0.1 of S1 (54)": a rule of the list above, and how far below its bound.
+std::string set_by(const std::string& rule, double part) {
+  return rule.starts_with("S1") ? fmt::format("{} of {}", number(part), rule) : rule;
+}
+
+void print_choice(const fluid_layer& f, const recommendation& r, const choice& w) {
+  const double xi_part = r.xi_rule == "S1 (43)" || r.xi_rule == "S1 (44)" ? w.mach : w.phi_xi;
+  table{fmt::format("Recommended: {}, {} boundary layers", name(r.how), r.layers ? "with" : "without"),
+        {{"zeta", number(r.zeta), "", set_by(r.zeta_rule, w.mach)},
+         {"xi", number(r.xi), "", set_by(r.xi_rule, xi_part)},
+         {"c_eff", number(r.c_eff), "m/s", "c_0/(zeta xi), slowed sound"},
+         {"Pr_eff", number(r.Pr_eff), "", "Pr/xi^2"},
+         {"V", number(r.speed), "m/s",
+          reached_balance(f, r.layers) == balance::viscous ? "reached: viscosity balances buoyancy"
+                                                           : "reached: inertia balances buoyancy"},
+         {"Mach", number(r.mach), "", "V/c_eff"},
+         {"Re_xi", number(r.reynolds), "", "xi^2 V L/nu"}},
+        {false, true, false, false}}
+      .print();
+}
+
+void print_steps(const fluid_layer& f, const convection_plan& p, double fraction, const machine& m) {
+  const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, fraction);
+  const auto mark = [&](const char* which) { return p.dt.binding() == which ? "<- binds" : ""; };
+  table t{fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(fraction), p.n, number(p.dx)),
+          {{"", "slowed", "not slowed", "unit", "formula", ""},
+           {"sound", number(p.dt.sound), number(plain.sound), "s", "zeta xi dx/c_0", mark("sound")},
+           {"momentum", number(p.dt.momentum), number(plain.momentum), "s", "xi^2 dx^2/(2 nu)", mark("momentum")},
+           {"heat", number(p.dt.heat), number(plain.heat), "s", "dx^2/(2 kappa)", mark("heat")}},
+          {false, true, true, false, false, false},
+          true};
+  t.print();
+  const double before = p.tau / plain.least();
+  table c{"One turnover",
+          {{"tau", number(p.tau), "s", "L/V"},
+           {"steps", number(p.steps), "", fmt::format("tau/dt; not slowed {}", number(before))},
+           {"particles", number(p.particles), "", ""},
+           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note()}},
+          {false, true, false, false}};
+  if (p.seconds > 0.0)
+    c.rows.push_back({"run time", duration(p.seconds), "",
+                      fmt::format("at {} right-hand sides a step", number(m.cost.evaluations_per_step))});
+  c.print();
+}
+
+json bounds_json(const step_bounds& b) {
+  return {{"sound_s", b.sound},
+          {"momentum_s", b.momentum},
+          {"heat_s", b.heat},
+          {"least_s", b.least()},
+          {"binding", b.binding()}};
+}
+
+json plan_json(const convection_plan& p) {
+  json j;
+  j["n"] = p.n;
+  j["particles"] = p.particles;
+  j["dx_m"] = p.dx;
+  j["time_step"] = bounds_json(p.dt);
+  j["turnover_s"] = p.tau;
+  j["steps"] = p.steps;
+  j["run_time_s"] = p.seconds > 0.0 ? json(p.seconds) : json(nullptr);
+  return j;
+}
+
+json everything(const fluid_layer& f, const std::vector<rule>& rules, const recommendation& r, const convection_plan& p,
+                double fraction, const machine& m) {
+  json j;
+  j["question"] = "relaxation";
+  j["given"] = {{"L_m", f.L},          {"dT_K", f.dT},  {"rho_kg_m3", f.rho},   {"kappa_m2_s", f.kappa},
+                {"nu_m2_s", f.nu},     {"g_m_s2", f.g}, {"alpha_1_K", f.alpha}, {"K_Pa", f.K},
+                {"fraction", fraction}};
+  j["numbers"] = {{"Ra", rayleigh(f)}, {"Pr", prandtl(f)}, {"M_th", thermal_mach(f)}, {"eps", thermal_strain(f)}};
+  j["speeds"] = {{"c_0_m_s", sound_speed(f)},
+                 {"stokes_m_s", stokes_speed(f, false)},
+                 {"free_fall_m_s", free_fall_speed(f, false)},
+                 {"stokes_layers_m_s", stokes_speed(f, true)},
+                 {"free_fall_layers_m_s", free_fall_speed(f, true)}};
+  j["rules"] = json::array();
+  for (const auto& one : rules)
+    j["rules"].push_back({{"limits", one.limits},
+                          {"bound", one.bound},
+                          {"formula", one.formula},
+                          {"source", one.source},
+                          {"for", one.says}});
+  j["recommended"] = {{"method", name(r.how)}, {"zeta", r.zeta},        {"zeta_rule", r.zeta_rule}, {"xi", r.xi},
+                      {"xi_rule", r.xi_rule},  {"c_eff_m_s", r.c_eff},  {"Pr_eff", r.Pr_eff},       {"V_m_s", r.speed},
+                      {"mach", r.mach},        {"reynolds", r.reynolds}};
+  j["plan"] = plan_json(p);
+  j["not_slowed"] = {{"time_step", bounds_json(bounds(f, 1.0, 1.0, p.dx, fraction))}};
+  j["machine"] = as_json(m);
+  return j;
+}
+
+// Backwards: the largest n, with what it costs.
+void answer_backwards(const question& q, const fluid_layer& f, const recommendation& r, const case_data& c,
+                      const machine& m, json& all) {
+  const int dimension = static_cast<int>(c.values.domain.dimension);
+  const double ratio = volume_ratio(c.values.domain);
+  table t{"Backwards: the largest n for one turnover",
+          {{"within", "n", "particles", "steps", "run time"}},
+          {false, true, true, true, true},
+          true};
+  const auto add = [&](const std::string& within, const char* key, std::int64_t n) {
+    if (n == 0) {
+      t.rows.push_back({within, "none", "", "", ""});
+      all["backwards"][key] = nullptr;
+      return;
+    }
+    const auto p = plan_convection(f, r, n, dimension, ratio, q.fraction, m.cost);
+    t.rows.push_back({within, fmt::format("{}", n), number(p.particles), number(p.steps),
+                      p.seconds > 0.0 ? duration(p.seconds) : "not known"});
+    all["backwards"][key] = plan_json(p);
+  };
+  if (q.shared.steps)
+    add(number(*q.shared.steps) + " steps", "in_steps", largest_n_in_steps(f, r, *q.shared.steps, q.fraction));
+  if (q.shared.seconds)
+    add(duration(*q.shared.seconds), "in_run_time",
+        largest_n_in_seconds(f, r, dimension, ratio, q.fraction, m.cost, *q.shared.seconds));
+  t.print();
+}
+
+void run(const question& q) {
+  case_data c;
+  namelist::schema schema;
+  declare_all(schema, c);
+  if (q.describe) return schema.describe(std::cout);
+  auto document = q.input.empty() ? namelist::parse_text("", "the command line") : namelist::parse_file(q.input);
+  for (const auto& argument : q.set) document.set(argument);
+  schema.read(document);
+  apply(q, c);
+  const fluid_layer f = layer(schema, c.values, c.temperature_bottom(), c.temperature_top());
+  const choice w = wanted(c.values.relaxation);
+  const auto rules = all_rules(f, w.phi_xi);
+  const recommendation r = recommend(f, w);
+  const auto& d = c.values.domain;
+  const int dimension = static_cast<int>(d.dimension);
+  const double ratio = volume_ratio(d);
+  const machine m = this_machine(q.shared, dimension,
+                                 ratio * std::pow(static_cast<double>(d.particles[1]), static_cast<double>(dimension)));
+  const auto p = plan_convection(f, r, d.particles[1], dimension, ratio, q.fraction, m.cost);
+  json all = everything(f, rules, r, p, q.fraction, m);
+
+  print_numbers(f, c);
+  print_rules(rules, r);
+  print_choice(f, r, w);
+  print_steps(f, p, q.fraction, m);
+  if (q.shared.steps || q.shared.seconds) answer_backwards(q, f, r, c, m, all);
+  fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
+  if (!q.shared.json.empty()) write_json(q.shared.json, all);
+}
+
+}  // namespace
+
+std::function<void()> relaxation_question(CLI::App& app) {
+  auto q = std::make_shared<question>();
+  app.add_option("INPUT", q->input, "namelist file of a convection problem (default: the mantle, case 1a)")
+      ->type_name("INPUT.nml");
+  app.add_option("--set", q->set, "group.key=value, over what the file says; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("group.key=value");
+  app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
+  app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(CLI::PositiveNumber);
+  app.add_option("--dT", q->dT, "bottom less top (K)")->check(CLI::PositiveNumber);
+  app.add_option("--rho", q->rho, "density (kg/m3)")->check(CLI::PositiveNumber);
+  app.add_option("--kappa", q->kappa, "thermal diffusivity (m2/s)")->check(CLI::PositiveNumber);
+  app.add_option("--nu", q->nu, "kinematic viscosity (m2/s)")->check(CLI::PositiveNumber);
+  app.add_option("--g", q->g, "gravity (m/s2)")->check(CLI::PositiveNumber);
+  app.add_option("--alpha", q->alpha, "thermal expansivity (1/K)")->check(CLI::PositiveNumber);
+  app.add_option("--c-p", q->c_p, "heat capacity (J/(kg K))")->check(CLI::PositiveNumber);
+  app.add_option("--K", q->K, "bulk modulus (Pa)")->check(CLI::PositiveNumber);
+  app.add_option("--n", q->n, "particles along the height")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
+  app.add_option("--fraction", q->fraction, "of the largest stable steps")
+      ->check(CLI::Range(1e-6, 10.0))
+      ->capture_default_str();
+  add_shared(app, q->shared);
+  return [q] { run(*q); };
+}
+
+}  // namespace tetsuame::plan

@@ -1,0 +1,141 @@
+// plan timestep: how many steps metal takes to sink through silicate if sound is damped, not slowed.
+#include <fmt/format.h>
+
+#include <memory>
+#include <plan/shared.hpp>
+#include <relaxation/overturn.hpp>
+
+namespace tetsuame::plan {
+
+namespace {
+
+using namespace relaxation;
+
+struct question {
+  shared_options shared;
+  two_layers system;
+  std::int64_t n = 75;
+  int dimension = 2;
+};
+
+void print_plan(const question& q, const overturn_plan& p, const machine& m) {
+  const auto& s = q.system;
+  table{"Given",
+        {{"L", number(s.L), "m", "edge of the box"},
+         {"n", fmt::format("{}", q.n), "", "particles along it"},
+         {"c", number(s.c), "m/s", "speed of sound"},
+         {"rho_min", number(s.rho_min), "kg/m^3", "least density"},
+         {"Delta_rho", number(s.delta_rho), "kg/m^3", "density difference"},
+         {"g", number(s.g), "m/s^2", "gravity"}},
+        {false, true, false, false}}
+      .print();
+  const auto mark = [&](const char* which) { return p.binding == which ? "<- binds" : ""; };
+  table t{
+      "Time steps",
+      {{"dx", number(p.dx), "m", "L/n", "S0 (26)", ""},
+       {"eta", number(p.eta), "Pa s", s.eta ? "given" : "c rho_min dx: sound dies at once", s.eta ? "" : "S0 (18)", ""},
+       {"dt_CFL", number(p.dt_sound), "s", "dx/c", "S0 (9)", mark("sound")},
+       {"dt_mom", number(p.dt_momentum), "s", "rho_min dx^2/eta", "S0 (10)", mark("momentum")},
+       {"dt_heat", s.conductivity > 0.0 ? number(p.dt_heat) : "none", "s", "rho_min c_p dx^2/k", "S0 (11)",
+        mark("heat")}},
+      {false, true, false, false, false, false}};
+  t.print();
+  table e{"One overturn",
+          {{"V", number(p.V), "m/s", "dx^2 Delta_rho g/(2 eta)", "S0 (16)"},
+           {"tau", number(p.tau), "s", "L/V", "S0 (17)"},
+           {"steps", number(p.steps), "", "tau/dt", "S0 (13)"},
+           {"", number(steps_of_20(s, q.n)), "", "2 c^2 rho_min n^2/(L Delta_rho g), at eta of (18)", "S0 (20)"},
+           {"particles", number(p.particles), "", "", ""},
+           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note(), ""}},
+          {false, true, false, false, false}};
+  if (p.seconds > 0.0)
+    e.rows.push_back({"run time", duration(p.seconds), "",
+                      fmt::format("at {} right-hand sides a step", number(m.cost.evaluations_per_step)), ""});
+  e.print();
+}
+
+json as_json(const question& q, const overturn_plan& p, const machine& m) {
+  const auto& s = q.system;
+  json j;
+  j["question"] = "timestep";
+  j["given"] = {{"L_m", s.L},
+                {"n", q.n},
+                {"dimension", q.dimension},
+                {"c_m_s", s.c},
+                {"rho_min_kg_m3", s.rho_min},
+                {"delta_rho_kg_m3", s.delta_rho},
+                {"g_m_s2", s.g},
+                {"eta_Pa_s", s.eta ? json(*s.eta) : json(nullptr)}};
+  j["plan"] = {{"dx_m", p.dx},
+               {"eta_Pa_s", p.eta},
+               {"dt_sound_s", p.dt_sound},
+               {"dt_momentum_s", p.dt_momentum},
+               {"dt_heat_s", s.conductivity > 0.0 ? json(p.dt_heat) : json(nullptr)},
+               {"binding", p.binding},
+               {"V_m_s", p.V},
+               {"tau_s", p.tau},
+               {"steps", p.steps},
+               {"steps_of_20", steps_of_20(s, q.n)},
+               {"particles", p.particles},
+               {"run_time_s", p.seconds > 0.0 ? json(p.seconds) : json(nullptr)}};
+  j["machine"] = plan::as_json(m);
+  return j;
+}
+
+void answer_backwards(const question& q, const machine& m, json& all) {
+  budget b;
+  if (q.shared.steps) b.steps = *q.shared.steps;
+  if (q.shared.seconds) b.seconds = *q.shared.seconds;
+  const affordable a = afford(q.system, q.n, q.dimension, m.cost, b);
+  std::string within = q.shared.steps ? number(*q.shared.steps) + " steps" : "";
+  if (q.shared.seconds) within += (within.empty() ? "" : " and ") + duration(*q.shared.seconds);
+  table{"Backwards: what fits into " + within,
+        {{"n", a.n > 0 ? fmt::format("{}", a.n) : "none", "", "the largest, at L as given"},
+         {"L", number(a.L), "m", "the smallest, at n as given and eta by (18)"},
+         {"eta", number(a.eta), "Pa s",
+          fmt::format("the largest, at n and L as given; {} of (18){}", number(a.eta_over_damping),
+                      a.eta_over_damping < 1.0 ? ": sound outlives a step" : "")}},
+        {false, true, false, false}}
+      .print();
+  all["backwards"] = {{"n", a.n}, {"L_m", a.L}, {"eta_Pa_s", a.eta}, {"eta_over_damping", a.eta_over_damping}};
+}
+
+void run(const question& q) {
+  const machine m = this_machine(q.shared, q.dimension, std::pow(static_cast<double>(q.n), q.dimension));
+  const auto p = plan_overturn(q.system, q.n, q.dimension, m.cost);
+  json all = as_json(q, p, m);
+  print_plan(q, p, m);
+  if (q.shared.steps || q.shared.seconds) answer_backwards(q, m, all);
+  fmt::print("S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)\n");
+  if (!q.shared.json.empty()) write_json(q.shared.json, all);
+}
+
+}  // namespace
+
+std::function<void()> timestep_question(CLI::App& app) {
+  auto q = std::make_shared<question>();
+  q->shared.method = "euler";  // the note's
+  q->shared.speed.kind = "program_c";
+  auto& s = q->system;
+  app.add_option("--n", q->n, "particles along an edge")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30))
+      ->capture_default_str();
+  const auto add = [&](const char* option, auto& value, const char* meaning) {
+    return app.add_option(option, value, meaning)->check(CLI::PositiveNumber);
+  };
+  add("--L", s.L, "edge of the box (m)")->capture_default_str();
+  add("--c", s.c, "speed of sound (m/s)")->capture_default_str();
+  add("--rho-min", s.rho_min, "least density (kg/m3)")->capture_default_str();
+  add("--delta-rho", s.delta_rho, "density difference (kg/m3)")->capture_default_str();
+  add("--g", s.g, "gravity (m/s2)")->capture_default_str();
+  add("--eta", s.eta, "viscosity (Pa s); default: c rho_min dx");
+  add("--c-p", s.heat_capacity, "heat capacity (J/(kg K))")->capture_default_str();
+  app.add_option("--k", s.conductivity, "thermal conductivity (W/(m K)); 0: no limit from it")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--dimension", q->dimension, "of space")->check(CLI::IsMember({2, 3}))->capture_default_str();
+  add_shared(app, q->shared);
+  return [q] { run(*q); };
+}
+
+}  // namespace tetsuame::plan

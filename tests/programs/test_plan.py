@@ -1,0 +1,165 @@
+"""plan: the notes' tables from options and from a namelist, backwards answers, run times from bench's file."""
+
+import json
+import math
+import unittest
+
+from running import BAD_INPUT, COMPLETED, FILE_FAILED, Case
+
+# [S1, table 1]; Ra = 1e4, 1e5, 1e6 by dT = 1e-2, 1e-1, 1
+AIR = ["--L", 0.1, "--rho", 1, "--kappa", 1e-5, "--nu", 7.1e-6, "--g", 10, "--alpha", 7.1e-3, "--c-p", 1e3, "--K", 1.4e5]
+
+# The same air by density, conductivity k = kappa rho c_p and viscosity eta = nu rho.
+AIR_NML = """! dry air, dT = 1 K: Ra = 1e6, Pr = 0.71
+&domain length_x = 0.1, length_y = 0.1, particles_x = 100, particles_y = 100 /
+&material density = 1, expansivity = 7.1e-3, heat_capacity = 1e3, conductivity = 1e-2, viscosity = 7.1e-6
+  bulk_modulus = 1.4e5 /
+&gravity g = 10 /
+&walls thermal_bottom = 'fixed', temperature_bottom = 301, thermal_top = 'fixed', temperature_top = 300 /
+&time method = 'rk4', dt = 1e-3 /
+&output interval = 1 /
+"""
+
+
+def bench_record(name, dimension, particles, threads, rate):
+    return {"name": name, "dimension": dimension, "particles": particles, "threads": threads,
+            "updates_per_second": rate, "load_average": 0.5, "processor": "a processor"}
+
+
+class Plan(Case):
+    def plan(self, *arguments, expect=COMPLETED):
+        result = self.call("plan", *arguments, "--json", "plan.json")
+        self.assertEqual(result.status, expect, result)
+        return json.loads((self.here / "plan.json").read_text()), result.stdout
+
+    def write_bench(self, records):
+        folder = self.here / "output" / "bench"
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "bench.json").write_text(json.dumps(records))
+
+
+class Relaxation(Plan):
+    def test_table_2(self):
+        for dT, zeta, c in ((1e-2, 10800, 3.47e-2), (1e-1, 4290, 8.72e-2), (1, 1710, 2.19e-1)):
+            found, said = self.plan("relaxation", *AIR, "--dT", dT)
+            self.assertAlmostEqual(found["recommended"]["zeta"] / zeta, 1, delta=0.003)
+            self.assertAlmostEqual(found["recommended"]["c_eff_m_s"] / c, 1, delta=0.003)
+            self.assertEqual(found["recommended"]["method"], "rsst")
+            self.assertAlmostEqual(found["plan"]["steps"], 1e4, delta=1)
+            self.assertIn("<- sets zeta", said)
+        found, _ = self.plan("relaxation", *AIR, "--dT", 1e-2, "--set", "relaxation.boundary_layers=F")
+        self.assertAlmostEqual(found["recommended"]["zeta"] / 4440, 1, delta=0.003)
+
+    def test_table_4(self):
+        for nu, zeta, xi, effective in ((2.5e19, 9.28, 1.16e11, 1857), (2.5e18, 13.6, 1.70e10, 8618),
+                                        (2.5e17, 20, 2.5e9, 4e4)):
+            found, said = self.plan("relaxation", "--nu", nu)
+            self.assertAlmostEqual(found["recommended"]["zeta"] / zeta, 1, delta=0.003)
+            self.assertAlmostEqual(found["recommended"]["xi"] / xi, 1, delta=0.003)
+            self.assertAlmostEqual(found["recommended"]["Pr_eff"] / effective, 1, delta=0.003)
+            self.assertEqual(found["plan"]["time_step"]["binding"], "momentum")
+            self.assertAlmostEqual(found["plan"]["steps"], 8e5, delta=100)
+            self.assertIn("<- binds", said)
+
+    def test_a_namelist_says_the_same_as_options(self):
+        (self.here / "air.nml").write_text(AIR_NML)
+        by_file, _ = self.plan("relaxation", "air.nml")
+        by_options, _ = self.plan("relaxation", *AIR, "--dT", 1)
+        for part in ("given", "numbers", "speeds", "recommended"):
+            for key, value in by_options[part].items():
+                if isinstance(value, str):
+                    self.assertEqual(by_file[part][key], value)
+                else:
+                    self.assertAlmostEqual(by_file[part][key] / value, 1, delta=1e-12, msg=key)
+        changed, _ = self.plan("relaxation", "air.nml", "--set", "walls.temperature_bottom=310", "--n", 50)
+        self.assertAlmostEqual(changed["numbers"]["Ra"], 1e7, delta=1e-3)
+        self.assertEqual(changed["plan"]["particles"], 2500)
+
+    def test_every_formula_binds_to_the_numbers(self):
+        found, _ = self.plan("relaxation", *AIR, "--dT", 0.5)
+        Ra, Pr, M = (found["numbers"][key] for key in ("Ra", "Pr", "M_th"))
+        bounds = {rule["source"]: rule["bound"] for rule in found["rules"]}
+        self.assertAlmostEqual(bounds["S1 (34)"] * (Ra * Pr) ** 0.4 * M, 1, delta=1e-12)
+        self.assertAlmostEqual(bounds["S1 (40)"] * Ra ** (1 / 3) / math.sqrt(Pr), 1, delta=1e-12)
+        self.assertEqual(len(found["rules"]), 16)
+
+    def test_backwards_and_run_time(self):
+        self.write_bench([bench_record("transport", 2, 10000, 1, 1e6), bench_record("transport", 2, 10000, 2, 2e6),
+                          bench_record("transport", 2, 10**6, 2, 4e6), bench_record("program_c", 2, 10000, 2, 9e6),
+                          bench_record("transport", 3, 10000, 2, 8e6)])
+        found, said = self.plan("relaxation", "--steps", 1e5, "--run-time", "2h", "--method", "ab2")
+        self.assertEqual(found["machine"]["updates_per_second"], 2e6)
+        self.assertAlmostEqual(found["plan"]["run_time_s"], 8e5 * 1e4 / 2e6, delta=1)
+        self.assertEqual(found["backwards"]["in_steps"]["n"], 35)  # 2 n^2/(0.1 * 0.25) <= 1e5
+        n = found["backwards"]["in_run_time"]["n"]
+        self.assertLessEqual(80 * n**4 / 2e6, 7200)
+        self.assertGreater(80 * (n + 1)**4 / 2e6, 7200)
+        self.assertIn("bench: transport 2-D, 10000 particles, threads 2", said)
+        one, _ = self.plan("relaxation", "--threads", 1)
+        self.assertEqual(one["machine"]["updates_per_second"], 1e6)
+        large, _ = self.plan("relaxation", "--n", 1500)
+        self.assertEqual(large["machine"]["updates_per_second"], 4e6)
+        given, _ = self.plan("relaxation", "--rate", 5e6)
+        self.assertEqual(given["machine"]["updates_per_second"], 5e6)
+
+    def test_without_bench_no_run_time_is_invented(self):
+        found, said = self.plan("relaxation")
+        self.assertIsNone(found["plan"]["run_time_s"])
+        self.assertIn("not known", said)
+        self.assert_says(self.call("plan", "relaxation", "--run-time", "1h"), BAD_INPUT, "rate")
+
+    def test_refusals(self):
+        (self.here / "cold.nml").write_text("&walls temperature_bottom = 200\n temperature_top = 300 /\n")
+        self.assert_says(self.call("plan", "relaxation", "cold.nml"), BAD_INPUT, "cold.nml:1", "hotter")
+        (self.here / "typo.nml").write_text("&relaxtion zeta = 3 /\n")
+        self.assert_says(self.call("plan", "relaxation", "typo.nml"), BAD_INPUT, "typo.nml:1", "&relaxation")
+        self.assert_says(self.call("plan", "relaxation", "--set", "relaxation.zeta=0.5"), BAD_INPUT, "zeta", ">= 1")
+        self.assert_says(self.call("plan", "relaxation", "--nu", -1), BAD_INPUT, "--nu")
+        self.assert_says(self.call("plan"), BAD_INPUT, "--help")
+        self.assert_says(self.call("plan", "relaxation", "--bench", "none.json"), FILE_FAILED, "none.json")
+        (self.here / "bad.json").write_text("{")
+        self.assert_says(self.call("plan", "relaxation", "--bench", "bad.json"), FILE_FAILED, "bad.json")
+        self.assert_says(self.call("plan", "relaxation", "--json", "no/where.json"), FILE_FAILED, "where.json")
+
+    def test_describe_is_a_valid_input(self):
+        described = self.call("plan", "relaxation", "--describe")
+        self.assertEqual(described.status, COMPLETED, described)
+        (self.here / "all.nml").write_text(described.stdout)
+        by_file, _ = self.plan("relaxation", "all.nml")
+        self.assertEqual(by_file, self.plan("relaxation")[0])
+
+
+class Timestep(Plan):
+    def test_the_note(self):
+        found, said = self.plan("timestep")
+        plan = found["plan"]
+        self.assertAlmostEqual(plan["eta_Pa_s"], 6e11, delta=1)
+        self.assertAlmostEqual(plan["dt_sound_s"], 2, delta=1e-9)
+        self.assertAlmostEqual(plan["V_m_s"], 70 / 3, delta=1e-9)  # the note's 20
+        self.assertAlmostEqual(plan["tau_s"], 4.5e6 / 70, delta=1e-3)  # the note's 7e4
+        self.assertAlmostEqual(plan["steps"], 2.25e6 / 70, delta=1e-3)
+        self.assertAlmostEqual(plan["steps_of_20"], plan["steps"], delta=1e-6)
+        self.assertIsNone(plan["dt_heat_s"])
+        self.assertIn("<- binds", said)
+
+    def test_backwards(self):
+        self.write_bench([bench_record("program_c", 2, 10000, 1, 1e6)])
+        found, _ = self.plan("timestep", "--steps", 1000, "--L", 1e6)
+        self.assertEqual(found["backwards"]["n"], 10)  # the note's conclusion
+        again, _ = self.plan("timestep", "--L", found["backwards"]["L_m"])
+        self.assertAlmostEqual(again["plan"]["steps"], 1000, delta=1e-6)
+        thin, _ = self.plan("timestep", "--L", 1e6, "--eta", found["backwards"]["eta_Pa_s"])
+        self.assertAlmostEqual(thin["plan"]["steps"], 1000, delta=1e-6)
+        timed, _ = self.plan("timestep", "--run-time", "60s")
+        self.assertAlmostEqual(timed["plan"]["run_time_s"], timed["plan"]["steps"] * 5625 / 1e6, delta=1e-6)
+        n = timed["backwards"]["n"]
+        self.assertLessEqual(2.25e6 / 70 * (n / 75)**2 * n**2 / 1e6, 60)
+        self.assertGreater(2.25e6 / 70 * ((n + 1) / 75)**2 * (n + 1)**2 / 1e6, 60)
+
+    def test_refusals(self):
+        self.assert_says(self.call("plan", "timestep", "--n", 0), BAD_INPUT, "--n")
+        self.assert_says(self.call("plan", "timestep", "--run-time", "60s"), BAD_INPUT, "rate")
+
+
+if __name__ == "__main__":
+    unittest.main()
