@@ -5,12 +5,14 @@ program={{program}}
 input={{input}}
 settings=({{settings}})
 output={{output}}
-script=$output/job.sh
-job_seconds={{seconds}}  # what is asked for above
-margin={{margin}}        # s kept for the last step, the checkpoint and the start of the next job
-own_limit={{own_limit}}  # s, run.wall_clock_limit of the input; 0: none
-max_jobs={{max_jobs}}    # the chain ends after so many, whatever happens
-chain={{chain}}  # self: a job submits the next; ahead: all were submitted at once
+# s a job has, as asked for above, and what of it is kept for the last step, the checkpoint and the end.
+job_seconds={{seconds}}
+margin={{margin}}
+# s, run.wall_clock_limit of the input; 0: none.
+own_limit={{own_limit}}
+# The chain ends after so many jobs, whatever happens. self: a job submits the next; ahead: all were submitted at once.
+max_jobs={{max_jobs}}
+chain={{chain}}
 
 export OMP_NUM_THREADS={{threads}} OMP_PLACES=cores OMP_PROC_BIND=close
 

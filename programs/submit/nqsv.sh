@@ -9,8 +9,8 @@
 #PBS -j o
 #PBS -o {{output}}/job.out
 {{directives}}
-
 {{before}}
+
 # How the {{ranks}} ranks of {{threads}} threads are started. NQSV hands Open MPI the nodes by NQSV_MPIOPTS (older: NQSII_MPIOPTS).
 # shellcheck disable=SC2206  # these are several words
 launch=(mpirun ${NQSV_MPIOPTS-${NQSII_MPIOPTS-}} -n {{ranks}} --map-by ppr:{{ranks_per_node}}:node:PE={{threads}} --bind-to core
@@ -18,4 +18,4 @@ launch=(mpirun ${NQSV_MPIOPTS-${NQSII_MPIOPTS-}} -n {{ranks}} --map-by ppr:{{ran
 
 job=${PBS_JOBID-}
 
-submit_next() { qsub "$script"; }
+submit_next() { qsub "$output/job.sh"; }

@@ -7,8 +7,8 @@
 #PJM -j
 #PJM -o {{output}}/job_%j.out
 {{directives}}
-
 {{before}}
+
 # How the {{ranks}} ranks of {{threads}} threads are started, by Open MPI. By Fujitsu's MPI, which learns the nodes from PJM
 # and binds by itself:
 #   launch=(mpiexec -n {{ranks}})
@@ -17,4 +17,4 @@ launch=(mpiexec -n {{ranks}} -machinefile "${PJM_O_NODEINF-}" --map-by ppr:{{ran
 
 job=${PJM_JOBID-}
 
-submit_next() { pjsub "$script"; }
+submit_next() { pjsub "$output/job.sh"; }

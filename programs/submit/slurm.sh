@@ -11,8 +11,8 @@
 #SBATCH --open-mode=append
 #SBATCH --output={{output}}/job.log
 {{directives}}
-
 {{before}}
+
 # How the {{ranks}} ranks of {{threads}} threads are started. srun must be told the threads again: it does not take them
 # from the lines above. Where Slurm was built without PMIx:
 #   launch=(mpirun -n {{ranks}} --map-by slot:PE={{threads}} --bind-to core)
@@ -21,5 +21,9 @@ launch=(srun --mpi=pmix --ntasks={{ranks}} --cpus-per-task={{threads}} --cpu-bin
 job=${SLURM_JOB_ID-}
 
 # The same job goes back into the queue, so that `scancel JOBID` ends the whole chain. Slurm lets it wait two
-# minutes or so, and ends this script here.
-submit_next() { scontrol requeue "$job"; }
+# minutes or so, and ends this script while it waits here.
+submit_next() {
+  scontrol requeue "$job" || return
+  trap - TERM
+  sleep 60
+}
