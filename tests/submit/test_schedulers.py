@@ -202,6 +202,13 @@ class Directives(Submit):
 
 
 class Chains(Submit):
+    def limit(self, seconds):
+        """A limit below the one second that the script can count."""
+        script = self.out / "job.sh"
+        text = script.read_text()
+        self.assertEqual(text.count('"$limit"'), 1)
+        script.write_text(text.replace('"$limit"', f'"{seconds}"'))
+
     def chain(self, scheduler, most=12):
         """Runs what is queued until nothing more is. Returns the exit statuses."""
         statuses = []
@@ -211,20 +218,18 @@ class Chains(Submit):
         return statuses
 
     def test_until_complete(self):
-        """The same state as an uninterrupted run. The ranks are started by the script's own command but for Slurm's."""
-        settings = self.long_settings(3)
+        """The same state as an uninterrupted run, the ranks started by the script's own command where that needs no
+        scheduler. How Slurm goes on: test_slurm.py."""
+        settings = self.long_settings(1.2)
         whole = self.run_program("disph_f", self.name, settings, "whole").summary
-        for scheduler, ranks in [("pjm", 2), ("pbs", 2), ("nqsv", 1), ("slurm", 1)]:
+        for scheduler, ranks, more in [("pjm", 1, ["--launcher", "env"]), ("pbs", 2, []), ("nqsv", 1, [])]:
             with self.subTest(scheduler):
                 self.queue.unlink(missing_ok=True)
                 self.out = self.here / f"out_{scheduler}"
-                more = ["--launcher", "env"] if scheduler in ("slurm", "pjm") else []
-                self.accepted("--submit", *more, scheduler=scheduler, ranks=ranks if not more else 1,
-                              settings={**settings, "run.wall_clock_limit": 1})
+                self.accepted("--submit", *more, scheduler=scheduler, ranks=ranks, settings=settings)
                 self.assertEqual(self.queued(), [str(self.out / "job.sh")])
-                if scheduler == "slurm":  # there scontrol is called, and Slurm ends the script: see test_slurm.py
-                    continue
-                statuses = self.chain(scheduler)
+                self.limit(0.3)
+                statuses = self.chain(scheduler, most=60)
                 self.assertEqual(statuses, [INTERRUPTED] * (len(statuses) - 1) + [COMPLETED], self.log())
                 self.assertGreaterEqual(len(statuses), 2, self.log())
                 self.assertEqual(set(self.queued()), {str(self.out / "job.sh")})
@@ -265,8 +270,7 @@ class Chains(Submit):
     def test_no_progress_stops_it(self):
         """No step fits into the limit: the first job gets as far as the start, the second no farther."""
         self.accepted("--submit", "--launcher", "env", scheduler="pbs", settings={**self.settings, "time.steps": 10000000})
-        script = self.out / "job.sh"
-        script.write_text(script.read_text().replace("run.wall_clock_limit=\"$limit\"", "run.wall_clock_limit=1e-9"))
+        self.limit(1e-9)
         self.assertEqual(self.chain("pbs"), [INTERRUPTED, 1])
         self.assertIn("no step was completed", self.log())
 
@@ -287,8 +291,8 @@ class Chains(Submit):
         self.assertEqual(self.job("pbs"), COMPLETED, self.log())
 
     def test_too_many_jobs(self):
-        settings = self.long_settings(4)
-        self.accepted("--submit", "--max-jobs", 2, "--launcher", "env", scheduler="pbs", settings={**settings, "run.wall_clock_limit": 1})
+        self.accepted("--submit", "--max-jobs", 2, "--launcher", "env", scheduler="pbs", settings=self.long_settings(5))
+        self.limit(0.2)
         self.assertEqual(self.chain("pbs"), [INTERRUPTED, 1])
         self.assertIn("2 jobs were not enough", self.log())
 
@@ -312,8 +316,7 @@ class Chains(Submit):
                 self.assertEqual(self.state()[0], outcome, self.log())
 
     def test_next_cannot_be_submitted(self):
-        settings = self.long_settings(4)
-        self.accepted("--launcher", "env", scheduler="pjm", settings={**settings, "run.wall_clock_limit": 1})
+        self.accepted("--launcher", "env", scheduler="pjm", settings={**self.long_settings(4), "run.wall_clock_limit": 1})
         (self.bin / "pjsub").unlink()
         self.assertEqual(self.job("pjm"), INTERRUPTED)
         self.assertIn(f"on the login node: pjsub {self.out}/job.sh", self.log())
