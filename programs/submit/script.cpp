@@ -95,7 +95,7 @@ std::string script(const options& o, const std::string& directory) {
       {"settings", joined(settings, "", " ")},
       {"directory", quoted(directory)},
       {"directives", joined(o.directives, prefix, "\n")},
-      {"before", joined(o.before, "", "\n")},
+      {"before", o.before.empty() ? "" : "\n" + joined(o.before, "", "\n")},
       {"command", o.command},
       {"submit_command", submit_command(o.scheduler) + " " + o.output + "/job.sh"},
       {"max_jobs", std::to_string(o.max_jobs)},

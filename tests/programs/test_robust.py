@@ -59,10 +59,10 @@ class Killed(Robust):
         one; each time the run goes on from what is there."""
         seed = random.randrange(1 << 30)
         draw = random.Random(seed)
-        name, settings = case_of("disph_f", **{"time.dt": 0.02, "time.steps": 600, "output.history_interval": 1,
+        name, settings = case_of("disph_f", **{"time.dt": 0.02, "time.steps": 30 * times + 60, "output.history_interval": 1,
                                                "output.interval": 1.0, "run.checkpoint_interval": 2})
         if method == "adaptive":
-            settings.update({"time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 12})
+            settings.update({"time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 0.6 * times})
         whole = self.run_program("disph_f", name, settings, f"{method}_whole")
         duration = whole.summary["wall_seconds"]
         output, kills, tries = method, 0, 0
