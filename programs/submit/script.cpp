@@ -71,6 +71,8 @@ std::string script(const options& o, const std::string& directory) {
   const std::string prefix = slurm ? "#SBATCH " : o.scheduler == "pjm" ? "#PJM " : "#PBS ";
   std::vector<std::string> settings;
   for (const auto& word : o.set) settings.push_back("--set " + quoted(word));
+  std::string before;
+  for (const auto& line : o.before) before.append("\n").append(line);
   // Where a scheduler knows one name for whom the time is charged to, either option gives it.
   const bool both = o.scheduler == "pbs" || o.scheduler == "nqsv";
   const values v{
@@ -95,7 +97,7 @@ std::string script(const options& o, const std::string& directory) {
       {"settings", joined(settings, "", " ")},
       {"directory", quoted(directory)},
       {"directives", joined(o.directives, prefix, "\n")},
-      {"before", o.before.empty() ? "" : "\n" + joined(o.before, "", "\n")},
+      {"before", before},
       {"command", o.command},
       {"submit_command", submit_command(o.scheduler) + " " + o.output + "/job.sh"},
       {"max_jobs", std::to_string(o.max_jobs)},
