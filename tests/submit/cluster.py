@@ -1,6 +1,7 @@
 """A Slurm cluster of one node for a test: munged, slurmctld and slurmd of Debian's packages slurm-wlm and munge, with
 configuration, ports and spool of their own in a temporary folder."""
 
+import ctypes
 import os
 import pathlib
 import shutil
@@ -32,6 +33,12 @@ def free_ports(number):
     for each in sockets:
         each.close()
     return ports
+
+
+def end_with_parent():
+    """A test that is itself killed leaves no daemon behind."""
+    PR_SET_PDEATHSIG = 1
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 class Cluster:
@@ -102,7 +109,8 @@ PartitionName=test Nodes={self.host} Default=YES MaxTime=INFINITE State=UP
     def launch(self, *words):
         log = open(self.folder / f"{words[0]}.out", "wb")
         self.processes.append(subprocess.Popen([str(w) for w in words], env=self.environment, stdin=subprocess.DEVNULL,
-                                               stdout=log, stderr=log, cwd=self.folder, start_new_session=True))
+                                               stdout=log, stderr=log, cwd=self.folder, start_new_session=True,
+                                               preexec_fn=end_with_parent))
         log.close()
 
     def wait_for(self, ready, what):
