@@ -156,6 +156,9 @@ latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory) {
       reasons += fmt::format("; {}", e.what());
     }
   }
+  if (reasons.empty())
+    foundation::fail_file(fmt::format(
+        "there is no checkpoint in {}: without --restart, or with --force, the run starts anew", directory));
   foundation::fail_file(fmt::format("no usable checkpoint in {}{}", directory, reasons));
 }
 

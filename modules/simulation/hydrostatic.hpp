@@ -50,6 +50,7 @@ struct run {
   std::optional<residual_file> residuals;
   output::series series;
   std::optional<output::latest_checkpoint> found;  // to be continued
+  std::string good_checkpoint;                     // the newest; empty: none
   summary report;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
@@ -259,6 +260,7 @@ struct run {
     const auto path =
         output::write_checkpoint(ranks.comm, line.output, step, g, {checkpoint_table(world.w.s, materials)});
     last_checkpoint = std::chrono::steady_clock::now();
+    good_checkpoint = path;
     say(fmt::format("checkpoint {} at step {}", path, step));
   }
 
@@ -310,6 +312,7 @@ struct run {
       if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, message);
     }
     say("continuing from " + found->path);
+    good_checkpoint = found->path;
     const output::checkpoint saved = std::move(found->state);
     found.reset();
     if (const auto before = saved.globals.integers.at("simd_lanes"); before != simd_lanes)
@@ -475,13 +478,21 @@ struct run {
       report.diverged_step = step + 1;
       report.diverged_iteration = diverged->iteration();
     }
+    if (e.status() == exit_status::file_failed)
+      message += good_checkpoint.empty() ? "; no checkpoint was written"
+                                         : "; " + good_checkpoint + " is good: continue with --restart latest";
     report.message = message;
-    if constexpr (iterates)
-      if (residuals) residuals->append(step + 1, how.residuals);
-    if (e.status() == exit_status::calculation_failed && integrator) write_checkpoint();
-    fill_report();
-    report.write(ranks, line.output);
-    say(message);
+    try {
+      if constexpr (iterates)
+        if (residuals) residuals->append(step + 1, how.residuals);
+      if (e.status() == exit_status::calculation_failed && integrator) write_checkpoint();
+      fill_report();
+      report.write(ranks, line.output);
+      say(message);
+    } catch (const foundation::error& second) {
+      // The first reason is the one to be told; on a full disk neither can be written.
+      message += std::string("; and ") + second.what();
+    }
     throw foundation::error(e.status(), message);
   }
 };

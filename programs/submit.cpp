@@ -1,0 +1,318 @@
+// Writes, and on request submits, the job script of a run for a batch system. The script continues itself by
+// `--restart latest` until the run is complete; its text is in programs/submit/*.sh, which says more.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <foundation/error.hpp>
+#include <output/directory.hpp>
+#include <output/file.hpp>
+#include <regex>
+#include <simulation/command_line.hpp>
+#include <sstream>
+#include <submit/script.hpp>
+
+extern char** environ;
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace tetsuame;
+using foundation::exit_status;
+using foundation::fail_file;
+using foundation::fail_input;
+
+// Status to leave with, or -1 to go on.
+int parse(int argc, char** argv, submit::options& o) {
+  CLI::App app{
+      "Writes DIR/job.sh, a job script that runs PROGRAM on INPUT under a batch system and continues it, job "
+      "after job, until it is complete.",
+      "submit"};
+  app.add_option("PROGRAM", o.program, "a program beside this one (disph_c), or a path")->required();
+  app.add_option("INPUT", o.input, "namelist file")->required()->type_name("INPUT.nml");
+  app.add_option("--scheduler", o.scheduler,
+                 "slurm; pjm (Fujitsu Technical Computing Suite); pbs (PBS Professional, OpenPBS); nqsv (NEC)")
+      ->required()
+      ->check(CLI::IsMember({"slurm", "pjm", "pbs", "nqsv"}));
+  app.add_option("--ranks", o.ranks, "MPI processes")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--threads", o.threads, "cores, and threads, of each")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--nodes", o.nodes, "nodes; the ranks are spread over them evenly")->check(CLI::Range(1, 1000000));
+  app.add_option("--time", o.time, "of one job")->required()->type_name("HH:MM:SS");
+  app.add_option("--margin", o.margin,
+                 "s before the time is up at which the run writes its checkpoint (default: a twentieth of the time, "
+                 "between 60 and 600, but no more than half)")
+      ->check(CLI::Range(1L, 1000000L));
+  app.add_option("--queue,--partition", o.queue, "queue, partition or resource group")->type_name("NAME");
+  app.add_option("--account", o.account, "whom the time is charged to")->type_name("NAME");
+  app.add_option("--group", o.group, "the same, where it goes by group")->type_name("NAME");
+  app.add_option("--name", o.name, "of the job (default: the program's)")->type_name("NAME");
+  app.add_option("--output", o.output, "directory for script and results (default: output/PROGRAM/INPUT's name)")
+      ->type_name("DIR");
+  app.add_option("--set", o.set, "group.key=value, over what the file says; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("group.key=value");
+  app.add_option("--before", o.before,
+                 "a command to stand before the run, such as 'module load openmpi'; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("COMMAND");
+  app.add_option("--directive", o.directives, "one more line for the scheduler, such as '--mem=8G'; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("TEXT");
+  app.add_option("--launcher", o.launcher, "what starts the ranks, in place of the scheduler's usual; taken as it is")
+      ->type_name("COMMAND");
+  auto* most = app.add_option("--max-jobs", o.max_jobs, "the chain ends after so many")
+                   ->check(CLI::Range(1, 100000))
+                   ->capture_default_str();
+  app.add_option("--chain", o.chain,
+                 "self: each job submits the next; ahead: --max-jobs jobs are submitted at once, each waiting for the "
+                 "one before, where jobs may not submit")
+      ->check(CLI::IsMember({"self", "ahead"}))
+      ->capture_default_str();
+  app.add_flag("--submit", o.submit, "submit it, too");
+  app.add_flag("--force", o.force, "start anew, in place of the results that are in the output directory");
+  app.set_version_flag("--version", simulation::version());
+  try {
+    app.parse(argc, argv);
+    if (o.chain == "ahead" && most->count() == 0) throw CLI::RequiredError("--chain ahead: --max-jobs");
+    if (o.chain == "ahead" && o.max_jobs > 100) throw CLI::ValidationError("--chain ahead: --max-jobs", "at most 100");
+    if (o.chain == "ahead" && o.scheduler == "nqsv")
+      throw CLI::ValidationError("--chain ahead", "not for nqsv: its jobs submit the next");
+  } catch (const CLI::Success& e) {
+    app.exit(e);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    fmt::print(stderr, "submit: {}\nTry --help.\n", e.what());
+    return static_cast<int>(exit_status::bad_input);
+  }
+  return -1;
+}
+
+// As it would be typed.
+std::string joined(const std::vector<std::string>& words) {
+  std::string line;
+  for (const auto& word : words) line.append(line.empty() ? "" : " ").append(submit::quoted(word));
+  return line;
+}
+
+// ---- checks ------------------------------------------------------------------------------------
+
+long seconds_of(const std::string& time) {
+  std::smatch m;
+  if (!std::regex_match(time, m, std::regex("([0-9]{1,4}):([0-5][0-9]):([0-5][0-9])")))
+    fail_input(fmt::format("--time {}: expected HH:MM:SS, such as 24:00:00", time));
+  const long seconds = 3600 * std::stol(m[1]) + 60 * std::stol(m[2]) + std::stol(m[3]);
+  if (seconds < 2) fail_input(fmt::format("--time {}: expected at least two seconds", time));
+  return seconds;
+}
+
+// Schedulers read these from comment lines, each with quoting of its own.
+void refuse_odd(const std::string& option, const std::string& text) {
+  static const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+=,:@";
+  if (const auto at = text.find_first_not_of(plain); at != std::string::npos)
+    fail_input(fmt::format("{} {}: '{}' cannot stand in a job script's directives; letters, digits and _-./+=,:@ can",
+                           option, text, text[at]));
+}
+
+void refuse_line_ends(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k)
+    if (std::string(argv[k]).find_first_of("\n\r") != std::string::npos)
+      fail_input(fmt::format("argument {} holds a line end", k));
+}
+
+fs::path own_directory() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+std::string resolved_program(const std::string& name) {
+  const auto path = name.find('/') == std::string::npos ? own_directory() / name : fs::absolute(name);
+  if (access(path.c_str(), X_OK) == 0 && !fs::is_directory(path)) return path.lexically_normal().string();
+  std::vector<std::string> known;
+  for (const auto& entry : fs::directory_iterator(own_directory()))
+    if (entry.path().filename() != "submit" && entry.path().filename() != "bench" && entry.is_regular_file() &&
+        access(entry.path().c_str(), X_OK) == 0)
+      known.push_back(entry.path().filename().string());
+  std::sort(known.begin(), known.end());
+  std::string list;
+  for (const auto& each : known) list += (list.empty() ? "" : ", ") + each;
+  fail_input(fmt::format("program {}: {} is no program; there are {}", name, path.string(), list));
+}
+
+// Runs a command; its standard output comes back, its messages go where ours go.
+struct outcome {
+  int status = 0;  // 127: it could not be started
+  std::string text;
+};
+
+outcome called(const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) output::fail_system("make", "a pipe");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+  pid_t child = 0;
+  const int problem = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  outcome o;
+  if (problem != 0) {
+    close(ends[0]);
+    return {127, ""};
+  }
+  std::array<char, 4096> buffer{};
+  for (ssize_t n; (n = read(ends[0], buffer.data(), buffer.size())) != 0;) {
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) break;
+    o.text.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  o.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return o;
+}
+
+// PROGRAM INPUT --check; what it refuses, it has said itself. Returns the status, and the limit in the input.
+int check_input(submit::options& o) {
+  std::vector<std::string> words{o.program, o.input};
+  for (const auto& setting : o.set) words.insert(words.end(), {"--set", setting});
+  words.emplace_back("--check");
+  const auto [status, text] = called(words);
+  if (status != 0) return status;
+  std::smatch m;
+  if (std::regex_search(text, m, std::regex("\\bwall_clock_limit *= *([^ ,\n]+)"))) o.own_limit = std::stod(m[1]);
+  return 0;
+}
+
+void complete(submit::options& o) {
+  o.seconds = seconds_of(o.time);
+  if (o.margin == 0) o.margin = std::clamp(o.seconds / 20, 60L, 600L);
+  o.margin = std::min(o.margin, o.seconds / 2);
+  if (o.nodes > 0 && o.ranks % o.nodes != 0)
+    fail_input(fmt::format("--ranks {}: not a multiple of --nodes {}", o.ranks, o.nodes));
+  o.program = resolved_program(o.program);
+  const auto program_name = fs::path(o.program).filename().string();
+  if (o.output.empty()) o.output = "output/" + program_name + "/" + fs::path(o.input).stem().string();
+  o.input = fs::absolute(o.input).lexically_normal().string();
+  o.output = fs::absolute(o.output).lexically_normal().string();
+  if (o.output.size() > 1 && o.output.back() == '/') o.output.pop_back();
+  if (o.name.empty()) o.name = program_name;
+  refuse_odd("--output", o.output);
+  refuse_odd("--name", o.name);
+  refuse_odd("--queue", o.queue);
+  refuse_odd("--account", o.account);
+  refuse_odd("--group", o.group);
+}
+
+// Results without a checkpoint would be lost by the first job.
+void check_output(const submit::options& o) {
+  std::error_code ignored;
+  if (!fs::exists(o.output, ignored)) return;
+  if (!fs::is_directory(o.output, ignored))
+    fail_input(fmt::format("output {} is a file: give a directory by --output", o.output));
+  if (o.force || !output::numbered_files(o.output, "checkpoint_", ".h5").empty()) return;
+  for (const auto& entry : fs::directory_iterator(o.output))
+    if (output::is_our_file(entry.path().filename().string()))
+      fail_input(fmt::format(
+          "output directory {} has results but no checkpoint: name another by --output, or replace them by --force; "
+          "nothing was written",
+          o.output));
+}
+
+// ---- writing and submitting --------------------------------------------------------------------
+
+std::string write_script(const submit::options& o) {
+  std::error_code problem;
+  fs::create_directories(o.output, problem);
+  if (problem) fail_file(fmt::format("cannot create directory {}: {}", o.output, problem.message()));
+  const auto path = o.output + "/job.sh";
+  const auto old = output::numbered_files(o.output, "checkpoint_", ".h5");
+  if (o.force)
+    for (const auto& file : old) output::remove_quietly(o.output + "/" + file.second);
+  output::replace_text(path, submit::script(o, fs::current_path().string()));
+  output::remove_quietly(o.output + "/job.state");  // a new chain
+  chmod(path.c_str(), 0755);
+  fmt::print("{}: {} on {} x {} cores, {} a job, of which the last {} s are kept for the checkpoint\n", path,
+             fs::path(o.program).filename().string(), o.ranks, o.threads, o.time, o.margin);
+  if (!o.force && !old.empty()) fmt::print("it will continue from {}\n", old.back().second);
+  return path;
+}
+
+// What submits the n-th of a chain; `last`: the ID of the one before.
+std::vector<std::string> submission(const submit::options& o, const std::string& path, int n, const std::string& last) {
+  const auto command = submit::submit_command(o.scheduler);
+  if (o.chain == "self") return {command, path};
+  // A job waits for the one before, however that ended: the script sees whether anything is left to do. PJM deletes
+  // what follows unless the run was interrupted (75).
+  if (o.scheduler == "pjm" && n == 0) return {command, "--step", "--sparam", "sn=0", path};
+  if (o.scheduler == "pjm")
+    return {command, "--step", "--sparam", fmt::format("jid={},sn={},sd=ec!=75:all:{}", last, n, n - 1), path};
+  if (n == 0) return {command, path};
+  if (o.scheduler == "slurm") return {command, "--dependency=afterany:" + last, path};
+  return {command, "-W", "depend=afterany:" + last, path};
+}
+
+// sbatch: "Submitted batch job 12"; pjsub: "[INFO.] PJM 0000 pjsub Job 12_0 submitted."; qsub: "12.server"
+std::string job_in(const submit::options& o, const std::string& answer) {
+  std::smatch m;
+  const auto* pattern = o.scheduler == "pbs" ? "^\\s*([0-9]+\\S*)" : "[Jj]ob ([0-9]+)";
+  return std::regex_search(answer, m, std::regex(pattern)) ? m[1].str() : "";
+}
+
+void submit_jobs(const submit::options& o, const std::string& path) {
+  std::string last;
+  const int jobs = o.chain == "ahead" ? o.max_jobs : 1;
+  for (int n = 0; n < jobs; ++n) {
+    const auto words = submission(o, path, n, last);
+    const auto [status, text] = called(words);
+    fmt::print("{}", text);
+    const auto line = joined(words);
+    const auto done = n == 0 ? std::string("none was submitted") : fmt::format("{} were submitted", n);
+    if (status == 127)
+      fail_file(fmt::format("cannot run {}: is this the login node? {}; the script stands", line, done));
+    if (status != 0) fail_file(fmt::format("{} ended with status {}; {}; the script stands", line, status, done));
+    last = job_in(o, text);
+    if (last.empty() && n + 1 < jobs)
+      fail_file(
+          fmt::format("{}: no job number in its answer, so the next cannot wait for it; {} submitted", line, n + 1));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  submit::options o;
+  if (const int status = parse(argc, argv, o); status >= 0) return status;
+  try {
+    refuse_line_ends(argc, argv);
+    o.command = joined({argv, argv + argc});
+    complete(o);
+    check_output(o);
+    if (const int status = check_input(o); status != 0) return status;
+    const auto path = write_script(o);
+    if (o.submit)
+      submit_jobs(o, path);
+    else
+      fmt::print("submit it by: {} {}\n", submit::submit_command(o.scheduler), path);
+    return 0;
+  } catch (const foundation::error& e) {
+    fmt::print(stderr, "submit: {}\n", e.what());
+    return static_cast<int>(e.status());
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "submit: {}\n", e.what());
+    return static_cast<int>(exit_status::file_failed);
+  }
+}
