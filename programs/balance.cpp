@@ -37,9 +37,9 @@ struct course {
   load now;
   balance::spread times;
   balance::decision last;
-  std::int64_t updates = 0;                      // moves made
+  std::int64_t updates = 0;                              // moves made
   double run_time = 0.0, moved = 0.0, last_moved = 0.0;  // s; parts of all particles
-  std::optional<std::int64_t> balanced_after;    // decisions until the spread was at most 5 %
+  std::optional<std::int64_t> balanced_after;            // decisions until the spread was at most 5 %
   balance::spread first_times;
 };
 
@@ -58,15 +58,17 @@ struct virtual_run {
   std::vector<course> courses;  // ours first
   balance::experience experience;
   std::optional<double> expected;  // gain per step of the last move, to be compared with the next reading
-  double slowest_before = 0.0;
+  std::vector<double> time_before;
   std::vector<int> first_owner;
   std::vector<float> weights;  // what the partitioners got last
   ledger book;
   std::string cuts_csv = "decision,axis,group,index,position [m]\n";
   std::string times_csv = "decision,rank,particles,computing [s],communication [s]\n";
 
-  virtual_run(const options& opt) : o(opt), s(make_scene<D>(o.distribution, o.cost.halo_width)), slowness(slowness_of(o.machine)) {
-    const auto counts = balance::choose_counts<D>(static_cast<int>(o.machine.ranks), s.length, static_cast<int>(o.machine.ranks_x));
+  virtual_run(const options& opt)
+      : o(opt), s(make_scene<D>(o.distribution, o.cost.halo_width)), slowness(slowness_of(o.machine)) {
+    const auto counts =
+        balance::choose_counts<D>(static_cast<int>(o.machine.ranks), s.length, static_cast<int>(o.machine.ranks_x));
     cuts = o.schedule.start == "equal_size" ? balance::equal_cuts<D>(counts, s.length) : equal_count_cuts<D>(s, counts);
     courses.push_back({});
     courses[0].owner = first_owner = owners(s, cuts);
@@ -111,16 +113,17 @@ struct virtual_run {
     auto& c = courses[0];
     const auto time = measured(balance::total(c.now.time), o.machine, reading);
     const double slowest = *std::max_element(time.begin(), time.end());
-    if (expected) experience.moved(*expected, slowest_before - slowest);
+    if (expected) experience.moved(*expected, time_before, time);
     expected.reset();
     const auto where = extents_of(s, c.owner, slowness.size());
     const auto begin = clock::now();
-    const auto then = balance::propose(cuts, time, o.balancer, where);
-    const balance::move_costs moving{
-        o.cost.migrate, o.cost.list * *std::max_element(c.now.particles.begin(), c.now.particles.end())};
+    const auto then = balance::propose(cuts, time, relaxed(o.balancer, experience), where);
+    const balance::move_costs moving{o.cost.migrate,
+                                     o.cost.list * *std::max_element(c.now.particles.begin(), c.now.particles.end())};
     c.last = balance::worth_moving(cuts, then, time, c.now.particles, moving, o.schedule.horizon, experience, where);
     book.proposing += seconds_since(begin);
     ++book.proposals;
+    if (o.schedule.move == "always") c.last.move = true;
     c.last_moved = 0.0;
     if (!c.last.move) {
       experience.stayed();
@@ -128,7 +131,7 @@ struct virtual_run {
     }
     const auto after = balance::redistribute(cuts, then, time, where);
     expected = slowest - *std::max_element(after.begin(), after.end());
-    slowest_before = slowest;
+    time_before = time;
     cuts = then;
     take(c, owners(s, cuts));
   }
@@ -142,6 +145,7 @@ struct virtual_run {
     const auto m = migration_between(c.owner, owner, slowness.size(), o.cost);
     c.last = balance::worth_moving(c.times.maximum, balance::spread_of(balance::total(then.time)).maximum, m.seconds,
                                    o.schedule.horizon);
+    if (o.schedule.move == "always") c.last.move = true;
     c.last_moved = 0.0;
     if (c.last.move) take(c, std::move(owner));
   }
@@ -155,6 +159,7 @@ struct virtual_run {
         values.push_back(v);
     }
     values.push_back(experience.trust);
+    values.push_back(experience.relaxation);
     return values;
   }
 };
@@ -171,6 +176,7 @@ std::vector<output::history_column> columns(const options& o) {
       all.push_back({p + text.substr(0, at), text.substr(at + 2, text.size() - at - 3)});
     }
   all.push_back({"trust", "1"});
+  all.push_back({"relaxation", "1"});
   return all;
 }
 

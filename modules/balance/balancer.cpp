@@ -221,7 +221,8 @@ void relax(double* cut, const double* t, int count, const balancer_options& o) {
   // Of the time as it was measured: the density stays where it is when cuts move.
   const auto time_between = [&](double a, double b) {
     double sum = base * (b - a);
-    auto m = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, std::upper_bound(old.begin(), old.end(), a) - old.begin() - 2));
+    auto m = static_cast<std::size_t>(
+        std::max<std::ptrdiff_t>(0, std::upper_bound(old.begin(), old.end(), a) - old.begin() - 2));
     for (; m < static_cast<std::size_t>(count) && old[m] <= b; ++m) {
       const auto p = spread_over(old[m], old[m + 1], t[m], length);
       sum += p.amount * std::max(0.0, std::min(p.b, b) - std::max(p.a, a)) / (p.b - p.a);
@@ -347,7 +348,8 @@ std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const 
                                  const extents<D>& where) {
   check_size(now, amount.size(), "amounts");
   std::vector<double> found(amount.size(), 0.0);
-  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
+  visit_overlaps(now, then, where,
+                 [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
   return found;
 }
 
@@ -364,12 +366,29 @@ std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std
   return found;
 }
 
-void experience::moved(double predicted, double found) {
-  if (!(predicted > 0.0)) return;
-  trust = std::clamp(0.5 * (trust + std::clamp(found / predicted, 0.0, 1.0)), 0.05, 1.0);
+void experience::moved(double predicted, const std::vector<double>& before, const std::vector<double>& after) {
+  const auto was = spread_of(before), is = spread_of(after);
+  if (predicted > 0.0)
+    trust = std::max(0.05, 0.5 * (trust + std::clamp((was.maximum - is.maximum) / predicted, 0.0, 1.0)));
+  double both = 0.0, was_square = 0.0, is_square = 0.0;
+  for (std::size_t r = 0; r < std::min(before.size(), after.size()); ++r) {
+    const double a = before[r] / std::max(was.mean, 1e-300) - 1.0, b = after[r] / std::max(is.mean, 1e-300) - 1.0;
+    both += a * b;
+    was_square += a * a;
+    is_square += b * b;
+  }
+  if (!(was_square > 0.0) || !(is_square > 0.0)) return;
+  const double correlation = both / std::sqrt(was_square * is_square);
+  if (correlation < -0.2) relaxation = std::max(0.15, 0.6 * relaxation);
+  if (correlation > 0.2) relaxation = std::min(1.0, 1.25 * relaxation);
 }
 
 void experience::stayed() { trust += 0.05 * (1.0 - trust); }
+
+balancer_options relaxed(balancer_options o, const experience& so_far) {
+  o.relaxation *= so_far.relaxation;
+  return o;
+}
 
 decision worth_moving(double slowest_now, double slowest_then, double cost, std::int64_t steps, double trust) {
   decision d;
@@ -388,8 +407,11 @@ decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector
   const auto after = redistribute(now, then, time_per_step, where);
   const auto in_and_out = migrating(now, then, particles, where);
   const double cost = moving.per_particle * *std::max_element(in_and_out.begin(), in_and_out.end()) + moving.rebuild;
-  return worth_moving(*std::max_element(time_per_step.begin(), time_per_step.end()),
-                      *std::max_element(after.begin(), after.end()), cost, steps, so_far.trust);
+  double slowest = *std::max_element(after.begin(), after.end());
+  for (std::size_t r = 0; r < particles.size(); ++r)
+    if (particles[r] > 0.0) slowest = std::max(slowest, time_per_step[r] / particles[r]);
+  return worth_moving(*std::max_element(time_per_step.begin(), time_per_step.end()), slowest, cost, steps,
+                      so_far.trust);
 }
 
 spread spread_of(const std::vector<double>& time) {
@@ -399,12 +421,14 @@ spread spread_of(const std::vector<double>& time) {
 }
 
 template cuts<2> propose(const cuts<2>&, const std::vector<double>&, const balancer_options&, const extents<2>&);
-template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const extents<2>&);
+template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&,
+                                          const extents<2>&);
 template std::vector<double> migrating(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const extents<2>&);
 template decision worth_moving(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const std::vector<double>&,
                                const move_costs&, std::int64_t, const experience&, const extents<2>&);
 template cuts<3> propose(const cuts<3>&, const std::vector<double>&, const balancer_options&, const extents<3>&);
-template std::vector<double> redistribute(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const extents<3>&);
+template std::vector<double> redistribute(const cuts<3>&, const cuts<3>&, const std::vector<double>&,
+                                          const extents<3>&);
 template std::vector<double> migrating(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const extents<3>&);
 template decision worth_moving(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const std::vector<double>&,
                                const move_costs&, std::int64_t, const experience&, const extents<3>&);

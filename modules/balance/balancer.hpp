@@ -96,15 +96,21 @@ struct decision {
   std::string reason;
 };
 
-// Predicted gains come true only in part: a cell's cost is not spread evenly, measured times scatter. The
-// part that did is learnt from the moves made so far.
+// Predicted gains come true only in part: a cell's cost is not spread evenly, ranks differ in speed, measured
+// times scatter. What did come true of the moves made so far says how far to trust the next prediction. How
+// the ranks' imbalance (t/mean - 1) after a move correlates with that before says how much of it to remove at
+// once: negative, the move went too far or followed mere scatter; positive, not far enough.
 struct experience {
-  double trust = 1.0;
-  void moved(double predicted, double found);  // s per step
-  void stayed();                               // forgets slowly, so that a new imbalance gets its chance
+  double trust = 1.0;       // multiplies predicted gains
+  double relaxation = 1.0;  // multiplies balancer_options::relaxation
+  // The last move: predicted gain, s per step of the slowest rank; measured times per step before and after.
+  void moved(double predicted, const std::vector<double>& before, const std::vector<double>& after);
+  void stayed();  // forgets slowly, so that a new imbalance gets its chance
 };
+balancer_options relaxed(balancer_options o, const experience& so_far);
 
-// Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step.
+// Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step. No
+// rank can become faster than one of its particles: where ranks have few, there is little to gain.
 template <int D>
 decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& time_per_step,
                       const std::vector<double>& particles, const move_costs& moving, std::int64_t steps,
@@ -114,7 +120,7 @@ decision worth_moving(double slowest_now, double slowest_then, double cost, std:
 
 // Of the time over the ranks; 0 where all are zero.
 struct spread {
-  double mean = 0.0, minimum = 0.0, maximum = 0.0;                                     // s
+  double mean = 0.0, minimum = 0.0, maximum = 0.0;  // s
   double over_mean() const { return mean > 0.0 ? (maximum - minimum) / mean : 0.0; }
   double over_maximum() const { return maximum > 0.0 ? (maximum - minimum) / maximum : 0.0; }
   double efficiency() const { return maximum > 0.0 ? mean / maximum : 1.0; }

@@ -17,8 +17,9 @@ void declare(namelist::schema& schema, distribution_options& o) {
     schema.add(group, std::string("length_") + "xyz"[a], o.length[a],
                {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box"});
   schema.add(group, "particles", o.particles, {.minimum = 1, .maximum = 2e9, .meaning = "about how many of all kinds"});
-  schema.add(group, "jitter", o.jitter,
-             {.minimum = 0.0, .maximum = 1.0, .meaning = "random displacement, full width, in spacings of the lattice"});
+  schema.add(
+      group, "jitter", o.jitter,
+      {.minimum = 0.0, .maximum = 1.0, .meaning = "random displacement, full width, in spacings of the lattice"});
   schema.add(group, "seed", o.seed, {.meaning = "of the jitter and of the blobs' places"});
   const auto part = [](std::string meaning) {
     return namelist::key_info{.minimum = 0.0, .maximum = 1.0, .meaning = std::move(meaning)};
@@ -50,7 +51,8 @@ void declare(namelist::schema& schema, cost_options& o) {
   schema.add(group, "halo_width", o.halo_width,
              {.minimum = 0.1, .maximum = 100.0, .meaning = "reach of a particle, in spacings"});
   schema.add(group, "migrate", o.migrate, seconds("of a move: for each particle that a rank sends or receives"));
-  schema.add(group, "list", o.list, seconds("of a move: for each particle of the fullest rank, new lists"));
+  schema.add(group, "list", o.list,
+             seconds("of a move: for each particle of the fullest rank, beyond the new lists due anyway"));
 }
 
 void declare(namelist::schema& schema, machine_options& o) {
@@ -76,6 +78,8 @@ void declare(namelist::schema& schema, schedule_options& o) {
   schema.add(group, "start", o.start,
              {.choices = {"equal_counts", "equal_size"},
               .meaning = "first cuts: as many particles for each rank, or as much room"});
+  schema.add(group, "move", o.move,
+             {.choices = {"when_worth", "always"}, .meaning = "whether a decision weighs gain against cost"});
   schema.add(group, "steps", o.steps, {.minimum = 1, .maximum = 1e12, .meaning = "time steps of the run"});
   schema.add(group, "steps_between", o.steps_between,
              {.minimum = 1, .maximum = 1e12, .meaning = "time steps from one decision to the next"});
@@ -96,7 +100,7 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.schedule);
   balance::declare(schema, o.balancer);
   schema.group("compare", "other partitioners on the same particles and costs (Zoltan)");
-  schema.add("compare", "methods", o.compare, {.maximum_size = 2, .meaning = "any of 'rcb', 'hsfc'"});
+  schema.add("compare", "methods", o.compare, {.maximum_size = 2, .meaning = "any of 'rcb', 'hsfc'; or 'none'"});
 }
 
 void complete(const namelist::schema& schema, options& o) {
@@ -111,6 +115,8 @@ void complete(const namelist::schema& schema, options& o) {
     schema.fail("distribution", "water_level", "must not be higher than bowl_rim");
   if (d.kind == "bowl" && !(d.bowl_radius > 0.0)) schema.fail("distribution", "bowl_radius", "must be > 0");
   if (d.fall > 0.0 && d.kind != "blobs") schema.fail("distribution", "fall", "only blobs fall");
+  std::erase_if(o.compare, [](const std::string& name) { return name.empty() || name == "none"; });
+  if (o.compare.size() == 2 && o.compare[0] == o.compare[1]) schema.fail("compare", "methods", "names one twice");
   for (const auto& name : o.compare)
     if (name != "rcb" && name != "hsfc") schema.fail("compare", "methods", "'" + name + "': expected 'rcb' or 'hsfc'");
   if (o.schedule.horizon == 0) o.schedule.horizon = o.schedule.steps_between;

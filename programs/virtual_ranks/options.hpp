@@ -15,7 +15,7 @@ struct distribution_options {
   std::int64_t dimension = 2;
   std::array<double, 3> length{2.0, 1.0, 2.0};  // m
   std::int64_t particles = 1000000;
-  double jitter = 0.5;  // of the spacing
+  double jitter = 1.0;  // of the spacing
   std::int64_t seed = 1;
   double bowl_bottom = 0.1, bowl_rim = 0.6, bowl_radius = 0.45, water_level = 0.3;
   std::int64_t blobs = 12;
@@ -27,7 +27,7 @@ struct cost_options {
   double fluid = 2e-6, wall = 5e-7, marker = 1e-6, metal = 4e-6;  // s
   double halo = 2e-8, latency = 2e-6;                             // s
   double halo_width = 3.8;                                        // of the spacing
-  double migrate = 4e-7, list = 1e-6;                             // s
+  double migrate = 4e-7, list = 1e-7;                             // s
 };
 
 struct machine_options {
@@ -39,7 +39,7 @@ struct machine_options {
 };
 
 struct schedule_options {
-  std::string start = "equal_counts";
+  std::string start = "equal_counts", move = "when_worth";
   std::int64_t steps = 5000, steps_between = 100, updates = 1000000, horizon = 0;
 };
 

@@ -1,12 +1,12 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <virtual_ranks/scene.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <virtual_ranks/scene.hpp>
 
 namespace tetsuame::virtual_ranks {
 
@@ -242,8 +242,10 @@ bool move_blobs(scene<D>& s, const distribution_options& o, std::int64_t steps) 
     std::array<std::int64_t, D> low{}, high{};
     for (std::size_t a = 0; a < D; ++a) {
       const double bins = static_cast<double>(s.bins[a]) / s.length[a];
-      low[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor((c[a] - radius) * bins)), 0, s.bins[a] - 1);
-      high[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor((c[a] + radius) * bins)), 0, s.bins[a] - 1);
+      low[a] =
+          std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor((c[a] - radius) * bins)), 0, s.bins[a] - 1);
+      high[a] =
+          std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor((c[a] + radius) * bins)), 0, s.bins[a] - 1);
     }
     const auto visit = [&](auto&& self, std::size_t axis, std::size_t bin) -> void {
       if (axis == 0) {

@@ -3,9 +3,9 @@
 
 #include <array>
 #include <balance/cuts.hpp>
-#include <virtual_ranks/options.hpp>
 #include <cstdint>
 #include <vector>
+#include <virtual_ranks/options.hpp>
 
 namespace tetsuame::virtual_ranks {
 
@@ -19,9 +19,9 @@ struct scene {
   std::vector<kind> kinds;
 
   // Bins of the halo's width; particles stand in the order of their bins.
-  double bin_width = 0.0;                // m
-  std::array<std::int64_t, D> bins{};    // along each axis
-  std::vector<std::size_t> first;        // of each bin; one more than bins
+  double bin_width = 0.0;                    // m
+  std::array<std::int64_t, D> bins{};        // along each axis
+  std::vector<std::size_t> first;            // of each bin; one more than bins
   std::vector<std::array<double, D>> blobs;  // centres at the start
 
   std::size_t size() const { return x.size(); }

@@ -79,8 +79,9 @@ std::vector<int> partition(const std::string& method, const std::vector<std::arr
   std::vector<int> ids(sizes.size()), weight_index(sizes.size(), 0);
   std::iota(ids.begin(), ids.end(), 0);
   std::vector<float> part_sizes(sizes.begin(), sizes.end());
-  expect(Zoltan_LB_Set_Part_Sizes(z, 1, static_cast<int>(ids.size()), ids.data(), weight_index.data(), part_sizes.data()),
-         "LB_Set_Part_Sizes");
+  expect(
+      Zoltan_LB_Set_Part_Sizes(z, 1, static_cast<int>(ids.size()), ids.data(), weight_index.data(), part_sizes.data()),
+      "LB_Set_Part_Sizes");
 
   int changes = 0, gid = 1, lid = 1, n_import = 0, n_export = 0;
   ZOLTAN_ID_PTR import_global = nullptr, import_local = nullptr, export_global = nullptr, export_local = nullptr;
