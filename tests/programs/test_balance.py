@@ -6,14 +6,14 @@ import subprocess
 import sys
 import unittest
 
-from running import BAD_INPUT, FILE_FAILED, INPUTS, LIMIT_S, Case, environment
+from running import INPUTS, LIMIT_S, Case, environment
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs"
 BOWL = INPUTS / "balance_bowl.nml"
 FEW = {"distribution.particles": 300000, "compare.methods": "none"}
 
 
-class Balance(Case):
+class Runs(Case):
     def balance(self, name="balance_bowl", settings=None, ranks=None, **how):
         options = [] if ranks is None else ["--ranks", str(ranks)]
         return self.run_program("balance", name, settings or {}, options=options, **how)
@@ -23,6 +23,8 @@ class Balance(Case):
         place = [text.split(" ")[0] for text in header].index(name)
         return [float(line[place]) for line in lines]
 
+
+class Balance(Runs):
     def test_bowl(self):
         result = self.balance(settings={**FEW, "compare.methods": "rcb"})
         found = result.summary["metrics"]
@@ -78,16 +80,6 @@ class Balance(Case):
                                         "schedule.move": "always"}, ranks=36)
         self.assertLess(result.summary["metrics"]["spread_final"], 0.3)
 
-    def test_extremes(self):
-        small = {**FEW, "distribution.particles": 500}
-        for ranks in (1, 7, 997):
-            with self.subTest(ranks=ranks):
-                found = self.balance(settings={**small, "compare.methods": "'rcb','hsfc'"}, ranks=ranks).summary["metrics"]
-                self.assertLessEqual(found["run_time_balanced"], 1.02 * found["run_time_equal_counts"])
-        zero = {f"cost.{key}": 0 for key in ("fluid", "wall", "marker", "metal", "halo", "latency")}
-        found = self.balance(settings={**small, **zero}, ranks=12).summary["metrics"]
-        self.assertEqual((found["spread_initial"], found["spread_final"], found["updates"]), (0, 0, 0))
-
     def test_three_dimensions(self):
         settings = {**FEW, "distribution.dimension": 3, "distribution.particles": 200000}
         result = self.balance(settings=settings, ranks=27)
@@ -102,23 +94,6 @@ class Balance(Case):
         self.assertEqual(found["fluid_particles"], made.summary["fluid_particles"])
         self.assertEqual(found["wall_particles"], made.summary["wall_particles"])
         self.assertGreater(found["metrics"]["efficiency_predicted"], 0.5)
-
-    def test_refused(self):
-        for words, says in [(["--ranks", "0"], "ranks"), (["--ranks", "x"], "ranks"),
-                            (["--set", "machine.ranks_x=5"], "ranks_x"), (["--set", "compare.methods=metis"], "metis"),
-                            (["--set", "distribution.kind=snapshot"], "file"),
-                            (["--set", "distribution.bowl_bottom=0.9"], "bowl_bottom")]:
-            with self.subTest(words=words):
-                self.assert_says(self.call("balance", BOWL, *words, "--output", "out"), BAD_INPUT, "balance", says)
-        self.assert_says(self.call("balance", BOWL, "--set", "distribution.kind=snapshot", "--set",
-                                   "distribution.file=none.h5", "--output", "out"), FILE_FAILED, "none.h5")
-        self.assert_says(self.call("balance", BOWL, "--restart", "latest"), BAD_INPUT, "--restart")
-        self.assertEqual(self.listing(), {})
-
-    def test_describe_is_an_input(self):
-        described = self.call("balance", "--describe")
-        (self.here / "in.nml").write_text(described.stdout)
-        self.assertEqual(self.call("balance", "in.nml", "--check").status, 0)
 
     def test_page(self):
         result = self.balance(settings={**FEW, "distribution.particles": 20000, "compare.methods": "rcb"}, ranks=12)
