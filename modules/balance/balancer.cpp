@@ -404,8 +404,15 @@ template <int D>
 decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& time_per_step,
                       const std::vector<double>& particles, const move_costs& moving, std::int64_t steps,
                       const experience& so_far, const extents<D>& where) {
-  const auto after = redistribute(now, then, time_per_step, where);
-  const auto in_and_out = migrating(now, then, particles, where);
+  check_size(now, time_per_step.size(), "times");
+  check_size(now, particles.size(), "numbers of particles");
+  std::vector<double> after(particles.size(), 0.0), in_and_out(particles.size(), 0.0);
+  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) {
+    after[to] += part * time_per_step[from];
+    if (from == to) return;
+    in_and_out[from] += part * particles[from];
+    in_and_out[to] += part * particles[from];
+  });
   const double cost = moving.per_particle * *std::max_element(in_and_out.begin(), in_and_out.end()) + moving.rebuild;
   double slowest = *std::max_element(after.begin(), after.end());
   for (std::size_t r = 0; r < particles.size(); ++r)
