@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <virtual_ranks/machine.hpp>
 
@@ -132,7 +133,7 @@ balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner,
 
 std::vector<double> slowness_of(const machine_options& o) {
   const auto ranks = static_cast<std::size_t>(o.ranks);
-  const auto slow = static_cast<std::size_t>(o.slow_fraction * static_cast<double>(ranks) + 0.5);
+  const auto slow = static_cast<std::size_t>(std::lround(o.slow_fraction * static_cast<double>(ranks)));
   std::vector<std::size_t> order(ranks);
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (o.slow_pattern == "random") {
