@@ -18,7 +18,7 @@ using foundation::error;
 using foundation::exit_status;
 
 // Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
-int parse(int argc, char** argv, bool speaks, command_line& line) {
+int parse(int argc, char** argv, bool speaks, const program_input& in, command_line& line) {
   CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
   app.add_option("INPUT", line.input, "namelist file")->type_name("INPUT.nml");
   app.add_option("--set", line.set, "group.key=value, over what the file says; may be repeated")
@@ -27,8 +27,14 @@ int parse(int argc, char** argv, bool speaks, command_line& line) {
       ->type_name("group.key=value");
   app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")
       ->type_name("DIR");
-  app.add_option("--restart", line.restart, "continue from a checkpoint, or from the latest in the output directory")
-      ->type_name("FILE|latest");
+  if (in.restarts)
+    app.add_option("--restart", line.restart, "continue from a checkpoint, or from the latest in the output directory")
+        ->type_name("FILE|latest");
+  std::vector<std::string> short_values(in.shorthands.size());
+  for (std::size_t k = 0; k < short_values.size(); ++k)
+    app.add_option(in.shorthands[k].option, short_values[k],
+                   in.shorthands[k].meaning + ": --set " + in.shorthands[k].key + "=" + in.shorthands[k].type)
+        ->type_name(in.shorthands[k].type);
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
   app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
   app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");
@@ -37,6 +43,8 @@ int parse(int argc, char** argv, bool speaks, command_line& line) {
     app.parse(argc, argv);
     if (!line.describe && line.input.empty()) throw CLI::RequiredError("INPUT");
     if (line.force && !line.restart.empty()) throw CLI::ValidationError("--force and --restart exclude each other");
+    for (std::size_t k = 0; k < short_values.size(); ++k)
+      if (!short_values[k].empty()) line.set.push_back(in.shorthands[k].key + "=" + short_values[k]);
   } catch (const CLI::Success& e) {
     if (speaks) app.exit(e);
     return 0;
@@ -63,13 +71,11 @@ std::string read_text(const domain::communicator& ranks, const std::string& path
   return ranks.broadcast(text);
 }
 
-int run_guarded(const domain::communicator& ranks, command_line& line, const std::string& treatment,
-                const std::function<void(const command_line&, const input&)>& run) {
+int run_guarded(const domain::communicator& ranks, command_line& line, const program_input& in,
+                const std::function<void(const command_line&, const std::string&)>& run) {
   try {
-    input in;
-    in.values.walls.treatment = treatment;
     namelist::schema schema;
-    declare(schema, in.values);
+    in.declare(schema);
     if (line.describe) {
       if (ranks.rank == 0) schema.describe(std::cout);
       return 0;
@@ -77,17 +83,16 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const std
     namelist::document document = namelist::parse_text(read_text(ranks, line.input), line.input);
     for (const auto& argument : line.set) document.set(argument);
     schema.read(document);
-    resolve(schema, in.values);
+    in.complete(schema);
     std::ostringstream resolved;
     schema.write_resolved(resolved);
-    in.resolved = resolved.str();
     if (line.check) {
-      if (ranks.rank == 0) std::cout << in.resolved;
+      if (ranks.rank == 0) std::cout << resolved.str();
       return 0;
     }
     if (line.output.empty())
       line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
-    run(line, in);
+    run(line, resolved.str());
     return 0;
   } catch (const error& e) {
     if (ranks.rank == 0) std::cerr << line.program << ": " << e.what() << '\n';
@@ -99,19 +104,34 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const std
 
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
           const std::function<void(const command_line&, const input&)>& run) {
+  input in;
+  in.values.walls.treatment = treatment;
+  const program_input own{.program = program,
+                          .shorthands = {},
+                          .restarts = true,
+                          .declare = [&](namelist::schema& schema) { declare(schema, in.values); },
+                          .complete = [&](const namelist::schema& schema) { resolve(schema, in.values); }};
+  return start(argc, argv, own, [&](const command_line& line, const std::string& resolved) {
+    in.resolved = resolved;
+    run(line, in);
+  });
+}
+
+int start(int argc, char** argv, const program_input& input,
+          const std::function<void(const command_line&, const std::string&)>& run) {
   foundation::hand_over_to_widest(argv);
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   const auto ranks = domain::communicator::world();
   command_line line;
-  line.program = program;
-  int status = parse(argc, argv, ranks.rank == 0, line);
+  line.program = input.program;
+  int status = parse(argc, argv, ranks.rank == 0, input, line);
   if (status < 0) {
     try {
-      status = run_guarded(ranks, line, treatment, run);
+      status = run_guarded(ranks, line, input, run);
     } catch (const std::exception& e) {
       // Not ours: out of memory, say. Other ranks may wait for this one.
-      std::fprintf(stderr, "%s: rank %d: %s\n", program.c_str(), ranks.rank, e.what());
+      std::fprintf(stderr, "%s: rank %d: %s\n", input.program.c_str(), ranks.rank, e.what());
       MPI_Abort(ranks.comm, static_cast<int>(exit_status::calculation_failed));
     }
   }

@@ -29,6 +29,21 @@ struct input {
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
           const std::function<void(const command_line&, const input&)>& run);
 
+// A program with an input of its own.
+struct shorthand {
+  std::string option, key, type, meaning;  // "--ranks", "machine.ranks", "P": --ranks 4 is --set machine.ranks=4
+};
+struct program_input {
+  std::string program;
+  std::vector<shorthand> shorthands;
+  bool restarts = false;                                  // knows --restart
+  std::function<void(namelist::schema&)> declare;         // all groups and keys
+  std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
+};
+// As above. `run` gets the input as resolved, a namelist.
+int start(int argc, char** argv, const program_input& input,
+          const std::function<void(const command_line&, const std::string& resolved)>& run);
+
 // Of the source: the git commit it was built from.
 std::string version();
 

@@ -1,0 +1,443 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <balance/balancer.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <limits>
+#include <numeric>
+
+namespace tetsuame::balance {
+
+namespace {
+
+// A piece of a piecewise constant density: an amount between a and b.
+struct piece {
+  double a, b, amount;
+};
+
+// Part of an old group of cells, all slabs of it, that lies in a new cell.
+struct source {
+  std::size_t group;
+  double fraction;
+};
+
+// Narrower slabs count as this wide, in parts of the box: a density stays finite where cuts coincide.
+constexpr double narrowest = 1e-9;
+
+piece spread_over(double a, double b, double amount, double length) {
+  const double missing = narrowest * length - (b - a);
+  if (missing > 0.0) a -= 0.5 * missing, b += 0.5 * missing;
+  return {a, b, amount};
+}
+
+// The part of [a, b] that lies in slab n of a group: at the box's borders, what stands out counts as inside.
+double part_in(const piece& p, const double* cut, int n, int count) {
+  const double lower = n == 0 ? -std::numeric_limits<double>::infinity() : cut[n];
+  const double upper = n + 1 == count ? std::numeric_limits<double>::infinity() : cut[n + 1];
+  return std::max(0.0, std::min(p.b, upper) - std::max(p.a, lower)) / (p.b - p.a);
+}
+
+// At least w apart from each other and from the ends, moved as little as a pass from each side does; equal
+// widths where there is no room.
+void keep_apart(double* cut, int count, double w) {
+  const double first = cut[0], last = cut[count];
+  if (w * count >= last - first) {
+    for (int n = 1; n < count; ++n) cut[n] = first + (last - first) * n / count;
+    return;
+  }
+  for (int n = 1; n < count; ++n) cut[n] = std::max(cut[n], cut[n - 1] + w);
+  for (int n = count - 1; n > 0; --n) cut[n] = std::min(cut[n], cut[n + 1] - w);
+}
+
+// Inner cuts at which the integral of the density reaches the wanted amounts, given up to a common factor.
+// The ends of `cut` are set.
+void place(const std::vector<piece>& pieces, const std::vector<double>& wanted, double floor, double* cut) {
+  const int count = static_cast<int>(wanted.size());
+  const double first = cut[0], last = cut[count];
+  double sum = 0.0;
+  for (const auto& p : pieces) sum += p.amount;
+  // The density changes at the pieces' ends: by how much, and where.
+  std::vector<std::pair<double, double>> changes;
+  changes.reserve(2 * pieces.size() + 2);
+  const double base = (sum > 0.0 ? floor * sum : 1.0) / (last - first);
+  changes.emplace_back(first, base);
+  for (const auto& p : pieces) {
+    if (!(p.amount > 0.0)) continue;
+    const double density = p.amount / (p.b - p.a);
+    changes.emplace_back(std::max(p.a, first), density);
+    changes.emplace_back(std::min(p.b, last), -density);
+  }
+  std::sort(changes.begin(), changes.end());
+  changes.emplace_back(last, 0.0);
+  const auto integrate = [&](auto&& at_segment) {
+    double density = 0.0, below = 0.0;
+    for (std::size_t k = 0; k + 1 < changes.size(); ++k) {
+      density = std::max(density + changes[k].second, base);  // rounding must not make it negative
+      const double a = changes[k].first, b = changes[k + 1].first;
+      at_segment(a, density, below, below + density * (b - a));
+      below += density * (b - a);
+    }
+    return below;
+  };
+  const double total = integrate([](double, double, double, double) {});
+  const double all_wanted = std::accumulate(wanted.begin(), wanted.end(), 0.0);
+  int n = 1;
+  double target = total * wanted[0] / all_wanted;
+  integrate([&](double a, double density, double below, double above) {
+    for (; n < count && target <= above; ++n) {
+      cut[n] = a + (target - below) / density;
+      target += total * wanted[static_cast<std::size_t>(n)] / all_wanted;
+    }
+  });
+  for (; n < count; ++n) cut[n] = last;  // what rounding left over
+}
+
+// Sums of the time (or of anything else) over the cells of each level: level[a] has one value for each slab of axis a.
+template <int D>
+std::array<std::vector<double>, D> level_sums(const cuts<D>& c, const std::vector<double>& per_rank) {
+  std::array<std::vector<double>, D> level;
+  level[D - 1] = per_rank;
+  for (std::size_t a = D - 1; a-- > 0;) {
+    const auto inner = static_cast<std::size_t>(c.counts[a + 1]);
+    level[a].assign(level[a + 1].size() / inner, 0.0);
+    for (std::size_t k = 0; k < level[a + 1].size(); ++k) level[a][k / inner] += level[a + 1][k];
+  }
+  return level;
+}
+
+// Where the slabs of each level begin and end, as far as they hold particles: [lower, upper] of each slab.
+template <int D>
+std::array<std::vector<std::pair<double, double>>, D> level_ranges(const cuts<D>& c, const extents<D>& where) {
+  std::array<std::vector<std::pair<double, double>>, D> level;
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto count = static_cast<std::size_t>(c.counts[a]);
+    for (std::size_t g = 0; g < c.groups(a); ++g)
+      for (std::size_t n = 0; n < count; ++n) level[a].emplace_back(c.group(a, g)[n], c.group(a, g)[n + 1]);
+    if (where.empty()) continue;
+    const std::size_t inner = where.size() / level[a].size();  // ranks in a slab
+    for (std::size_t k = 0; k < level[a].size(); ++k) {
+      extent<D> all;
+      for (std::size_t r = k * inner; r < (k + 1) * inner; ++r) {
+        all.lower[a] = std::min(all.lower[a], where[r].lower[a]);
+        all.upper[a] = std::max(all.upper[a], where[r].upper[a]);
+      }
+      auto& [lower, upper] = level[a][k];
+      const double low = std::clamp(all.lower[a], lower, upper), high = std::clamp(all.upper[a], lower, upper);
+      if (all.lower[a] <= all.upper[a]) lower = low, upper = high;
+    }
+  }
+  return level;
+}
+
+// What a balancer knows of the present: cuts, and where in each slab of each level its contents are.
+template <int D>
+struct present {
+  const cuts<D>& now;
+  std::array<std::vector<std::pair<double, double>>, D> range;
+  present(const cuts<D>& c, const extents<D>& where) : now(c), range(level_ranges(c, where)) {}
+
+  // The contents of slab m of a group, with this amount.
+  piece slab(std::size_t axis, std::size_t g, int m, double amount) const {
+    const auto& [a, b] = range[axis][g * static_cast<std::size_t>(now.counts[axis]) + static_cast<std::size_t>(m)];
+    return spread_over(a, b, amount, now.group(axis, g)[now.counts[axis]] - now.group(axis, g)[0]);
+  }
+
+  // The sources of the next level's cuts in slab n between new cuts: the old slabs that reach into it.
+  std::vector<source> within(const std::vector<source>& from, std::size_t axis, const double* cut, int n) const {
+    const int count = now.counts[axis];
+    const double near = narrowest * (cut[count] - cut[0]);
+    std::vector<source> found;
+    for (const auto& s : from) {
+      const double* old = now.group(axis, s.group);
+      // From the last old slab that begins at or below the new one, or touches it within rounding.
+      auto m = static_cast<int>(std::upper_bound(old, old + count, cut[n] - near) - old);
+      for (m = std::max(0, m - 1); m < count && (n + 1 == count || old[m] <= cut[n + 1] + near); ++m) {
+        const double part = part_in(slab(axis, s.group, m, 0.0), cut, n, count);
+        if (part > 0.0)
+          found.push_back({s.group * static_cast<std::size_t>(count) + static_cast<std::size_t>(m), s.fraction * part});
+      }
+    }
+    return found;
+  }
+};
+
+template <int D>
+struct remapping {
+  const present<D>& at;
+  std::array<std::vector<double>, D> time, speed;  // of the slabs of each level
+  const balancer_options& o;
+  cuts<D> then;
+
+  // The amounts wanted in the slabs of a group: by the ranks' speed, and, under-relaxed, still a part of
+  // what these ranks have now.
+  std::vector<double> wanted(std::size_t axis, std::size_t g) const {
+    const auto count = static_cast<std::size_t>(at.now.counts[axis]);
+    const double* t = time[axis].data() + g * count;
+    const double* v = speed[axis].data() + g * count;
+    const double t_sum = std::accumulate(t, t + count, 0.0), v_sum = std::accumulate(v, v + count, 0.0);
+    std::vector<double> w(count);
+    for (std::size_t n = 0; n < count; ++n) {
+      w[n] = v_sum > 0.0 ? v[n] / v_sum : 1.0 / static_cast<double>(count);
+      if (t_sum > 0.0) w[n] = o.relaxation * w[n] + (1.0 - o.relaxation) * t[n] / t_sum;
+    }
+    return w;
+  }
+
+  void cut_group(std::size_t axis, std::size_t g, const std::vector<source>& from) {
+    const int count = at.now.counts[axis];
+    double* cut = then.group(axis, g);
+    std::vector<piece> pieces;
+    pieces.reserve(from.size() * static_cast<std::size_t>(count));
+    for (const auto& s : from) {
+      const double* t = time[axis].data() + s.group * static_cast<std::size_t>(count);
+      for (int m = 0; m < count; ++m) pieces.push_back(at.slab(axis, s.group, m, s.fraction * t[m]));
+    }
+    place(pieces, wanted(axis, g), o.floor, cut);
+    keep_apart(cut, count, o.minimum_width);
+    if (axis + 1 == D) return;
+    for (int n = 0; n < count; ++n)
+      cut_group(axis + 1, g * static_cast<std::size_t>(count) + static_cast<std::size_t>(n),
+                at.within(from, axis, cut, n));
+  }
+};
+
+template <int D>
+cuts<D> remap(const cuts<D>& now, std::vector<double> time, const balancer_options& o, const extents<D>& where) {
+  std::vector<double> speed = o.speed.empty() ? std::vector<double>(time.size(), 1.0) : o.speed;
+  // The time of a rank of unit speed, which is a property of the place.
+  for (std::size_t r = 0; r < time.size(); ++r) time[r] *= speed[r];
+  const present<D> at(now, where);
+  remapping<D> r{at, level_sums(now, time), level_sums(now, speed), o, now};
+  r.cut_group(0, 0, {{0, 1.0}});
+  return r.then;
+}
+
+// One group of cuts by relaxation. t: s, of each slab.
+void relax(double* cut, const double* t, int count, const balancer_options& o) {
+  const std::vector<double> old(cut, cut + count + 1);
+  const double length = old.back() - old.front();
+  const double base = o.floor * std::accumulate(t, t + count, 0.0) / length;
+  // Of the time as it was measured: the density stays where it is when cuts move.
+  const auto time_between = [&](double a, double b) {
+    double sum = base * (b - a);
+    auto m = static_cast<std::size_t>(
+        std::max<std::ptrdiff_t>(0, std::upper_bound(old.begin(), old.end(), a) - old.begin() - 2));
+    for (; m < static_cast<std::size_t>(count) && old[m] <= b; ++m) {
+      const auto p = spread_over(old[m], old[m + 1], t[m], length);
+      sum += p.amount * std::max(0.0, std::min(p.b, b) - std::max(p.a, a)) / (p.b - p.a);
+    }
+    return sum;
+  };
+  int coarsest = 0;
+  while (coarsest < o.levels && (2 << coarsest) < count) ++coarsest;
+  for (int l = coarsest; l >= 0; --l) {
+    const int stride = 1 << l, groups = (count + stride - 1) / stride;
+    const auto border = [&](int i) { return std::min(i * stride, count); };
+    std::vector<double> time(static_cast<std::size_t>(groups)), density(time.size()), moved(cut, cut + count + 1);
+    for (int i = 0; i < groups; ++i) {
+      const double a = cut[border(i)], b = cut[border(i + 1)];
+      const auto slabs = static_cast<double>(border(i + 1) - border(i));
+      const double sum = time_between(a, b);
+      time[static_cast<std::size_t>(i)] = sum / slabs;  // the last group may have fewer slabs
+      density[static_cast<std::size_t>(i)] = sum / slabs / std::max(b - a, narrowest * length);
+    }
+    // A cut gives to one group what it takes from the other: time per slab changes by density per slab.
+    for (int i = 1; i < groups; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double slope = density[k] + density[k - 1];
+      if (slope > 0.0) moved[static_cast<std::size_t>(border(i))] += o.relaxation * (time[k] - time[k - 1]) / slope;
+    }
+    // Order is kept, and the cuts within a group move along.
+    std::vector<double> next(moved.size());
+    double before = old.front();
+    next.front() = before;
+    for (int i = 1; i <= groups; ++i) {
+      const int b = border(i), a = border(i - 1);
+      next[static_cast<std::size_t>(b)] = before = std::clamp(moved[static_cast<std::size_t>(b)], before, old.back());
+      const double was = cut[b] - cut[a], is = next[static_cast<std::size_t>(b)] - next[static_cast<std::size_t>(a)];
+      for (int n = a + 1; n < b; ++n)
+        next[static_cast<std::size_t>(n)] =
+            next[static_cast<std::size_t>(a)] + (was > 0.0 ? (cut[n] - cut[a]) / was : (n - a) / double(b - a)) * is;
+    }
+    std::copy(next.begin(), next.end(), cut);
+  }
+  keep_apart(cut, count, o.minimum_width);
+}
+
+template <int D>
+cuts<D> level_relaxation(const cuts<D>& now, const std::vector<double>& time, const balancer_options& o) {
+  cuts<D> then = now;
+  const auto level = level_sums(now, time);
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t g = 0; g < now.groups(a); ++g)
+      relax(then.group(a, g), level[a].data() + g * static_cast<std::size_t>(now.counts[a]), now.counts[a], o);
+  return then;
+}
+
+// visit(old rank, new rank, part of the old cell) for each pair of cells that meet.
+template <int D, class F>
+void visit_overlaps(const cuts<D>& now, const cuts<D>& then, const extents<D>& where, const F& visit) {
+  const present<D> at(now, where);
+  const auto within = [&](auto&& self, std::size_t axis, std::size_t g, const std::vector<source>& from) -> void {
+    for (int n = 0; n < then.counts[axis]; ++n) {
+      const auto found = at.within(from, axis, then.group(axis, g), n);
+      const std::size_t cell = g * static_cast<std::size_t>(then.counts[axis]) + static_cast<std::size_t>(n);
+      if (axis + 1 < D)
+        self(self, axis + 1, cell, found);
+      else
+        for (const auto& s : found) visit(s.group, cell, s.fraction);
+    }
+  };
+  within(within, 0, 0, {{0, 1.0}});
+}
+
+template <int D>
+void check_size(const cuts<D>& c, std::size_t n, const char* what) {
+  if (n != static_cast<std::size_t>(c.ranks()))
+    foundation::fail_input(fmt::format("the balancer got {} {} for {} ranks", n, what, c.ranks()));
+}
+
+}  // namespace
+
+std::vector<double> total(const costs& c) {
+  if (c.computing.size() != c.communication.size())
+    foundation::fail_input(fmt::format("computing times of {} ranks, communication times of {}", c.computing.size(),
+                                       c.communication.size()));
+  std::vector<double> sum(c.computing);
+  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += c.communication[r];
+  return sum;
+}
+
+void declare(namelist::schema& schema, balancer_options& o) {
+  schema.group("balancer", "how the cuts between ranks follow the measured times");
+  schema.add("balancer", "method", o.method,
+             {.choices = {"remap", "level_relaxation"},
+              .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
+  schema.add("balancer", "relaxation", o.relaxation,
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .exclusive_minimum = true,
+              .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
+  schema.add("balancer", "minimum_width", o.minimum_width, {.unit = "m", .minimum = 0.0, .meaning = "of every slab"});
+  schema.add("balancer", "floor", o.floor,
+             {.minimum = 1e-12,
+              .maximum = 1.0,
+              .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
+  schema.add("balancer", "levels", o.levels,
+             {.minimum = 0, .maximum = 30, .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
+}
+
+template <int D>
+cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
+                const extents<D>& where) {
+  check_size(now, time_per_rank.size(), "times");
+  if (!o.speed.empty()) check_size(now, o.speed.size(), "speeds");
+  if (!where.empty()) check_size(now, where.size(), "extents");
+  std::vector<double> time(time_per_rank);
+  for (double& t : time)
+    if (!(t > 0.0) || !std::isfinite(t)) t = 0.0;
+  if (std::all_of(time.begin(), time.end(), [](double t) { return t == 0.0; })) return now;
+  if (o.method == "remap") return remap(now, std::move(time), o, where);
+  if (o.method == "level_relaxation") return level_relaxation(now, time, o);
+  foundation::fail_input("unknown method of the balancer: " + o.method);
+}
+
+template <int D>
+std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount,
+                                 const extents<D>& where) {
+  check_size(now, amount.size(), "amounts");
+  std::vector<double> found(amount.size(), 0.0);
+  visit_overlaps(now, then, where,
+                 [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
+  return found;
+}
+
+template <int D>
+std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& particles,
+                              const extents<D>& where) {
+  check_size(now, particles.size(), "numbers of particles");
+  std::vector<double> found(particles.size(), 0.0);
+  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) {
+    if (from == to) return;
+    found[from] += part * particles[from];
+    found[to] += part * particles[from];
+  });
+  return found;
+}
+
+void experience::moved(double predicted, const std::vector<double>& before, const std::vector<double>& after) {
+  const auto was = spread_of(before), is = spread_of(after);
+  if (predicted > 0.0)
+    trust = std::max(0.05, 0.5 * (trust + std::clamp((was.maximum - is.maximum) / predicted, 0.0, 1.0)));
+  double both = 0.0, was_square = 0.0, is_square = 0.0;
+  for (std::size_t r = 0; r < std::min(before.size(), after.size()); ++r) {
+    const double a = before[r] / std::max(was.mean, 1e-300) - 1.0, b = after[r] / std::max(is.mean, 1e-300) - 1.0;
+    both += a * b;
+    was_square += a * a;
+    is_square += b * b;
+  }
+  if (!(was_square > 0.0) || !(is_square > 0.0)) return;
+  const double correlation = both / std::sqrt(was_square * is_square);
+  if (correlation < -0.2) relaxation = std::max(0.15, 0.6 * relaxation);
+  if (correlation > 0.2) relaxation = std::min(1.0, 1.25 * relaxation);
+}
+
+void experience::stayed() { trust += 0.05 * (1.0 - trust); }
+
+balancer_options relaxed(balancer_options o, const experience& so_far) {
+  o.relaxation *= so_far.relaxation;
+  return o;
+}
+
+decision worth_moving(double slowest_now, double slowest_then, double cost, std::int64_t steps, double trust) {
+  decision d;
+  d.gain = trust * (slowest_now - slowest_then) * static_cast<double>(steps);
+  d.cost = cost;
+  d.move = d.gain > d.cost;
+  d.reason = fmt::format("{} {:.3g} s over {} steps, moving costs {:.3g} s: {}", d.gain < 0.0 ? "would lose" : "gain",
+                         std::abs(d.gain), steps, d.cost, d.move ? "move" : "stay");
+  return d;
+}
+
+template <int D>
+decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& time_per_step,
+                      const std::vector<double>& particles, const move_costs& moving, std::int64_t steps,
+                      const experience& so_far, const extents<D>& where) {
+  check_size(now, time_per_step.size(), "times");
+  check_size(now, particles.size(), "numbers of particles");
+  std::vector<double> after(particles.size(), 0.0), in_and_out(particles.size(), 0.0);
+  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) {
+    after[to] += part * time_per_step[from];
+    if (from == to) return;
+    in_and_out[from] += part * particles[from];
+    in_and_out[to] += part * particles[from];
+  });
+  const double cost = moving.per_particle * *std::max_element(in_and_out.begin(), in_and_out.end()) + moving.rebuild;
+  double slowest = *std::max_element(after.begin(), after.end());
+  for (std::size_t r = 0; r < particles.size(); ++r)
+    if (particles[r] > 0.0) slowest = std::max(slowest, time_per_step[r] / particles[r]);
+  return worth_moving(*std::max_element(time_per_step.begin(), time_per_step.end()), slowest, cost, steps,
+                      so_far.trust);
+}
+
+spread spread_of(const std::vector<double>& time) {
+  if (time.empty()) return {};
+  const auto [least, most] = std::minmax_element(time.begin(), time.end());
+  return {std::accumulate(time.begin(), time.end(), 0.0) / static_cast<double>(time.size()), *least, *most};
+}
+
+template cuts<2> propose(const cuts<2>&, const std::vector<double>&, const balancer_options&, const extents<2>&);
+template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&,
+                                          const extents<2>&);
+template std::vector<double> migrating(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const extents<2>&);
+template decision worth_moving(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const std::vector<double>&,
+                               const move_costs&, std::int64_t, const experience&, const extents<2>&);
+template cuts<3> propose(const cuts<3>&, const std::vector<double>&, const balancer_options&, const extents<3>&);
+template std::vector<double> redistribute(const cuts<3>&, const cuts<3>&, const std::vector<double>&,
+                                          const extents<3>&);
+template std::vector<double> migrating(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const extents<3>&);
+template decision worth_moving(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const std::vector<double>&,
+                               const move_costs&, std::int64_t, const experience&, const extents<3>&);
+
+}  // namespace tetsuame::balance

@@ -1,0 +1,130 @@
+// Dynamic load balance on the slice grid (cuts.hpp): from the time each rank measured, new cuts under
+// which the times become equal. Nothing here communicates: every rank holds all cuts and all times and
+// comes to the same result.
+//
+// Two methods:
+//   remap             (default) The time of a cell, spread evenly over the part of the cell that holds the
+//                     rank's particles (the whole cell, where that is not told), is a density of cost.
+//                     All cuts of all levels are placed at once where this density's integral over each
+//                     cell is equal: first the cuts along x by the columns' sums, then in each new column
+//                     the cuts along y by the density of all old cells it meets, and so on. It is Newton's
+//                     method on the whole problem with the density in place of the derivative.
+//   level_relaxation  The quasi-Newton step of Furuichi & Nishiura in JAMSTEC's annual report on the Earth
+//                     Simulator (fiscal year 2015), with a diagonal preconditioner, and coarse groups of
+//                     2^l slabs relaxed before fine ones [M. Furuichi & D. Nishiura, Comput. Phys. Commun.
+//                     219, 135 (2017)]. At the cut x_I between slab I - 1 and slab
+//                     I, with times t, widths D and the residual f_I = t_I - t_(I-1),
+//                         x_I += omega f_I / (t_I/D_I + t_(I-1)/D_(I-1)),
+//                     so that the cut moves up, into slab I, where slab I takes longer.
+#pragma once
+
+#include <array>
+#include <balance/cuts.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <namelist/schema.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::balance {
+
+struct costs {
+  std::vector<double> computing, communication;  // s per rank, since the last decision
+};
+std::vector<double> total(const costs& c);  // s per rank
+
+struct balancer_options {
+  std::string method = "remap";
+  double relaxation = 1.0;     // share of the imbalance to remove (remap); omega (level_relaxation)
+  double minimum_width = 0.0;  // m, of every slab along every axis
+  // Density of cost everywhere at least this part of its mean: it decides where cuts stand in empty space.
+  double floor = 1e-4;
+  std::int64_t levels = 30;   // level_relaxation: coarsest groups have 2^levels slabs, as far as there are so many
+  std::vector<double> speed;  // of each rank, any unit; empty: equal, or not known. Only remap uses it.
+};
+
+// Groups &balancer's keys: method, relaxation, minimum_width, floor, levels.
+void declare(namelist::schema& schema, balancer_options& o);
+
+// Where a rank's particles are: the least box around them, m. lower > upper: it has none.
+template <int D>
+struct extent {
+  std::array<double, D> lower, upper;
+  extent() {
+    lower.fill(std::numeric_limits<double>::infinity());
+    upper.fill(-std::numeric_limits<double>::infinity());
+  }
+  void include(const std::array<double, D>& x) {
+    for (std::size_t a = 0; a < D; ++a) {
+      lower[a] = std::min(lower[a], x[a]);
+      upper[a] = std::max(upper[a], x[a]);
+    }
+  }
+};
+// One for each rank; empty: not known, particles may be anywhere in their cells. Worth telling where parts of
+// the box are empty: a cut that is to fall into the particles of a half empty cell then does not miss them.
+template <int D>
+using extents = std::vector<extent<D>>;
+
+// New cuts. Times (s, any common factor) as many as ranks; such as are negative or not finite are taken as
+// zero. Where all are zero the cuts stay. Throws fail_input where the number of times or speeds is wrong.
+// Slabs are at least minimum_width wide, or equal where the box has no room for that.
+template <int D>
+cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
+                const extents<D>& where = {});
+
+// What each rank would have under other cuts, if what it has (time, particles, …) is spread evenly as above.
+template <int D>
+std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount,
+                                 const extents<D>& where = {});
+
+// Particles that leave a rank or come to one, the sum of both, under the same assumption.
+template <int D>
+std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& particles,
+                              const extents<D>& where = {});
+
+// Measured; of a move.
+struct move_costs {
+  double per_particle = 0.0;  // s, for each particle a rank sends or receives
+  double rebuild = 0.0;       // s, the new lists of the slowest rank and all that is paid once
+};
+
+struct decision {
+  bool move = false;
+  double gain = 0.0, cost = 0.0;  // s, of the slowest rank over the coming steps
+  std::string reason;
+};
+
+// Predicted gains come true only in part: a cell's cost is not spread evenly, ranks differ in speed, measured
+// times scatter. What did come true of the moves made so far says how far to trust the next prediction. How
+// the ranks' imbalance (t/mean - 1) after a move correlates with that before says how much of it to remove at
+// once: negative, the move went too far or followed mere scatter; positive, not far enough.
+struct experience {
+  double trust = 1.0;       // multiplies predicted gains
+  double relaxation = 1.0;  // multiplies balancer_options::relaxation
+  // The last move: predicted gain, s per step of the slowest rank; measured times per step before and after.
+  void moved(double predicted, const std::vector<double>& before, const std::vector<double>& after);
+  void stayed();  // forgets slowly, so that a new imbalance gets its chance
+};
+balancer_options relaxed(balancer_options o, const experience& so_far);
+
+// Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step. No
+// rank can become faster than one of its particles: where ranks have few, there is little to gain.
+template <int D>
+decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& time_per_step,
+                      const std::vector<double>& particles, const move_costs& moving, std::int64_t steps,
+                      const experience& so_far = {}, const extents<D>& where = {});
+// The same from numbers: s per step of the slowest rank before and after, s of the move.
+decision worth_moving(double slowest_now, double slowest_then, double cost, std::int64_t steps, double trust = 1.0);
+
+// Of the time over the ranks; 0 where all are zero.
+struct spread {
+  double mean = 0.0, minimum = 0.0, maximum = 0.0;  // s
+  double over_mean() const { return mean > 0.0 ? (maximum - minimum) / mean : 0.0; }
+  double over_maximum() const { return maximum > 0.0 ? (maximum - minimum) / maximum : 0.0; }
+  double efficiency() const { return maximum > 0.0 ? mean / maximum : 1.0; }
+};
+spread spread_of(const std::vector<double>& time);
+
+}  // namespace tetsuame::balance

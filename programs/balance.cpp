@@ -1,0 +1,298 @@
+// The load balancer on virtual ranks: how it would cut a given distribution of particles, under a
+// modelled cost, for any number of ranks. The balancer is the one of the time loop (modules/balance) and
+// sees what it sees there, the time of each rank; docs/load_balancer.md has the results.
+//
+//   1  cuts with equal counts of particles; the model gives each rank's time for a step
+//   2  every steps_between steps: new cuts from the measured times; moved if that pays
+//   3  again with Zoltan's partitioners, which see every particle's cost, under the same rule
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <output/agree.hpp>
+#include <output/directory.hpp>
+#include <output/file.hpp>
+#include <output/history.hpp>
+#include <output/log.hpp>
+#include <simulation/command_line.hpp>
+#include <virtual_ranks/machine.hpp>
+#include <virtual_ranks/zoltan.hpp>
+
+namespace {
+
+using namespace tetsuame;
+using namespace tetsuame::virtual_ranks;
+using json = nlohmann::ordered_json;
+using clock = std::chrono::steady_clock;
+
+double seconds_since(clock::time_point begin) { return std::chrono::duration<double>(clock::now() - begin).count(); }
+
+// One way to partition, followed through the run.
+struct course {
+  std::string name;  // of the keys in summary.json: "rcb"; empty: ours
+  std::vector<int> owner;
+  load now;
+  balance::spread times;
+  balance::decision last;
+  std::int64_t updates = 0;                              // moves made
+  double run_time = 0.0, moved = 0.0, last_moved = 0.0;  // s; parts of all particles
+  std::optional<std::int64_t> balanced_after;            // decisions until the spread was at most 5 %
+  balance::spread first_times;
+};
+
+struct ledger {
+  double equal_counts = 0.0;  // s: the run with the first cuts
+  double proposing = 0.0, steps = 0.0;
+  std::int64_t proposals = 0;
+};
+
+template <int D>
+struct virtual_run {
+  const options& o;
+  scene<D> s;
+  std::vector<double> slowness;
+  balance::cuts<D> cuts;
+  std::vector<course> courses;  // ours first
+  balance::experience experience;
+  std::optional<double> expected;  // gain per step of the last move, to be compared with the next reading
+  std::vector<double> time_before;
+  std::vector<int> first_owner;
+  std::vector<float> weights;  // what the partitioners got last
+  ledger book;
+  std::string cuts_csv = "decision,axis,group,index,position [m]\n";
+  std::string times_csv = "decision,rank,particles,computing [s],communication [s]\n";
+
+  virtual_run(const options& opt)
+      : o(opt), s(make_scene<D>(o.distribution, o.cost.halo_width)), slowness(slowness_of(o.machine)) {
+    const auto counts =
+        balance::choose_counts<D>(static_cast<int>(o.machine.ranks), s.length, static_cast<int>(o.machine.ranks_x));
+    cuts = o.schedule.start == "equal_size" ? balance::equal_cuts<D>(counts, s.length) : equal_count_cuts<D>(s, counts);
+    courses.push_back({});
+    courses[0].owner = first_owner = owners(s, cuts);
+    for (const auto& name : o.compare) {
+      courses.push_back({});
+      courses.back().name = name;
+      courses.back().owner = partition<D>(name, s.x, {}, std::vector<double>(slowness.size(), 1.0));
+    }
+    for (auto& c : courses) {
+      look(c);
+      c.first_times = c.times;
+    }
+  }
+
+  void look(course& c) {
+    c.now = load_of(s, c.owner, o.cost, slowness);
+    c.times = balance::spread_of(balance::total(c.now.time));
+  }
+
+  void note(std::int64_t decision) {
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t g = 0; g < cuts.groups(a); ++g)
+        for (int n = 0; n <= cuts.counts[a]; ++n)
+          cuts_csv += fmt::format("{},{},{},{},{}\n", decision, a, g, n, cuts.group(a, g)[n]);
+    const auto& now = courses[0].now;
+    for (std::size_t r = 0; r < slowness.size(); ++r)
+      times_csv += fmt::format("{},{},{:.0f},{:.6g},{:.6g}\n", decision, r, now.particles[r], now.time.computing[r],
+                               now.time.communication[r]);
+  }
+
+  void take(course& c, std::vector<int> owner) {
+    const auto m = migration_between(c.owner, owner, slowness.size(), o.cost);
+    c.last_moved = static_cast<double>(m.particles) / static_cast<double>(s.size());
+    c.moved += c.last_moved;
+    c.run_time += m.seconds;
+    ++c.updates;
+    c.owner = std::move(owner);
+  }
+
+  // Our balancer: from measured times alone.
+  void decide(std::int64_t reading) {
+    auto& c = courses[0];
+    const auto time = measured(balance::total(c.now.time), o.machine, reading);
+    const double slowest = *std::max_element(time.begin(), time.end());
+    if (expected) experience.moved(*expected, time_before, time);
+    expected.reset();
+    const auto where = extents_of(s, c.owner, slowness.size());
+    const auto begin = clock::now();
+    const auto then = balance::propose(cuts, time, relaxed(o.balancer, experience), where);
+    const balance::move_costs moving{o.cost.migrate,
+                                     o.cost.list * *std::max_element(c.now.particles.begin(), c.now.particles.end())};
+    c.last = balance::worth_moving(cuts, then, time, c.now.particles, moving, o.schedule.horizon, experience, where);
+    book.proposing += seconds_since(begin);
+    ++book.proposals;
+    if (o.schedule.move == "always") c.last.move = true;
+    c.last_moved = 0.0;
+    if (!c.last.move) {
+      experience.stayed();
+      return;
+    }
+    const auto after = balance::redistribute(cuts, then, time, where);
+    expected = slowest - *std::max_element(after.begin(), after.end());
+    time_before = time;
+    cuts = then;
+    take(c, owners(s, cuts));
+  }
+
+  // A partitioner that sees every particle's cost and every rank's speed.
+  void decide(course& c) {
+    std::vector<double> speed(slowness);
+    for (double& v : speed) v = 1.0 / v;
+    auto owner = partition<D>(c.name, s.x, weights, speed);
+    const auto then = load_of(s, owner, o.cost, slowness);
+    const auto m = migration_between(c.owner, owner, slowness.size(), o.cost);
+    c.last = balance::worth_moving(c.times.maximum, balance::spread_of(balance::total(then.time)).maximum, m.seconds,
+                                   o.schedule.horizon);
+    if (o.schedule.move == "always") c.last.move = true;
+    c.last_moved = 0.0;
+    if (c.last.move) take(c, std::move(owner));
+  }
+
+  std::vector<double> row() const {
+    std::vector<double> values;
+    for (const auto& c : courses) {
+      const auto& t = c.times;
+      for (const double v : {t.over_mean(), t.over_maximum(), t.mean > 0.0 ? t.maximum / t.mean : 1.0, t.maximum,
+                             c.last_moved, c.last.gain, c.last.cost, c.last.move ? 1.0 : 0.0})
+        values.push_back(v);
+    }
+    values.push_back(experience.trust);
+    values.push_back(experience.relaxation);
+    return values;
+  }
+};
+
+std::vector<output::history_column> columns(const options& o) {
+  std::vector<std::string> prefixes{""};
+  for (const auto& name : o.compare) prefixes.push_back(name + "_");
+  std::vector<output::history_column> all;
+  for (const auto& p : prefixes)
+    for (const char* name : {"spread [1]", "spread_of_maximum [1]", "max_over_mean [1]", "slowest_step [s]",
+                             "migrated_fraction [1]", "gain [s]", "cost [s]", "moved [1]"}) {
+      const std::string text = name;
+      const auto at = text.find(" [");
+      all.push_back({p + text.substr(0, at), text.substr(at + 2, text.size() - at - 3)});
+    }
+  all.push_back({"trust", "1"});
+  all.push_back({"relaxation", "1"});
+  return all;
+}
+
+json metrics_of(const std::vector<course>& courses, const ledger& book) {
+  json j;
+  for (const auto& c : courses) {
+    const std::string p = c.name.empty() ? "" : c.name + "_";
+    j[p + "spread_initial"] = c.first_times.over_mean();
+    j[p + "spread_final"] = c.times.over_mean();
+    j[p + "spread_of_maximum_initial"] = c.first_times.over_maximum();
+    j[p + "spread_of_maximum_final"] = c.times.over_maximum();
+    j[p + "updates"] = c.updates;
+    j[p + "updates_to_5_percent"] = c.balanced_after ? json(*c.balanced_after) : json(nullptr);
+    j[p + "efficiency_initial"] = c.first_times.efficiency();
+    j[p + "efficiency_predicted"] = c.times.efficiency();
+    j[p + "migrated_fraction"] = c.moved;
+    j[p + "migrated_fraction_per_update"] = c.updates > 0 ? c.moved / static_cast<double>(c.updates) : 0.0;
+    j[p + "run_time_balanced"] = c.run_time;
+    j[p + "run_time_reduction"] = book.equal_counts > 0.0 ? 1.0 - c.run_time / book.equal_counts : 0.0;
+  }
+  j["run_time_equal_counts"] = book.equal_counts;
+  j["balancer_seconds"] = book.proposals > 0 ? book.proposing / static_cast<double>(book.proposals) : 0.0;
+  j["balancer_share_of_run_time"] = courses[0].run_time > 0.0 ? book.proposing / courses[0].run_time : 0.0;
+  return j;
+}
+
+template <int D>
+void run(const simulation::command_line& line, const options& o, const std::string& resolved) {
+  if (output::size_of(MPI_COMM_WORLD) > 1)
+    foundation::fail_input("balance models its ranks in one process: start it without mpirun, with --ranks P");
+  const auto begin = clock::now();
+  virtual_run<D> v(o);
+  output::open_directory(MPI_COMM_WORLD, line.output,
+                         line.force ? output::directory_mode::force : output::directory_mode::fresh);
+  output::write_text(MPI_COMM_WORLD, line.output + "/resolved.nml", resolved);
+  output::run_log log(MPI_COMM_WORLD, line.output + "/run.log");
+  auto history = output::history::start(MPI_COMM_WORLD, line.output + "/history.csv", columns(o));
+  log.write(fmt::format("{} particles, {} ranks, {}-D", v.s.size(), v.slowness.size(), D));
+
+  auto first = v.courses[0];  // the run that keeps its first cuts
+  std::int64_t step = 0, decisions = 0;
+  for (bool changed = true;; ++decisions) {
+    if (changed) v.weights = weights_of(v.s, o.cost);
+    for (auto& c : v.courses)
+      if (!c.balanced_after && c.times.over_mean() <= 0.05) c.balanced_after = decisions;
+    history.append(step, v.row());
+    v.note(decisions);
+    const bool last = decisions >= o.schedule.updates || o.schedule.steps - step <= o.schedule.steps_between;
+    const std::int64_t n = last ? o.schedule.steps - step : o.schedule.steps_between;
+    for (auto& c : v.courses) c.run_time += static_cast<double>(n) * c.times.maximum;
+    v.book.equal_counts += static_cast<double>(n) * first.times.maximum;
+    step += n;
+    if (last) break;
+    const bool was = changed;
+    changed = move_blobs(v.s, o.distribution, step);
+    if (changed) {
+      v.look(first);
+      v.weights = weights_of(v.s, o.cost);
+      for (auto& c : v.courses) v.look(c);
+    }
+    v.decide(decisions);
+    log.write(fmt::format("step {}: {}", step, v.courses[0].last.reason));
+    for (std::size_t k = 1; k < v.courses.size(); ++k) {
+      // The same particles with the same costs would be partitioned the same again.
+      if (changed || was)
+        v.decide(v.courses[k]);
+      else
+        v.courses[k].last = {}, v.courses[k].last_moved = 0.0;
+    }
+    for (auto& c : v.courses)
+      if (c.last.move) v.look(c);
+  }
+
+  json j;
+  j["program"] = line.program;
+  j["status"] = "completed";
+  j["message"] = fmt::format("spread {:.1f} % -> {:.1f} %", 100.0 * v.courses[0].first_times.over_mean(),
+                             100.0 * v.courses[0].times.over_mean());
+  j["steps"] = step;
+  j["dimension"] = D;
+  std::int64_t walls = 0;
+  for (const kind k : v.s.kinds) walls += k == kind::wall || k == kind::marker ? 1 : 0;
+  j["fluid_particles"] = static_cast<std::int64_t>(v.s.size()) - walls;
+  j["wall_particles"] = walls;
+  j["ranks"] = 1;
+  j["threads"] = 1;
+  j["virtual_ranks"] = v.slowness.size();
+  j["counts"] = v.cuts.counts;
+  j["wall_seconds"] = seconds_since(begin);
+  j["metrics"] = metrics_of(v.courses, v.book);
+  j["version"] = simulation::version();
+  output::write_text(MPI_COMM_WORLD, line.output + "/cuts.csv", v.cuts_csv);
+  output::write_text(MPI_COMM_WORLD, line.output + "/times.csv", v.times_csv);
+  output::write_summary(MPI_COMM_WORLD, line.output + "/summary.json", j);
+
+  fmt::print("{} particles on {} ranks ({}), {} decisions\n", v.s.size(), v.slowness.size(),
+             fmt::join(v.cuts.counts, " x "), decisions);
+  fmt::print("{:<12}{:>20}{:>14}{:>10}{:>16}{:>12}{:>14}\n", "", "spread (max-min)/mean", "mean/max", "updates",
+             "moved an update", "run time", "of equal counts");
+  for (const auto& c : v.courses)
+    fmt::print("{:<12}{:>9.1f} % -> {:>5.1f} %{:>12.3f}{:>10}{:>14.1f} %{:>10.4g} s{:>12.1f} %\n",
+               c.name.empty() ? "balancer" : c.name, 100.0 * c.first_times.over_mean(), 100.0 * c.times.over_mean(),
+               c.times.efficiency(), c.updates, c.updates > 0 ? 100.0 * c.moved / static_cast<double>(c.updates) : 0.0,
+               c.run_time, v.book.equal_counts > 0.0 ? 100.0 * c.run_time / v.book.equal_counts : 100.0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  options o;
+  simulation::program_input in;
+  in.program = "balance";
+  in.shorthands = {{"--ranks", "machine.ranks", "P", "virtual ranks"}};
+  in.declare = [&](namelist::schema& schema) { declare(schema, o); };
+  in.complete = [&](const namelist::schema& schema) { complete(schema, o); };
+  return simulation::start(argc, argv, in, [&](const simulation::command_line& line, const std::string& resolved) {
+    o.distribution.dimension == 3 ? run<3>(line, o, resolved) : run<2>(line, o, resolved);
+  });
+}

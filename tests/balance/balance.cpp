@@ -1,0 +1,267 @@
+// The balancer on densities of cost whose integrals are known, so that a cell's time is exact.
+#define BOOST_TEST_MODULE balance
+#include <balance/balancer.hpp>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <functional>
+#include <random>
+
+using namespace tetsuame;
+using namespace tetsuame::balance;
+
+namespace {
+
+using primitive = std::function<double(double)>;
+
+// Times for a density that is a product f(x) g(y), from the primitives of f and g; times a factor of each rank.
+std::vector<double> times(const cuts<2>& c, const primitive& fx, const primitive& fy,
+                          const std::vector<double>& factor = {}) {
+  std::vector<double> t;
+  for (int i = 0; i < c.counts[0]; ++i)
+    for (int j = 0; j < c.counts[1]; ++j) {
+      const double* x = c.group(0, 0);
+      const double* y = c.group(1, static_cast<std::size_t>(i));
+      t.push_back((fx(x[i + 1]) - fx(x[i])) * (fy(y[j + 1]) - fy(y[j])) * (factor.empty() ? 1.0 : factor[t.size()]));
+    }
+  return t;
+}
+
+primitive even() {
+  return [](double x) { return x; };
+}
+// 1 below `at`, `above` above it.
+primitive jump(double at, double above) {
+  return [=](double x) { return std::min(x, at) + above * std::max(0.0, x - at); };
+}
+// 1 + a sin(2 pi x)
+primitive wave(double a) {
+  return [=](double x) { return x - a * std::cos(2.0 * M_PI * x) / (2.0 * M_PI); };
+}
+
+// The spread after so many updates without a decision.
+double spread_after(cuts<2> c, int updates, const primitive& fx, const primitive& fy, balancer_options o = {},
+                    const std::vector<double>& factor = {}) {
+  for (int n = 0; n < updates; ++n) c = propose(c, times(c, fx, fy, factor), o);
+  return spread_of(times(c, fx, fy, factor)).over_mean();
+}
+
+void check_order(const cuts<2>& c, double minimum_width, const std::array<double, 2>& length) {
+  for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t g = 0; g < c.groups(a); ++g) {
+      BOOST_TEST(c.group(a, g)[0] == 0.0);
+      BOOST_TEST(c.group(a, g)[c.counts[a]] == length[a]);
+      for (int n = 0; n < c.counts[a]; ++n)
+        BOOST_TEST(c.group(a, g)[n + 1] - c.group(a, g)[n] >= minimum_width * (1.0 - 1e-12));
+    }
+}
+
+balancer_options relaxation_method(double omega) {
+  balancer_options o;
+  o.method = "level_relaxation";
+  o.relaxation = omega;
+  return o;
+}
+
+}  // namespace
+
+// Two slabs of width 1 with times 1 and 3: Newton's step is (3 - 1)/(3/1 + 1/1) = 1/2 upwards, into the
+// slab that takes longer.
+BOOST_AUTO_TEST_CASE(sign_and_size_of_the_quasi_newton_step) {
+  const auto c = equal_cuts<2>({2, 1}, {2.0, 1.0});
+  const auto then = propose(c, {1.0, 3.0}, relaxation_method(1.0));
+  BOOST_TEST(then.group(0, 0)[1] == 1.5, boost::test_tools::tolerance(1e-3));  // 1e-4: the floor
+  const auto half = propose(c, {1.0, 3.0}, relaxation_method(0.5));
+  BOOST_TEST(half.group(0, 0)[1] == 1.25, boost::test_tools::tolerance(1e-3));
+  // Slabs of 1 and 3 with a constant density each: equal shares of 4 are 2 below x = 1 + 1/3.
+  const auto remapped = propose(c, {1.0, 3.0}, {});
+  BOOST_TEST(remapped.group(0, 0)[1] == 4.0 / 3.0, boost::test_tools::tolerance(1e-3));
+}
+
+BOOST_AUTO_TEST_CASE(a_piecewise_constant_density_takes_one_update) {
+  const auto c = equal_cuts<2>({4, 5}, {1.0, 1.0});
+  // The jumps stand on cuts: the balancer's picture is exact, up to the floor.
+  BOOST_TEST(spread_after(c, 1, jump(0.5, 4.0), jump(0.4, 0.25)) < 1e-3);
+  BOOST_TEST(spread_after(c, 0, jump(0.5, 4.0), jump(0.4, 0.25)) > 1.0);
+}
+
+BOOST_AUTO_TEST_CASE(smooth_and_jumping_densities_converge) {
+  const auto c = equal_cuts<2>({22, 22}, {1.0, 1.0});
+  BOOST_TEST(spread_after(c, 4, wave(0.9), wave(-0.8)) < 0.01);
+  BOOST_TEST(spread_after(c, 8, jump(0.37, 10.0), jump(0.613, 0.1)) < 0.01);
+}
+
+BOOST_AUTO_TEST_CASE(level_relaxation_converges) {
+  const auto c = equal_cuts<2>({16, 1}, {1.0, 1.0});
+  const double before = spread_after(c, 0, wave(0.5), even());
+  BOOST_TEST(spread_after(c, 30, wave(0.5), even(), relaxation_method(0.5)) < 0.02 * before);
+  // A long wave of error is what the coarse groups are for.
+  auto fine_only = relaxation_method(0.5);
+  fine_only.levels = 0;
+  BOOST_TEST(spread_after(c, 10, wave(0.5), even(), relaxation_method(0.5)) <
+             0.5 * spread_after(c, 10, wave(0.5), even(), fine_only));
+}
+
+BOOST_AUTO_TEST_CASE(slow_ranks) {
+  const auto c = equal_cuts<2>({16, 16}, {1.0, 1.0});
+  std::mt19937_64 random(7);
+  std::vector<double> slow(256), speed(256);
+  for (std::size_t r = 0; r < slow.size(); ++r) {
+    slow[r] = random() % 2 == 0 ? 1.1 : 1.0;
+    speed[r] = 1.0 / slow[r];
+  }
+  BOOST_TEST(spread_after(c, 0, even(), even(), {}, slow) > 0.09);
+  BOOST_TEST(spread_after(c, 5, even(), even(), {}, slow) < 0.005);
+  // Where the speeds are told, one update does it.
+  balancer_options told;
+  told.speed = speed;
+  BOOST_TEST(spread_after(c, 1, even(), even(), told, slow) < 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(minimum_width) {
+  const auto c = equal_cuts<2>({8, 8}, {2.0, 1.0});
+  balancer_options o;
+  o.minimum_width = 0.05;
+  for (const auto* method : {"remap", "level_relaxation"}) {
+    o.method = method;
+    auto now = c;
+    for (int n = 0; n < 5; ++n) now = propose(now, times(now, jump(0.02, 1e-3), jump(0.98, 1e3)), o);
+    check_order(now, 0.05, {2.0, 1.0});
+  }
+  o.minimum_width = 1.0;  // no room for eight of them
+  const auto equal = propose(c, times(c, jump(0.02, 1e-3), even()), o);
+  for (int n = 0; n <= 8; ++n) BOOST_TEST(equal.group(0, 0)[n] == 0.25 * n, boost::test_tools::tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(odd_times_do_no_harm) {
+  const auto c = equal_cuts<2>({5, 3}, {1.0, 1.0});
+  for (const auto* method : {"remap", "level_relaxation"}) {
+    balancer_options o;
+    o.method = method;
+    BOOST_TEST((propose(c, std::vector<double>(15, 0.0), o).at == c.at), "all zero: the cuts stay");
+    std::vector<double> t(15, 0.0);
+    t[7] = 1.0;  // one rank has everything
+    check_order(propose(c, t, o), 0.0, {1.0, 1.0});
+    t[2] = std::nan(""), t[3] = -1.0, t[4] = HUGE_VAL;
+    check_order(propose(c, t, o), 0.0, {1.0, 1.0});
+    auto now = c;  // jumps of the load from one end to the other
+    for (int n = 0; n < 6; ++n) {
+      now = propose(now, times(now, n % 2 == 0 ? jump(0.01, 1e-9) : jump(0.99, 1e9), even()), o);
+      check_order(now, 0.0, {1.0, 1.0});
+    }
+  }
+  BOOST_CHECK_THROW(propose(c, std::vector<double>(14, 1.0), {}), foundation::error);
+  const auto one = equal_cuts<2>({1, 1}, {1.0, 1.0});
+  BOOST_TEST((propose(one, {1.0}, {}).at == one.at));
+}
+
+BOOST_AUTO_TEST_CASE(coinciding_cuts_part_again) {
+  auto c = equal_cuts<2>({4, 1}, {1.0, 1.0});
+  c.group(0, 0)[1] = c.group(0, 0)[2] = c.group(0, 0)[3] = 0.5;
+  BOOST_TEST(spread_after(c, 2, even(), even()) < 1e-3);
+}
+
+// A floor of fluid below empty space: only told where the particles are, the balancer finds them at once.
+BOOST_AUTO_TEST_CASE(extents_of_the_particles) {
+  const auto c = equal_cuts<2>({1, 4}, {1.0, 1.0});
+  const primitive floor = [](double y) { return std::min(y, 0.1); };
+  extents<2> where(4);
+  where[0].include({0.0, 0.0});
+  where[0].include({1.0, 0.1});
+  const auto then = propose(c, times(c, even(), floor), {}, where);
+  BOOST_TEST(spread_of(times(then, even(), floor)).over_mean() < 2e-3);
+}
+
+// Times with 3 % of scatter, the move left to decision and experience: the cuts stay near the balance
+// that exact times would give, for which 484 ranks' extremes of 3 sigma would be 18 % apart.
+BOOST_AUTO_TEST_CASE(scattered_times) {
+  auto c = equal_cuts<2>({22, 22}, {1.0, 1.0});
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> scatter(1.0, 0.03);
+  experience so_far;
+  std::vector<double> before;
+  double predicted = 0.0, sum = 0.0;
+  for (int n = 0; n < 40; ++n) {
+    auto t = times(c, jump(0.37, 4.0), jump(0.6, 0.3));
+    if (n >= 20) sum += spread_of(t).over_mean() / 20.0;
+    for (double& value : t) value *= scatter(random);
+    if (!before.empty()) so_far.moved(predicted, before, t);
+    const auto then = propose(c, t, relaxed({}, so_far));
+    predicted = spread_of(t).maximum - spread_of(redistribute(c, then, t)).maximum;
+    before = t;
+    c = then;
+  }
+  BOOST_TEST(so_far.relaxation < 0.7);
+  BOOST_TEST(sum < 0.18);
+}
+
+BOOST_AUTO_TEST_CASE(three_dimensions) {
+  auto c = equal_cuts<3>({4, 3, 5}, {1.0, 1.0, 1.0});
+  const primitive f = jump(0.37, 5.0), g = wave(0.7), h = jump(0.2, 0.2);
+  const auto time = [&] {
+    std::vector<double> t;
+    for (int r = 0; r < c.ranks(); ++r) {
+      auto b = c.cell(r);
+      double product = 1.0;
+      const std::array<const primitive*, 3> all{&f, &g, &h};
+      for (std::size_t a = 0; a < 3; ++a)
+        product *= (*all[a])(std::min(b.upper[a], 1.0)) - (*all[a])(std::max(b.lower[a], 0.0));
+      t.push_back(product);
+    }
+    return t;
+  };
+  const double before = spread_of(time()).over_mean();
+  for (int n = 0; n < 8; ++n) c = propose(c, time(), {});
+  BOOST_TEST(before > 1.0);
+  BOOST_TEST(spread_of(time()).over_mean() < 0.02);
+}
+
+BOOST_AUTO_TEST_CASE(what_moves) {
+  const auto c = equal_cuts<2>({2, 2}, {1.0, 1.0});
+  auto then = c;
+  then.group(0, 0)[1] = 0.6;  // a fifth of the right column goes to the left one
+  const std::vector<double> n{100.0, 100.0, 50.0, 200.0};
+  const auto after = redistribute(c, then, n);
+  const std::vector<double> wanted{110.0, 140.0, 40.0, 160.0}, moved{10.0, 40.0, 10.0, 40.0};
+  const auto both = migrating(c, then, n);
+  for (std::size_t r = 0; r < 4; ++r) {
+    BOOST_TEST(after[r] == wanted[r], boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(both[r] == moved[r], boost::test_tools::tolerance(1e-12));
+  }
+}
+
+// The case above: the slowest rank goes from 2 s to 1.6 s a step; 40 particles of 0.01 s and 0.1 s make 0.5 s.
+BOOST_AUTO_TEST_CASE(decision_weighs_gain_against_cost) {
+  const auto c = equal_cuts<2>({2, 2}, {1.0, 1.0});
+  auto then = c;
+  then.group(0, 0)[1] = 0.6;
+  const std::vector<double> n{100.0, 100.0, 50.0, 200.0}, t{1.0, 1.0, 0.5, 2.0};
+  const auto stay = worth_moving(c, then, t, n, {0.01, 0.1}, 1);
+  BOOST_TEST(!stay.move);
+  BOOST_TEST(stay.gain == 0.4, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(stay.cost == 0.5, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(worth_moving(c, then, t, n, {0.01, 0.1}, 2).move);
+  BOOST_TEST(!worth_moving(c, c, t, n, {}, 1000).move);  // no gain, no move
+  // A rank whose one particle takes all its time cannot gain.
+  BOOST_TEST(!worth_moving(c, then, t, {100.0, 100.0, 50.0, 1.0}, {}, 1000).move);
+}
+
+BOOST_AUTO_TEST_CASE(experience_learns) {
+  experience e;
+  e.moved(1.0, {3.0, 1.0}, {2.5, 1.5});  // half of the gain came true, the imbalance keeps its sign
+  BOOST_TEST(e.trust == 0.75);
+  BOOST_TEST(e.relaxation == 1.0);
+  e.moved(1.0, {3.0, 1.0}, {1.0, 3.0});  // overshot: nothing gained
+  BOOST_TEST(e.trust == 0.375);
+  BOOST_TEST(e.relaxation == 0.6);
+  e.moved(1.0, {3.0, 1.0}, {2.0, 1.0});
+  BOOST_TEST(e.relaxation == 0.75);
+  const double trust = e.trust;
+  e.stayed();
+  BOOST_TEST(e.trust > trust);
+}
+
+BOOST_AUTO_TEST_CASE(total_of_costs) {
+  BOOST_TEST(total({{1.0, 2.0}, {0.5, 0.25}}) == (std::vector<double>{1.5, 2.25}), boost::test_tools::per_element());
+  BOOST_CHECK_THROW(total({{1.0, 2.0}, {0.5}}), foundation::error);
+}
