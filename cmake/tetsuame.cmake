@@ -46,22 +46,27 @@ function(tetsuame_module name)
   target_link_libraries(${name} ${scope} tetsuame_options ${arg_DEPENDS} ${arg_LIBRARIES})
 endfunction()
 
-# WIDE: the pair loop is in it. Built a second time for AVX-512, in the folder avx512 beside it; the
-# program chooses when it starts (foundation/processor.hpp).
+# WIDE: the pair loop is in it. Built for AVX2 and for AVX-512, in folders of their own; the program's name
+# stands for a launcher that chooses (programs/launcher.cpp). Not with another TETSUAME_ARCH, or for
+# debugging: then the name is the program.
 function(tetsuame_program name)
   cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/programs)
-  add_executable(${name} ${arg_SOURCES})
-  set(targets ${name})
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
   if(arg_WIDE AND TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANITIZE
       AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    add_executable(${name} ${CMAKE_SOURCE_DIR}/programs/launcher.cpp)
+    set(targets ${name}_avx2 ${name}_avx512)
+    add_executable(${name}_avx2 ${arg_SOURCES})
+    set_target_properties(${name}_avx2 PROPERTIES OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx2)
     add_executable(${name}_avx512 ${arg_SOURCES})
     set_target_properties(${name}_avx512 PROPERTIES
       TETSUAME_WIDE ON OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx512)
-    add_dependencies(${name} ${name}_avx512)
-    list(APPEND targets ${name}_avx512)
+    add_dependencies(${name} ${targets})
+  else()
+    add_executable(${name} ${arg_SOURCES})
+    set(targets ${name})
   endif()
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
   foreach(target IN LISTS targets)
     target_link_libraries(${target} PRIVATE ${arg_DEPENDS})
     # The physics is compiled here, from headers. Its sums over neighbours run the same

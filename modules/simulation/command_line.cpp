@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <domain/communicator.hpp>
 #include <filesystem>
-#include <foundation/processor.hpp>
 #include <fstream>
 #include <iostream>
 #include <simulation/command_line.hpp>
@@ -119,7 +118,6 @@ int start(int argc, char** argv, const std::string& program, const std::string& 
 
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string&)>& run) {
-  foundation::hand_over_to_widest(argv);
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   const auto ranks = domain::communicator::world();
