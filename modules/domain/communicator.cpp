@@ -29,6 +29,13 @@ std::int64_t communicator::sum(std::int64_t value) const {
   return value;
 }
 
+std::vector<double> communicator::every(double value) const {
+  std::vector<double> all(static_cast<std::size_t>(size));
+  const foundation::waiting timed;
+  MPI_Allgather(&value, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
+  return all;
+}
+
 double communicator::exact(foundation::exact_sum sum) const {
   sum.normalise();
   auto& chunks = sum.raw();
