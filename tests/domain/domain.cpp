@@ -1,5 +1,7 @@
 // Halos, migration, periodic borders and what ranks agree on.
 #define BOOST_TEST_MODULE domain
+#include <omp.h>
+
 #include "../support/scene.hpp"
 
 using namespace tetsuame;
@@ -187,6 +189,36 @@ BOOST_AUTO_TEST_CASE(positions_of_ghosts_follow_their_owners) {
   for (std::size_t i = 0; i < s.first_wall(); ++i)
     strangers += !std::binary_search(all.begin(), all.end(), locate<2>(s, i)) || s.T[i] != noise(s.id[i], 9);
   BOOST_TEST(strangers == 0U);
+}
+
+// So much that packing is worth threads, at least on one rank.
+BOOST_AUTO_TEST_CASE(exchange_of_much_on_threads) {
+  auto scene = make_scene<2>(box<2>({160, 40}, true), domain::communicator::world(), 0.4);
+  auto& s = scene.w.s;
+  const std::array<double*, 8> fields{s.v[0].data(), s.v[1].data(), s.T.data(), s.rho.data(),
+                                      s.Y.data(),    s.u.data(),    s.p.data(), s.dV.data()};
+  const auto& plan = scene.w.d.fluid_halo;
+  if (scene.w.d.ranks.size == 1) BOOST_TEST(plan.sources.size() * fields.size() > foundation::values_worth_threads);
+  for (std::size_t i = 0; i < s.total(); ++i)
+    for (std::size_t f = 0; f < fields.size(); ++f) fields[f][i] = i < s.fluid ? noise(s.id[i], f) : -2.0;
+  const auto before = s.x;
+  for (std::size_t i = s.fluid; i < s.total(); ++i) s.x[0][i] = s.x[1][i] = -2.0;
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(3);
+  domain::exchange<2>(scene.w.d.ranks, plan, fields, &s.x);
+  omp_set_num_threads(threads);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    for (std::size_t f = 0; f < fields.size(); ++f) wrong += fields[f][i] != noise(s.id[i], f);
+    for (std::size_t a = 0; a < 2; ++a) wrong += bits(s.x[a][i]) != bits(before[a][i]);
+  }
+  BOOST_TEST(wrong == 0U);
+  // Room for the traffic is made once.
+  const auto* out = plan.out.data();
+  const auto* in = plan.in.data();
+  domain::exchange<2>(scene.w.d.ranks, plan, fields, &s.x);
+  scene.w.exchange_fluid({s.T.data()});
+  BOOST_TEST((plan.out.data() == out && plan.in.data() == in));
 }
 
 // Particles thrown anywhere in the box: all arrive, once, at their owner, with all they carry.
