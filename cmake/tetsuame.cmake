@@ -1,6 +1,6 @@
 # Shared settings and the three commands every folder uses:
 #   tetsuame_module(NAME [SOURCES …] [DEPENDS modules …] [LIBRARIES targets …])
-#   tetsuame_program(NAME SOURCE DEPENDS …)
+#   tetsuame_program(NAME SOURCES … DEPENDS … [WIDE])
 #   tetsuame_test(NAME SOURCES … DEPENDS … [LABELS …] [RANKS n …])
 
 set(CMAKE_CXX_STANDARD 20)
@@ -12,6 +12,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 
 set(TETSUAME_ARCH "x86-64-v3" CACHE STRING "-march= of every target (native: this machine only)")
+option(TETSUAME_AVX512 "Build the programs marked WIDE for AVX-512 too" ON)
 option(TETSUAME_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
 
 add_library(tetsuame_options INTERFACE)
@@ -19,7 +20,7 @@ add_library(tetsuame_options INTERFACE)
 # in the modules the compiler may not fuse differently in a loop's body and tail.
 target_compile_options(tetsuame_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
-  -march=${TETSUAME_ARCH} -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
+  -march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
 target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 if(TETSUAME_SANITIZE)
   target_compile_options(tetsuame_options INTERFACE
@@ -45,14 +46,28 @@ function(tetsuame_module name)
   target_link_libraries(${name} ${scope} tetsuame_options ${arg_DEPENDS} ${arg_LIBRARIES})
 endfunction()
 
-function(tetsuame_program name source)
-  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
-  add_executable(${name} ${source})
-  target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
-  # The physics is compiled here, from headers. Its sums over neighbours run the same
-  # instructions for every particle, so multiply and add may be fused (a sixth faster).
-  set_target_properties(${name} PROPERTIES TETSUAME_FUSE ON)
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/programs)
+# WIDE: the pair loop is in it. Built a second time for AVX-512, in the folder avx512 beside it; the
+# program chooses when it starts (foundation/processor.hpp).
+function(tetsuame_program name)
+  cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS" ${ARGN})
+  set(folder ${CMAKE_BINARY_DIR}/programs)
+  add_executable(${name} ${arg_SOURCES})
+  set(targets ${name})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
+  if(arg_WIDE AND TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANITIZE
+      AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    add_executable(${name}_avx512 ${arg_SOURCES})
+    set_target_properties(${name}_avx512 PROPERTIES
+      TETSUAME_WIDE ON OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx512)
+    add_dependencies(${name} ${name}_avx512)
+    list(APPEND targets ${name}_avx512)
+  endif()
+  foreach(target IN LISTS targets)
+    target_link_libraries(${target} PRIVATE ${arg_DEPENDS})
+    # The physics is compiled here, from headers. Its sums over neighbours run the same
+    # instructions for every particle, so multiply and add may be fused (a sixth faster).
+    set_target_properties(${target} PROPERTIES TETSUAME_FUSE ON)
+  endforeach()
 endfunction()
 
 # One Boost.Test executable. With RANKS the test runs under mpirun once for each

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <domain/communicator.hpp>
 #include <filesystem>
+#include <foundation/processor.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <pairs/records.hpp>
@@ -208,6 +209,7 @@ void run(const settings& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  foundation::hand_over_to_widest(argv);
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   settings o;

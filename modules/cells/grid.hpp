@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <foundation/lanes.hpp>
 #include <particles/particles.hpp>
 #include <vector>
 
@@ -25,6 +27,8 @@ struct grid {
   index<D> first{}, extent{};          // of the cells that hold a particle
   std::vector<std::uint32_t> start;    // per cell, into `members`; one more at the end
   std::vector<std::uint32_t> members;  // local particle indices, by cell, then ID
+  // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
+  std::array<particles::array, D> x;
 
   index<D> cell(const std::array<double, D>& x) const {
     index<D> c;
@@ -44,6 +48,13 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
   std::array<double, D> point;
   for (std::size_t a = 0; a < D; ++a) point[a] = x[a][i];
   return point;
+}
+
+// m, edge of the cells for neighbours within `reach`: small enough that a particle's neighbours are for the most part
+// those of the one before it, and few beyond the reach are looked at.
+template <int D>
+double cell_edge(double reach) {
+  return reach / (D == 3 ? 3.0 : 2.0);
 }
 
 // Sorts particles [0, n) into cells of the given edge.
@@ -77,13 +88,17 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
   for (std::size_t c = 0; c < cells; ++c)
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
               [&](std::uint32_t i, std::uint32_t j) { return id[i] < id[j]; });
+  for (std::size_t a = 0; a < D; ++a) {
+    g.x[a].assign(n + foundation::lanes, 1e60);
+    for (std::size_t k = 0; k < n; ++k) g.x[a][k] = x[a][g.members[k]];
+  }
   return g;
 }
 
-// f(j) for every particle in the cells that a ball of radius `reach` about `point` meets,
-// in the order of cells, then IDs.
+// f(first, last) for every stretch of `members` in the cells that a ball of radius `reach` about
+// `point` meets, in the order of cells.
 template <int D, class F>
-void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
+void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
   if (g.members.empty()) return;
   auto low = point, high = point;
   for (std::size_t a = 0; a < D; ++a) low[a] -= reach, high[a] += reach;
@@ -98,8 +113,7 @@ void for_each_near(const grid<D>& g, const std::array<double, D>& point, double 
   while (true) {
     auto row_end = row;
     row_end[D - 1] = to[D - 1];
-    const std::uint32_t end = g.start[g.linear(row_end) + 1];
-    for (std::uint32_t k = g.start[g.linear(row)]; k < end; ++k) f(g.members[k]);
+    f(g.start[g.linear(row)], g.start[g.linear(row_end) + 1]);
     int a = D - 2;
     for (; a >= 0; --a) {
       const auto axis = static_cast<std::size_t>(a);
@@ -108,6 +122,25 @@ void for_each_near(const grid<D>& g, const std::array<double, D>& point, double 
     }
     if (a < 0) return;
   }
+}
+
+// f(j) for every particle nearer to `point` than `reach`, in the order of cells, then IDs.
+template <int D, class F>
+void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
+  using foundation::lanes, foundation::real;
+  const double reach2 = reach * reach;
+  for_each_stretch<D>(g, point, reach, [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t k = first; k < last; k += lanes) {
+      real r2(0.0);
+      for (std::size_t a = 0; a < D; ++a) {
+        const real x_ij = point[a] - real(g.x[a].data() + k, std::experimental::element_aligned);
+        r2 += x_ij * x_ij;
+      }
+      std::uint32_t near = foundation::bits_of_less(r2, real(reach2));
+      if (last - k < lanes) near &= (1U << (last - k)) - 1U;
+      for (; near != 0; near &= near - 1U) f(g.members[k + static_cast<std::uint32_t>(std::countr_zero(near))]);
+    }
+  });
 }
 
 }  // namespace tetsuame::cells

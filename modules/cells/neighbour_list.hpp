@@ -5,10 +5,13 @@
 // the null particle to a multiple of `lanes`.
 #pragma once
 
+#include <omp.h>
+
+#include <algorithm>
 #include <cells/grid.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <experimental/simd>
+#include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <span>
 #include <vector>
@@ -17,7 +20,7 @@ namespace tetsuame::cells {
 
 struct neighbour_list {
   // Values in one SIMD register: a row is padded to a multiple of it.
-  static constexpr std::size_t lanes = std::experimental::native_simd<double>::size();
+  static constexpr std::size_t lanes = foundation::lanes;
 
   std::vector<std::size_t> start;  // per row, into `neighbours`; one more at the end
   std::vector<std::int32_t> neighbours;
@@ -30,36 +33,46 @@ struct neighbour_list {
 
 // Row r lists the particles j with |centre(r) - x_j| < reach and accept(r, j).
 template <int D, class Centre, class Accept>
-neighbour_list make_list(const grid<D>& g, const std::array<particles::array, D>& x, std::size_t rows, double reach,
-                         std::size_t null, Centre&& centre, Accept&& accept) {
+neighbour_list make_list(const grid<D>& g, std::size_t rows, double reach, std::size_t null, Centre&& centre,
+                         Accept&& accept) {
   neighbour_list list;
   list.null = null;
-  std::vector<std::uint32_t> count(rows, 0);
-  const double reach2 = reach * reach;
-  const auto visit = [&](std::size_t r, auto&& take) {
-    const std::array<double, D> point = centre(r);
-    for_each_near<D>(g, point, reach, [&](std::uint32_t j) {
-      double r2 = 0.0;
-      for (std::size_t a = 0; a < D; ++a) r2 += (point[a] - x[a][j]) * (point[a] - x[a][j]);
-      if (r2 < reach2 && accept(r, j)) take(j);
-    });
-  };
-#pragma omp parallel for schedule(static) if (rows > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < rows; ++r) visit(r, [&](std::uint32_t) { ++count[r]; });
-  list.start.resize(rows + 1);
-  list.start[0] = 0;
-  for (std::size_t r = 0; r < rows; ++r) {
-    const std::size_t padded = (count[r] + neighbour_list::lanes - 1) / neighbour_list::lanes * neighbour_list::lanes;
-    list.start[r + 1] = list.start[r] + padded;
-    list.pairs += count[r];
+  list.start.assign(rows + 1, 0);
+  // Each thread makes its share of rows in a store of its own; then all stand one behind the other.
+  const int threads = rows > foundation::rows_worth_threads ? omp_get_max_threads() : 1;
+  std::vector<std::vector<std::int32_t>> shares(static_cast<std::size_t>(threads));
+  std::size_t pairs = 0;
+#pragma omp parallel num_threads(threads) reduction(+ : pairs)
+  {
+    const auto share = static_cast<std::size_t>(omp_get_thread_num()),
+               all = static_cast<std::size_t>(omp_get_num_threads());
+    auto& mine = shares[share];
+    const std::size_t first = rows * share / all, last = rows * (share + 1) / all;
+    for (std::size_t r = first; r < last; ++r) {
+      const std::size_t begin = mine.size();
+      for_each_near<D>(g, centre(r), reach, [&](std::uint32_t j) {
+        if (accept(r, j)) mine.push_back(static_cast<std::int32_t>(j));
+      });
+      pairs += mine.size() - begin;
+      while (mine.size() % neighbour_list::lanes != 0) mine.push_back(static_cast<std::int32_t>(null));
+      list.start[r + 1] = mine.size() - begin;  // lengths first
+      constexpr std::size_t sample = 64;        // rows that tell how long the others will be
+      if (r + 1 == first + sample) mine.reserve(mine.size() / sample * (last - first + sample) / 16 * 17);
+    }
+#pragma omp barrier
+#pragma omp single
+    {
+      for (std::size_t r = 0; r < rows; ++r) list.start[r + 1] += list.start[r];
+      if (all > 1) list.neighbours.resize(list.start[rows]);
+    }
+    if (all > 1) {
+      std::copy(mine.begin(), mine.end(), list.neighbours.begin() + static_cast<std::ptrdiff_t>(list.start[first]));
+      std::vector<std::int32_t>().swap(mine);
+    } else {
+      list.neighbours = std::move(mine);
+    }
   }
-  list.neighbours.resize(list.start[rows]);
-#pragma omp parallel for schedule(static) if (rows > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < rows; ++r) {
-    std::size_t k = list.start[r];
-    visit(r, [&](std::uint32_t j) { list.neighbours[k++] = static_cast<std::int32_t>(j); });
-    for (; k < list.start[r + 1]; ++k) list.neighbours[k] = static_cast<std::int32_t>(null);
-  }
+  list.pairs = pairs;
   return list;
 }
 

@@ -16,17 +16,19 @@ struct conduction {
   double* heat;      // W, added to
 
   struct me {
-    real k, dV, T, sum;
+    real sum;
   };
 
   auto reads() const {
     using namespace pairs;
     return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV)};
   }
-  me begin(std::size_t i) const { return {real(k[i]), real(dV[i]), real(T[i]), real(0.0)}; }
+  me begin(std::size_t) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const {
-    const real factor = harmonic(a.k, ij(pairs::of_conductivity)) * a.dV * ij(pairs::of_volume) * ij.F;
-    a.sum += factor * (a.T - ij(pairs::of_temperature));
+    using namespace pairs;
+    const real factor =
+        harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * ij(of_volume) * ij.F;
+    a.sum += factor * ij.difference(of_temperature);
   }
   void end(std::size_t i, const me& a) const { heat[i] += pairs::sum(a.sum); }
 };

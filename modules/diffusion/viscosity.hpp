@@ -23,13 +23,11 @@ struct viscosity {
   std::array<const double*, D> v;  // m/s
   const double* eta;               // Pa s
   const double* dV;                // m^D
-  const double* m;                 // kg
-  std::array<double*, D> dv;       // m/s2, added to
+  std::array<double*, D> force;    // N, added to
   double* heat;                    // W, added to; null: not wanted
 
   struct me {
-    real eta, dV;
-    pairs::vec<real, D> v, force;
+    pairs::vec<real, D> force;
     real dissipation;
   };
 
@@ -37,20 +35,17 @@ struct viscosity {
     using namespace pairs;
     return std::tuple{read(of_velocity, v), read(of_volume, dV), read(of_viscosity, eta)};
   }
-  me begin(std::size_t i) const {
-    me a{real(eta[i]), real(dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
-    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
-    return a;
-  }
+  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
-    const real factor = harmonic(a.eta, ij(pairs::of_viscosity)) * a.dV * ij(pairs::of_volume) * ij.F;
-    const auto v_ij = a.v - ij(pairs::of_velocity);
+    using namespace pairs;
+    const real factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) * ij(of_volume) * ij.F;
+    const auto v_ij = ij.difference(pairs::of_velocity);
     a.force += factor * v_ij;
-    a.dissipation -= 0.5 * factor * foundation::dot(v_ij, v_ij);
+    a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) dv[k][i] += pairs::sum(a.force[k]) / m[i];
-    if (heat != nullptr) heat[i] += pairs::sum(a.dissipation);
+    for (std::size_t k = 0; k < D; ++k) force[k][i] += pairs::sum(a.force[k]);
+    if (heat != nullptr) heat[i] += 0.5 * pairs::sum(a.dissipation);
   }
 };
 
@@ -62,30 +57,25 @@ struct uniform_viscosity {
   std::array<const double*, D> v;  // m/s
   double eta;                      // Pa s
   const double* dV;                // m^D
-  const double* m;                 // kg
-  std::array<double*, D> dv;       // m/s2, added to
+  std::array<double*, D> force;    // N, added to
   double* heat;                    // W, added to
 
   struct me {
     real factor;
-    pairs::vec<real, D> v, force;
+    pairs::vec<real, D> force;
     real dissipation;
   };
 
   auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
-  me begin(std::size_t i) const {
-    me a{real(2.0 * eta * dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
-    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
-    return a;
-  }
+  me begin(std::size_t i) const { return {real(2.0 * eta * dV[i]), foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     const real factor = a.factor * ij(pairs::of_volume) * ij.F;
-    const auto v_ij = a.v - ij(pairs::of_velocity);
+    const auto v_ij = ij.difference(pairs::of_velocity);
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) dv[k][i] += pairs::sum(a.force[k]) / m[i];
+    for (std::size_t k = 0; k < D; ++k) force[k][i] += pairs::sum(a.force[k]);
     heat[i] += 0.5 * pairs::sum(a.dissipation);
   }
 };

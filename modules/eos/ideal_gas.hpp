@@ -15,9 +15,10 @@ struct ideal_gas {
 
   double pressure(double rho, double T) const { return (gamma - 1.0) * rho * c_V * T; }
 
-  properties evaluate(double rho, double T) const {
-    const double alpha_K = (gamma - 1.0) * rho * c_V;
-    return from_derivatives(rho, T, alpha_K * T, alpha_K * T, alpha_K, c_V);
+  template <class R>
+  properties_of<R> evaluate(const R& rho, const R& T) const {
+    const R alpha_K = (gamma - 1.0) * rho * c_V;
+    return from_derivatives<R>(rho, T, alpha_K * T, alpha_K * T, alpha_K, c_V);
   }
 
   // kg/m^3; fail_calculation unless p > 0 and T > 0.

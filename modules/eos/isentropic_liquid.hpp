@@ -29,7 +29,7 @@ struct isentropic_liquid {
 
   properties evaluate(double rho, double T) const {
     const double L = std::log(rho / rho0);
-    const curve_point isentrope = reference.at(L);
+    const auto isentrope = reference.at(L);
     const double G = gamma(L), T_S = isentrope_temperature(L), alpha_K = G * rho * c_V;
     return from_derivatives(rho, T, p0 + isentrope.p + alpha_K * (T - T_S),
                             isentrope.K + alpha_K * ((1.0 - q) * (T - T_S) - G * T_S), alpha_K, c_V);

@@ -15,10 +15,14 @@ struct linear {
   description about;
   double p0, rho0, K, alpha0, T0, c_V;  // Pa, kg/m^3, Pa, 1/K, K, J/(kg K)
 
-  double pressure(double rho, double T) const { return p0 + K * ((rho / rho0 - 1.0) + alpha0 * (T - T0)); }
+  template <class R>
+  R pressure(const R& rho, const R& T) const {
+    return p0 + K * ((rho / rho0 - 1.0) + alpha0 * (T - T0));
+  }
 
-  properties evaluate(double rho, double T) const {
-    return from_derivatives(rho, T, pressure(rho, T), K * rho / rho0, alpha0 * K, c_V);
+  template <class R>
+  properties_of<R> evaluate(const R& rho, const R& T) const {
+    return from_derivatives<R>(rho, T, pressure(rho, T), K * rho / rho0, alpha0 * K, c_V);
   }
 
   // kg/m^3; fail_calculation where the line gives no positive density.

@@ -11,6 +11,7 @@
 #include <eos/inversion.hpp>
 #include <eos/properties.hpp>
 #include <eos/reference_curves.hpp>
+#include <foundation/lanes_math.hpp>
 
 namespace tetsuame::eos {
 
@@ -30,27 +31,34 @@ struct liquid {
 
   double pressure(double rho, double T) const {
     const double L = std::log(rho / rho0);
-    const double e = thermal.e0 * std::exp(-thermal.g * L);
-    return p0 + reference.at(L).p + gamma_rho(rho, L) * energy_difference(T, e);
+    return p0 + reference.at(L).p + gamma_rho(rho, L) * energy_difference(T, electronic(L));
   }
 
-  properties evaluate(double rho, double T) const {
-    const double L = std::log(rho / rho0);
-    const curve_point cold = reference.at(L);
-    const double e = thermal.e0 * std::exp(-thermal.g * L);
-    const double gr = gamma_rho(rho, L), E = energy_difference(T, e);
+  template <class R>
+  properties_of<R> evaluate(const R& rho, const R& T) const {
+    const R L = foundation::log(R(rho / rho0));
+    const auto cold = reference.at(L);
+    const R e = electronic(L), gr = gamma_rho(rho, L), E = energy_difference(T, e);
     // d ln(gamma rho)/d ln rho = 1 - q,  d e/d ln rho = -g e
-    const double dE = -thermal.g * thermal.c * e * (T * T - thermal.T0 * thermal.T0);
-    const double c_V = thermal.c * (1.0 + 2.0 * e * T);
-    return from_derivatives(rho, T, p0 + cold.p + gr * E, cold.K + gr * ((1.0 - thermal.q) * E + dE), gr * c_V, c_V);
+    const R dE = -thermal.g * thermal.c * e * (T * T - thermal.T0 * thermal.T0);
+    const R c_V = thermal.c * (1.0 + 2.0 * e * T);
+    return from_derivatives<R>(rho, T, p0 + cold.p + gr * E, cold.K + gr * ((1.0 - thermal.q) * E + dE), gr * c_V, c_V);
   }
 
   // kg/m^3; fail_calculation outside the pressures of the stable branch.
   double density(double p, double T) const { return invert(*this, p, T, {0.2 * rho0, rho0, 4.0 * rho0}); }
 
  private:
-  double gamma_rho(double rho, double L) const { return thermal.gamma0 * std::exp(-thermal.q * L) * rho; }
-  double energy_difference(double T, double e) const {
+  template <class R>
+  R electronic(const R& L) const {
+    return thermal.e0 == 0.0 ? R(0.0) : R(thermal.e0 * foundation::exp(R(-thermal.g * L)));
+  }
+  template <class R>
+  R gamma_rho(const R& rho, const R& L) const {
+    return thermal.gamma0 * foundation::exp(R(-thermal.q * L)) * rho;
+  }
+  template <class R>
+  R energy_difference(const R& T, const R& e) const {
     return thermal.c * (T - thermal.T0) * (1.0 + e * (T + thermal.T0));
   }
 };

@@ -11,13 +11,16 @@
 
 namespace tetsuame::eos {
 
-struct properties {
-  double p;            // Pa
-  double K_T;          // Pa, isothermal bulk modulus rho (dp/drho)_T at this very state
-  double alpha;        // 1/K, thermal expansivity
-  double c_V;          // J/(kg K)
-  double sound_speed;  // m/s; not a number where c^2 < 0 (beyond the spinodal)
+// Of one state, or R holds several, one a lane.
+template <class R>
+struct properties_of {
+  R p;            // Pa
+  R K_T;          // Pa, isothermal bulk modulus rho (dp/drho)_T at this very state
+  R alpha;        // 1/K, thermal expansivity
+  R c_V;          // J/(kg K)
+  R sound_speed;  // m/s; not a number where c^2 < 0 (beyond the spinodal)
 };
+using properties = properties_of<double>;
 
 struct description {
   std::string name;    // as in the input
@@ -26,9 +29,11 @@ struct description {
 };
 
 // rho kg/m^3, T K, p and K_T Pa, alpha_K = (dp/dT)_rho Pa/K, c_V J/(kg K).
-inline properties from_derivatives(double rho, double T, double p, double K_T, double alpha_K, double c_V) {
-  const double c2 = (K_T + T * alpha_K * alpha_K / (rho * c_V)) / rho;
-  return {p, K_T, alpha_K / K_T, c_V, std::sqrt(c2)};
+template <class R>
+properties_of<R> from_derivatives(const R& rho, const R& T, const R& p, const R& K_T, const R& alpha_K, const R& c_V) {
+  using std::sqrt;  // of lanes: found through their own namespace
+  const R c2 = (K_T + T * alpha_K * alpha_K / (rho * c_V)) / rho;
+  return {p, K_T, alpha_K / K_T, c_V, sqrt(c2)};
 }
 
 }  // namespace tetsuame::eos

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cmath>
+#include <foundation/lanes_math.hpp>
 
 namespace tetsuame::eos {
 
+template <class R>
 struct curve_point {
-  double p, K;  // Pa
+  R p, K;  // Pa
 };
 
 // p = 3 K0 (1 - x) x^-2 exp[3/2 (K0' - 1)(1 - x)], x = (rho0/rho)^(1/3)
@@ -17,9 +19,11 @@ struct vinet {
   double K0;        // Pa
   double K0_prime;  // dimensionless
 
-  curve_point at(double L) const {
-    const double x = std::exp(-L / 3.0), c = 1.5 * (K0_prime - 1.0);
-    const double scale = K0 * std::exp(c * (1.0 - x)) / (x * x);
+  template <class R>
+  curve_point<R> at(const R& L) const {
+    const R x = foundation::exp(R(L / -3.0));
+    const double c = 1.5 * (K0_prime - 1.0);
+    const R scale = K0 * foundation::exp(R(c * (1.0 - x))) / (x * x);
     return {3.0 * scale * (1.0 - x), scale * (2.0 - x + c * x * (1.0 - x))};
   }
 };
@@ -37,11 +41,13 @@ struct birch_murnaghan {
     return {K0, 1.5 * (K0_prime - 4.0), 1.5 * (K0 * K0_second + (K0_prime - 4.0) * (K0_prime - 3.0) + 35.0 / 9.0)};
   }
 
-  curve_point at(double L) const {
-    const double s = std::exp(2.0 / 3.0 * L);  // 1 + 2f, so df/dL = s/3
-    const double f = 0.5 * (s - 1.0);
-    const double scale = K0 * s * s * std::sqrt(s);
-    const double series = 1.0 + f * (a + b * f);
+  template <class R>
+  curve_point<R> at(const R& L) const {
+    using std::sqrt;
+    const R s = foundation::exp(R(2.0 / 3.0 * L));  // 1 + 2f, so df/dL = s/3
+    const R f = 0.5 * (s - 1.0);
+    const R scale = K0 * s * s * sqrt(s);
+    const R series = 1.0 + f * (a + b * f);
     return {3.0 * scale * f * series, scale * (5.0 * f * series + s * (1.0 + f * (2.0 * a + 3.0 * b * f)))};
   }
 };

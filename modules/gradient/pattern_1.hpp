@@ -5,7 +5,7 @@
 // smoothed and non-smoothed pressure. Momentum and energy are exchanged pair by pair.
 #pragma once
 
-#include <gradient/rates.hpp>
+#include <gradient/sums.hpp>
 #include <pairs/pairs.hpp>
 
 namespace tetsuame::gradient {
@@ -23,33 +23,28 @@ struct pattern_1::term {
   std::array<const double*, D> v;  // m/s
   const double* p;                 // Pa
   const double* dV;                // m^D
-  const double* m;                 // kg
-  rates<D> out;
+  sums<D> out;
 
   struct me {
-    real stress;                   // J m^D, p ΔV² of particle i
-    pairs::vec<real, D> v, force;  // force in N, its sign reversed
-    real work;                     // W
+    real stress;                // J m^D, p ΔV² of particle i
+    pairs::vec<real, D> force;  // N, its sign reversed
+    real work;                  // W
   };
 
   auto reads() const {
     using namespace pairs;
     return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, dV)};
   }
-  me begin(std::size_t i) const {
-    me a{real(p[i] * dV[i] * dV[i]), {}, foundation::zero<real, D>(), real(0.0)};
-    for (std::size_t k = 0; k < D; ++k) a.v[k] = real(v[k][i]);
-    return a;
-  }
+  me begin(std::size_t i) const { return {real(p[i] * dV[i] * dV[i]), foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     const real dV_j = ij(pairs::of_volume);
     const real stress = a.stress + ij(pairs::of_pressure) * dV_j * dV_j;
     a.force += stress * ij.gradient();
-    a.work += stress * ij.along_gradient(a.v - ij(pairs::of_velocity));
+    a.work += stress * ij.along_gradient(pairs::of_velocity);
   }
   void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) out.dv[k][i] -= pairs::sum(a.force[k]) / m[i];
-    out.du[i] += 0.5 * pairs::sum(a.work) / m[i];
+    for (std::size_t k = 0; k < D; ++k) out.force[k][i] -= pairs::sum(a.force[k]);
+    out.power[i] += 0.5 * pairs::sum(a.work);
   }
 };
 

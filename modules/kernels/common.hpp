@@ -1,4 +1,5 @@
-// What the kernels share: the positive part, which stands in for every branch.
+// What the kernels share: the positive part, which stands in for every branch, and the functions of r that
+// follow from the one a kernel writes, both(r, 1/r, w, f).
 #pragma once
 
 #include <algorithm>
@@ -20,5 +21,45 @@ constexpr double of_dimension(double one, double two, double three) {
   static_assert(D >= 1 && D <= 3, "kernels exist in one, two and three dimensions");
   return D == 1 ? one : D == 2 ? two : three;
 }
+
+// Base of Kernel, which has both(r, inverse_r, w, f) and support().
+template <class Kernel>
+class functions_of_distance {
+ public:
+  // W(r), 1/m^D; r >= 0 in m.
+  template <class R>
+  R value(const R& r) const {
+    R w, f;
+    both_of(r, w, f);
+    return w;
+  }
+
+  // W'(r)/r, 1/m^(D+2).
+  template <class R>
+  R gradient_over_r(const R& r) const {
+    R w, f;
+    both_of(r, w, f);
+    return f;
+  }
+
+  // The two at once.
+  template <class R>
+  void both(const R& r, R& w, R& f) const {
+    both_of(r, w, f);
+  }
+
+  // m; for 1/r in `both`, r is taken to be at least this. Nearer than this, differences of a spline's
+  // pieces are lost in the rounding of its terms.
+  double smallest_r() const { return 3e-10 * kernel().support(); }
+
+ private:
+  const Kernel& kernel() const { return static_cast<const Kernel&>(*this); }
+
+  template <class R>
+  void both_of(const R& r, R& w, R& f) const {
+    using std::max;
+    kernel().both(r, R(1.0 / max(r, R(smallest_r()))), w, f);
+  }
+};
 
 }  // namespace tetsuame::kernels

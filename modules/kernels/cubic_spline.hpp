@@ -10,7 +10,7 @@
 namespace tetsuame::kernels {
 
 template <int D>
-class cubic_spline {
+class cubic_spline : public functions_of_distance<cubic_spline<D>> {
  public:
   static constexpr int dimension = D;
   static constexpr const char* name = "cubic";
@@ -22,35 +22,21 @@ class cubic_spline {
     const double volume = D == 1 ? h : D == 2 ? h * h : h * h * h;
     inverse_h_ = 1.0 / h;
     w_scale_ = of_dimension<D>(1.0 / 6.0, 5.0 / (14.0 * std::numbers::pi), 1.0 / (4.0 * std::numbers::pi)) / volume;
-    f_scale_ = -3.0 * w_scale_ * inverse_h_ * inverse_h_;
+    f_scale_ = -3.0 * w_scale_ * inverse_h_;
   }
 
-  // W(r), 1/m^D; r >= 0 in m.
-  template <class R>
-  R value(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return w;
-  }
+  using functions_of_distance<cubic_spline<D>>::both;
 
-  // W'(r)/r, 1/m^(D+2).
+  // inverse_r: 1/r, 1/m, of an r that is not below smallest_r().
   template <class R>
-  R gradient_over_r(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return f;
-  }
-
-  template <class R>
-  void both(const R& r, R& w, R& f) const {
-    using std::max;
+  void both(const R& r, const R& inverse_r, R& w, R& f) const {
     const R q = r * inverse_h_;
     const R t2 = positive_part(R(2.0 - q)), t1 = positive_part(R(1.0 - q));
     const R s2 = t2 * t2, s1 = 4.0 * (t1 * t1);
     w = w_scale_ * (s2 * t2 - s1 * t1);
     // The bracket is exactly 4 - 4 = 0 at r = 0, so f(0) = 0 and the pair of a particle
     // with itself gives no force; the limit r -> 0 is -12 a_D/h^2.
-    f = f_scale_ * (s2 - s1) / max(q, R(smallest_q));
+    f = f_scale_ * (s2 - s1) * inverse_r;
   }
 
   double support() const { return support_; }     // m
@@ -58,8 +44,6 @@ class cubic_spline {
   double smoothing_length() const { return support_ / support_over_h; }
 
  private:
-  // Below it the bracket, about 4 q, is lost in the rounding of its terms.
-  static constexpr double smallest_q = 1e-9;
   double support_, inverse_h_, w_scale_, f_scale_;
 };
 

@@ -1,6 +1,7 @@
 // The smoothing kernels by name. A kernel is a small value with
 //   value(r)            W, 1/m^D              gradient_over_r(r)   W'(r)/r, 1/m^(D+2)
-//   both(r, w, f)       the two at once, for the pair loop; grad_i W_ij = f x_ij
+//   both(r, w, f)       the two at once; grad_i W_ij = f x_ij
+//   both(r, 1/r, w, f)  for the pair loop, which has 1/r anyway
 //   support(), self()   S in m, W(0) in 1/m^D
 // for r a double or several lanes (std::experimental::simd), without branches: beyond
 // the support both are exactly zero (to r = 1e90 S, where the polynomials would overflow:

@@ -13,7 +13,7 @@
 namespace tetsuame::kernels {
 
 template <int D>
-class quintic_spline {
+class quintic_spline : public functions_of_distance<quintic_spline<D>> {
  public:
   static constexpr int dimension = D;
   static constexpr const char* name = "quintic";
@@ -26,28 +26,14 @@ class quintic_spline {
     inverse_h_ = 1.0 / h;
     w_scale_ =
         of_dimension<D>(1.0 / 120.0, 7.0 / (478.0 * std::numbers::pi), 1.0 / (120.0 * std::numbers::pi)) / volume;
-    f_scale_ = -5.0 * w_scale_ * inverse_h_ * inverse_h_;
+    f_scale_ = -5.0 * w_scale_ * inverse_h_;
   }
 
-  // W(r), 1/m^D; r >= 0 in m.
-  template <class R>
-  R value(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return w;
-  }
+  using functions_of_distance<quintic_spline<D>>::both;
 
-  // W'(r)/r, 1/m^(D+2).
+  // inverse_r: 1/r, 1/m, of an r that is not below smallest_r().
   template <class R>
-  R gradient_over_r(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return f;
-  }
-
-  template <class R>
-  void both(const R& r, R& w, R& f) const {
-    using std::max;
+  void both(const R& r, const R& inverse_r, R& w, R& f) const {
     const R q = r * inverse_h_;
     const R t3 = positive_part(R(3.0 - q)), t2 = positive_part(R(2.0 - q)), t1 = positive_part(R(1.0 - q));
     const R s3 = t3 * t3, s2 = t2 * t2, s1 = t1 * t1;
@@ -55,7 +41,7 @@ class quintic_spline {
     w = w_scale_ * (q3 * t3 - q2 * t2 + q1 * t1);
     // The bracket is exactly 81 - 96 + 15 = 0 at r = 0, so f(0) = 0 and the pair of a
     // particle with itself gives no force; the limit r -> 0 is -120 a_D/h^2.
-    f = f_scale_ * (q3 - q2 + q1) / max(q, R(smallest_q));
+    f = f_scale_ * (q3 - q2 + q1) * inverse_r;
   }
 
   double support() const { return support_; }      // m
@@ -63,8 +49,6 @@ class quintic_spline {
   double smoothing_length() const { return support_ / support_over_h; }
 
  private:
-  // Below it the bracket, about 24 q, is lost in the rounding of its terms.
-  static constexpr double smallest_q = 1e-9;
   double support_, inverse_h_, w_scale_, f_scale_;
 };
 

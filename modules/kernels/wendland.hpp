@@ -21,29 +21,15 @@ namespace tetsuame::kernels {
 
 // The part all three share; Kernel gives shape(q, t, w, f): W/a and S^2 W'/(a r) of q.
 template <int D, class Kernel>
-class wendland {
+class wendland : public functions_of_distance<Kernel> {
  public:
   static constexpr int dimension = D;
   static constexpr double support_over_h = 2.0;
 
-  // W(r), 1/m^D; r >= 0 in m.
-  template <class R>
-  R value(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return w;
-  }
-
-  // W'(r)/r, 1/m^(D+2).
-  template <class R>
-  R gradient_over_r(const R& r) const {
-    R w, f;
-    both(r, w, f);
-    return f;
-  }
+  using functions_of_distance<Kernel>::both;
 
   template <class R>
-  void both(const R& r, R& w, R& f) const {
+  void both(const R& r, const R&, R& w, R& f) const {  // W'(r)/r is a polynomial: no 1/r
     const R q = r * inverse_support_;
     Kernel::shape(q, positive_part(R(1.0 - q)), w, f);
     w = w_scale_ * w;

@@ -12,25 +12,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <experimental/simd>
+#include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
 #include <particles/particles.hpp>
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#if defined(__AVX__)
-#include <immintrin.h>
-#endif
 
 namespace tetsuame::pairs {
 
 namespace stdx = std::experimental;
-
-using real = stdx::native_simd<double>;
-inline constexpr std::size_t lanes = real::size();
-
-using foundation::vec;
+using foundation::lanes, foundation::real, foundation::sum, foundation::vec;
 
 struct velocity_tag {};
 struct volume_tag {};
@@ -156,7 +149,27 @@ inline std::array<real_4, 4> turn(const double* r0, const double* r1, const doub
            {_mm256_permute2f128_pd(ab_low, cd_low, 0x31)},
            {_mm256_permute2f128_pd(ab_high, cd_high, 0x31)}}};
 }
+#endif
 
+#if defined(__AVX512F__)
+struct real_8 {
+  __m512d v;
+};
+
+// The same of eight records. Two records loaded into one register need no shuffle for it; which two: so that
+// the lanes end in order.
+inline std::array<real_8, 4> turn(const std::array<const double*, 8>& r) {
+  const auto two = [](const double* low, const double* high) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(low)), _mm256_load_pd(high), 1);
+  };
+  const __m512d a = two(r[0], r[2]), b = two(r[1], r[3]), c = two(r[4], r[6]), d = two(r[5], r[7]);
+  const __m512d ab_low = _mm512_unpacklo_pd(a, b), ab_high = _mm512_unpackhi_pd(a, b);
+  const __m512d cd_low = _mm512_unpacklo_pd(c, d), cd_high = _mm512_unpackhi_pd(c, d);
+  return {{{_mm512_shuffle_f64x2(ab_low, cd_low, 0x88)},
+           {_mm512_shuffle_f64x2(ab_high, cd_high, 0x88)},
+           {_mm512_shuffle_f64x2(ab_low, cd_low, 0xdd)},
+           {_mm512_shuffle_f64x2(ab_high, cd_high, 0xdd)}}};
+}
 #endif
 
 // values[c] = component c of the records of neighbours j[0 … lanes).
@@ -175,10 +188,9 @@ inline void load(const double* records, const std::int32_t* j, std::array<R, Siz
 #if defined(__AVX512F__)
   if constexpr (R::size() == 8) {
     for (std::size_t c = 0; c < Size; c += 4) {
-      const auto t = turn(record(0) + c, record(1) + c, record(2) + c, record(3) + c);
-      const auto u = turn(record(4) + c, record(5) + c, record(6) + c, record(7) + c);
-      for (std::size_t k = 0; k < 4; ++k)
-        values[c + k] = R(_mm512_insertf64x4(_mm512_castpd256_pd512(t[k].v), u[k].v, 1));
+      const auto t = turn({record(0) + c, record(1) + c, record(2) + c, record(3) + c, record(4) + c, record(5) + c,
+                           record(6) + c, record(7) + c});
+      for (std::size_t k = 0; k < 4; ++k) values[c + k] = R(t[k].v);
     }
     return;
   }

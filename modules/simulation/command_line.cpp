@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <domain/communicator.hpp>
 #include <filesystem>
+#include <foundation/processor.hpp>
 #include <fstream>
 #include <iostream>
 #include <simulation/command_line.hpp>
@@ -98,6 +99,7 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const std
 
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
           const std::function<void(const command_line&, const input&)>& run) {
+  foundation::hand_over_to_widest(argv);
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   const auto ranks = domain::communicator::world();

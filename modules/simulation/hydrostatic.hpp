@@ -31,6 +31,7 @@ namespace tetsuame::simulation {
 template <class Program, int D>
 struct run {
   using volume_module = typename Program::volume;
+  static constexpr int simd_lanes = static_cast<int>(pairs::lanes);
   static constexpr bool iterates = requires(volume_module v) { v.residuals; };
 
   const command_line& line;
@@ -278,6 +279,7 @@ struct run {
     g.reals["next_snapshot"] = next_snapshot;
     g.reals["stepping_seconds"] = stepping_seconds;
     g.integers["step"] = step;
+    g.integers["simd_lanes"] = simd_lanes;
     g.integers["snapshots"] = snapshots;
     g.integers["wall_crossings"] = wall_crossings;
     if constexpr (iterates) {
@@ -342,6 +344,11 @@ struct run {
     say("continuing from " + found->path);
     const output::checkpoint saved = std::move(found->state);
     found.reset();
+    if (const auto before = saved.globals.integers.at("simd_lanes"); before != simd_lanes)
+      say(
+          fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
+                      "order, so the last digits will differ from the uninterrupted run's",
+                      before, simd_lanes));
     fluid_from_checkpoint(saved.tables.at("fluid"), world.w.s);
     // Lists stand where they stood, so that sums keep their order: they are made from the positions
     // of that time, and the present ones put back after.
@@ -384,6 +391,7 @@ struct run {
     report.wall_particles = ranks.sum(static_cast<std::int64_t>(world.w.s.walls));
     report.ranks = ranks.size;
     report.threads = omp_get_max_threads();
+    report.simd_lanes = simd_lanes;
     report.wall_seconds = seconds();
     report.stepping_seconds = stepping_seconds;
     report.stages = world.w.times.seconds();
@@ -435,6 +443,10 @@ struct run {
 
   void prepare() {
     using mode = output::directory_mode;
+    if (ranks.maximum(simd_lanes) != ranks.minimum(simd_lanes))
+      foundation::fail_input(
+          "some ranks run on processors with AVX-512 and some without: results would depend on where a particle is. "
+          "Set TETSUAME_SIMD=avx2 in the environment of all ranks");
     set_up(o, ranks, world);
     world.density_carried = volume_module::carried == volume::carries::density;
     world.weight_carried = volume_module::carried == volume::carries::weight;

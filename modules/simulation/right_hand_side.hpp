@@ -60,7 +60,7 @@ void refresh_halo(scene<D>& scene) {
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
 }
 
-// Stage 6. dv starts from the body force; du holds the pressure's work alone.
+// Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du.
 template <class Gradient, int D>
 void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   auto& w = scene.w;
@@ -69,24 +69,24 @@ void sum_forces(scene<D>& scene, scratch& work, const state_rates<D>& out) {
   work.dlnrho.resize(s.fluid);
   work.heat.resize(s.fluid);
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = w.g[a];
+    for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = 0.0;
     out.du[i] = work.heat[i] = 0.0;
   });
-  std::visit([&](auto t) { t.template accelerate<D>(w, scene.walls, out.dv); }, scene.treatment);
+  std::visit([&](auto t) { t.template push<D>(w, scene.walls, out.dv); }, scene.treatment);
   const auto v = pairs::pointers<D>(s.v);
-  const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), s.m.data(), {out.dv, out.du}};
+  const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
   const gradient::continuity<D> continuity{v, s.dV.data(), work.dlnrho.data()};
   if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(w.fluid(), pressure, continuity,
-          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), s.m.data(), out.dv,
-                                          work.heat.data()});
+          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), out.dv, work.heat.data()});
   else
     w.sum(w.fluid(), pressure, continuity,
-          diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), s.m.data(), out.dv, work.heat.data()},
+          diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, work.heat.data()},
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), work.heat.data()});
 }
 
-// Stage 7:  ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
+// Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
+//   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
 template <class Program, int D>
 void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& out) {
   using volume::carries;
@@ -96,8 +96,12 @@ void finish_rates(scene<D>& scene, const scratch& work, const state_rates<D>& ou
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    for (std::size_t a = 0; a < D; ++a) out.dx[a][i] = s.v[a][i];
-    const double power = out.du[i], heating = work.heat[i] / s.m[i];
+    const double per_mass = 1.0 / s.m[i];
+    for (std::size_t a = 0; a < D; ++a) {
+      out.dx[a][i] = s.v[a][i];
+      out.dv[a][i] = out.dv[a][i] * per_mass + w.g[a];
+    }
+    const double power = out.du[i] * per_mass, heating = work.heat[i] * per_mass;
     out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * work.dlnrho[i]) / s.c_V[i];
     out.du[i] = power + heating;
     if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * work.dlnrho[i];

@@ -150,7 +150,7 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
   const double reach = w.support() + scene.skin;
   domain::migrate(w.d, s);
 
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, reach);
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge<D>(reach));
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
   particles::reorder(s, 0, std::span<const std::size_t>(order));
   if (positions == set_list_positions) s.x_list = s.x;
@@ -161,10 +161,12 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
                        [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
   w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
 
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), reach);
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(reach));
+  auto scratch = std::move(w.list.records);  // its memory serves on
   w.list = cells::make_list<D>(
-      grid, s.x, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
+      grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
       [](std::size_t i, std::uint32_t j) { return i != j; });
+  w.list.records = std::move(scratch);
   std::visit(
       [&](auto t) {
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, scene.walls, grid, scene.skin);

@@ -32,6 +32,7 @@ void summary::write(const domain::communicator& where, const std::string& direct
   j["wall_particles"] = wall_particles;
   j["ranks"] = ranks;
   j["threads"] = threads;
+  j["simd_lanes"] = simd_lanes;
   j["wall_seconds"] = wall_seconds;
   j["stepping_seconds"] = stepping_seconds;
   j["rhs_evaluations"] = statistics.evaluations;

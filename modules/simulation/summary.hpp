@@ -17,7 +17,7 @@ struct summary {
   double time = 0.0;  // s
   int dimension = 2;
   std::int64_t fluid_particles = 0, wall_particles = 0;
-  int ranks = 1, threads = 1;
+  int ranks = 1, threads = 1, simd_lanes = 1;
   double wall_seconds = 0.0, stepping_seconds = 0.0;
   integrators::explicit_statistics statistics;
   std::optional<std::int64_t> diverged_step, diverged_iteration;

@@ -71,23 +71,59 @@ inline std::string number(double value) {
   return text;
 }
 
+namespace detail {
+
+// Particles [first, first + lanes) of a material, those of other materials and from n on left alone; where the
+// equation of state works on lanes, all at once.
+template <int D, class Material>
+void evaluate_lanes(particles::particles<D>& s, const Material& material, std::int32_t number, std::size_t first,
+                    std::size_t n) {
+  using pairs::lanes, pairs::real;
+  const std::array<double*, 5> out{s.p_eos.data(), s.K_T.data(), s.alpha.data(), s.c_V.data(), s.c.data()};
+  const auto mine = [&](std::size_t i) { return i < n && s.material[i] == number; };
+  if constexpr (requires(real r) { material.evaluate(r, r); }) {
+    bool all = true, none = true;
+    for (std::size_t i = first; i < first + lanes; ++i) mine(i) ? none = false : all = false;
+    if (none) return;
+    real rho, T;
+    if (first + lanes <= n) {
+      rho.copy_from(s.rho.data() + first, pairs::stdx::element_aligned);
+      T.copy_from(s.T.data() + first, pairs::stdx::element_aligned);
+    } else {
+      rho = real([&](auto lane) { return s.rho[std::min(first + lane, n - 1)]; });
+      T = real([&](auto lane) { return s.T[std::min(first + lane, n - 1)]; });
+    }
+    const auto e = material.evaluate(rho, T);
+    const std::array<real, 5> values{e.p, e.K_T, e.alpha, e.c_V, e.sound_speed};
+    for (std::size_t f = 0; f < out.size(); ++f) {
+      if (all)
+        values[f].copy_to(out[f] + first, pairs::stdx::element_aligned);
+      else
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+          if (mine(first + lane)) out[f][first + lane] = values[f][lane];
+    }
+  } else {
+    for (std::size_t i = first; i < first + lanes; ++i) {
+      if (!mine(i)) continue;
+      const eos::properties e = material.evaluate(s.rho[i], s.T[i]);
+      const std::array<double, 5> values{e.p, e.K_T, e.alpha, e.c_V, e.sound_speed};
+      for (std::size_t f = 0; f < out.size(); ++f) out[f][i] = values[f];
+    }
+  }
+}
+
+}  // namespace detail
+
 // p^, K_T, α, c_V and c of the particles [0, n) from ρ and T.
 template <int D>
 void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
-  auto& s = w.s;
+  const std::size_t groups = (n + pairs::lanes - 1) / pairs::lanes;
   for (std::size_t k = 0; k < w.materials.size(); ++k)
     std::visit(
         [&](const auto& material) {
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-          for (std::size_t i = 0; i < n; ++i) {
-            if (s.material[i] != static_cast<std::int32_t>(k)) continue;
-            const eos::properties e = material.evaluate(s.rho[i], s.T[i]);
-            s.p_eos[i] = e.p;
-            s.K_T[i] = e.K_T;
-            s.alpha[i] = e.alpha;
-            s.c_V[i] = e.c_V;
-            s.c[i] = e.sound_speed;
-          }
+          for (std::size_t group = 0; group < groups; ++group)
+            detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k), group * pairs::lanes, n);
         },
         w.materials[k]);
 }

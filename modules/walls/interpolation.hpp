@@ -10,10 +10,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <foundation/lanes.hpp>
+#include <foundation/vec.hpp>
 #include <span>
 #include <string>
 
 namespace tetsuame::walls {
+
+using foundation::lanes, foundation::real, foundation::vec;
 
 // Number of terms of a polynomial of the order in D dimensions.
 constexpr std::size_t terms(int order, int D) {
@@ -26,17 +30,26 @@ inline int polynomial_order(const std::string& interpolation) {
   return interpolation == "shepard" ? 0 : interpolation == "mls" ? 1 : 2;
 }
 
-// P at the offset e (in units of the marker's reach, so that the moments are of order one).
-template <int D>
-std::array<double, terms(2, D)> polynomial(const std::array<double, D>& e) {
-  std::array<double, terms(2, D)> P;
+// P to the given order at the offset e (in units of the marker's reach, so that the moments are of order one).
+template <int D, int Order = 2, class R>
+std::array<R, terms(Order, D)> polynomial(const vec<R, D>& e) {
+  std::array<R, terms(Order, D)> P;
   std::size_t n = 0;
-  P[n++] = 1.0;
-  for (std::size_t a = 0; a < D; ++a) P[n++] = e[a];
-  for (std::size_t a = 0; a < D; ++a)
-    for (std::size_t b = a; b < D; ++b) P[n++] = e[a] * e[b];
+  P[n++] = R(1.0);
+  if constexpr (Order > 0)
+    for (std::size_t a = 0; a < D; ++a) P[n++] = e[a];
+  if constexpr (Order > 1)
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t b = a; b < D; ++b) P[n++] = e[a] * e[b];
   return P;
 }
+
+// Neighbours of a marker, one a lane.
+template <int D>
+struct seen {
+  real weight;          // 1/m^D, W_mj; zero in a lane without a particle
+  vec<real, D> offset;  // (x_j - x_m)/reach
+};
 
 // Solves A c = (1, 0, …) for a symmetric positive definite A of `n` terms by Cholesky's
 // factors; false when A is singular to working accuracy.
@@ -69,39 +82,40 @@ namespace detail {
 
 // Of one order, so that the loops over terms have a fixed length.
 template <int D, int Order>
-void shape_functions_of(std::span<const double> weights, std::span<const std::array<double, D>> offsets,
-                        std::span<double> phi) {
+void shape_functions_of(std::span<const seen<D>> near, double* phi) {
   constexpr std::size_t N = terms(Order, D);
-  std::array<std::array<double, N>, N> A{};
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const auto P = polynomial<D>(offsets[j]);
-    for (std::size_t a = 0; a < N; ++a)
-      for (std::size_t b = 0; b <= a; ++b) A[a][b] += weights[j] * P[a] * P[b];
+  std::array<std::array<real, N>, N> moments;
+  for (std::size_t a = 0; a < N; ++a)
+    for (std::size_t b = 0; b <= a; ++b) moments[a][b] = real(0.0);
+  for (const auto& j : near) {
+    const auto P = polynomial<D, Order>(j.offset);
+    for (std::size_t a = 0; a < N; ++a) {
+      const real weighted = j.weight * P[a];
+      for (std::size_t b = 0; b <= a; ++b) moments[a][b] += weighted * P[b];
+    }
   }
+  std::array<std::array<double, N>, N> A;
+  for (std::size_t a = 0; a < N; ++a)
+    for (std::size_t b = 0; b <= a; ++b) A[a][b] = foundation::sum(moments[a][b]);
   std::array<double, N> c{};
-  if constexpr (Order == 0) {
-    if (A[0][0] > 0.0) c[0] = 1.0 / A[0][0];
-  } else if (A[0][0] > 0.0) {
+  if (A[0][0] > 0.0)
     for (int lower = Order; !solve_first(A, terms(lower, D), c); --lower) c.fill(0.0);
-  }
-  for (std::size_t j = 0; j < weights.size(); ++j) {
-    const auto P = polynomial<D>(offsets[j]);
-    double value = 0.0;
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const auto P = polynomial<D, Order>(near[k].offset);
+    real value(0.0);
     for (std::size_t a = 0; a < N; ++a) value += P[a] * c[a];
-    phi[j] = weights[j] * value;
+    (near[k].weight * value).copy_to(phi + k * lanes, std::experimental::element_aligned);
   }
 }
 
 }  // namespace detail
 
-// weights: W_mj; offsets: (x_j - x_m)/reach; phi: out, one a neighbour. All zero where the
-// marker sees no fluid.
+// phi: out, one a lane. All zero where the marker sees no fluid.
 template <int D>
-void shape_functions(std::span<const double> weights, std::span<const std::array<double, D>> offsets, int order,
-                     std::span<double> phi) {
-  if (order == 0) detail::shape_functions_of<D, 0>(weights, offsets, phi);
-  if (order == 1) detail::shape_functions_of<D, 1>(weights, offsets, phi);
-  if (order == 2) detail::shape_functions_of<D, 2>(weights, offsets, phi);
+void shape_functions(std::span<const seen<D>> near, int order, double* phi) {
+  if (order == 0) detail::shape_functions_of<D, 0>(near, phi);
+  if (order == 1) detail::shape_functions_of<D, 1>(near, phi);
+  if (order == 2) detail::shape_functions_of<D, 2>(near, phi);
 }
 
 }  // namespace tetsuame::walls

@@ -4,7 +4,7 @@
 //   kinematics   v, T, η, k, ΔV of the wall particles
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
-//   accelerate   what the wall adds to dv/dt directly
+//   push         what the wall adds to the forces directly
 //
 // virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
 //   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
@@ -31,7 +31,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
   set.near_marker = cells::make_list<D>(
-      grid, s.x, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
+      grid, s.walls, set.reach + skin, s.null(), [&](std::size_t r) { return cells::position<D>(set.marker, r); },
       [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
   set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);
@@ -44,6 +44,11 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
       depth = std::max(depth, (set.marker[wall.axis][r] - wall.position) * wall.inward *
                                   ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
   depth = w.d.ranks.maximum(depth) + set.reach + skin;
+  std::vector<char> is_listed(s.null() + 1, 0);
+  for (const auto j : set.near_marker.neighbours) is_listed[static_cast<std::size_t>(j)] = 1;
+  set.listed.clear();
+  for (std::size_t i = 0; i < is_listed.size(); ++i)
+    if (is_listed[i] != 0) set.listed.push_back(i);
   set.near_wall.clear();
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const auto& wall : set.sides)
@@ -53,78 +58,107 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
       }
 }
 
-// Shape functions at the fluid's positions of this evaluation.
-template <int D, class Kernel>
-void shape_markers(const pairs::workspace<D>& w, wall_set<D>& set, const Kernel& kernel) {
-  const auto& s = w.s;
-  const int order = polynomial_order(set.how.interpolation);
-  const double per_reach = 1.0 / set.reach;
-  const auto x = w.x();
-  const double squeeze = w.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
-#pragma omp parallel if (s.walls > foundation::rows_worth_threads)
-  {
-    std::vector<double> weights;
-    std::vector<std::array<double, D>> offsets;
-#pragma omp for schedule(static)
-    for (std::size_t r = 0; r < s.walls; ++r) {
-      const std::size_t begin = set.near_marker.start[r], n = set.near_marker.start[r + 1] - begin;
-      weights.resize(n);
-      offsets.resize(n);
-      for (std::size_t k = 0; k < n; k += pairs::lanes) {
-        pairs::vec<pairs::real, D> e = pairs::gather<D>(x, set.near_marker.neighbours.data() + begin + k);
-        for (std::size_t a = 0; a < D; ++a) e[a] -= set.marker[a][r];
-        const pairs::real W = kernel.value(pairs::real(pairs::stdx::sqrt(foundation::dot(e, e)) * squeeze));
-        W.copy_to(weights.data() + k, pairs::stdx::element_aligned);
-        for (std::size_t a = 0; a < D; ++a) {
-          // Without weight the place does not matter; the null particle's is too far for powers.
-          pairs::stdx::where(W == 0.0, e[a]) = 0.0;
-          for (std::size_t lane = 0; lane < pairs::lanes; ++lane) offsets[k + lane][a] = e[a][lane] * per_reach;
-        }
-      }
-      shape_functions<D>(weights, offsets, order, std::span<double>(set.phi.data() + begin, n));
+// The given fields of the fluid that markers see, in the pair loop's records: one a particle.
+template <std::size_t N>
+struct marker_records {
+  static constexpr std::size_t size = (N + 3) / 4 * 4;
+  const double* records;
+  const std::int32_t* neighbours;
+
+  template <int D>
+  marker_records(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<const double*, N>& fields)
+      : neighbours(set.near_marker.neighbours.data()) {
+    auto& all = w.list.records;
+    if (all.size() < size * (w.s.null() + 1)) all.resize(size * (w.s.null() + 1));
+    double* out = all.data();
+    const std::size_t n = set.listed.size();
+#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = set.listed[k];
+      for (std::size_t f = 0; f < N; ++f) out[i * size + f] = fields[f][i];
     }
+    records = out;
   }
-}
 
-// The fields f_n(x_m) at the marker of row r, in one sweep over its neighbours.
-template <int D, std::size_t N>
-std::array<double, N> at_marker(const wall_set<D>& set, std::size_t r, const std::array<const double*, N>& f) {
-  std::array<pairs::real, N> sums;
-  sums.fill(pairs::real(0.0));
+  // Of the neighbours at [k, k + lanes) of the list.
+  std::array<real, size> at(std::size_t k) const {
+    std::array<real, size> values;
+    pairs::detail::load(records, neighbours + k, values);
+    return values;
+  }
+};
+
+// Σ_j φ_j f_j(x_m) of the fields from number First on, at the marker of row r, in one sweep over its neighbours.
+template <std::size_t First = 0, int D, std::size_t N>
+std::array<double, N - First> at_marker(const wall_set<D>& set, std::size_t r, const marker_records<N>& fields) {
+  std::array<real, N - First> sums;
+  sums.fill(real(0.0));
   const std::size_t end = set.near_marker.start[r + 1];
-  for (std::size_t k = set.near_marker.start[r]; k < end; k += pairs::lanes) {
-    const pairs::real phi(set.phi.data() + k, pairs::stdx::element_aligned);
-    for (std::size_t n = 0; n < N; ++n) sums[n] += phi * pairs::gather(f[n], set.near_marker.neighbours.data() + k);
+  for (std::size_t k = set.near_marker.start[r]; k < end; k += lanes) {
+    const real phi(set.phi.data() + k, pairs::stdx::element_aligned);
+    const auto values = fields.at(k);
+    for (std::size_t n = First; n < N; ++n) sums[n - First] += phi * values[n];
   }
-  std::array<double, N> values;
-  for (std::size_t n = 0; n < N; ++n) values[n] = pairs::sum(sums[n]);
-  return values;
+  std::array<double, N - First> total;
+  for (std::size_t n = 0; n < N - First; ++n) total[n] = foundation::sum(sums[n]);
+  return total;
 }
 
-template <int D>
-double at_marker(const wall_set<D>& set, std::size_t r, const particles::array& f) {
-  return at_marker(set, r, std::array<const double*, 1>{f.data()})[0];
+// Shape functions of the marker of row r at the fluid's positions of this evaluation, which lead the records.
+// `near`: scratch.
+template <int D, std::size_t N, class Kernel>
+void shape_marker(wall_set<D>& set, std::size_t r, const marker_records<N>& fields, const Kernel& kernel, int order,
+                  std::vector<seen<D>>& near) {
+  const std::size_t begin = set.near_marker.start[r], end = set.near_marker.start[r + 1];
+  const double per_reach = 1.0 / set.reach;
+  const double squeeze = kernel.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
+  near.clear();
+  for (std::size_t k = begin; k < end; k += lanes) {
+    const auto values = fields.at(k);
+    seen<D> j;
+    for (std::size_t a = 0; a < D; ++a) j.offset[a] = values[a] - set.marker[a][r];
+    j.weight = kernel.value(real(pairs::stdx::sqrt(foundation::dot(j.offset, j.offset)) * squeeze));
+    for (std::size_t a = 0; a < D; ++a) {
+      j.offset[a] *= per_reach;
+      // Without weight the place does not matter; the null particle's is too far for powers.
+      pairs::stdx::where(j.weight == 0.0, j.offset[a]) = 0.0;
+    }
+    near.push_back(j);
+  }
+  shape_functions<D>(near, order, set.phi.data() + begin);
 }
 
 template <int D>
 void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  std::visit([&](const auto& kernel) { shape_markers(w, set, kernel); }, w.kernel);
-  std::array<const double*, D + 5> fields;
-  std::copy_n(pairs::pointers<D>(s.v).begin(), D, fields.begin());
+  std::array<const double*, 2 * D + 5> arrays;
+  std::copy_n(pairs::pointers<D>(s.x).begin(), D, arrays.begin());
+  std::copy_n(pairs::pointers<D>(s.v).begin(), D, arrays.begin() + D);
   std::copy_n(std::array<const double*, 5>{s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()}.begin(), 5,
-              fields.begin() + D);
-#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r) {
-    const std::size_t i = s.first_wall() + r;
-    const auto f = at_marker(set, r, fields);
-    std::array<double, D> v;
-    std::copy_n(f.begin(), D, v.begin());
-    std::tie(s.T[i], s.rho[i], s.eta[i], s.k[i], s.dV[i]) = std::tuple{f[D], f[D + 1], f[D + 2], f[D + 3], f[D + 4]};
-    mirror_velocity<D>(set, r, v);
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    s.T[i] = mirror_temperature(set, r, s.T[i]);
-  }
+              arrays.begin() + 2 * D);
+  const marker_records<2 * D + 5> fields(w, set, arrays);
+  const int order = polynomial_order(set.how.interpolation);
+  std::visit(
+      [&](const auto& kernel) {
+#pragma omp parallel if (s.walls > foundation::rows_worth_threads)
+        {
+          std::vector<seen<D>> near;
+#pragma omp for schedule(static)
+          for (std::size_t r = 0; r < s.walls; ++r) {
+            shape_marker(set, r, fields, kernel, order, near);
+            const std::size_t i = s.first_wall() + r;
+            const auto f = at_marker<D>(set, r, fields);
+            std::array<double, D> v;
+            std::copy_n(f.begin(), D, v.begin());
+            std::tie(s.T[i], s.rho[i], s.eta[i], s.k[i], s.dV[i]) =
+                std::tuple{f[D], f[D + 1], f[D + 2], f[D + 3], f[D + 4]};
+            mirror_velocity<D>(set, r, v);
+            for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+            s.T[i] = mirror_temperature(set, r, s.T[i]);
+          }
+        }
+      },
+      w.kernel);
   for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
   w.exchange_walls({s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
 }
@@ -136,10 +170,11 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   std::array<double*, D> f;
   for (std::size_t a = 0; a < D; ++a) {
     f[a] = set.f[a].data();
-    for (const std::size_t i : set.near_wall) set.f[a][i] = w.g[a];
+    for (const std::size_t i : set.near_wall) set.f[a][i] = 0.0;
   }
-  w.sum(set.near_wall,
-        diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), s.m.data(), f, nullptr});
+  w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
+  for (std::size_t a = 0; a < D; ++a)
+    for (const std::size_t i : set.near_wall) f[a][i] = f[a][i] / s.m[i] + w.g[a];
   for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
 }
 
@@ -148,9 +183,10 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
   const auto& s = w.s;
-  std::array<const double*, D + 1> fields;
-  std::copy_n(pairs::pointers<D>(set.f).begin(), D, fields.begin());
-  fields[D] = s.m.data();
+  std::array<const double*, D + 1> arrays;
+  std::copy_n(pairs::pointers<D>(set.f).begin(), D, arrays.begin());
+  arrays[D] = s.m.data();
+  const marker_records<D + 1> fields(w, set, arrays);
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const auto f = at_marker(set, r, fields);
@@ -164,18 +200,20 @@ void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
+  const marker_records<1> fields(w, set, {s.Y.data()});
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r) s.Y[s.first_wall() + r] = at_marker(set, r, s.Y) + set.weight_step[r];
+  for (std::size_t r = 0; r < s.walls; ++r) s.Y[s.first_wall() + r] = at_marker(set, r, fields)[0] + set.weight_step[r];
   w.exchange_walls({s.Y.data()});
 }
 
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
+  const marker_records<2> fields(w, set, {s.p.data(), s.dV.data()});
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
-    const auto f = at_marker(set, r, std::array<const double*, 2>{s.p.data(), s.dV.data()});
+    const auto f = at_marker(set, r, fields);
     s.p[i] = f[0] + set.pressure_step[r];
     s.dV[i] = f[1];
   }
@@ -193,7 +231,7 @@ struct nothing {
   template <int D>
   static void pressures(pairs::workspace<D>&, wall_set<D>&) {}
   template <int D>
-  static void accelerate(const pairs::workspace<D>&, const wall_set<D>&, const std::array<double*, D>&) {}
+  static void push(const pairs::workspace<D>&, const wall_set<D>&, const std::array<double*, D>&) {}
 };
 
 struct none : nothing {
@@ -235,13 +273,13 @@ struct repulsion : with_markers {
     detail::nonpressure_acceleration(w, set);
   }
   template <int D>
-  static void accelerate(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& dv) {
+  static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
     for (const std::size_t i : set.near_wall)
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);
-        dv[wall.axis][i] += set.f[wall.axis][i] * lambda;  // (f·n) λ n
+        force[wall.axis][i] += w.s.m[i] * set.f[wall.axis][i] * lambda;  // m (f·n) λ n
       }
   }
 };

@@ -57,7 +57,7 @@ std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point
     std::array<double, D> cell;
     for (std::size_t a = 0; a < D; ++a) {
       r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
-      cell[a] = std::floor(p.x[a] / reach);
+      cell[a] = std::floor(p.x[a] / cells::cell_edge<D>(reach));
     }
     if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.id);
   }
@@ -166,7 +166,7 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
   // Reaches above and below the grid's own cells.
   for (const double reach : {0.8, 2.0, 7.0}) {
     const auto g = cells::make_grid<3>(x, id, n, 2.0);
-    const auto list = cells::make_list<3>(g, x, rows, reach, n, centre, even);
+    const auto list = cells::make_list<3>(g, rows, reach, n, centre, even);
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
       std::vector<std::int32_t> is, should;
@@ -187,7 +187,7 @@ BOOST_AUTO_TEST_CASE(no_particles_no_neighbours) {
   std::array<particles::array, 2> x;
   const auto g = cells::make_grid<2>(x, {}, 0, 1.0);
   const auto list = cells::make_list<2>(
-      g, x, 1, 1.0, 0,
+      g, 1, 1.0, 0,
       [](std::size_t) {
         return std::array{0.0, 0.0};
       },

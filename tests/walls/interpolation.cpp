@@ -24,8 +24,15 @@ struct cloud {
     weights.push_back(kernel.value(std::sqrt(r2)));
   }
   std::vector<double> phi(int order) const {
-    std::vector<double> values(weights.size(), -1.0);
-    shape_functions<D>(weights, offsets, order, values);
+    std::vector<seen<D>> near((weights.size() + lanes - 1) / lanes);  // lanes beyond the cloud are empty
+    for (auto& j : near) j = {real(0.0), tetsuame::foundation::zero<real, D>()};
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      near[k / lanes].weight[k % lanes] = weights[k];
+      for (std::size_t a = 0; a < D; ++a) near[k / lanes].offset[a][k % lanes] = offsets[k][a];
+    }
+    std::vector<double> values(near.size() * lanes, -1.0);
+    shape_functions<D>(near, order, values.data());
+    values.resize(weights.size());
     return values;
   }
   double at_marker(int order, const std::vector<double>& f) const {
@@ -60,7 +67,7 @@ cloud<D> disorder(std::size_t n, int walls, double depth, unsigned seed) {
 template <int D>
 std::vector<double> monomial(const cloud<D>& c, std::size_t term) {
   std::vector<double> f;
-  for (const auto& e : c.offsets) f.push_back(polynomial<D>(e)[term]);
+  for (const auto& e : c.offsets) f.push_back(polynomial<D>(vec<double, D>{e})[term]);
   return f;
 }
 

@@ -6,9 +6,9 @@
 namespace tetsuame::gradient {
 
 template <int D>
-struct rates {
-  std::array<double*, D> dv;  // m/s2
-  double* du;                 // W/kg
+struct sums {
+  std::array<double*, D> force;  // N, m_i Dv_i/Dt
+  double* power;                 // W, m_i Du_i/Dt
 };
 
 }  // namespace tetsuame::gradient

@@ -1,0 +1,85 @@
+// Several doubles in one register, one neighbour a lane: what loops over neighbours need beside arithmetic.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <experimental/simd>
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+namespace tetsuame::foundation {
+
+namespace stdx = std::experimental;
+
+using real = stdx::native_simd<double>;
+inline constexpr std::size_t lanes = real::size();
+
+// The lanes' sum in the fixed order of a binary tree: (0 + 2) + (1 + 3) for four lanes.
+template <class R>
+double sum(const R& a) {
+#if defined(__AVX__)
+  const auto of_four = [](__m256d all) {
+    const __m128d pair = _mm_add_pd(_mm256_castpd256_pd128(all), _mm256_extractf128_pd(all, 1));
+    return _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)));
+  };
+  if constexpr (R::size() == 4) return of_four(static_cast<__m256d>(a));
+#endif
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) {
+    const auto all = static_cast<__m512d>(a);
+    return of_four(_mm256_add_pd(_mm512_castpd512_pd256(all), _mm512_extractf64x4_pd(all, 1)));
+  }
+#endif
+  std::array<double, lanes> part;
+  a.copy_to(part.data(), stdx::element_aligned);
+  for (std::size_t half = lanes / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) part[k] += part[k + half];
+  return part[0];
+}
+
+// Bit n: whether a < b in lane n.
+template <class R>
+std::uint32_t bits_of_less(const R& a, const R& b) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) return _mm512_cmp_pd_mask(static_cast<__m512d>(a), static_cast<__m512d>(b), _CMP_LT_OQ);
+#endif
+#if defined(__AVX__)
+  if constexpr (R::size() == 4)
+    return static_cast<std::uint32_t>(
+        _mm256_movemask_pd(_mm256_cmp_pd(static_cast<__m256d>(a), static_cast<__m256d>(b), _CMP_LT_OQ)));
+#endif
+  std::uint32_t all = 0;
+  for (std::size_t lane = 0; lane < R::size(); ++lane) all |= (a[lane] < b[lane] ? 1U : 0U) << lane;
+  return all;
+}
+
+// r and 1/r of r² > 0, to a rounding or two.
+template <class R>
+struct roots {
+  R r, inverse;
+};
+
+template <class R>
+roots<R> both_roots(const R& r2) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) {
+    // The processor's estimate of 1/r to 14 bits, and two of Goldschmidt's steps, each of which doubles
+    // them: the square root's and the division's own instructions take several times as long.
+    const auto x = static_cast<__m512d>(r2);
+    const __m512d estimate = _mm512_rsqrt14_pd(x), half = _mm512_set1_pd(0.5);
+    __m512d r = _mm512_mul_pd(x, estimate), half_inverse = _mm512_mul_pd(estimate, half);
+    for (int step = 0; step < 2; ++step) {
+      const __m512d error = _mm512_fnmadd_pd(r, half_inverse, half);
+      r = _mm512_fmadd_pd(r, error, r);
+      half_inverse = _mm512_fmadd_pd(half_inverse, error, half_inverse);
+    }
+    return {R(r), R(_mm512_add_pd(half_inverse, half_inverse))};
+  }
+#endif
+  const R r = stdx::sqrt(r2);
+  return {r, R(1.0 / r)};
+}
+
+}  // namespace tetsuame::foundation
