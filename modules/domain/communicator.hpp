@@ -8,6 +8,7 @@
 #include <foundation/error.hpp>
 #include <foundation/exact_sum.hpp>
 #include <string>
+#include <vector>
 
 namespace tetsuame::domain {
 
@@ -21,6 +22,7 @@ struct communicator {
   double maximum(double value) const;
   double minimum(double value) const;
   std::int64_t sum(std::int64_t value) const;
+  std::vector<double> every(double value) const;  // each rank's, by rank
   double exact(foundation::exact_sum sum) const;  // the rounded sum over all ranks' terms
   std::string broadcast(std::string text) const;  // rank 0's text
 

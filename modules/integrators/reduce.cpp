@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdint>
+#include <foundation/waiting.hpp>
 #include <integrators/reduce.hpp>
 #include <vector>
 
@@ -8,6 +9,7 @@ namespace tetsuame::integrators {
 namespace {
 
 double extremum(MPI_Comm communicator, double value, MPI_Op operation) {
+  const foundation::waiting timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, operation, communicator);
   return value;
 }
@@ -27,7 +29,10 @@ void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sum
     sums[k].normalise();
     std::ranges::copy(sums[k].raw(), message.begin() + static_cast<std::ptrdiff_t>(k * width));
   }
-  MPI_Allreduce(MPI_IN_PLACE, message.data(), static_cast<int>(message.size()), MPI_INT64_T, MPI_SUM, communicator);
+  {
+    const foundation::waiting timed;
+    MPI_Allreduce(MPI_IN_PLACE, message.data(), static_cast<int>(message.size()), MPI_INT64_T, MPI_SUM, communicator);
+  }
   for (std::size_t k = 0; k < sums.size(); ++k) {
     foundation::exact_sum total;
     std::copy_n(message.begin() + static_cast<std::ptrdiff_t>(k * width), width, total.raw().begin());
@@ -40,6 +45,7 @@ double minimum_allreduce(MPI_Comm communicator, double value) { return extremum(
 
 int worst_allreduce(MPI_Comm communicator, int status) {
   int extremes[2] = {status, -status};
+  const foundation::waiting timed;
   MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_INT, MPI_MAX, communicator);
   return extremes[1] > 0 ? -extremes[1] : extremes[0];
 }

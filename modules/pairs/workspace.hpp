@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cells/neighbour_list.hpp>
-#include <domain/slices.hpp>
+#include <domain/decomposition.hpp>
 #include <eos/eos.hpp>
 #include <foundation/stages.hpp>
 #include <initializer_list>
@@ -31,7 +31,7 @@ struct fault {
 template <int D>
 struct workspace {
   particles::particles<D> s;
-  domain::slices<D> d;
+  domain::decomposition<D> d;
   std::vector<eos::any> materials;
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
   double dx = 0.0;             // m, spacing of the start lattice
@@ -48,10 +48,10 @@ struct workspace {
   every fluid() const { return {s.fluid}; }
 
   void exchange_fluid(std::initializer_list<double*> fields) const {
-    domain::exchange(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));
+    domain::exchange<D>(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));
   }
   void exchange_walls(std::initializer_list<double*> fields) const {
-    domain::exchange(d.ranks, d.wall_halo, std::span<double* const>(fields.begin(), fields.size()));
+    domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(fields.begin(), fields.size()));
   }
   void agree() {
     d.ranks.agree_on_fault(first_fault.id, first_fault.message, foundation::exit_status::calculation_failed);

@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <foundation/waiting.hpp>
+#include <functional>
 #include <integrators/explicit_integrator.hpp>
 #include <memory>
 #include <optional>
@@ -54,6 +56,16 @@ struct run {
   summary report;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
+
+  // Of this rank's steps since the lists were made.
+  struct {
+    double computing = 0.0, waiting = 0.0;  // s
+  } load;
+  // New cuts from the present ones and every rank's cost, asked for whenever lists are made anew; every rank must come
+  // to the same. Empty: cuts stay. A rank's cost is its computing time, or else the entries of its neighbour lists,
+  // which are the same in every run.
+  std::function<balance::cuts<D>(const balance::cuts<D>&, const std::vector<double>&)> propose_cuts;
+  bool cost_is_time = true;
 
   run(const command_line& command, const input& in) : line(command), o(in.values), resolved(in.resolved) {}
 
@@ -110,8 +122,31 @@ struct run {
     const double dt = o.time.method == "adaptive" ? statistics.next_dt : o.time.dt;
     if (moved + 1.5 * speed * dt <= 0.5 * world.skin || moved == 0.0) return;
     domain::wrap(world.w.d.region, s);
+    balance_load();
     rebuild(world);
     integrator->resize(state_fields(world, o.time), s.fluid);
+  }
+
+  void balance_load() {
+    if (propose_cuts) {
+      const double mine = cost_is_time ? load.computing : static_cast<double>(world.w.list.pairs);
+      move_cuts(o, world, propose_cuts(world.w.d.cuts, ranks.every(mine)));
+    }
+    load = {};
+  }
+
+  // A step of the integrator, with what it cost this rank.
+  void timed_step() {
+    const auto before = std::chrono::steady_clock::now();
+    const double waited = foundation::waited_seconds;
+    {
+      const foundation::stage timed(world.w.times, "integration");
+      start_from_present_state();
+      integrator->step(next_stop());
+    }
+    const double waiting = foundation::waited_seconds - waited;
+    load.waiting += waiting;
+    load.computing += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count() - waiting;
   }
 
   // The iteration for Y starts from what it found at the last state that was reached. The start value
@@ -158,11 +193,7 @@ struct run {
       }
       const auto before = std::chrono::steady_clock::now();
       refresh_lists();
-      {
-        const foundation::stage timed(world.w.times, "integration");
-        start_from_present_state();
-        integrator->step(next_stop());
-      }
+      timed_step();
       complete_step();
       stepping_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
       record();

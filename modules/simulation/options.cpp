@@ -22,6 +22,10 @@ void declare(namelist::schema& schema, domain_options& o) {
     schema.add("domain", "periodic_" + axis, o.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
+  schema.add("domain", "ranks_x", o.ranks_x,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
 }
 
 void declare(namelist::schema& schema, initial_options& o) {

@@ -49,11 +49,13 @@ void refresh_halo(scene<D>& scene) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
-  domain::exchange_positions<D>(w.d.ranks, w.d.fluid_halo, s.x);
-  for (auto& component : s.v) w.exchange_fluid({component.data()});
-  w.exchange_fluid({s.T.data()});
-  if (scene.density_carried) w.exchange_fluid({s.rho.data()});
-  if (scene.weight_carried) w.exchange_fluid({s.Y.data()});
+  std::array<double*, D + 3> fields;
+  std::size_t n = 0;
+  for (auto& component : s.v) fields[n++] = component.data();
+  fields[n++] = s.T.data();
+  if (scene.density_carried) fields[n++] = s.rho.data();
+  if (scene.weight_carried) fields[n++] = s.Y.data();
+  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
 }
 
 // Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du.

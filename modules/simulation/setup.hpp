@@ -50,7 +50,7 @@ class profile {
   const eos::any& material_;
 };
 
-// Local fluid of the start lattice: equal spacing, masses m = ρ Δx^D of the exact profile.
+// Fluid of the start lattice in this rank's cell: equal spacing, masses m = ρ Δx^D of the exact profile.
 template <int D>
 void place_fluid(const options& o, scene<D>& scene) {
   auto& w = scene.w;
@@ -67,33 +67,41 @@ void place_fluid(const options& o, scene<D>& scene) {
     p_row.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
     rho_row.push_back(exact.density(p_row.back()));
   }
-  // Whole columns of x belong to one rank: count them first.
-  std::vector<std::int64_t> columns;
-  for (std::int64_t n = 0; n < cells[0]; ++n)
-    if (w.d.owner((static_cast<double>(n) + 0.5) * w.dx) == w.d.ranks.rank) columns.push_back(n);
-  const std::int64_t per_column = scene.fluid_total / cells[0];
-  particles::allocate(s, columns.size() * static_cast<std::size_t>(per_column), 0, 0, 0);
-  std::size_t i = 0;
-  for (const std::int64_t column : columns)
-    for (std::int64_t n = 0; n < per_column; ++n, ++i) {
-      std::array<std::int64_t, D> at{column, n % cells[1]};
-      if constexpr (D == 3) at[2] = n / cells[1];
-      s.id[i] = at[0] + cells[0] * n;
-      s.material[i] = 0;
-      for (std::size_t a = 0; a < D; ++a) {
-        s.x[a][i] = s.x_start[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
-        s.v[a][i] = 0.0;
-      }
-      const auto row = static_cast<std::size_t>(at[1]);
-      s.rho[i] = s.rho_reference[i] = s.rho_guess[i] = rho_row[row];
-      s.p_reference[i] = p_row[row];
-      s.T[i] = o.initial.temperature;
-      s.m[i] = s.rho[i] * std::pow(w.dx, D);
-      s.Y[i] = s.p_reference[i] * s.m[i] / s.rho[i];
-      s.u[i] = 0.0;
-      s.eta[i] = o.material.viscosity;
-      s.k[i] = o.material.conductivity;
+  // A cell of the slice grid is a box: what it holds along each axis.
+  const auto cell = w.d.cell();
+  std::array<std::vector<std::int64_t>, D> mine;
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    for (std::int64_t n = 0; n < cells[a]; ++n)
+      if (const double x = (static_cast<double>(n) + 0.5) * w.dx; x >= cell.lower[a] && x < cell.upper[a])
+        mine[a].push_back(n);
+    count *= mine[a].size();
+  }
+  particles::allocate(s, count, 0, 0, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t rest = i;
+    std::int64_t stride = 1;
+    s.id[i] = 0;
+    s.material[i] = 0;
+    std::array<std::int64_t, D> at;
+    for (std::size_t a = 0; a < D; ++a) {
+      at[a] = mine[a][rest % mine[a].size()];
+      rest /= mine[a].size();
+      s.id[i] += stride * at[a];
+      stride *= cells[a];
+      s.x[a][i] = s.x_start[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
+      s.v[a][i] = 0.0;
     }
+    const auto row = static_cast<std::size_t>(at[1]);
+    s.rho[i] = s.rho_reference[i] = s.rho_guess[i] = rho_row[row];
+    s.p_reference[i] = p_row[row];
+    s.T[i] = o.initial.temperature;
+    s.m[i] = s.rho[i] * std::pow(w.dx, D);
+    s.Y[i] = s.p_reference[i] * s.m[i] / s.rho[i];
+    s.u[i] = 0.0;
+    s.eta[i] = o.material.viscosity;
+    s.k[i] = o.material.conductivity;
+  }
 }
 
 // Wall particles continue the profile where a treatment keeps it.
@@ -120,6 +128,14 @@ void place_walls(const options& o, scene<D>& scene) {
   }
 }
 
+// Gives the ranks other cells. Walls move at once; the fluid, and all that hangs on it, at the next rebuild, which
+// must come before the next evaluation.
+template <int D>
+void move_cuts(const options& o, scene<D>& scene, const balance::cuts<D>& cuts) {
+  scene.w.d.cuts = cuts;
+  place_walls(o, scene);
+}
+
 // Whether the lists' positions are set to the present ones, or left (a restart swaps the two
 // before and after, so that lists are made as they were made).
 enum list_positions { set_list_positions, keep_list_positions };
@@ -132,17 +148,17 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "lists");
   const double reach = w.support() + scene.skin;
-  domain::migrate(w.d, s, s.x[0]);
+  domain::migrate(w.d, s);
 
   const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge<D>(reach));
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
   particles::reorder(s, 0, std::span<const std::size_t>(order));
   if (positions == set_list_positions) s.x_list = s.x;
 
-  domain::make_halo(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
-                    [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
-  domain::make_halo(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
-                    [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
+  domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
+                       [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
+  domain::make_halo<D>(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
+                       [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
   w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
 
   const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(reach));
@@ -188,7 +204,7 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
     box.periodic[a] = o.domain.periodic[a];
   }
   const double halo = w.support() * std::max(1.0, walls::radius_factor(o.walls)) + scene.skin;
-  w.d = domain::make_slices<D>(ranks, box, halo);
+  w.d = domain::decompose<D>(ranks, box, halo, static_cast<int>(o.domain.ranks_x));
   scene.walls.sides = walls::make_sides<D>(o.walls, box);
   place_fluid(o, scene);
   place_walls(o, scene);

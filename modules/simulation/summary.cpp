@@ -77,7 +77,7 @@ void write_text(const domain::communicator& where, const std::string& path, cons
 
 namespace {
 
-// Lines of the groups that must be the same: all but how long and how to write.
+// Lines of the groups that must be the same: all but how long, how to write, and who does the work.
 std::vector<std::string> binding_lines(const std::string& input) {
   std::vector<std::string> lines;
   std::istringstream in(input);
@@ -85,7 +85,9 @@ std::vector<std::string> binding_lines(const std::string& input) {
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("&"))
       free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
-    if (!free) lines.push_back(line);
+    const auto key = line.find_first_not_of(' ');
+    const bool of_ranks = key != std::string::npos && line.substr(key).starts_with("ranks_x");
+    if (!free && !of_ranks) lines.push_back(line);
   }
   return lines;
 }
@@ -101,8 +103,9 @@ void check_restart(const std::string& saved_program, const std::string& saved_in
     const std::string a = n < was.size() ? was[n] : "(nothing)", b = n < is.size() ? is[n] : "(nothing)";
     if (a != b)
       foundation::fail_input(
-          "the input is not that of the checkpoint (only &time, &output and &run may change): it was\n  " + a +
-          "\nand is now\n  " + b);
+          "the input is not that of the checkpoint (only &time, &output, &run and &domain ranks_x may change): it "
+          "was\n  " +
+          a + "\nand is now\n  " + b);
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstddef>
-#include <domain/slices.hpp>
+#include <domain/decomposition.hpp>
 #include <namelist/schema.hpp>
 #include <string>
 #include <vector>

@@ -34,7 +34,8 @@ inline double radius_factor(const options& how) {
 }
 
 // Places the wall particles of the lattice spacing dx on the lattice outside the box, as
-// deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks.
+// deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks. A wall particle stands on the
+// rank whose cell holds its marker, which needs the fluid about it: every mirror image of the marker's lattice place.
 template <int D>
 void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, double depth) {
   auto& s = w.s;
@@ -50,25 +51,48 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
           " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
   }
   struct point {
-    std::array<double, D> x;
+    std::array<double, D> x, marker;
     std::int64_t id;
     std::uint32_t mirrored;
   };
-  std::vector<point> mine;
-  std::array<std::int64_t, D> n;
-  for (std::size_t a = 0; a < D; ++a) n[a] = -low[a];
-  for (std::int64_t id = fluid_total;; ++id) {
-    point p{{}, id, 0};
-    for (std::size_t a = 0; a < D; ++a) p.x[a] = (static_cast<double>(n[a]) + 0.5) * w.dx;
-    for (std::size_t k = 0; k < set.sides.size(); ++k)
-      if ((p.x[set.sides[k].axis] - set.sides[k].position) * set.sides[k].inward < 0.0) p.mirrored |= 1U << k;
-    if (p.mirrored != 0 && w.d.owner(p.x[0]) == w.d.ranks.rank) mine.push_back(p);
-    std::size_t a = 0;
-    for (; a < D; ++a) {
-      if (++n[a] < cells[a] + low[a]) break;
-      n[a] = -low[a];
+  // Along each axis, the lattice places whose mirror image lies in this rank's cell; nothing is mirrored inside the
+  // box.
+  struct place_along {
+    std::int64_t n;
+    double x, marker;  // m
+    std::uint32_t mirrored;
+  };
+  const auto cell = w.d.cell();
+  std::array<std::vector<place_along>, D> along;
+  std::size_t places = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    for (std::int64_t n = -low[a]; n < cells[a] + low[a]; ++n) {
+      place_along p{n, (static_cast<double>(n) + 0.5) * w.dx, 0.0, 0};
+      p.marker = p.x;
+      for (std::size_t k = 0; k < set.sides.size(); ++k)
+        if (set.sides[k].axis == a && (p.x - set.sides[k].position) * set.sides[k].inward < 0.0) {
+          p.mirrored |= 1U << k;
+          p.marker = 2.0 * set.sides[k].position - p.x;
+        }
+      if (p.marker >= cell.lower[a] && p.marker < cell.upper[a]) along[a].push_back(p);
     }
-    if (a == D) break;
+    places *= along[a].size();
+  }
+  std::vector<point> mine;
+  for (std::size_t k = 0; k < places; ++k) {
+    point p{{}, {}, fluid_total, 0};
+    std::int64_t stride = 1;
+    std::size_t rest = k;
+    for (std::size_t a = 0; a < D; ++a) {
+      const auto& here = along[a][rest % along[a].size()];
+      rest /= along[a].size();
+      p.x[a] = here.x;
+      p.marker[a] = here.marker;
+      p.mirrored |= here.mirrored;
+      p.id += stride * (here.n + low[a]);
+      stride *= cells[a] + 2 * low[a];
+    }
+    if (p.mirrored != 0) mine.push_back(p);
   }
   particles::allocate(s, s.fluid, s.fluid_ghosts, mine.size(), 0);
   set.mirrored.resize(mine.size());
@@ -80,11 +104,8 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
     set.mirrored[r] = mine[r].mirrored;
     for (std::size_t a = 0; a < D; ++a) {
       s.x[a][i] = s.x_start[a][i] = mine[r].x[a];
-      set.marker[a][r] = mine[r].x[a];
+      set.marker[a][r] = mine[r].marker[a];
     }
-    for (std::size_t k = 0; k < set.sides.size(); ++k)
-      if ((mine[r].mirrored >> k & 1U) != 0)
-        set.marker[set.sides[k].axis][r] = 2.0 * set.sides[k].position - mine[r].x[set.sides[k].axis];
     s.m[i] = s.rho[i] = s.p[i] = s.p_eos[i] = s.c_V[i] = s.c[i] = 1.0;
   }
 }

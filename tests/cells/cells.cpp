@@ -25,9 +25,7 @@ std::vector<point<D>> all_with_images(const simulation::scene<D>& scene) {
       for (std::size_t a = 0; a < D; ++a) mine.push_back(s.x[a][i]);
       mine.push_back(static_cast<double>(s.id[i]));
     }
-    const auto& ranks = scene.w.d.ranks;
-    const std::vector<std::vector<double>> to_all(static_cast<std::size_t>(ranks.size), mine);
-    const auto rows = domain::detail::all_to_all(ranks, to_all, MPI_DOUBLE);
+    const auto rows = of_all_ranks(scene.w.d.ranks, mine);
     for (std::size_t k = 0; k < rows.size(); k += D + 1) {
       point<D> p;
       for (std::size_t a = 0; a < D; ++a) p.x[a] = rows[k + a];

@@ -1,5 +1,7 @@
 // Halos, migration, periodic borders and what ranks agree on.
 #define BOOST_TEST_MODULE domain
+#include <omp.h>
+
 #include "../support/scene.hpp"
 
 using namespace tetsuame;
@@ -27,8 +29,7 @@ std::vector<located<D>> images(const simulation::scene<D>& scene, std::size_t be
     const auto p = locate<D>(scene.w.s, i);
     mine.insert(mine.end(), p.begin(), p.end());
   }
-  const auto rows = domain::detail::all_to_all(
-      ranks, std::vector<std::vector<double>>(static_cast<std::size_t>(ranks.size), mine), MPI_DOUBLE);
+  const auto rows = of_all_ranks(ranks, mine);
   std::vector<located<D>> all(rows.size() / (D + 1));
   for (std::size_t k = 0; k < all.size(); ++k)
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(k * (D + 1)), D + 1, all[k].begin());
@@ -46,50 +47,105 @@ std::vector<located<D>> images(const simulation::scene<D>& scene, std::size_t be
   return all;
 }
 
-// Every ghost is an image, none stands twice, and all images in reach of an owned fluid particle are here.
+// The ghosts are those images of all ranks' particles in this rank's cell widened by the halo that are not
+// owned here, each once, bit by bit. Cells are read off the cuts here anew.
 template <int D>
-void check_halo(const simulation::scene<D>& scene) {
+std::size_t check_halo(const simulation::scene<D>& scene) {
   const auto& s = scene.w.s;
+  const auto& d = scene.w.d;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, D> lower, upper;
+  bool empty = false;
+  auto group = static_cast<std::size_t>(d.ranks.rank);
+  for (std::size_t a = D; a-- > 0;) {
+    const auto n = static_cast<std::size_t>(d.cuts.counts[a]), i = group % n;
+    group /= n;
+    const double low = d.cuts.at[a][group * (n + 1) + i], high = d.cuts.at[a][group * (n + 1) + i + 1];
+    lower[a] = i == 0 && !d.region.periodic[a] ? -infinity : low;
+    upper[a] = i + 1 == n && !d.region.periodic[a] ? infinity : high;
+    empty = empty || !(lower[a] < upper[a]);
+  }
+  std::size_t found = 0;
   const auto check = [&](std::size_t begin, std::size_t owned, std::size_t ghosts_begin, std::size_t ghosts) {
-    const auto all = images<D>(scene, begin, owned);
-    std::vector<located<D>> here;
-    for (std::size_t i = begin; i < begin + owned; ++i) here.push_back(locate<D>(s, i));
-    for (std::size_t i = ghosts_begin; i < ghosts_begin + ghosts; ++i) here.push_back(locate<D>(s, i));
-    std::sort(here.begin(), here.end());
-    BOOST_TEST((std::adjacent_find(here.begin(), here.end()) == here.end()));
-    BOOST_TEST(std::includes(all.begin(), all.end(), here.begin(), here.end()));
-    // The halo's border is drawn before the shift is added: leave out what lies on it to rounding.
-    const double reach = scene.w.d.width * (1.0 - 1e-12);
-    std::size_t missing = 0;
-    for (const auto& p : all) {
-      if (std::binary_search(here.begin(), here.end(), p)) continue;
-      for (std::size_t i = 0; i < s.fluid; ++i) {
-        double r2 = 0.0;
-        for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - p[a]) * (s.x[a][i] - p[a]);
-        missing += r2 < reach * reach;
-      }
+    std::vector<located<D>> mine, expected, is;
+    for (std::size_t i = begin; i < begin + owned; ++i) mine.push_back(locate<D>(s, i));
+    std::sort(mine.begin(), mine.end());
+    for (const auto& p : images<D>(scene, begin, owned)) {
+      bool seen = !empty && !std::binary_search(mine.begin(), mine.end(), p);
+      for (std::size_t a = 0; a < D; ++a) seen = seen && p[a] >= lower[a] - d.width && p[a] <= upper[a] + d.width;
+      if (seen) expected.push_back(p);
     }
-    BOOST_TEST(missing == 0U);
+    for (std::size_t i = ghosts_begin; i < ghosts_begin + ghosts; ++i) is.push_back(locate<D>(s, i));
+    std::sort(is.begin(), is.end());
+    BOOST_TEST((is == expected));
+    found += is.size();
   };
   check(0, s.fluid, s.fluid, s.fluid_ghosts);
   check(s.first_wall(), s.walls, s.first_wall() + s.walls, s.wall_ghosts);
+  return found;
+}
+
+// Cuts anywhere, some of them together: cells are narrower than the halo, and empty.
+template <int D>
+balance::cuts<D> irregular(const domain::decomposition<D>& d, std::uint64_t salt) {
+  auto cuts = d.cuts;
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t g = 0; g < cuts.groups(a); ++g) {
+      double* c = cuts.group(a, g);
+      const int n = cuts.counts[a];
+      for (int i = 1; i < n; ++i)
+        c[i] = std::floor(8.0 * d.region.length[a] * 0.5 *
+                          (1.0 + noise(static_cast<std::int64_t>(100 * g) + i, salt + a))) /
+               8.0;
+      std::sort(c + 1, c + n);
+      if (n > 2 && g % 2 == salt % 2) c[2] = c[1];
+    }
+  return cuts;
+}
+
+// Ghosts before and after cuts moved. Ranks along x: as chosen, one, and all of them.
+template <int D>
+void check_halos(simulation::options o) {
+  const auto world = domain::communicator::world();
+  for (const int ranks_x : {0, 1, world.size}) {
+    o.domain.ranks_x = ranks_x;
+    auto scene = make_scene<D>(o, world, 0.4);
+    for (const std::uint64_t salt : {1, 2, 3}) {
+      const auto ghosts = check_halo<D>(scene);
+      BOOST_TEST((world.sum(static_cast<std::int64_t>(ghosts)) > 0) == (world.size > 1 || o.domain.periodic[0]));
+      simulation::move_cuts<D>(o, scene, irregular<D>(scene.w.d, salt));
+      simulation::rebuild<D>(scene);
+      for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
+        BOOST_REQUIRE(scene.w.d.owner(cells::position<D>(scene.w.s.x, i)) == world.rank);
+      particles::array one(scene.w.s.total(), 1.0);
+      for (const double count : fluid_by_id(scene, one)) BOOST_REQUIRE(count == 1.0);
+    }
+    check_halo<D>(scene);
+  }
 }
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(halo_is_complete) {
-  const auto world = domain::communicator::world();
-  for (const bool periodic : {true, false}) {
-    check_halo<2>(make_scene<2>(box<2>({16, 10}, periodic), world, 0.4));
-    check_halo<3>(make_scene<3>(box<3>({12, 6, 6}, periodic, "none", "wendland_c2"), world, 0.4));
-  }
+BOOST_AUTO_TEST_CASE(halo_is_what_a_search_finds) {
+  check_halos<2>(box<2>({16, 10}, true));
+  check_halos<2>(box<2>({16, 10}, false, "virtual_marker"));
   auto o = box<2>({16, 8}, false, "frozen");
-  check_halo<2>(make_scene<2>(o, world, 0.4));
   o.domain.periodic[0] = true;
-  check_halo<2>(make_scene<2>(o, world, 0.4));
-  auto tall = box<3>({12, 6, 6}, true, "frozen", "wendland_c2");
+  check_halos<2>(o);
+}
+
+BOOST_AUTO_TEST_CASE(halo_in_three_dimensions) {
+  check_halos<3>(box<3>({12, 6, 6}, true, "none", "wendland_c2"));
+  auto tall = box<3>({8, 6, 6}, true, "virtual_marker", "wendland_c2");
   tall.domain.periodic[1] = false;
-  check_halo<3>(make_scene<3>(tall, world, 0.4));
+  check_halos<3>(tall);
+}
+
+// As narrow as a periodic box may be: the halo's ghosts are the box's images on both sides.
+BOOST_AUTO_TEST_CASE(halo_as_wide_as_the_box) {
+  auto o = box<2>({16, 8}, true);
+  o.skin = 4.3;
+  check_halo<2>(make_scene<2>(o, domain::communicator::world(), 0.4));
 }
 
 BOOST_AUTO_TEST_CASE(exchange_refreshes_ghosts) {
@@ -123,19 +179,54 @@ BOOST_AUTO_TEST_CASE(positions_of_ghosts_follow_their_owners) {
   auto& s = scene.w.s;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (std::size_t a = 0; a < 2; ++a) s.x[a][i] += 0.09 * noise(s.id[i], 5 + a);
-  domain::exchange_positions<2>(scene.w.d.ranks, scene.w.d.fluid_halo, s.x);
+  // What needs no ghost may be done while they travel; with them goes a field.
+  for (std::size_t i = 0; i < s.fluid; ++i) s.T[i] = noise(s.id[i], 9);
+  const std::array<double*, 1> fields{s.T.data()};
+  domain::begin_exchange<2>(scene.w.d.ranks, scene.w.d.fluid_halo, fields, &s.x);
   const auto all = images<2>(scene, 0, s.fluid);
+  domain::end_exchange<2>(scene.w.d.ranks, scene.w.d.fluid_halo);
   std::size_t strangers = 0;
   for (std::size_t i = 0; i < s.first_wall(); ++i)
-    strangers += !std::binary_search(all.begin(), all.end(), locate<2>(s, i));
+    strangers += !std::binary_search(all.begin(), all.end(), locate<2>(s, i)) || s.T[i] != noise(s.id[i], 9);
   BOOST_TEST(strangers == 0U);
+}
+
+// So much that packing is worth threads, at least on one rank.
+BOOST_AUTO_TEST_CASE(exchange_of_much_on_threads) {
+  auto scene = make_scene<2>(box<2>({160, 40}, true), domain::communicator::world(), 0.4);
+  auto& s = scene.w.s;
+  const std::array<double*, 8> fields{s.v[0].data(), s.v[1].data(), s.T.data(), s.rho.data(),
+                                      s.Y.data(),    s.u.data(),    s.p.data(), s.dV.data()};
+  const auto& plan = scene.w.d.fluid_halo;
+  if (scene.w.d.ranks.size == 1) BOOST_TEST(plan.sources.size() * fields.size() > foundation::values_worth_threads);
+  for (std::size_t i = 0; i < s.total(); ++i)
+    for (std::size_t f = 0; f < fields.size(); ++f) fields[f][i] = i < s.fluid ? noise(s.id[i], f) : -2.0;
+  const auto before = s.x;
+  for (std::size_t i = s.fluid; i < s.total(); ++i) s.x[0][i] = s.x[1][i] = -2.0;
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(3);
+  domain::exchange<2>(scene.w.d.ranks, plan, fields, &s.x);
+  omp_set_num_threads(threads);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    for (std::size_t f = 0; f < fields.size(); ++f) wrong += fields[f][i] != noise(s.id[i], f);
+    for (std::size_t a = 0; a < 2; ++a) wrong += bits(s.x[a][i]) != bits(before[a][i]);
+  }
+  BOOST_TEST(wrong == 0U);
+  // Room for the traffic is made once.
+  const auto* out = plan.out.data();
+  const auto* in = plan.in.data();
+  domain::exchange<2>(scene.w.d.ranks, plan, fields, &s.x);
+  scene.w.exchange_fluid({s.T.data()});
+  BOOST_TEST((plan.out.data() == out && plan.in.data() == in));
 }
 
 // Particles thrown anywhere in the box: all arrive, once, at their owner, with all they carry.
 BOOST_AUTO_TEST_CASE(migration_loses_nothing) {
   auto scene = make_scene<2>(box<2>({16, 10}, true, "none"), domain::communicator::world(), 0.4);
   auto& s = scene.w.s;
-  const auto& d = scene.w.d;
+  auto& d = scene.w.d;
+  d.cuts = irregular<2>(d, 4);
   const auto stamp = [](std::size_t field, std::int64_t id) { return noise(id, 1000 + field); };
   const auto new_x = [](std::int64_t id) { return 8.0 * (1.0 + noise(id, 7)); };
   const auto for_each_travelling = [&](auto&& f) {
@@ -146,12 +237,15 @@ BOOST_AUTO_TEST_CASE(migration_loses_nothing) {
     s.material[i] = static_cast<std::int32_t>(s.id[i] % 5);
     for_each_travelling([&](std::size_t n, auto& a) { a[i] = stamp(n, s.id[i]); });
     s.x[0][i] = new_x(s.id[i]);
+    s.x[1][i] = 10.0 / 16.0 * new_x(s.id[i] + 1000);
   }
-  domain::migrate(d, s, s.x[0]);
+  domain::migrate(d, s);
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    wrong += s.x[0][i] != new_x(s.id[i]) || d.owner(s.x[0][i]) != d.ranks.rank || s.material[i] != s.id[i] % 5;
-    for_each_travelling([&](std::size_t n, auto& a) { wrong += &a != &s.x[0] && a[i] != stamp(n, s.id[i]); });
+    wrong += s.x[0][i] != new_x(s.id[i]) || d.owner(cells::position<2>(s.x, i)) != d.ranks.rank ||
+             s.material[i] != s.id[i] % 5;
+    for_each_travelling(
+        [&](std::size_t n, auto& a) { wrong += &a != &s.x[0] && &a != &s.x[1] && a[i] != stamp(n, s.id[i]); });
   }
   BOOST_TEST(wrong == 0U);
   particles::array one(s.fluid, 1.0);
@@ -164,12 +258,15 @@ BOOST_AUTO_TEST_CASE(empty_ranks_and_walls_survive_migration) {
   auto& s = scene.w.s;
   const auto wall_rho = walls_by_id(scene, s.rho), wall_x = walls_by_id(scene, s.x[0]),
              fluid_m = fluid_by_id(scene, s.m);
-  const auto start = fluid_by_id(scene, s.x[0]);
-  for (std::size_t i = 0; i < s.fluid; ++i) s.x[0][i] = 15.9;
+  const auto start = fluid_by_id(scene, s.x[0]), height = fluid_by_id(scene, s.x[1]);
+  for (std::size_t i = 0; i < s.fluid; ++i) s.x[0][i] = 15.9, s.x[1][i] = 7.9;
   simulation::rebuild<2>(scene);
   const bool last = scene.w.d.ranks.rank + 1 == scene.w.d.ranks.size;
   BOOST_TEST(s.fluid == (last ? static_cast<std::size_t>(scene.fluid_total) : 0U));
-  for (std::size_t i = 0; i < s.fluid; ++i) s.x[0][i] = start[static_cast<std::size_t>(s.id[i])];
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    s.x[0][i] = start[static_cast<std::size_t>(s.id[i])];
+    s.x[1][i] = height[static_cast<std::size_t>(s.id[i])];
+  }
   simulation::rebuild<2>(scene);
   BOOST_TEST(same_bits(fluid_by_id(scene, s.x[0]), start));
   BOOST_TEST(same_bits(fluid_by_id(scene, s.m), fluid_m));
@@ -208,22 +305,55 @@ BOOST_AUTO_TEST_CASE(a_rounding_error_outside) {
   BOOST_TEST(scene.w.d.ranks.sum(static_cast<std::int64_t>(scene.w.s.fluid)) == scene.fluid_total);
 }
 
-BOOST_AUTO_TEST_CASE(too_many_ranks_is_bad_input) {
-  const domain::box<2> region{{16.0, 8.0}, {true, true}};
-  const auto refused = [](const foundation::error& e) {
-    return e.status() == foundation::exit_status::bad_input &&
-           std::string(e.what()).find("at most 4 ranks") != std::string::npos;
+namespace {
+
+auto refused(const std::string& because) {
+  return [=](const foundation::error& e) {
+    return e.status() == foundation::exit_status::bad_input && std::string(e.what()).find(because) != std::string::npos;
   };
-  BOOST_CHECK_EXCEPTION(domain::make_slices<2>({MPI_COMM_SELF, 0, 5}, region, 3.8), foundation::error, refused);
-  BOOST_CHECK_NO_THROW(domain::make_slices<2>({MPI_COMM_SELF, 0, 4}, region, 3.8));
-  BOOST_CHECK_NO_THROW(domain::make_slices<2>({MPI_COMM_SELF, 0, 1}, region, 17.0));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(ranks_along_x) {
+  const domain::box<2> region{{16.0, 8.0}, {true, true}};
+  const auto columns = [&](int size, int ranks_x) {
+    return domain::decompose<2>({MPI_COMM_SELF, 0, size}, region, 3.8, ranks_x).cuts.counts[0];
+  };
+  BOOST_TEST(columns(32, 0) == 8);  // square cells
+  for (const int ranks_x : {1, 2, 4, 8}) BOOST_TEST(columns(8, ranks_x) == ranks_x);
+  BOOST_CHECK_EXCEPTION(columns(8, 3), foundation::error, refused("ranks_x = 3 does not divide"));
+  BOOST_CHECK_EXCEPTION(columns(8, 16), foundation::error, refused("number of MPI ranks, 8"));
+  BOOST_TEST(columns(1000, 0) > 0);  // cells far narrower than the halo
+}
+
+BOOST_AUTO_TEST_CASE(periodic_box_narrower_than_the_halo_is_bad_input) {
+  const auto make = [](bool around, double width) {
+    domain::decompose<2>({MPI_COMM_SELF, 0, 1}, {{16.0, 8.0}, {true, around}}, width);
+  };
+  BOOST_CHECK_NO_THROW(make(true, 7.9));
+  BOOST_CHECK_EXCEPTION(make(true, 8.1), foundation::error, refused("too narrow along y"));
+  BOOST_CHECK_NO_THROW(make(false, 8.1));
 }
 
 BOOST_AUTO_TEST_CASE(owners_of_cuts_and_beyond) {
-  const auto d = domain::make_slices<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8);
+  auto d = domain::decompose<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8, 4);
   for (const auto& [x, owner] :
        {std::pair{-3.0, 0}, {0.0, 0}, {3.999, 0}, {4.0, 1}, {8.0, 2}, {12.0, 3}, {16.0, 3}, {99.0, 3}})
-    BOOST_TEST(d.owner(x) == owner);
+    for (const double y : {-1.0, 0.0, 8.0, 9.0}) BOOST_TEST(d.owner({x, y}) == owner);
+  // owner() and the cell of a rank say the same, on coinciding cuts too.
+  d = domain::decompose<2>({MPI_COMM_SELF, 0, 12}, {{16.0, 8.0}, {false, true}}, 3.8);
+  for (const std::uint64_t salt : {1, 2, 3, 4}) {
+    d.cuts = irregular<2>(d, salt);
+    for (int x = -8; x <= 136; ++x)
+      for (int y = -8; y <= 72; ++y) {
+        const std::array<double, 2> at{x / 8.0, y / 8.0};
+        int owners = 0;
+        for (d.ranks.rank = 0; d.ranks.rank < 12; ++d.ranks.rank)
+          if (d.within(d.cell(), at)) owners += 1 + 100 * (d.owner(at) != d.ranks.rank);
+        BOOST_REQUIRE(owners == 1);
+      }
+  }
 }
 
 BOOST_AUTO_TEST_CASE(all_ranks_throw_the_fault_of_the_lowest_particle) {
@@ -254,6 +384,8 @@ BOOST_AUTO_TEST_CASE(reductions) {
   BOOST_TEST(world.maximum(world.rank) == world.size - 1);
   BOOST_TEST(world.minimum(-world.rank) == 1 - world.size);
   BOOST_TEST(world.sum(world.rank) == world.size * (world.size - 1) / 2);
+  const auto every = world.every(10.0 + world.rank);
+  for (int r = 0; r < world.size; ++r) BOOST_TEST(every[static_cast<std::size_t>(r)] == 10.0 + r);
   BOOST_TEST(world.broadcast(world.rank == 0 ? "text" : "") == "text");
   foundation::exact_sum here, all;
   for (std::int64_t k = 0; k < 1000; ++k) {

@@ -3,10 +3,10 @@ ranks' borders, neighbour lists are made anew, and walls push."""
 
 import unittest
 
-from running import ALL, BAD_INPUT, Case
+from running import ALL, Case
 
 # Walls that drag the fluid along in opposite directions: more than a spacing each way in 6 s, with a
-# viscous fluid and a step of about the CFL limit. Particles cross the border of every slice of the periodic box.
+# viscous fluid and a step of about the CFL limit. Particles cross the borders between the ranks of the periodic box.
 SHEARED = ("hydrostatic_13_linear",
            {"time.dt": 0.2, "time.steps": 30, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
             "material.viscosity": 2e11, "output.interval": 0, "hosono.solver": "newton"})
@@ -50,7 +50,7 @@ class Same(Case):
         for program in ALL:
             with self.subTest(program):
                 name, settings = case_of(program)
-                result = self.hashes(program, name, settings, [(None, 1), (2, 1), (3, 1), (4, 1)])
+                result = self.hashes(program, name, settings, [(None, 1), (2, 1), (3, 1), (4, 1), (5, 1)])
                 self.assert_moved(result, program)
 
     def test_adaptive_on_ranks(self):
@@ -77,16 +77,17 @@ class Same(Case):
                     "output.interval": 0}
         for axis, n in (("x", 16), ("y", 8), ("z", 10)):
             settings[f"domain.length_{axis}"], settings[f"domain.particles_{axis}"] = n * 5e3, n
-        result = self.hashes("disph_c", "hydrostatic_13_linear", settings, [(None, 1), (3, 1), (2, 2)])
+        result = self.hashes("disph_c", "hydrostatic_13_linear", settings, [(None, 1), (3, 1), (8, 1), (2, 2)])
         self.assertGreater(result[3]["displacement_max_over_dx"], 0.1)
 
-
-class TooMany(Case):
-    def test_the_message_says_how_many_fit(self):
-        result = self.call("disph_f", *self.arguments("hydrostatic_12", {"time.steps": 1}, "out"), ranks=7)
-        self.assert_says(result, BAD_INPUT, "too many MPI ranks", "at most 5")
-        self.assertFalse((self.here / "out").exists())
-        self.run_program("disph_f", "hydrostatic_12", {"time.steps": 1}, ranks=5)
+    def test_more_ranks_than_the_halo_is_wide(self):
+        """8 columns of particles and a halo of 3.8 of them: cells narrower than the halo, and of 10 some hold nothing."""
+        name, settings = case_of("disph_f", **{"time.steps": 12, "domain.particles_x": 8, "domain.length_x": 40e3})
+        first = self.run_program("disph_f", name, settings).summary["state_hash"]
+        for ranks, ranks_x in [(5, 5), (6, 1), (8, 2), (10, 10)]:
+            with self.subTest(ranks=ranks, ranks_x=ranks_x):
+                s = self.run_program("disph_f", name, {**settings, "domain.ranks_x": ranks_x}, ranks=ranks).summary
+                self.assertEqual(s["state_hash"], first)
 
 
 if __name__ == "__main__":

@@ -227,6 +227,13 @@ class Checkpoints(Case):
         again = self.continued(["--restart", self.checkpoints[0]])
         self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
 
+    def test_on_other_columns_of_ranks(self):
+        for ranks, ranks_x in [(4, 1), (4, 4), (6, 3)]:
+            with self.subTest(ranks=ranks, ranks_x=ranks_x):
+                again = self.run_program("disph_f", self.name, {**self.saving, "domain.ranks_x": ranks_x}, "out",
+                                         options=["--restart", self.checkpoints[0]], ranks=ranks)
+                self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+
     def test_no_checkpoint(self):
         for path in self.checkpoints:
             path.unlink()

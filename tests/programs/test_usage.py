@@ -162,13 +162,20 @@ class Refused(Case):
 
     # ---- ranks ----
 
-    def test_too_many_ranks(self):
-        # 20 columns, and a slice at least as wide as the halo, 3.6 + 0.2 of them.
+    def test_ranks_x_that_does_not_divide(self):
         before = self.listing()
-        result = self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--output", "out", ranks=6)
-        self.assert_says(result, BAD_INPUT, "too many MPI ranks", "at most 5")
+        result = self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--output", "out", "--set", "domain.ranks_x=2", ranks=3)
+        self.assert_says(result, BAD_INPUT, "ranks_x = 2", "number of MPI ranks, 3")
         self.assertEqual(self.listing(), before, "something was written")
-        self.assertEqual(result.stderr.count("too many MPI ranks"), 1, "rank 0 speaks, alone")
+        self.assertEqual(result.stderr.count("ranks_x"), 1, "rank 0 speaks, alone")
+
+    def test_halo_wider_than_the_periodic_box(self):
+        before = self.listing()
+        result = self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--output", "out", "--set", "domain.particles_x=8",
+                           "--set", "domain.length_x=40e3", "--set", "kernel.skin=2", "--set", "kernel.h_over_dx=1.3",
+                           "--set", "walls.marker_radius=2")
+        self.assert_says(result, BAD_INPUT, "too narrow along x", "skin")
+        self.assertEqual(self.listing(), before, "something was written")
 
     def test_one_rank_speaks(self):
         result = self.call("disph_c", "no_such.nml", ranks=2)

@@ -80,6 +80,17 @@ simulation::scene<D> make_scene(const simulation::options& o, const domain::comm
   });
 }
 
+// Every rank's values, in rank order.
+inline std::vector<double> of_all_ranks(const domain::communicator& ranks, const std::vector<double>& mine) {
+  const int n = static_cast<int>(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(ranks.size)), starts(counts.size(), 0);
+  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, ranks.comm);
+  for (std::size_t r = 1; r < counts.size(); ++r) starts[r] = starts[r - 1] + counts[r - 1];
+  std::vector<double> all(static_cast<std::size_t>(starts.back() + counts.back()));
+  MPI_Allgatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, ranks.comm);
+  return all;
+}
+
 // f = value(i) for the owned fluid, then for its ghosts.
 template <int D, class Value>
 void fill(const pairs::workspace<D>& w, particles::array& f, Value&& value) {

@@ -1,0 +1,139 @@
+// Ghosts of one block of particles (fluid or walls): which particles go to which ranks, and the traffic that
+// refreshes their values, one message a neighbour however many fields. Between begin_exchange and
+// end_exchange a rank may compute what needs no ghost.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <domain/communicator.hpp>
+#include <foundation/error.hpp>
+#include <foundation/threads.hpp>
+#include <foundation/waiting.hpp>
+#include <particles/particles.hpp>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace tetsuame::domain {
+
+template <int D>
+struct halo {
+  // What one rank sends to, or receives from, another (or itself, over a periodic border).
+  struct stretch {
+    int rank = 0;
+    std::size_t begin = 0, count = 0;  // of `sources`, or of the ghosts
+  };
+  static constexpr std::size_t shifts = D == 2 ? 9 : 27;
+
+  std::vector<std::uint32_t> sources;                    // local indices sent
+  std::vector<std::uint8_t> shift;                       // of each source, into `shift_by`
+  std::array<std::array<double, D>, shifts> shift_by{};  // m, added to the coordinates of what is sent
+  std::vector<stretch> to, from;                         // by rank
+  std::size_t ghosts_begin = 0, ghosts = 0;              // local indices received
+  int tag = 0;
+
+  // Traffic under way. Buffers keep their size from one exchange to the next.
+  struct field {
+    double* values = nullptr;
+    int shifted_along = -1;  // axis of a coordinate; -1: no coordinate
+  };
+  mutable std::vector<field> fields;
+  mutable std::vector<double> out, in;
+  mutable std::vector<MPI_Request> requests;
+  mutable bool under_way = false;
+};
+
+namespace detail {
+
+// f(k) for k in [0, n), in a parallel region that is open already.
+template <class F>
+void share(std::size_t n, const F& f) {
+#pragma omp for schedule(static) nowait
+  for (std::size_t k = 0; k < n; ++k) f(k);
+}
+
+// The value of a field that goes out as the k-th source.
+template <int D>
+double outgoing(const halo<D>& h, const typename halo<D>::field& field, std::size_t k) {
+  const double value = field.values[h.sources[k]];
+  return field.shifted_along < 0 ? value
+                                 : value + h.shift_by[h.shift[k]][static_cast<std::size_t>(field.shifted_along)];
+}
+
+template <int D>
+void begin_traffic(const communicator& ranks, const halo<D>& h) {
+  const std::size_t n = h.fields.size();
+  if (h.under_way) throw std::logic_error("an exchange of this halo is under way already");
+  h.under_way = true;
+  h.requests.clear();
+  h.out.resize(std::max(h.out.size(), h.sources.size() * n));
+  h.in.resize(std::max(h.in.size(), h.ghosts * n));
+  const typename halo<D>::stretch* own = nullptr;
+  for (const auto& s : h.from) {
+    if (s.rank == ranks.rank) {
+      own = &s;
+      continue;
+    }
+    h.requests.emplace_back();
+    MPI_Irecv(h.in.data() + s.begin * n, static_cast<int>(s.count * n), MPI_DOUBLE, s.rank, h.tag, ranks.comm,
+              &h.requests.back());
+  }
+#pragma omp parallel if (h.sources.size() * n > foundation::values_worth_threads)
+  for (const auto& s : h.to)
+    for (std::size_t f = 0; f < n; ++f) {
+      double* packed = s.rank == ranks.rank ? h.fields[f].values + h.ghosts_begin + own->begin
+                                            : h.out.data() + s.begin * n + f * s.count;
+      share(s.count, [&](std::size_t k) { packed[k] = outgoing(h, h.fields[f], s.begin + k); });
+    }
+  for (const auto& s : h.to) {
+    if (s.rank == ranks.rank) continue;
+    h.requests.emplace_back();
+    MPI_Isend(h.out.data() + s.begin * n, static_cast<int>(s.count * n), MPI_DOUBLE, s.rank, h.tag, ranks.comm,
+              &h.requests.back());
+  }
+}
+
+}  // namespace detail
+
+// Starts to refresh the ghosts' values of the arrays, which may not change before end_exchange, and
+// of the positions where these are given. One exchange of a halo at a time.
+template <int D>
+void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<double* const> fields,
+                    std::array<particles::array, D>* positions = nullptr) {
+  h.fields.clear();
+  if (positions != nullptr)
+    for (std::size_t a = 0; a < D; ++a) h.fields.push_back({(*positions)[a].data(), static_cast<int>(a)});
+  for (double* f : fields) h.fields.push_back({f, -1});
+  detail::begin_traffic(ranks, h);
+}
+
+// From here on the ghosts hold what was sent.
+template <int D>
+void end_exchange(const communicator& ranks, const halo<D>& h) {
+  if (!h.requests.empty()) {
+    const foundation::waiting timed;
+    MPI_Waitall(static_cast<int>(h.requests.size()), h.requests.data(), MPI_STATUSES_IGNORE);
+  }
+  const std::size_t n = h.fields.size();
+#pragma omp parallel if (h.ghosts * n > foundation::values_worth_threads)
+  for (const auto& s : h.from) {
+    if (s.rank == ranks.rank) continue;
+    for (std::size_t f = 0; f < n; ++f) {
+      const double* packed = h.in.data() + s.begin * n + f * s.count;
+      double* ghosts = h.fields[f].values + h.ghosts_begin + s.begin;
+      detail::share(s.count, [&](std::size_t k) { ghosts[k] = packed[k]; });
+    }
+  }
+  h.under_way = false;
+}
+
+template <int D>
+void exchange(const communicator& ranks, const halo<D>& h, std::span<double* const> fields,
+              std::array<particles::array, D>* positions = nullptr) {
+  begin_exchange<D>(ranks, h, fields, positions);
+  end_exchange(ranks, h);
+}
+
+}  // namespace tetsuame::domain

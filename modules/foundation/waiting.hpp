@@ -1,0 +1,24 @@
+// How long this process has stood in MPI calls until others came: time that says nothing about its own
+// load. MPI is called from the main thread alone.
+#pragma once
+
+#include <chrono>
+
+namespace tetsuame::foundation {
+
+inline double waited_seconds = 0.0;  // s, since the process began
+
+// Counts as long as this lives; not to be nested.
+class waiting {
+ public:
+  waiting() = default;
+  ~waiting() { waited_seconds += std::chrono::duration<double>(clock::now() - since_).count(); }
+  waiting(const waiting&) = delete;
+  waiting& operator=(const waiting&) = delete;
+
+ private:
+  using clock = std::chrono::steady_clock;
+  clock::time_point since_ = clock::now();
+};
+
+}  // namespace tetsuame::foundation

@@ -1,0 +1,119 @@
+// Cuts that move while a program runs: nobody's result changes, whoever computes it.
+#define BOOST_TEST_MODULE moving_cuts
+#include <gradient/pattern_1.hpp>
+#include <simulation/hydrostatic.hpp>
+#include <volume/our_method.hpp>
+
+#include "../support/scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::test;
+
+namespace {
+
+struct program {
+  using volume = tetsuame::volume::our_method;
+  using pressure = tetsuame::volume::smoothed;
+  using gradient = tetsuame::gradient::pattern_1;
+};
+
+// Walls below and above drag the fluid along in opposite directions; periodic sideways.
+simulation::options channel(simulation::options o) {
+  o.domain.periodic[1] = false;
+  o.walls.sides[2].velocity = -700.0;
+  o.walls.sides[3].velocity = 700.0;
+  o.material.viscosity = 2e6;
+  o.time.dt = 4e-5;
+  o.time.steps = 60;
+  o.time.t_end = 1.0;
+  return o;
+}
+
+struct outcome {
+  std::string hash;
+  int moves = 0;
+  std::size_t distinct_sizes = 0;  // numbers of particles that this rank has had
+};
+
+template <int D, class Propose>
+outcome run_with(const simulation::options& o, const domain::communicator& ranks, bool cost_is_time,
+                 Propose&& propose) {
+  const simulation::command_line line{};
+  const simulation::input in{o, ""};
+  simulation::run<program, D> run(line, in);
+  run.ranks = ranks;
+  simulation::set_up<D>(o, ranks, run.world);
+  run.world.density_carried = true;
+  simulation::rebuild<D>(run.world);
+  run.make_integrator(0.0);
+  outcome found;
+  std::vector<std::size_t> sizes;
+  run.cost_is_time = cost_is_time;
+  run.propose_cuts = [&](const balance::cuts<D>& now, const std::vector<double>& cost) {
+    sizes.push_back(run.world.w.s.fluid);
+    BOOST_TEST(cost.size() == static_cast<std::size_t>(ranks.size));
+    double sum = 0.0;
+    for (const double c : cost) sum += c;
+    BOOST_TEST(sum > 0.0);
+    return propose(now, cost, found.moves++);
+  };
+  for (int n = 0; n < o.time.steps; ++n) {
+    run.refresh_lists();
+    run.timed_step();
+    run.complete_step();
+  }
+  run.evaluate_here();
+  found.hash = simulation::hash_of_state(run.world);
+  std::sort(sizes.begin(), sizes.end());
+  found.distinct_sizes = static_cast<std::size_t>(std::unique(sizes.begin(), sizes.end()) - sizes.begin());
+  return found;
+}
+
+template <int D>
+void compare(simulation::options o) {
+  const auto stay = [](const balance::cuts<D>& now, const auto&, int) { return now; };
+  const auto alone_hash = run_with<D>(o, alone(), true, stay);
+  BOOST_TEST(alone_hash.moves > 3);  // lists were made anew so often
+
+  // Cuts thrown anywhere, anew each time; every fourth time all particles go to the first rank.
+  const auto world = domain::communicator::world();
+  o.domain.ranks_x = world.size % 2 == 0 ? 2 : 1;
+  const auto thrown = [&](balance::cuts<D> cuts, const auto&, int n) {
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t g = 0; g < cuts.groups(a); ++g) {
+        double* c = cuts.group(a, g);
+        for (int i = 1; i < cuts.counts[a]; ++i)
+          c[i] = n % 4 == 3 ? o.domain.length[a]
+                            : o.domain.length[a] * 0.5 * (1.0 + noise(1000 * n + 100 * static_cast<int>(g) + i, a));
+        std::sort(c + 1, c + cuts.counts[a]);
+      }
+    return cuts;
+  };
+  const auto moved = run_with<D>(o, world, true, thrown);
+  BOOST_TEST(moved.hash == alone_hash.hash);
+  BOOST_TEST(moved.moves == alone_hash.moves);
+  if (world.size > 1) BOOST_TEST(moved.distinct_sizes > 1U);
+
+  // What is counted is the same for every run: here a cut follows it, and so comes to the same places again.
+  std::vector<std::vector<double>> costs;
+  const auto by_count = [&](const balance::cuts<D>& now, const std::vector<double>& cost, int) {
+    costs.push_back(cost);
+    auto cuts = now;
+    if (cuts.counts[0] > 1) cuts.at[0][1] *= cost[0] > cost.back() ? 0.9 : 1.05;
+    return cuts;
+  };
+  auto few = o;
+  few.domain.ranks_x = world.size;
+  const auto first = run_with<D>(few, world, false, by_count), again = run_with<D>(few, world, false, by_count);
+  BOOST_TEST(first.hash == again.hash);
+  const std::size_t half = costs.size() / 2;
+  BOOST_REQUIRE(half > 1U);
+  for (std::size_t n = 0; n < half; ++n) BOOST_TEST((costs[n] == costs[n + half]));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(in_two_dimensions) { compare<2>(channel(box<2>({24, 12}, true, "virtual_marker"))); }
+BOOST_AUTO_TEST_CASE(in_three_dimensions) {
+  compare<3>(channel(box<3>({12, 8, 6}, true, "virtual_marker", "wendland_c2")));
+}
