@@ -7,7 +7,7 @@
 //   struct divergence {                            // Σ_j ΔV_j v_ij·∇_i W_ij
 //     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV)}
 //     me begin(std::size_t i) const;               // what the sum needs of i beside that, and its zero
-//     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.along_gradient(of_velocity)
+//     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
 //     void end(std::size_t i, const me& a) const;  // out[i] = sum(a.sum)
 //   };
 //
@@ -59,7 +59,7 @@ struct pair {
   vec<real, D> x_ij;                                  // m, x_i - x_j
   real r2;                                            // m2
   real W;                                             // 1/m^D
-  real F;                                             // 1/m^(D+2), W'(r)/r
+  real F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
 };
 
@@ -71,10 +71,10 @@ struct pair_fields : pair<D> {
   auto difference(Tag tag) const {
     return self().own(tag) - self()(tag);
   }
-  // v_ij·∇_i W_ij of the vector field of that tag.
+  // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
   template <class Tag>
-  real along_gradient(Tag tag) const {
-    return this->F * foundation::dot(difference(tag), this->x_ij);
+  real along(Tag tag) const {
+    return foundation::dot(difference(tag), this->x_ij);
   }
 
  private:
