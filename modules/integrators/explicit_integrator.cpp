@@ -255,7 +255,10 @@ void explicit_integrator::implementation::build() {
   arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
   void* m = arkode.get();
   if (m == nullptr || ERKStepSetErrHandlerFn(m, sundials_messages::handler, &messages) != ARK_SUCCESS ||
-      ERKStepSetUserData(m, this) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
+      ERKStepSetUserData(m, this) != ARK_SUCCESS ||
+      // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
+      ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||
+      ERKStepSetInterpolantDegree(m, 0) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
       ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
       ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
       ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)

@@ -29,6 +29,7 @@
 #include <particles/particles.hpp>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace tetsuame::pairs {
 
@@ -37,13 +38,6 @@ static_assert(cells::neighbour_list::lanes % lanes == 0);
 // For terms that read a field now and then: from the array itself.
 inline real gather(const double* a, const std::int32_t* j) {
   return real([&](auto lane) { return a[j[lane]]; });
-}
-
-template <int D>
-vec<real, D> gather(const std::array<const double*, D>& a, const std::int32_t* j) {
-  vec<real, D> values;
-  for (std::size_t k = 0; k < D; ++k) values[k] = gather(a[k], j);
-  return values;
 }
 
 template <int D>
@@ -63,27 +57,9 @@ struct pair {
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
 };
 
-// What differences of fields are good for, whatever the pair's values come from. Terms that ask for the
-// same share it: the compiler sees one expression.
-template <int D, class Pair>
-struct pair_fields : pair<D> {
-  template <class Tag>
-  auto difference(Tag tag) const {
-    return self().own(tag) - self()(tag);
-  }
-  // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
-  template <class Tag>
-  real along(Tag tag) const {
-    return foundation::dot(difference(tag), this->x_ij);
-  }
-
- private:
-  const Pair& self() const { return static_cast<const Pair&>(*this); }
-};
-
 // A pair with both records: scalars are a real, vectors a vec.
 template <int D, class Layout>
-struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
+struct packed_pair : pair<D> {
   std::array<real, Layout::size> mine, values;
 
   template <class Tag>
@@ -93,6 +69,16 @@ struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
   template <class Tag>
   auto own(Tag) const {
     return pick<Tag>(mine);
+  }
+  // Terms that ask for the same difference share it: the compiler sees one expression.
+  template <class Tag>
+  auto difference(Tag tag) const {
+    return own(tag) - (*this)(tag);
+  }
+  // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
+  template <class Tag>
+  real along(Tag tag) const {
+    return foundation::dot(difference(tag), this->x_ij);
   }
 
  private:
@@ -105,40 +91,6 @@ struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
     } else {
       vec<real, static_cast<int>(n)> v;
       for (std::size_t k = 0; k < n; ++k) v[k] = record[at + k];
-      return v;
-    }
-  }
-};
-
-// A pair whose fields come from the arrays themselves: for a few rows, where packing all particles
-// would cost more than it saves. The same values, so the same bits.
-template <int D, class Reads>
-struct gathered_pair : pair_fields<D, gathered_pair<D, Reads>> {
-  const Reads* reads;
-  std::size_t i;
-
-  template <class Tag>
-  auto operator()(Tag) const {
-    return std::apply(
-        [this](const auto&... r) { return pick<Tag>([this](const double* a) { return gather(a, this->j); }, r...); },
-        *reads);
-  }
-  template <class Tag>
-  auto own(Tag) const {
-    return std::apply(
-        [this](const auto&... r) { return pick<Tag>([this](const double* a) { return real(a[i]); }, r...); }, *reads);
-  }
-
- private:
-  template <class Tag, class Take, class Read, class... Rest>
-  static auto pick(const Take& take, const Read& read, const Rest&... rest) {
-    if constexpr (!std::is_same_v<Tag, typename Read::tag>) {
-      return pick<Tag>(take, rest...);
-    } else if constexpr (Read::components == 1) {
-      return take(read.from[0]);
-    } else {
-      vec<real, static_cast<int>(Read::components)> v;
-      for (std::size_t k = 0; k < Read::components; ++k) v[k] = take(read.from[k]);
       return v;
     }
   }
@@ -160,6 +112,26 @@ struct every {
   std::size_t size() const { return n; }
   std::size_t operator[](std::size_t r) const { return r; }
 };
+
+// Some rows, and those particles that are one of them or in their lists: only these are packed.
+struct chosen {
+  std::vector<std::size_t> rows, packed;
+  std::size_t size() const { return rows.size(); }
+  std::size_t operator[](std::size_t r) const { return rows[r]; }
+};
+
+inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows) {
+  std::vector<char> needed(list.null + 1, 0);
+  for (const std::size_t i : rows) {
+    needed[i] = 1;
+    for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
+      needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
+  }
+  chosen c{std::move(rows), {}};
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (needed[i] != 0) c.packed.push_back(i);
+  return c;
+}
 
 // One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
 // sums and kernel in registers whatever it thinks of the program's size. `source` gives the pair's values:
@@ -206,40 +178,20 @@ struct from_records {
   }
 };
 
-// Pairs out of the arrays.
-template <int D, class Reads>
-struct from_arrays {
-  using pair = gathered_pair<D, Reads>;
-  std::array<const double*, D> x;
-  const Reads* reads;
-
-  vec<real, D> own(pair& ij, std::size_t i) const {
-    ij.reads = reads;
-    ij.i = i;
-    vec<real, D> x_i;
-    for (std::size_t k = 0; k < D; ++k) x_i[k] = real(x[k][i]);
-    return x_i;
-  }
-  vec<real, D> neighbour(const pair& ij) const { return gather<D>(x, ij.j); }
-};
-
 // For each particle i = rows[r]: begin, its neighbours from row i of the list, end.
 template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
+  if constexpr (std::is_same_v<Rows, every>)
+    pack<D>(x, reads, every{list.null + 1}, list);
+  else
+    pack<D>(x, reads, rows.packed, list);
+  const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
   const std::size_t n = rows.size();
-  const auto sum_rows = [&](const auto& source) {
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-    for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
-  };
-  if constexpr (std::is_same_v<Rows, every>) {
-    pack<D>(x, reads, list.null + 1, list.records);
-    sum_rows(from_records<D, decltype(layout_of<D>(reads))>{list.records.data()});
-  } else {
-    sum_rows(from_arrays<D, decltype(reads)>{x, &reads});
-  }
+  for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
 }
 
 }  // namespace tetsuame::pairs

@@ -50,13 +50,14 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   set.listed.clear();
   for (std::size_t i = 0; i < is_listed.size(); ++i)
     if (is_listed[i] != 0) set.listed.push_back(i);
-  set.near_wall.clear();
+  std::vector<std::size_t> near;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const auto& wall : set.sides)
       if ((s.x[wall.axis][i] - wall.position) * wall.inward < depth) {
-        set.near_wall.push_back(i);
+        near.push_back(i);
         break;
       }
+  set.near_wall = pairs::choose(w.list, std::move(near));
 }
 
 // The given fields of the fluid that markers see, in the pair loop's records: one a particle.
@@ -171,11 +172,11 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   std::array<double*, D> f;
   for (std::size_t a = 0; a < D; ++a) {
     f[a] = set.f[a].data();
-    for (const std::size_t i : set.near_wall) set.f[a][i] = 0.0;
+    for (const std::size_t i : set.near_wall.rows) set.f[a][i] = 0.0;
   }
   w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
   for (std::size_t a = 0; a < D; ++a)
-    for (const std::size_t i : set.near_wall) f[a][i] = f[a][i] / s.m[i] + w.g[a];
+    for (const std::size_t i : set.near_wall.rows) f[a][i] = f[a][i] / s.m[i] + w.g[a];
   for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
 }
 
@@ -276,7 +277,7 @@ struct repulsion : with_markers {
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
-    for (const std::size_t i : set.near_wall)
+    for (const std::size_t i : set.near_wall.rows)
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);

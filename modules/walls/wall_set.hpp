@@ -18,7 +18,7 @@ struct wall_set {
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
   cells::neighbour_list near_marker;       // fluid within reach of each marker
   particles::array phi;                    // shape function of each entry of that list
-  std::vector<std::size_t> near_wall;      // owned fluid that some marker may see
+  pairs::chosen near_wall;                 // owned fluid that some marker may see
   std::vector<std::size_t> listed;         // all in near_marker, ghosts and the null particle included
   double reach = 0.0;                      // m, radius of a marker's interpolation
 

@@ -117,8 +117,8 @@ BOOST_AUTO_TEST_CASE(chosen_rows_alone_are_written) {
   std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
   const std::vector<std::size_t> rows{3, 17, 5}, none;
   scene.w.sum(scene.w.fluid(), all.of(s.T));
-  scene.w.sum(rows, some.of(s.T));
-  scene.w.sum(none, some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, rows), some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, none), some.of(s.T));
   for (std::size_t i = 0; i < s.fluid; ++i)
     BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
 }
