@@ -41,14 +41,14 @@ domain::halo<2> ring(const domain::communicator& ranks, std::size_t n) {
   return h;
 }
 
-// s: of the slowest rank. As many readings as a quarter of a second holds, 11 to 1001.
+// s: of the slowest rank. As many readings as a tenth of a second holds, 11 to 1001.
 template <class F>
 json times_of(const domain::communicator& ranks, const F& once) {
   std::vector<double> all;
   const auto start = clock::now();
   for (int k = 0; k < 5; ++k) once();
   const double first = ranks.maximum(std::chrono::duration<double>(clock::now() - start).count()) / 5.0;
-  const int readings = static_cast<int>(std::clamp(0.25 / first, 11.0, 1001.0));
+  const int readings = static_cast<int>(std::clamp(0.1 / first, 11.0, 1001.0));
   for (int k = 0; k < readings; ++k) {
     MPI_Barrier(ranks.comm);
     const auto begin = clock::now();

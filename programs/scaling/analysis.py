@@ -5,6 +5,9 @@ from pathlib import Path
 from statistics import median, quantiles
 
 
+QUIET = 0.5  # load average up to which a machine counts as one without other work
+
+
 class Unreadable(Exception):
     """Why there is nothing to show, and what to do."""
 

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from . import analysis, figures, model, page, plan, runner
+from . import analysis, plan, runner
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPLETED, BAD_INPUT, FAILED, FILE_FAILED = 0, 2, 3, 4
@@ -118,8 +118,12 @@ def study(given: argparse.Namespace) -> None:
 
 
 def report(folder: Path) -> None:
+    from . import figures, model, page  # matplotlib takes a second: not before the study, and not for a refusal
+
     rows, exchanges = analysis.read(folder)
     print(analysis.as_text(rows))
+    if rows[0]["load_average"] >= analysis.QUIET:
+        print(f"load average at the start {rows[0]['load_average']:.1f}: other work runs here, and these numbers show it")
     for fit in analysis.amdahl(rows):
         print(f"parallel fraction over {fit.over}: {fit.text}")
     costs = model.costs_of(rows, exchanges)
