@@ -34,7 +34,7 @@ def measured(rows: list[dict]):
 
 
 def stages(rows: list[dict]):
-    """Core time of the first rank by stage, per particle: what grows with the cores does not scale."""
+    """Core time of the first rank by stage, per particle: what grows with the cores does not scale. Start included."""
     shown = sorted((r for r in rows if r["kind"] == "strong"), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
     figure, (ax,) = style.panels(1, 1, 0.5 * len(shown) + 1.2)
     left = [0.0] * len(shown)
@@ -59,9 +59,10 @@ def prediction(costs: model.Costs, network: model.Network = model.HDR, beside: d
                 label = f"{n:.0e}".replace("e+0", "e") if net is None else None
                 ax.plot(RANKS, [model.efficiency(all_of(n, p), p, costs, net) for p in RANKS], color=colour, linestyle=dashes, label=label)
     for n, points in (beside or {}).items():
-        colour = {1e6: "#999999"}.get(n, "#009E73")
+        colour = SIZES.get(n, "#999999")
         strong.plot(*zip(*points), linestyle="", marker="o", markersize=4, color=colour, label=f"{n:.0e}, balance".replace("e+0", "e"))
-        strong.plot(RANKS, [model.efficiency(n, p, costs) for p in RANKS], color=colour, linewidth=1)
+        if n not in SIZES:
+            strong.plot(RANKS, [model.efficiency(n, p, costs) for p in RANKS], color=colour, linewidth=1)
     strong.set_title("strong: particles in all")
     weak.set_title("weak: particles a rank")
     strong.set_ylabel("efficiency")

@@ -9,7 +9,7 @@ from .analysis import amdahl
 
 CAPTIONS = {
     "measured": ("Measured", "Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest."),
-    "stages": ("Where the time goes", "Of the first rank, waiting included."),
+    "stages": ("Where the time goes", "Of the first rank, waiting included, and with it the start and what is evaluated for output."),
     "prediction": ("Predicted", "Model with the costs below. Full lines: messages through shared memory, as measured here. Dashed, "
                    f"above {model.HDR.ranks_a_node} ranks: {model.HDR.name}, an assumption."),
 }
