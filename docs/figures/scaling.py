@@ -62,7 +62,8 @@ def measured_table(rows: list[dict]) -> str:
     fits = [f"Parallel fraction over {fit.over}: {fit.text}." for fit in analysis.amdahl(rows)]
     return "\n\n".join([
         f"{first['processor']}, {first['cores_here']} cores, {first['simd_lanes']} lanes; {first['steps']} steps, {first['repeats']} rounds; "
-        f"load average at the start {first['load_average']:.1f}{'' if first['load_average'] < analysis.QUIET else ': **busy with other work, which these numbers show**'}.",
+        f"load average at the start {first['load_average']:.1f}{'' if first['load_average'] < analysis.QUIET else ': **busy with other work, which these numbers show**'}"
+        f"{'; OMP_WAIT_POLICY=' + first['wait_policy'] if first['wait_policy'] else ''}.",
         markdown(["kind", "ranks × threads", "particles", "million updates/s", "efficiency", "least–largest", "waiting",
                   "KiB sent a step", "messages", "collectives"], lines), *fits])
 

@@ -75,7 +75,8 @@ def processor() -> str:
 
 
 def machine() -> dict:
-    return {"processor": processor(), "cores_here": cores_here(), "load_average": os.getloadavg()[0]}
+    return {"processor": processor(), "cores_here": cores_here(), "load_average": os.getloadavg()[0],
+            "wait_policy": os.environ.get("OMP_WAIT_POLICY", "")}
 
 
 def study(given: argparse.Namespace) -> None:
@@ -123,7 +124,8 @@ def report(folder: Path) -> None:
     rows, exchanges = analysis.read(folder)
     print(analysis.as_text(rows))
     if rows[0]["load_average"] >= analysis.QUIET:
-        print(f"load average at the start {rows[0]['load_average']:.1f}: other work runs here, and these numbers show it")
+        print(f"load average at the start {rows[0]['load_average']:.1f}: other work runs here, and these numbers "
+              "show it; OMP_WAIT_POLICY=passive and OMPI_MCA_mpi_yield_when_idle=1 make it less bad")
     for fit in analysis.amdahl(rows):
         print(f"parallel fraction over {fit.over}: {fit.text}")
     costs = model.costs_of(rows, exchanges)

@@ -47,8 +47,8 @@ def line(points: list[tuple[float, float]]) -> tuple[float, float]:
 
 
 def costs_of(rows: list[dict], exchanges: list[dict]) -> Costs | None:
-    """None where nothing was measured on several ranks with one thread. The least readings of an exchange count: other
-    work on the machine only adds to them."""
+    """None where nothing was measured on several ranks with one thread. The least times count, of steps as of exchanges:
+    other work on the machine only adds to them."""
     one = [r for r in rows if r["kind"] == "strong" and r["ranks"] == r["threads"] == 1]
     pair = sorted((r for r in rows if r["kind"] == "strong" and r["ranks"] > 1 and r["threads"] == 1), key=lambda r: r["ranks"])
     measured = sorted((e for e in exchanges if e["ranks"] > 1), key=lambda e: e["ranks"])
@@ -61,7 +61,9 @@ def costs_of(rows: list[dict], exchanges: list[dict]) -> Costs | None:
     ghosts = two["fluid_halo_particles"] + two["wall_halo_particles"]
     halo_bytes = two["bytes_sent_per_step"] / ghosts
     neighbours = 1 if two["ranks"] == 2 else 2  # slabs; wider grids have not been measured where two ranks have
-    return Costs(particle=one[0]["seconds_per_step"] / one[0]["particles"], halo=per_byte * halo_bytes,
+    alone = one[0]
+    quickest = alone["seconds_per_step"] * alone["updates_per_second"] / max(alone["updates_per_second_readings"])
+    return Costs(particle=quickest / alone["particles"], halo=per_byte * halo_bytes,
                  latency=max(latency, 0.0), messages=two["messages_per_step"] / neighbours,
                  collective=e["collective"]["seconds_least"] / math.log2(e["ranks"]),
                  collectives=two["collectives_per_step"], halo_bytes=halo_bytes)
