@@ -12,26 +12,26 @@ communicator communicator::world() {
 }
 
 double communicator::maximum(double value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
   return value;
 }
 
 double communicator::minimum(double value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MIN, comm);
   return value;
 }
 
 std::int64_t communicator::sum(std::int64_t value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT64_T, MPI_SUM, comm);
   return value;
 }
 
 std::vector<double> communicator::every(double value) const {
   std::vector<double> all(static_cast<std::size_t>(size));
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allgather(&value, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
   return all;
 }
@@ -39,7 +39,7 @@ std::vector<double> communicator::every(double value) const {
 double communicator::exact(foundation::exact_sum sum) const {
   sum.normalise();
   auto& chunks = sum.raw();
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, chunks.data(), static_cast<int>(chunks.size()), MPI_INT64_T, MPI_SUM, comm);
   return sum.value();
 }
@@ -57,7 +57,7 @@ void communicator::agree_on_fault(std::int64_t id, const std::string& message, f
   const std::int64_t mine = message.empty() ? no_fault : id;
   std::int64_t lowest = mine;
   {
-    const foundation::waiting timed;
+    const foundation::collective timed;
     MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
   }
   if (lowest == no_fault) return;

@@ -17,6 +17,7 @@
 #include <output/progress.hpp>
 #include <output/series.hpp>
 #include <simulation/command_line.hpp>
+#include <simulation/communication.hpp>
 #include <simulation/interrupt.hpp>
 #include <simulation/measures.hpp>
 #include <simulation/residuals.hpp>
@@ -56,6 +57,7 @@ struct run {
   summary report;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
+  communication_meter communication;
 
   // Of this rank's steps since the lists were made.
   struct {
@@ -192,9 +194,11 @@ struct run {
         interrupt_run();
       }
       const auto before = std::chrono::steady_clock::now();
+      communication.begin();
       refresh_lists();
       timed_step();
       complete_step();
+      communication.end();
       stepping_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
       record();
       line_of_progress.update(progress());
@@ -398,6 +402,7 @@ struct run {
     report.stepping_seconds = stepping_seconds;
     report.stages = world.w.times.seconds();
     report.metrics["wall_crossings"] = wall_crossings;
+    communication.describe(world.w.d, report.metrics);
     if (integrator) {
       report.time = integrator->time();
       report.statistics = integrator->statistics();

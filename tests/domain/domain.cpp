@@ -191,6 +191,29 @@ BOOST_AUTO_TEST_CASE(positions_of_ghosts_follow_their_owners) {
   BOOST_TEST(strangers == 0U);
 }
 
+// What is counted as sent on all ranks is what came from others on all ranks; a rank's copies to itself are not.
+BOOST_AUTO_TEST_CASE(traffic_is_counted) {
+  auto scene = make_scene<2>(box<2>({16, 10}, true), domain::communicator::world(), 0.4);
+  auto& s = scene.w.s;
+  const auto& ranks = scene.w.d.ranks;
+  std::int64_t ghosts = 0, senders = 0;
+  for (const auto& from : scene.w.d.fluid_halo.from) {
+    if (from.rank == ranks.rank) continue;
+    ghosts += static_cast<std::int64_t>(from.count);
+    ++senders;
+  }
+  const auto before = foundation::sent;
+  scene.w.exchange_fluid({s.T.data(), s.Y.data(), s.rho.data()});
+  const auto after = foundation::sent;
+  const auto messages = ranks.sum(after.halo_messages - before.halo_messages);
+  const auto bytes = ranks.sum(after.halo_bytes - before.halo_bytes);
+  BOOST_TEST(messages == ranks.sum(senders));
+  BOOST_TEST(bytes == ranks.sum(ghosts) * 3 * 8);
+  BOOST_TEST((messages > 0) == (ranks.size > 1));
+  BOOST_TEST(after.collectives == before.collectives);
+  BOOST_TEST(foundation::sent.collectives == before.collectives + 4);  // the four sums
+}
+
 // So much that packing is worth threads, at least on one rank.
 BOOST_AUTO_TEST_CASE(exchange_of_much_on_threads) {
   auto scene = make_scene<2>(box<2>({160, 40}, true), domain::communicator::world(), 0.4);
