@@ -50,7 +50,9 @@ struct storage {
   explicit storage(std::shared_ptr<family> f) : owner(std::move(f)), block(owner->take()), pointers(owner->fields) {
     for (std::size_t k = 0; k < owner->fields; ++k) pointers[k] = block.get() + k * owner->stride();
   }
-  ~storage() { owner->unused.push_back(std::move(block)); }
+  ~storage() {
+    if (owner->unused.empty()) owner->unused.push_back(std::move(block));  // one is all that a step asks for anew
+  }
   storage(const storage&) = delete;
   storage& operator=(const storage&) = delete;
 
