@@ -28,6 +28,14 @@ if(TETSUAME_SANITIZE)
   target_link_options(tetsuame_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+set(TETSUAME_HOST_AVX512 OFF)
+if(EXISTS /proc/cpuinfo)
+  file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+  if(flags MATCHES "avx512bw" AND flags MATCHES "avx512vl" AND flags MATCHES "avx512dq")
+    set(TETSUAME_HOST_AVX512 ON)
+  endif()
+endif()
+
 function(tetsuame_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
   # <name/header.hpp> is found only through this target: a link to the module's
@@ -76,9 +84,10 @@ function(tetsuame_program name)
 endfunction()
 
 # One Boost.Test executable. With RANKS the test runs under mpirun once for each
-# number given (named NAME.n), else as a plain process.
+# number given (named NAME.n), else as a plain process. With WIDE a second time, NAME_avx512, where the
+# processor that configures has it.
 function(tetsuame_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;DEPENDS;LABELS;RANKS" ${ARGN})
+  cmake_parse_arguments(arg "WIDE" "TIMEOUT" "SOURCES;DEPENDS;LABELS;RANKS" ${ARGN})
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
   endif()
@@ -104,5 +113,10 @@ function(tetsuame_test name)
     add_test(NAME ${name} COMMAND test_${name})
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}"
       ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT})
+  endif()
+  if(arg_WIDE AND TETSUAME_HOST_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3")
+    tetsuame_test(${name}_avx512 SOURCES ${arg_SOURCES} DEPENDS ${arg_DEPENDS}
+      LABELS ${arg_LABELS} TIMEOUT ${arg_TIMEOUT} RANKS ${arg_RANKS})
+    set_target_properties(test_${name}_avx512 PROPERTIES TETSUAME_WIDE ON)
   endif()
 endfunction()
