@@ -154,11 +154,11 @@ void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const T
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
-// Rows of sum_over: all particles in [0, n).
-struct every {
-  std::size_t n;
-  std::size_t size() const { return n; }
-  std::size_t operator[](std::size_t r) const { return r; }
+// Rows of sum_over: the particles [first, last), whose neighbours are all in [seen_first, seen_last).
+struct stretch {
+  std::size_t first, last, seen_first, seen_last;
+  std::size_t size() const { return last - first; }
+  std::size_t operator[](std::size_t r) const { return first + r; }
 };
 
 // One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
@@ -230,12 +230,13 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
   const std::size_t n = rows.size();
+  if (n == 0) return;
   const auto sum_rows = [&](const auto& source) {
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
     for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
   };
-  if constexpr (std::is_same_v<Rows, every>) {
-    pack<D>(x, reads, list.null + 1, list.records);
+  if constexpr (std::is_same_v<Rows, stretch>) {
+    pack<D>(x, reads, rows.seen_first, rows.seen_last, list.null + 1, list.records);
     sum_rows(from_records<D, decltype(layout_of<D>(reads))>{list.records.data()});
   } else {
     sum_rows(from_arrays<D, decltype(reads)>{x, &reads});

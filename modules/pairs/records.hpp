@@ -111,10 +111,10 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
-// Fills the records of the particles [0, n).
+// Fills the records of the particles [first, last), of n in all.
 template <int D, class... Reads>
-void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, std::size_t n,
-          particles::array& records) {
+void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, std::size_t first, std::size_t last,
+          std::size_t n, particles::array& records) {
   using form = layout<D, Reads...>;
   std::array<const double*, form::size> source{};
   std::size_t k = 0;
@@ -127,8 +127,8 @@ void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& rea
   for (; k < form::size; ++k) source[k] = x[0];  // fills up the last register; never looked at
   if (records.size() < n * form::size) records.resize(n * form::size);
   double* out = records.data();
-#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < n; ++i)
+#pragma omp parallel for schedule(static) if (last - first > foundation::values_worth_threads)
+  for (std::size_t i = first; i < last; ++i)
     for (std::size_t c = 0; c < form::size; ++c) out[i * form::size + c] = source[c][i];
 }
 
