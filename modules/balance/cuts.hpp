@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -108,7 +109,7 @@ double halo_cost(const std::array<int, D>& n, const std::array<double, D>& lengt
     cell *= edge;
     with_images *= edge + (n[a] > 1 ? 0 : sides) * w;
     with_all *= edge + sides * w;
-    ranks *= std::min(n[a], 3);
+    ranks *= std::min(static_cast<double>(n[a]), 1.0 + 2.0 * std::ceil(w / edge));
     message *= w;
   }
   return with_all - 0.5 * (with_images + cell) + message * (ranks - 1.0);
