@@ -109,9 +109,14 @@ struct load_balance {
     price.rebuild = lists_are_due ? 0.0 : price.rebuild + v.spread.maximum;
     const auto horizon = std::min(steps, remaining);
     v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
-    v.decision.reason = fmt::format("{} {:.3g} {} over {} steps, moving costs {:.3g}: {}",
-                                    v.decision.gain < 0.0 ? "would lose" : "gain", std::abs(v.decision.gain), unit(),
-                                    horizon, v.decision.cost, v.decision.move ? "move" : "stay");
+    // Smaller gains come from a row of particles more or less, or from the clock's scatter: they do not come true.
+    constexpr double least_gain = 0.01;  // of the slowest rank's cost
+    const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
+    v.decision.move = v.decision.move && !too_little;
+    v.decision.reason =
+        fmt::format("{} {:.3g} {} over {} steps{}, moving costs {:.3g}: {}",
+                    v.decision.gain < 0.0 ? "would lose" : "gain", std::abs(v.decision.gain), unit(), horizon,
+                    too_little ? " (less than 1 %)" : "", v.decision.cost, v.decision.move ? "move" : "stay");
     if (v.decision.move) {
       const auto after = balance::redistribute(now, v.cuts, cost, where);
       expected = v.spread.maximum - *std::max_element(after.begin(), after.end());

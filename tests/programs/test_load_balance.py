@@ -10,10 +10,10 @@ from running import Case
 SHEARED = ("hydrostatic_13_linear",
            {"domain.particles_x": 16, "domain.length_x": 80e3, "domain.particles_y": 96, "domain.length_y": 480e3,
             "time.dt": 0.2, "time.steps": 36, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
-            "material.viscosity": 2e11, "output.interval": 0, "domain.ranks_x": 1, "balancer.interval": 6})
+            "material.viscosity": 2e11, "output.interval": 0, "domain.ranks_x": 1, "walls.marker_radius": 2.5, "balancer.interval": 6})
 
 # Slow enough for the first lists to last: cuts move under lists that stay.
-SLOW = (SHEARED[0], {**SHEARED[1], "walls.velocity_top": 40, "walls.velocity_bottom": -40, "time.steps": 90,
+SLOW = (SHEARED[0], {**SHEARED[1], "walls.velocity_top": 25, "walls.velocity_bottom": -25, "time.steps": 90, "domain.particles_y": 72, "domain.length_y": 360e3,
                      "balancer.interval": 10, "hosono.solver": "newton"})
 
 
@@ -39,7 +39,8 @@ class LoadBalance(Case):
             self.assertIn(row["reason [text]"], log)
             self.assertEqual(row["reason [text]"].endswith(": move"), row["moved [1]"] == "1")
             self.assertEqual(float(row["migrated [1]"]) > 0, row["moved [1]"] == "1")
-            self.assertEqual(float(row["gain [s or pairs]"]) > float(row["cost [s or pairs]"]), row["moved [1]"] == "1")
+            if row["moved [1]"] == "1":
+                self.assertGreater(float(row["gain [s or pairs]"]), float(row["cost [s or pairs]"]))
 
     def spreads(self, result):
         return [float(row["spread [1]"]) for row in self.decisions(result)]
@@ -63,7 +64,7 @@ class LoadBalance(Case):
         for program in ["disph_c", "disph_a"]:
             with self.subTest(program):
                 alone, fixed = (self.run_case(SLOW, "off", ranks, program) for ranks in (None, 3))
-                self.assertEqual(fixed.summary["rhs_evaluations"], 91 + 1, "no new lists: the case is not what it should be")
+                self.assertEqual(fixed.summary["rhs_evaluations"], 91, "new lists: the case is not what it should be")
                 moved = self.run_case(SLOW, "counted", 3, program)
                 self.assert_told(moved)
                 self.assertEqual(moved.summary["state_hash"], alone.summary["state_hash"])
