@@ -237,6 +237,8 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
   };
   if constexpr (std::is_same_v<Rows, stretch>) {
     pack<D>(x, reads, rows.seen_first, rows.seen_last, list.null + 1, list.records);
+    // Every row is filled up with the null particle.
+    if (rows.seen_last <= list.null) pack<D>(x, reads, list.null, list.null + 1, list.null + 1, list.records);
     sum_rows(from_records<D, decltype(layout_of<D>(reads))>{list.records.data()});
   } else {
     sum_rows(from_arrays<D, decltype(reads)>{x, &reads});
