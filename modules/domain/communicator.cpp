@@ -17,6 +17,11 @@ double communicator::maximum(double value) const {
   return value;
 }
 
+void communicator::maximum(std::span<double> values) const {
+  const foundation::collective timed;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+
 double communicator::minimum(double value) const {
   const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MIN, comm);
@@ -29,10 +34,13 @@ std::int64_t communicator::sum(std::int64_t value) const {
   return value;
 }
 
-std::vector<double> communicator::every(double value) const {
-  std::vector<double> all(static_cast<std::size_t>(size));
+std::vector<double> communicator::every(double value) const { return every(std::span<const double>(&value, 1)); }
+
+std::vector<double> communicator::every(std::span<const double> values) const {
+  std::vector<double> all(static_cast<std::size_t>(size) * values.size());
+  const auto n = static_cast<int>(values.size());
   const foundation::collective timed;
-  MPI_Allgather(&value, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
+  MPI_Allgather(values.data(), n, MPI_DOUBLE, all.data(), n, MPI_DOUBLE, comm);
   return all;
 }
 

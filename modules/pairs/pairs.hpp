@@ -18,6 +18,7 @@
 // lanes in a fixed tree, so the result depends on neither ranks nor threads.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
@@ -106,11 +107,19 @@ void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const T
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
-// Rows of sum_over: all particles in [0, n).
-struct every {
-  std::size_t n;
-  std::size_t size() const { return n; }
-  std::size_t operator[](std::size_t r) const { return r; }
+// Rows of sum_over: the particles [first, last), whose neighbours are all in [seen_first, seen_last).
+struct stretch {
+  std::size_t first, last, seen_first, seen_last;
+  std::size_t size() const { return last - first; }
+  std::size_t operator[](std::size_t r) const { return first + r; }
+
+  // What is packed: those seen, and the null particle, with which every row is filled up.
+  struct seen {
+    std::size_t first, count, null;
+    std::size_t size() const { return count + 1; }
+    std::size_t operator[](std::size_t k) const { return k < count ? first + k : null; }
+  };
+  seen packed_with(std::size_t null) const { return {seen_first, std::min(seen_last, null) - seen_first, null}; }
 };
 
 // Some rows, and those particles that are one of them or in their lists: only these are packed.
@@ -118,6 +127,7 @@ struct chosen {
   std::vector<std::size_t> rows, packed;
   std::size_t size() const { return rows.size(); }
   std::size_t operator[](std::size_t r) const { return rows[r]; }
+  const std::vector<std::size_t>& packed_with(std::size_t) const { return packed; }
 };
 
 inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows) {
@@ -127,6 +137,7 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
     for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
       needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
   }
+  needed[list.null] = 1;
   chosen c{std::move(rows), {}};
   for (std::size_t i = 0; i < needed.size(); ++i)
     if (needed[i] != 0) c.packed.push_back(i);
@@ -184,10 +195,8 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
               const Kernel& kernel, const Terms&... terms) {
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
-  if constexpr (std::is_same_v<Rows, every>)
-    pack<D>(x, reads, every{list.null + 1}, list);
-  else
-    pack<D>(x, reads, rows.packed, list);
+  if (rows.size() == 0) return;
+  pack<D>(x, reads, rows.packed_with(list.null), list);
   const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
   const std::size_t n = rows.size();
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)

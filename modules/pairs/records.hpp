@@ -112,7 +112,7 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
-// Fills the records of the given particles; all have their place, null particle included.
+// Fills the records of the given particles; there is room for all, null particle included.
 template <int D, class... Reads, class Particles>
 void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, const Particles& chosen,
           const cells::neighbour_list& list) {

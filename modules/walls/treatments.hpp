@@ -163,8 +163,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
         }
       },
       w.kernel);
-  for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
-  w.exchange_walls({s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+  w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
 }
 
 // f = ν∇²v + g of the fluid near the walls, ghosts included.
@@ -179,7 +178,7 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
   for (std::size_t a = 0; a < D; ++a)
     for (const std::size_t i : set.near_wall.rows) f[a][i] = f[a][i] / s.m[i] + w.g[a];
-  for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
+  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(f));
 }
 
 // Both are linear in the fluid's values: a pressure and a weight that grow from marker to
@@ -306,8 +305,7 @@ struct frozen : nothing {
       s.p[i] = s.p_reference[i];
       s.dV[i] = s.m[i] / s.rho[i];
     }
-    for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
-    w.exchange_walls({s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
+    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>&) {
