@@ -174,7 +174,7 @@ BOOST_AUTO_TEST_CASE(the_one_before_serves_when_the_newest_is_damaged) {
   const auto directory = fresh_directory("checkpoint_latest");
   std::string message;
   BOOST_TEST(fails(exit_status::file_failed, message, [&] { output::find_latest(MPI_COMM_WORLD, directory); }));
-  BOOST_TEST(message.find("no usable checkpoint") != std::string::npos, message);
+  BOOST_TEST(message.find("there is no checkpoint in") != std::string::npos, message);
   write(MPI_COMM_WORLD, directory, 99999999);
   const auto newest = write(MPI_COMM_WORLD, directory, 100000000);  // one digit more: later by number, not by name
   BOOST_TEST(output::find_latest(MPI_COMM_WORLD, directory).path == newest);
