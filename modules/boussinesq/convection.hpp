@@ -151,6 +151,7 @@ class convection : public march::problem {
     sum_over_neighbours();
     combine(rate);
     world_.w.agree();
+    keep_mean_pressure(rate[2 * D + 1]);
   }
 
   integrators::step_limit largest_step() override {
@@ -572,6 +573,15 @@ class convection : public march::problem {
       for (const double* r : rate) good = good && std::isfinite(r[i]);
       if (!good) w.first_fault.report(s.id[i], fmt_fault(i));
     }
+  }
+  // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
+  // nothing feels, grow without bound.
+  void keep_mean_pressure(double* dp) {
+    const std::size_t n = world_.w.s.fluid;
+    foundation::exact_sum sum;
+    for (std::size_t i = 0; i < n; ++i) sum.add(dp[i]);
+    const double mean = ranks().exact(sum) / static_cast<double>(world_.fluid_total);
+    for (std::size_t i = 0; i < n; ++i) dp[i] -= mean;
   }
   std::string fmt_fault(std::size_t i) const {
     const auto& s = world_.w.s;

@@ -41,9 +41,11 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
-  schema.add(g, "operator", o.scheme,
-             {.choices = {"trace", "consistent", "corrected"},
-              .meaning = "Laplacian exact for the trace, or for all of a quadratic field; with deferred correction"});
+  schema.add(
+      g, "operator", o.scheme,
+      {.choices = {"trace", "consistent", "corrected"},
+       .meaning =
+           "Laplacian with the sum of the second moments right, or all of them; that with the deferred correction"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
   schema.add(g, "shifting", o.shifting,
@@ -136,7 +138,7 @@ void declare(namelist::schema& schema, options& o) {
   sides[2].temperature = 1000.0;
   sides[3].temperature = 0.0;
   images::declare(schema, 3, true, o.walls);
-  o.march.kernel.skin = 0.5;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
+  o.march.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
   march::declare(schema, o.march, true);
 }
 

@@ -1,7 +1,7 @@
 // DT/Dt = κ∇²T on particles that stand still.
 //
 //   sum         ∇²T = Σ_j 2 V F (T_i - T_j), F = W'(r)/r                                  [S2]
-//   consistent  operators/consistent.hpp, exact for quadratic fields
+//   consistent  operators/consistent.hpp
 //   corrected   that with the deferred correction
 #pragma once
 

@@ -42,7 +42,7 @@ void declare(namelist::schema& schema, options& o) {
              {.choices = {"plate", "half_space"}, .meaning = "exact solution the errors are against"});
   schema.add("conduction", "operator", o.scheme,
              {.choices = {"sum", "consistent", "corrected"},
-              .meaning = "Laplacian: the note's sum; exact for quadratic fields; that with the deferred correction"});
+              .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
   images::declare(schema, 3, false, o.walls);
   march::declare(schema, o.march, false);
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <limits>
 #include <march/march.hpp>
 #include <memory>
 #include <optional>
@@ -100,12 +101,15 @@ struct loop {
   }
   double dt = 0.0;  // s, fixed
 
-  // New lists before the next step could outrun the old ones.
+  // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
+  // Particles may gain speed on the way, and have one of their own where they are spread.
+  static constexpr double faster = 1.8;
+  double longest = std::numeric_limits<double>::infinity();  // s
   void refresh_lists() {
-    const double moved = p.moved();
-    const auto& statistics = integrator->statistics();
-    const double next = controls_error() ? statistics.next_dt : dt;
-    if (moved == 0.0 || moved + 1.5 * p.speed() * next <= p.allowance()) return;
+    const double moved = p.moved(), speed = faster * p.speed();
+    const double next = controls_error() ? integrator->statistics().next_dt : dt;
+    longest = speed > 0.0 ? p.allowance() / speed : std::numeric_limits<double>::infinity();
+    if (moved == 0.0 || moved + speed * std::min(next, longest) <= p.allowance()) return;
     p.rebuild(false);
     integrator->resize(p.fields(), p.local_particles());
   }
@@ -115,8 +119,9 @@ struct loop {
   // Where the next step must stop: fixed steps keep their length but for the last one.
   double next_stop() const {
     const double t = integrator->time(), end = t_end();
-    if (!controls_error()) return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
-    return o.output.interval > 0.0 ? std::min(end, next_snapshot) : end;
+    if (controls_error()) return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, next_snapshot) : end);
+    if (longest < dt) return std::min(end, t + longest);
+    return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
   }
 
   void advance() {

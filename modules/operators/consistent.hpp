@@ -1,11 +1,13 @@
-// Gradients and Laplacians that are exact for linear and quadratic fields on any arrangement of particles, in one pass
-// over the neighbours. With r = x_i - x_j, e = r/|r|, F = W'(r)/r, equal volumes V, d dimensions:
+// Gradients that are exact for linear fields on any arrangement of particles, and Laplacians consistent with them, in
+// one pass over the neighbours. With r = x_i - x_j, e = r/|r|, F = W'(r)/r, equal volumes V, d dimensions:
 //
 //   M = -Σ V F r rᵀ                      G(f) = M⁻¹ Σ V F r (f_j - f_i)          [Bonet & Lok, CMAME 180, 97 (1999)]
 //   L(f) = (2d/m_s) Σ V F s [(f_i - f_j) - G(f)·r],   m_s = -Σ V F s r²,   s = eᵀB e
 //
-// B is the unit tensor, or solves -Σ V F r_a r_b (eᵀB e) = δ_ab: then L is exact for quadratic fields too, not only for
-// their trace [after Fatehi & Manzari, Comput. Math. Appl. 61, 482 (2011)].
+// B is the unit tensor, or solves -Σ V F r_a r_b (eᵀB e) = δ_ab: then every second moment is right, and not their sum
+// only. L is exact for quadratic fields where the neighbourhood is symmetric; elsewhere a part of second order in its
+// asymmetry is left, G's error times Σ V F s r [after Fatehi & Manzari, Comput. Math. Appl. 61, 482 (2011), who take it
+// into B].
 //
 // Deferred correction: on a lattice, for long waves, to the next order (R = Σ F r⁴/Σ F r², isotropic fourth moments)
 //   L(f) = ∇²(f + β ∇²f),   G(f) = ∇(f + 2β ∇²f),   β = R/(4(d + 2))
