@@ -294,7 +294,7 @@ class convection : public march::problem {
     g.columns.push_back(
         {"Pressure", "Pa", "pressure beyond that of the conductive state", {pressure_of().data()}, false});
     g.columns.push_back({"Viscosity", "Pa s", "dynamic viscosity", {extra[0].data()}, false});
-    g.columns.push_back({"Volume", column_unit_of_volume(), "1/sum of W", {extra[1].data()}, false});
+    g.columns.push_back({"Volume", D == 2 ? "m^2" : "m^3", "1/sum of W", {extra[1].data()}, false});
     return {g};
   }
 
@@ -571,7 +571,7 @@ class convection : public march::problem {
     for (std::size_t i = 0; i < s.fluid; ++i) {
       bool good = true;
       for (const double* r : rate) good = good && std::isfinite(r[i]);
-      if (!good) w.first_fault.report(s.id[i], fmt_fault(i));
+      if (!good) w.first_fault.report(s.id[i], what_failed(i));
     }
   }
   // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
@@ -583,14 +583,14 @@ class convection : public march::problem {
     const double mean = ranks().exact(sum) / static_cast<double>(world_.fluid_total);
     for (std::size_t i = 0; i < n; ++i) dp[i] -= mean;
   }
-  std::string fmt_fault(std::size_t i) const {
+
+  std::string what_failed(std::size_t i) const {
     const auto& s = world_.w.s;
     return "a rate is not finite at particle " + std::to_string(s.id[i]) + ", T = " + std::to_string(s.T[i]) +
            " K; the time step may be too large";
   }
 
   double conductivity() const { return o_.physics.material.conductivity; }
-  static const char* column_unit_of_volume() { return D == 2 ? "m^2" : "m^3"; }
 
   // Averages are over some turnovers, and at least a hundredth of the diffusion time.
   double window() const {
@@ -599,19 +599,17 @@ class convection : public march::problem {
     return std::max(6.0 * turnover, 0.01 * f.L * f.L / f.kappa);
   }
 
-  // Of all ranks' peaks the largest; of equal ones the one lowest in x.
+  // Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
   void agree_on_peak(peak& mine) const {
     const double largest = ranks().maximum(mine.value);
-    double below = std::numeric_limits<double>::infinity();
-    for (std::size_t b = 0; b < D; ++b) {
-      bool candidate = mine.value == largest;
-      for (std::size_t c = 0; c < b; ++c) candidate = candidate && mine.x[c] == best_[c];
-      best_[b] = ranks().minimum(candidate ? mine.x[b] : below);
-    }
+    bool candidate = mine.value == largest;
     mine.value = largest;
-    mine.x = best_;
+    for (std::size_t b = 0; b < D; ++b) {
+      const double x = ranks().minimum(candidate ? mine.x[b] : std::numeric_limits<double>::infinity());
+      candidate = candidate && mine.x[b] == x;
+      mine.x[b] = x;
+    }
   }
-  mutable std::array<double, D> best_{};
 
   struct wall_measures {
     double top, bottom;
