@@ -93,7 +93,10 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
                                 relaxation::prandtl(f), relaxation::thermal_mach(f),
                                 viscous ? "viscosity" : "inertia"));
   if (p.steady && !wanted.zeta && !wanted.xi) {
-    p.c_eff = relaxation::stokes_speed(f, true) / c.steady_mach;
+    // At the viscosity of the middle: the reference is that of the cold top.
+    auto middle = f;
+    middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
+    p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
     // Viscous and sonic limits of the step then agree; below 2 kappa nothing is gained.
     p.nu_eff = std::max(0.35 * p.c_eff * dx, 2.0 * f.kappa);
     p.slowing = relaxation::recommend(f, wanted);

@@ -1,5 +1,6 @@
 """Thermal convection against published numbers, at few particles; ranks, threads, restarts, input."""
 
+import math
 import unittest
 
 from running import BAD_INPUT, CALCULATION_FAILED, Case
@@ -29,17 +30,22 @@ class Convection(Case):
         for name in ["mass", "momentum", "energy"]:
             self.assertLess(abs(s["conservation"][name]), 3e-3, name)
 
-    def test_below_the_critical_rayleigh_number_nothing_moves(self):
-        """Free slip, square cell: Ra_c = 4 pi^4 (1 + 1)^3/4 = 779.3 for a cell as wide as high. At 600 the disturbance decays."""
-        settings = {**size(12), "time.t_end": 1e17}
-        rms = {}
+    def test_onset(self):
+        """Free slip, a cell as wide as high: disturbances grow as (s/Pr + K)(s + K) = Ra pi^2/K, K = 2 pi^2, in kappa/L^2; none below
+        Ra = 8 pi^4 = 779.3 [Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), ch. II]."""
+        K = 2 * math.pi**2
+        settings = {**size(16), "time.t_end": 1.5e17, "convection.steady_tolerance": 0, "convection.xi": 4e12, "convection.zeta": 25,
+                    "initial.perturbation": 1e-3}
         for Ra in [600, 1000]:
-            result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra, "initial.perturbation": 0.01})
+            result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra})
             header, rows = result.rows()
-            column = header.index("v_rms [1]")
-            rms[Ra] = [float(row[column]) for row in rows]
-        self.assertLess(rms[600][-1], 0.7 * max(rms[600]))
-        self.assertGreater(rms[1000][-1], 1.3 * rms[1000][len(rms[1000]) // 2])
+            t, v = header.index("time [s]"), header.index("v_rms [1]")
+            rows = [(float(row[t]) * 1e-18, float(row[v])) for row in rows if float(row[t]) > 5e16]
+            rate = math.log(rows[-1][1] / rows[0][1]) / (rows[-1][0] - rows[0][0])
+            a = 1 / result.summary["metrics"]["prandtl_effective"]
+            b, c = K * (1 + a), K * K - Ra * math.pi**2 / K
+            with self.subTest(rayleigh=Ra):
+                self.assertAlmostEqual(rate, (-b + math.sqrt(b * b - 4 * a * c)) / (2 * a), delta=0.3)
 
     def test_ranks_threads_restart(self):
         for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2"}),
@@ -51,7 +57,7 @@ class Convection(Case):
                 for ranks, threads in [(2, 1), (3, 1), (None, 2)]:
                     s = self.run_program("convection", name, settings, ranks=ranks, threads=threads).summary
                     self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
-                part = {**settings, "time.steps": 30, "run.checkpoint_interval": 30}
+                part = {**settings, "time.steps": 40, "run.checkpoint_interval": 40}
                 self.run_program("convection", name, part, output=f"part_{name}_{len(more)}_{list(more)[:1]}")
                 s = self.run_program("convection", name, settings, output=f"part_{name}_{len(more)}_{list(more)[:1]}",
                                      options=["--restart", "latest"], ranks=2).summary
