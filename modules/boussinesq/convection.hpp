@@ -1,6 +1,6 @@
 // Thermal convection of a weakly compressible Boussinesq fluid, sound slowed by ζ and inertia raised by ξ [S1]:
 //
-//   ξ² dv/dt = -G(p)/ρ₀ + ν [L(v) + (G(v) + G(v)ᵀ)·∇ln ν] + b ŷ + ξ² (w + a v)·G(v)
+//   ξ² dv/dt = -G(p)/ρ₀ + ν [L(v) + (G(v) + G(v)ᵀ - D(v))·∇ln ν] + b ŷ + ξ² (w + a v)·G(v)
 //   dp/dt    = -ρ₀ (c₀/ζ)² D(v) + (w + e v)·G(p) + δ h c_eff Q(p)
 //   dT/dt    = κ L(T) + w·G(T) + H/c_p                      dx/dt = v + w
 //   b = α g (T - T_ref) - g q p/K₀,   T_ref the conductive profile
@@ -17,7 +17,7 @@
 // (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)].
 //
 // Walls are mirror images (images/images.hpp); p is even but for the step that the momentum balance asks for,
-// p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + b n_y).
+// p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ)·∇ν]_n + b n_y).
 //
 // The deferred correction, the tensor B, Q's gradients and no-slip curvatures lag behind: they are those of the state
 // at the start of the step.
@@ -94,6 +94,8 @@ class convection : public march::problem {
     for (std::size_t k = 1; k < K; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
     grad_p_ = add("PressureGradient_0", "Pa/m", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("PressureGradient_" + std::to_string(k), "Pa/m", role::memory);
+    stress_ = add("GradedStress_0", "1/(m s)", role::memory);
+    for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
     for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
     earlier_ = s.extras.size();
@@ -172,6 +174,8 @@ class convection : public march::problem {
       for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
       for (std::size_t a = 0; a < D; ++a) s.extras[grad_p_ + a].values[i] = gradient_[K - 1][a][i];
       for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
+      const auto stress = graded_stress(i);
+      for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
     });
     refresh_memory();
     v_max_ = speed();
@@ -443,6 +447,8 @@ class convection : public march::problem {
       else
         T += 2.0 * d * wall.flux / conductivity();
       double slope = 0.0;  // Pa/m, of p, inwards
+      if (varies())        // the normal one goes on smoothly
+        slope += f.rho * viscosity(y_inside, T_inside) * s.extras[stress_ + wall.axis].values[j] * wall.inward;
       if (wall.no_slip) slope += f.rho * viscosity(y_inside, T_inside) * curvature[wall.axis] * wall.inward;
       if (wall.axis == 1) slope += 0.5 * f.rho * wall.inward * (buoyancy(y_inside, T_inside, p) + buoyancy(y, T, p));
       p -= 2.0 * d * slope;
@@ -468,9 +474,12 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
-    std::array<double*, K + D> fields;
+    std::array<double*, K + 2 * D> fields;
     for (std::size_t k = 0; k < K; ++k) fields[k] = s.extras[lap_ + k].values.data();
-    for (std::size_t a = 0; a < D; ++a) fields[K + a] = s.extras[grad_p_ + a].values.data();
+    for (std::size_t a = 0; a < D; ++a) {
+      fields[K + a] = s.extras[grad_p_ + a].values.data();
+      fields[K + D + a] = s.extras[stress_ + a].values.data();
+    }
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
@@ -514,6 +523,20 @@ class convection : public march::problem {
     if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
   }
 
+  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s). With ∇²v it is the divergence of 2 ν (e - ½ ∇·v) over ν, e the rate of
+  // strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0 alone would feed it.
+  std::array<double, D> graded_stress(std::size_t i) const {
+    std::array<double, D> slope{}, stress{};
+    if (!varies()) return stress;
+    const auto& c = o_.convection;
+    for (std::size_t a = 0; a < D; ++a) slope[a] = -c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
+    slope[1] -= c.depth_exponent / p_.fluid.L;
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t b = 0; b < D; ++b)
+        stress[a] += (gradient_[a][b][i] + gradient_[b][a][i]) * slope[b] - gradient_[b][b][i] * slope[a];
+    return stress;
+  }
+
   void combine(std::span<double* const> rate) {
     auto& w = world_.w;
     auto& s = w.s;
@@ -542,19 +565,12 @@ class convection : public march::problem {
         moving_p[a] = w_i[a] + e_pressure * v_i[a];
       }
       const double nu = viscosity(i), xi2 = inertia(nu), per_xi2 = 1.0 / xi2;
-      std::array<double, D> slope_of_ln_nu{};
-      if (varies()) {
-        for (std::size_t a = 0; a < D; ++a) slope_of_ln_nu[a] = -c.temperature_exponent / f.dT * gradient_[D][a][i];
-        slope_of_ln_nu[1] -= c.depth_exponent / f.L;
-      }
+      const auto stress_i = graded_stress(i);
       double divergence = 0.0, dp = smoothing * smoothing_[i], dT = f.kappa * laplacian_[D][i] + heating;
       for (std::size_t a = 0; a < D; ++a) {
-        double stress = laplacian_[a][i], advected = 0.0;
-        for (std::size_t b = 0; b < D; ++b) {
-          stress += (gradient_[a][b][i] + gradient_[b][a][i]) * slope_of_ln_nu[b];
-          advected += moving_v[b] * gradient_[a][b][i];
-        }
-        double force = nu * stress - gradient_[D + 1][a][i] / f.rho;
+        double advected = 0.0;
+        for (std::size_t b = 0; b < D; ++b) advected += moving_v[b] * gradient_[a][b][i];
+        double force = nu * (laplacian_[a][i] + stress_i[a]) - gradient_[D + 1][a][i] / f.rho;
         if (a == 1) force += buoyancy(s.x[1][i], s.T[i], p[i]);
         rate[a][i] = v_i[a] + w_i[a];
         rate[D + a][i] = per_xi2 * force + advected;
@@ -671,7 +687,8 @@ class convection : public march::problem {
   const options& o_;
   const parameters& p_;
   images::scene<D> world_;
-  std::size_t pressure_ = 0, lap_ = 0, grad_p_ = 0, tensor_ = 0, earlier_ = 0;  // first of each in the extras
+  std::size_t pressure_ = 0, lap_ = 0, grad_p_ = 0, stress_ = 0, tensor_ = 0,
+              earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
   std::array<std::array<particles::array, D>, K> gradient_;

@@ -79,7 +79,7 @@ class Convection(Case):
         for change in [{"convection.pressure": "lagrangian"}, {"convection.operator": "trace"}, {"convection.operator": "consistent"},
                        {"convection.shifting": 0.5}, {"convection.pressure_diffusion": 0.1}, {"convection.heating": 1e-11},
                        {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional"},
-                       {"convection.viscosity_law": "blankenbach_2b"}, {"convection.steady_mach": 0.5}, {"walls.slip_top": "no_slip"},
+                       {"convection.viscosity_law": "exponential", "convection.temperature_exponent": 1.0}, {"convection.steady_mach": 0.5}, {"walls.slip_top": "no_slip"},
                        {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
                        {"convection.target": "transient"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
             with self.subTest(**change):
