@@ -212,7 +212,7 @@ class convection : public march::problem {
 
   std::vector<output::history_column> columns() const override {
     std::vector<output::history_column> all;
-    for (const auto& m : measures) all.push_back({m, "1"});
+    for (std::size_t m = 0; m < measures.size(); ++m) all.push_back({measures[m], m >= 3 && m < 6 ? "kappa/L" : "1"});
     all.push_back({"v_rms_si", "m/s"});
     all.push_back({"mach", "1"});
     all.push_back({"mean_density_drift", "1"});

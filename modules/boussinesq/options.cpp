@@ -160,9 +160,19 @@ parameters resolve(const namelist::schema& schema, options& o) {
   p.fluid.alpha = material.expansivity;
   if (c.viscosity_law == "constant" && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
     schema.fail("convection", "viscosity_law", "exponents belong to the 'exponential' law");
-  if (c.viscosity_law == "blankenbach_2a") c.temperature_exponent = std::log(1000.0), c.depth_exponent = 0.0;
-  if (c.viscosity_law == "blankenbach_2b")
-    c.temperature_exponent = std::log(16384.0), c.depth_exponent = std::log(64.0);
+  const auto follow_law = [&](const char* law, double of_temperature, double of_depth) {
+    if (c.viscosity_law != law) return;
+    const auto set = [&](const char* key, double& value, double wanted) {
+      if (schema.given("convection", key) && std::abs(value - wanted) > 1e-12 * (1.0 + wanted))
+        schema.fail("convection", key,
+                    fmt::format("viscosity_law = '{}' has {} here: choose 'exponential'", law, wanted));
+      value = wanted;
+    };
+    set("temperature_exponent", c.temperature_exponent, of_temperature);
+    set("depth_exponent", c.depth_exponent, of_depth);
+  };
+  follow_law("blankenbach_2a", std::log(1000.0), 0.0);
+  follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
   choose_slowing(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta

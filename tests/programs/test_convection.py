@@ -39,7 +39,7 @@ class Convection(Case):
         for Ra in [600, 1000]:
             result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra})
             header, rows = result.rows()
-            t, v = header.index("time [s]"), header.index("v_rms [1]")
+            t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
             rows = [(float(row[t]) * 1e-18, float(row[v])) for row in rows if float(row[t]) > 5e16]
             rate = math.log(rows[-1][1] / rows[0][1]) / (rows[-1][0] - rows[0][0])
             a = 1 / result.summary["metrics"]["prandtl_effective"]
