@@ -21,11 +21,22 @@ add_library(tetsuame_options INTERFACE)
 target_compile_options(tetsuame_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
   -march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
+# g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
+target_compile_options(tetsuame_options INTERFACE
+  $<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized>)
 target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 if(TETSUAME_SANITIZE)
   target_compile_options(tetsuame_options INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(tetsuame_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+set(TETSUAME_HOST_AVX512 OFF)
+if(EXISTS /proc/cpuinfo)
+  file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+  if(flags MATCHES "avx512bw" AND flags MATCHES "avx512vl" AND flags MATCHES "avx512dq")
+    set(TETSUAME_HOST_AVX512 ON)
+  endif()
 endif()
 
 function(tetsuame_module name)
@@ -76,9 +87,10 @@ function(tetsuame_program name)
 endfunction()
 
 # One Boost.Test executable. With RANKS the test runs under mpirun once for each
-# number given (named NAME.n), else as a plain process.
+# number given (named NAME.n), else as a plain process. With WIDE a second time, NAME_avx512, where the
+# processor that configures has it.
 function(tetsuame_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;DEPENDS;LABELS;RANKS" ${ARGN})
+  cmake_parse_arguments(arg "WIDE" "TIMEOUT" "SOURCES;DEPENDS;LABELS;RANKS" ${ARGN})
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
   endif()
@@ -104,5 +116,10 @@ function(tetsuame_test name)
     add_test(NAME ${name} COMMAND test_${name})
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}"
       ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT})
+  endif()
+  if(arg_WIDE AND TETSUAME_HOST_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3")
+    tetsuame_test(${name}_avx512 SOURCES ${arg_SOURCES} DEPENDS ${arg_DEPENDS}
+      LABELS ${arg_LABELS} TIMEOUT ${arg_TIMEOUT} RANKS ${arg_RANKS})
+    set_target_properties(test_${name}_avx512 PROPERTIES TETSUAME_WIDE ON)
   endif()
 endfunction()

@@ -30,7 +30,7 @@ struct grid {
   std::vector<std::uint32_t> start;    // per cell, into `members`; one more at the end
   std::vector<std::uint32_t> members;  // local particle indices, by cell, then ID
   // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
-  std::array<particles::array, D> x;
+  std::array<particles::array, D> sorted;
 
   index<D> cell(const std::array<double, D>& x) const {
     index<D> c;
@@ -96,15 +96,15 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
     auto next = g.start;
     for (std::size_t i = 0; i < n; ++i) g.members[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
   }
-  for (auto& component : g.x) component.resize(n + foundation::lanes);
+  for (auto& component : g.sorted) component.resize(n + foundation::lanes);
 #pragma omp parallel for schedule(static) if (n > values_worth_threads)
   for (std::size_t c = 0; c < cells; ++c) {
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
               [&](std::uint32_t i, std::uint32_t j) { return id[i] < id[j]; });
     for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
-      for (std::size_t a = 0; a < D; ++a) g.x[a][k] = x[a][g.members[k]];
+      for (std::size_t a = 0; a < D; ++a) g.sorted[a][k] = x[a][g.members[k]];
   }
-  for (auto& component : g.x) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
+  for (auto& component : g.sorted) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
   return g;
 }
 
@@ -146,7 +146,7 @@ void for_each_near(const grid<D>& g, const std::array<double, D>& point, double 
     for (std::uint32_t k = first; k < last; k += lanes) {
       real r2(0.0);
       for (std::size_t a = 0; a < D; ++a) {
-        const real x_ij = point[a] - real(g.x[a].data() + k, std::experimental::element_aligned);
+        const real x_ij = point[a] - real(g.sorted[a].data() + k, std::experimental::element_aligned);
         r2 += x_ij * x_ij;
       }
       std::uint32_t near = foundation::bits_of_less(r2, real(reach2));

@@ -27,7 +27,7 @@ struct conduction {
   void add(me& a, const auto& ij) const {
     using namespace pairs;
     const real factor =
-        harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * ij(of_volume) * ij.F;
+        harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
     a.sum += factor * ij.difference(of_temperature);
   }
   void end(std::size_t i, const me& a) const { heat[i] += pairs::sum(a.sum); }

@@ -38,7 +38,7 @@ struct viscosity {
   me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     using namespace pairs;
-    const real factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) * ij(of_volume) * ij.F;
+    const real factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
     const auto v_ij = ij.difference(pairs::of_velocity);
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
@@ -69,7 +69,7 @@ struct uniform_viscosity {
   auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
   me begin(std::size_t i) const { return {real(2.0 * eta * dV[i]), foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
-    const real factor = a.factor * ij(pairs::of_volume) * ij.F;
+    const real factor = a.factor * (ij(pairs::of_volume) * ij.F);
     const auto v_ij = ij.difference(pairs::of_velocity);
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);

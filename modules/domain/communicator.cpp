@@ -12,34 +12,42 @@ communicator communicator::world() {
 }
 
 double communicator::maximum(double value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
   return value;
 }
 
+void communicator::maximum(std::span<double> values) const {
+  const foundation::collective timed;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+
 double communicator::minimum(double value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MIN, comm);
   return value;
 }
 
 std::int64_t communicator::sum(std::int64_t value) const {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT64_T, MPI_SUM, comm);
   return value;
 }
 
-std::vector<double> communicator::every(double value) const {
-  std::vector<double> all(static_cast<std::size_t>(size));
-  const foundation::waiting timed;
-  MPI_Allgather(&value, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
+std::vector<double> communicator::every(double value) const { return every(std::span<const double>(&value, 1)); }
+
+std::vector<double> communicator::every(std::span<const double> values) const {
+  std::vector<double> all(static_cast<std::size_t>(size) * values.size());
+  const auto n = static_cast<int>(values.size());
+  const foundation::collective timed;
+  MPI_Allgather(values.data(), n, MPI_DOUBLE, all.data(), n, MPI_DOUBLE, comm);
   return all;
 }
 
 double communicator::exact(foundation::exact_sum sum) const {
   sum.normalise();
   auto& chunks = sum.raw();
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, chunks.data(), static_cast<int>(chunks.size()), MPI_INT64_T, MPI_SUM, comm);
   return sum.value();
 }
@@ -57,7 +65,7 @@ void communicator::agree_on_fault(std::int64_t id, const std::string& message, f
   const std::int64_t mine = message.empty() ? no_fault : id;
   std::int64_t lowest = mine;
   {
-    const foundation::waiting timed;
+    const foundation::collective timed;
     MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
   }
   if (lowest == no_fault) return;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <foundation/error.hpp>
 #include <foundation/exact_sum.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,12 @@ struct communicator {
   static communicator world();
 
   double maximum(double value) const;
+  void maximum(std::span<double> values) const;  // each by itself, in place
   double minimum(double value) const;
   std::int64_t sum(std::int64_t value) const;
   std::vector<double> every(double value) const;  // each rank's, by rank
+  // Each rank's values, as many on all, one rank's behind the other's.
+  std::vector<double> every(std::span<const double> values) const;
   double exact(foundation::exact_sum sum) const;  // the rounded sum over all ranks' terms
   std::string broadcast(std::string text) const;  // rank 0's text
 

@@ -71,7 +71,8 @@ decomposition<D> decompose(const communicator& ranks, const box<D>& region, doub
                              std::to_string(halo_width) +
                              " m (kernel support, marker radius and list skin); use more particles along " + axis[a] +
                              ", a smaller h_over_dx or a smaller skin");
-  d.cuts = balance::equal_cuts<D>(balance::choose_counts<D>(ranks.size, region.length, ranks_x), region.length);
+  d.cuts = balance::equal_cuts<D>(
+      balance::choose_counts<D>(ranks.size, region.length, ranks_x, {d.width, region.periodic}), region.length);
   d.fluid_halo.tag = 0;
   d.wall_halo.tag = 1;
   return d;

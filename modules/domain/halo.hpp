@@ -10,6 +10,7 @@
 #include <domain/communicator.hpp>
 #include <foundation/error.hpp>
 #include <foundation/threads.hpp>
+#include <foundation/traffic.hpp>
 #include <foundation/waiting.hpp>
 #include <particles/particles.hpp>
 #include <span>
@@ -92,6 +93,8 @@ void begin_traffic(const communicator& ranks, const halo<D>& h) {
     h.requests.emplace_back();
     MPI_Isend(h.out.data() + s.begin * n, static_cast<int>(s.count * n), MPI_DOUBLE, s.rank, h.tag, ranks.comm,
               &h.requests.back());
+    ++foundation::sent.halo_messages;
+    foundation::sent.halo_bytes += static_cast<std::int64_t>(s.count * n * sizeof(double));
   }
 }
 

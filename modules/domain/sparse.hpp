@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <domain/communicator.hpp>
+#include <foundation/traffic.hpp>
 #include <foundation/waiting.hpp>
 #include <vector>
 
@@ -29,9 +30,11 @@ inline std::vector<letter> sparse_exchange(const communicator& ranks, const std:
     sent.emplace_back();
     // Synchronous: complete when the receiver has it.
     MPI_Issend(l.values.data(), static_cast<int>(l.values.size()), MPI_DOUBLE, l.rank, tag, ranks.comm, &sent.back());
+    ++foundation::sent.letter_messages;
+    foundation::sent.letter_bytes += static_cast<std::int64_t>(l.values.size() * sizeof(double));
   }
   if (ranks.size == 1) return in;
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Request barrier = MPI_REQUEST_NULL;
   bool all_mine_arrived = false;
   for (int everyone_done = 0; everyone_done == 0;) {

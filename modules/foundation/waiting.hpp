@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <foundation/traffic.hpp>
 
 namespace tetsuame::foundation {
 
@@ -19,6 +20,12 @@ class waiting {
  private:
   using clock = std::chrono::steady_clock;
   clock::time_point since_ = clock::now();
+};
+
+// The same in an operation of all ranks, which counts as one.
+class collective : public waiting {
+ public:
+  collective() { ++sent.collectives; }
 };
 
 }  // namespace tetsuame::foundation

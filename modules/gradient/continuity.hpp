@@ -20,7 +20,7 @@ struct continuity {
 
   auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
   me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_volume) * ij.along_gradient(pairs::of_velocity); }
+  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_volume) * ij.F * ij.along(pairs::of_velocity); }
   void end(std::size_t i, const me& a) const { dlnrho[i] = pairs::sum(a.sum); }
 };
 

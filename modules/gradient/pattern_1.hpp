@@ -39,8 +39,9 @@ struct pattern_1::term {
   void add(me& a, const auto& ij) const {
     const real dV_j = ij(pairs::of_volume);
     const real stress = a.stress + ij(pairs::of_pressure) * dV_j * dV_j;
-    a.force += stress * ij.gradient();
-    a.work += stress * ij.along_gradient(pairs::of_velocity);
+    const real slope = stress * ij.F;
+    a.force += slope * ij.x_ij;
+    a.work += slope * ij.along(pairs::of_velocity);
   }
   void end(std::size_t i, const me& a) const {
     for (std::size_t k = 0; k < D; ++k) out.force[k][i] -= pairs::sum(a.force[k]);

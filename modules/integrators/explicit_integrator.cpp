@@ -183,9 +183,11 @@ struct explicit_integrator::implementation {
   vector_handle spare{};        // stage j-2, perturbation, error
   arkode_handle arkode{};
   bool rate_known = false;
-  bool starting = false;    // ARKODE's next call of f is that at the start of the step
-  int rhs_status = 0;       // the last value of f that was not 0
-  double step_error = 0.0;  // e of the last attempt
+  bool starting = false;           // ARKODE's next call of f is that at the start of the step
+  N_Vector first_stage = nullptr;  // ARKODE's own, for the rate at the start
+  int stages_left = 0;             // to be evaluated in this step
+  int rhs_status = 0;              // the last value of f that was not 0
+  double step_error = 0.0;         // e of the last attempt
 
   void build();
   int evaluate(double at, N_Vector rate);
@@ -255,7 +257,10 @@ void explicit_integrator::implementation::build() {
   arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
   void* m = arkode.get();
   if (m == nullptr || ERKStepSetErrHandlerFn(m, sundials_messages::handler, &messages) != ARK_SUCCESS ||
-      ERKStepSetUserData(m, this) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
+      ERKStepSetUserData(m, this) != ARK_SUCCESS ||
+      // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
+      ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||
+      ERKStepSetInterpolantDegree(m, 0) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
       ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
       ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
       ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)
@@ -273,7 +278,15 @@ int explicit_integrator::implementation::evaluate(double at, N_Vector rate) {
 int explicit_integrator::implementation::called_by_arkode(double at, N_Vector state, N_Vector rate) {
   if (std::exchange(starting, false)) {
     N_VScale(1.0, start_rate.get(), rate);
+    first_stage = rate;
+    stages_left = table->stages - 1;
     return 0;
+  }
+  // After the last stage ARKODE asks for the rate of the new state. A fixed step is not tried again, so
+  // that by then nobody needs the rate at its start: the new one may stand in its place.
+  if (stages_left-- == 0 && !adaptive) {
+    for (N_Vector done : {first_stage, start_rate.get(), latest_rate.get()}) forget_values(done);
+    rate_known = false;
   }
   if (!holds_values_of(home.get(), state)) N_VScale(1.0, state, home.get());
   const int status = evaluate(at, rate);

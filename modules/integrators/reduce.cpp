@@ -9,7 +9,7 @@ namespace tetsuame::integrators {
 namespace {
 
 double extremum(MPI_Comm communicator, double value, MPI_Op operation) {
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, operation, communicator);
   return value;
 }
@@ -30,7 +30,7 @@ void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sum
     std::ranges::copy(sums[k].raw(), message.begin() + static_cast<std::ptrdiff_t>(k * width));
   }
   {
-    const foundation::waiting timed;
+    const foundation::collective timed;
     MPI_Allreduce(MPI_IN_PLACE, message.data(), static_cast<int>(message.size()), MPI_INT64_T, MPI_SUM, communicator);
   }
   for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -45,7 +45,7 @@ double minimum_allreduce(MPI_Comm communicator, double value) { return extremum(
 
 int worst_allreduce(MPI_Comm communicator, int status) {
   int extremes[2] = {status, -status};
-  const foundation::waiting timed;
+  const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_INT, MPI_MAX, communicator);
   return extremes[1] > 0 ? -extremes[1] : extremes[0];
 }

@@ -50,7 +50,9 @@ struct storage {
   explicit storage(std::shared_ptr<family> f) : owner(std::move(f)), block(owner->take()), pointers(owner->fields) {
     for (std::size_t k = 0; k < owner->fields; ++k) pointers[k] = block.get() + k * owner->stride();
   }
-  ~storage() { owner->unused.push_back(std::move(block)); }
+  ~storage() {
+    if (owner->unused.empty()) owner->unused.push_back(std::move(block));  // one is all that a step asks for anew
+  }
   storage(const storage&) = delete;
   storage& operator=(const storage&) = delete;
 
@@ -64,6 +66,7 @@ struct content {
   std::vector<double*> home;        // empty in a clone
   std::shared_ptr<storage> stored;  // a clone's values; in a home vector a storage of equal values, if known
   bool is_home = false;
+  double constant = 0.0;  // what a clone without storage holds
 };
 
 content& of(N_Vector v) { return *static_cast<content*>(v->content); }
@@ -72,7 +75,10 @@ const family& family_of(N_Vector v) { return *of(v).shared; }
 double* const* read(N_Vector v) {
   content& c = of(v);
   if (c.is_home) return c.home.data();
-  if (!c.stored) c.stored = std::make_shared<storage>(c.shared);
+  if (!c.stored) {
+    c.stored = std::make_shared<storage>(c.shared);
+    for (double* values : c.stored->pointers) std::fill_n(values, c.shared->n, c.constant);
+  }
   return c.stored->pointers.data();
 }
 
@@ -200,6 +206,11 @@ void linear_sum(double a, N_Vector x, double b, N_Vector y, N_Vector z) {
   assign(z, [=](std::size_t k, std::size_t i) { return a * px[k][i] + b * py[k][i]; });
 }
 void set_constant(double c, N_Vector z) {
+  if (!of(z).is_home) {  // until somebody reads it
+    of(z).stored.reset();
+    of(z).constant = c;
+    return;
+  }
   assign(z, [=](std::size_t, std::size_t) { return c; });
 }
 void product(N_Vector x, N_Vector y, N_Vector z) {
@@ -366,6 +377,8 @@ std::span<const double* const> values(N_Vector v) {
 }
 
 std::span<double* const> values_to_overwrite(N_Vector v) { return {overwrite(v).values, family_of(v).fields}; }
+
+void forget_values(N_Vector clone) { of(clone).stored.reset(); }
 
 void home_was_changed(N_Vector home) { of(home).stored.reset(); }
 

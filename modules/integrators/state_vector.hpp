@@ -37,6 +37,9 @@ std::size_t local_length(N_Vector v);                      // values of one fiel
 std::span<const double* const> values(N_Vector v);         // one pointer a field
 std::span<double* const> values_to_overwrite(N_Vector v);  // the same, to be written in full: old values are lost
 
+// A clone's values will not be read again: its storage is free, where it does not share it.
+void forget_values(N_Vector clone);
+
 // The arrays behind a home vector were written by others, or are others now (same n).
 void home_was_changed(N_Vector home);
 void set_home_arrays(N_Vector home, std::vector<double*> fields);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <experimental/simd>
 #include <numbers>
 
@@ -21,6 +22,25 @@ constexpr double of_dimension(double one, double two, double three) {
   static_assert(D >= 1 && D <= 3, "kernels exist in one, two and three dimensions");
   return D == 1 ? one : D == 2 ? two : three;
 }
+
+// c^(1/n) (k - r/h)+, whose n-th power is c (k - q)+^n: the factors of a spline's pieces cost nothing a pair.
+class piece {
+ public:
+  piece() = default;
+  piece(double c, int n, double k, double h) {
+    const double root = std::pow(c, 1.0 / n);
+    at_zero_ = root * k;
+    slope_ = root / h;
+    while (at_zero_ - slope_ * (k * h) > 0.0) slope_ = std::nextafter(slope_, 2.0 * slope_);  // nothing beyond k h
+  }
+  template <class R>
+  R operator()(const R& r) const {
+    return positive_part(R(at_zero_ - slope_ * r));
+  }
+
+ private:
+  double at_zero_ = 0.0, slope_ = 0.0;
+};
 
 // Base of Kernel, which has both(r, inverse_r, w, f) and support().
 template <class Kernel>

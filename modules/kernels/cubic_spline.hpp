@@ -5,6 +5,7 @@
 // [J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149, 135 (1985), eq. (21)].
 #pragma once
 
+#include <array>
 #include <kernels/common.hpp>
 
 namespace tetsuame::kernels {
@@ -20,9 +21,11 @@ class cubic_spline : public functions_of_distance<cubic_spline<D>> {
   explicit cubic_spline(double support) : support_(support) {  // m
     const double h = support / support_over_h;
     const double volume = D == 1 ? h : D == 2 ? h * h : h * h * h;
-    inverse_h_ = 1.0 / h;
-    w_scale_ = of_dimension<D>(1.0 / 6.0, 5.0 / (14.0 * std::numbers::pi), 1.0 / (4.0 * std::numbers::pi)) / volume;
-    f_scale_ = -3.0 * w_scale_ * inverse_h_;
+    const double scale =
+        of_dimension<D>(1.0 / 6.0, 5.0 / (14.0 * std::numbers::pi), 1.0 / (4.0 * std::numbers::pi)) / volume;
+    const double slope = 3.0 * scale / h;
+    w_ = {piece(scale, 3, 2.0, h), piece(4.0 * scale, 3, 1.0, h)};
+    f_ = {piece(slope, 2, 2.0, h), piece(4.0 * slope, 2, 1.0, h)};
   }
 
   using functions_of_distance<cubic_spline<D>>::both;
@@ -30,21 +33,20 @@ class cubic_spline : public functions_of_distance<cubic_spline<D>> {
   // inverse_r: 1/r, 1/m, of an r that is not below smallest_r().
   template <class R>
   void both(const R& r, const R& inverse_r, R& w, R& f) const {
-    const R q = r * inverse_h_;
-    const R t2 = positive_part(R(2.0 - q)), t1 = positive_part(R(1.0 - q));
-    const R s2 = t2 * t2, s1 = 4.0 * (t1 * t1);
-    w = w_scale_ * (s2 * t2 - s1 * t1);
-    // The bracket is exactly 4 - 4 = 0 at r = 0, so f(0) = 0 and the pair of a particle
-    // with itself gives no force; the limit r -> 0 is -12 a_D/h^2.
-    f = f_scale_ * (s2 - s1) * inverse_r;
+    const R w2 = w_[0](r), w1 = w_[1](r), f2 = f_[0](r), f1 = f_[1](r);
+    w = w2 * w2 * w2 - w1 * w1 * w1;
+    // At r = 0 the two cancel, 4 - 4, to rounding, so that f stays far below its limit -12 a_D/h^2 there: the
+    // pair of a particle with itself gives no force either way.
+    f = (f1 * f1 - f2 * f2) * inverse_r;
   }
 
-  double support() const { return support_; }     // m
-  double self() const { return w_scale_ * 4.0; }  // W(0), 1/m^D
+  double support() const { return support_; }       // m
+  double self() const { return this->value(0.0); }  // W(0), 1/m^D
   double smoothing_length() const { return support_ / support_over_h; }
 
  private:
-  double support_, inverse_h_, w_scale_, f_scale_;
+  double support_;
+  std::array<piece, 2> w_, f_;
 };
 
 }  // namespace tetsuame::kernels

@@ -6,7 +6,7 @@
 // for r a double or several lanes (std::experimental::simd), without branches: beyond
 // the support both are exactly zero (to r = 1e90 S, where the polynomials would overflow:
 // fill idle lanes with a finite r). At r = 0 f is finite: the analytic limit for the
-// Wendland kernels, zero for the splines; either way the force f x_ij is zero.
+// Wendland kernels, nearly zero for the splines; either way the force f x_ij is zero.
 #pragma once
 
 #include <array>

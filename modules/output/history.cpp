@@ -62,10 +62,11 @@ history history::resume(MPI_Comm comm, const std::string& path, const std::vecto
   return history(comm, path);
 }
 
-void history::append(std::int64_t step, std::span<const double> values) {
+void history::append(std::int64_t step, std::span<const double> values, const std::string& text) {
   on_rank_0(comm_, [&] {
     auto line = std::to_string(step);
     for (const double x : values) line += fmt::format(",{}", x);
+    if (!text.empty()) line += fmt::format(",\"{}\"", text);
     line += '\n';
     if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0)
       fail_system("write", path_);

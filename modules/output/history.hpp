@@ -29,8 +29,8 @@ class history {
                         std::int64_t step);
 
   // Collective. Values in the columns' order, of which rank 0's are written with all
-  // their digits. Throws fail_file on every rank.
-  void append(std::int64_t step, std::span<const double> values);
+  // their digits; then the text, if there is one, in quotes (it has none itself). Throws fail_file on every rank.
+  void append(std::int64_t step, std::span<const double> values, const std::string& text = {});
 
  private:
   struct closer {

@@ -7,7 +7,7 @@
 //   struct divergence {                            // Σ_j ΔV_j v_ij·∇_i W_ij
 //     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV)}
 //     me begin(std::size_t i) const;               // what the sum needs of i beside that, and its zero
-//     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.along_gradient(of_velocity)
+//     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
 //     void end(std::size_t i, const me& a) const;  // out[i] = sum(a.sum)
 //   };
 //
@@ -18,6 +18,7 @@
 // lanes in a fixed tree, so the result depends on neither ranks nor threads.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
@@ -29,6 +30,7 @@
 #include <particles/particles.hpp>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace tetsuame::pairs {
 
@@ -37,13 +39,6 @@ static_assert(cells::neighbour_list::lanes % lanes == 0);
 // For terms that read a field now and then: from the array itself.
 inline real gather(const double* a, const std::int32_t* j) {
   return real([&](auto lane) { return a[j[lane]]; });
-}
-
-template <int D>
-vec<real, D> gather(const std::array<const double*, D>& a, const std::int32_t* j) {
-  vec<real, D> values;
-  for (std::size_t k = 0; k < D; ++k) values[k] = gather(a[k], j);
-  return values;
 }
 
 template <int D>
@@ -59,31 +54,13 @@ struct pair {
   vec<real, D> x_ij;                                  // m, x_i - x_j
   real r2;                                            // m2
   real W;                                             // 1/m^D
-  real F;                                             // 1/m^(D+2), W'(r)/r
+  real F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
-};
-
-// What differences of fields are good for, whatever the pair's values come from. Terms that ask for the
-// same share it: the compiler sees one expression.
-template <int D, class Pair>
-struct pair_fields : pair<D> {
-  template <class Tag>
-  auto difference(Tag tag) const {
-    return self().own(tag) - self()(tag);
-  }
-  // v_ij·∇_i W_ij of the vector field of that tag.
-  template <class Tag>
-  real along_gradient(Tag tag) const {
-    return this->F * foundation::dot(difference(tag), this->x_ij);
-  }
-
- private:
-  const Pair& self() const { return static_cast<const Pair&>(*this); }
 };
 
 // A pair with both records: scalars are a real, vectors a vec.
 template <int D, class Layout>
-struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
+struct packed_pair : pair<D> {
   std::array<real, Layout::size> mine, values;
 
   template <class Tag>
@@ -93,6 +70,16 @@ struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
   template <class Tag>
   auto own(Tag) const {
     return pick<Tag>(mine);
+  }
+  // Terms that ask for the same difference share it: the compiler sees one expression.
+  template <class Tag>
+  auto difference(Tag tag) const {
+    return own(tag) - (*this)(tag);
+  }
+  // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
+  template <class Tag>
+  real along(Tag tag) const {
+    return foundation::dot(difference(tag), this->x_ij);
   }
 
  private:
@@ -110,40 +97,6 @@ struct packed_pair : pair_fields<D, packed_pair<D, Layout>> {
   }
 };
 
-// A pair whose fields come from the arrays themselves: for a few rows, where packing all particles
-// would cost more than it saves. The same values, so the same bits.
-template <int D, class Reads>
-struct gathered_pair : pair_fields<D, gathered_pair<D, Reads>> {
-  const Reads* reads;
-  std::size_t i;
-
-  template <class Tag>
-  auto operator()(Tag) const {
-    return std::apply(
-        [this](const auto&... r) { return pick<Tag>([this](const double* a) { return gather(a, this->j); }, r...); },
-        *reads);
-  }
-  template <class Tag>
-  auto own(Tag) const {
-    return std::apply(
-        [this](const auto&... r) { return pick<Tag>([this](const double* a) { return real(a[i]); }, r...); }, *reads);
-  }
-
- private:
-  template <class Tag, class Take, class Read, class... Rest>
-  static auto pick(const Take& take, const Read& read, const Rest&... rest) {
-    if constexpr (!std::is_same_v<Tag, typename Read::tag>) {
-      return pick<Tag>(take, rest...);
-    } else if constexpr (Read::components == 1) {
-      return take(read.from[0]);
-    } else {
-      vec<real, static_cast<int>(Read::components)> v;
-      for (std::size_t k = 0; k < Read::components; ++k) v[k] = take(read.from[k]);
-      return v;
-    }
-  }
-};
-
 template <class Mine, class Pair, std::size_t... T, class... Terms>
 void add_all(Mine& mine, const Pair& ij, std::index_sequence<T...>, const Terms&... terms) {
   (terms.add(std::get<T>(mine), ij), ...);
@@ -154,12 +107,42 @@ void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const T
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
-// Rows of sum_over: all particles in [0, n).
-struct every {
-  std::size_t n;
-  std::size_t size() const { return n; }
-  std::size_t operator[](std::size_t r) const { return r; }
+// Rows of sum_over: the particles [first, last), whose neighbours are all in [seen_first, seen_last).
+struct stretch {
+  std::size_t first, last, seen_first, seen_last;
+  std::size_t size() const { return last - first; }
+  std::size_t operator[](std::size_t r) const { return first + r; }
+
+  // What is packed: those seen, and the null particle, with which every row is filled up.
+  struct seen {
+    std::size_t first, count, null;
+    std::size_t size() const { return count + 1; }
+    std::size_t operator[](std::size_t k) const { return k < count ? first + k : null; }
+  };
+  seen packed_with(std::size_t null) const { return {seen_first, std::min(seen_last, null) - seen_first, null}; }
 };
+
+// Some rows, and those particles that are one of them or in their lists: only these are packed.
+struct chosen {
+  std::vector<std::size_t> rows, packed;
+  std::size_t size() const { return rows.size(); }
+  std::size_t operator[](std::size_t r) const { return rows[r]; }
+  const std::vector<std::size_t>& packed_with(std::size_t) const { return packed; }
+};
+
+inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows) {
+  std::vector<char> needed(list.null + 1, 0);
+  for (const std::size_t i : rows) {
+    needed[i] = 1;
+    for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
+      needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
+  }
+  needed[list.null] = 1;
+  chosen c{std::move(rows), {}};
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (needed[i] != 0) c.packed.push_back(i);
+  return c;
+}
 
 // One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
 // sums and kernel in registers whatever it thinks of the program's size. `source` gives the pair's values:
@@ -206,40 +189,18 @@ struct from_records {
   }
 };
 
-// Pairs out of the arrays.
-template <int D, class Reads>
-struct from_arrays {
-  using pair = gathered_pair<D, Reads>;
-  std::array<const double*, D> x;
-  const Reads* reads;
-
-  vec<real, D> own(pair& ij, std::size_t i) const {
-    ij.reads = reads;
-    ij.i = i;
-    vec<real, D> x_i;
-    for (std::size_t k = 0; k < D; ++k) x_i[k] = real(x[k][i]);
-    return x_i;
-  }
-  vec<real, D> neighbour(const pair& ij) const { return gather<D>(x, ij.j); }
-};
-
 // For each particle i = rows[r]: begin, its neighbours from row i of the list, end.
 template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
+  if (rows.size() == 0) return;
+  pack<D>(x, reads, rows.packed_with(list.null), list);
+  const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
   const std::size_t n = rows.size();
-  const auto sum_rows = [&](const auto& source) {
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-    for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
-  };
-  if constexpr (std::is_same_v<Rows, every>) {
-    pack<D>(x, reads, list.null + 1, list.records);
-    sum_rows(from_records<D, decltype(layout_of<D>(reads))>{list.records.data()});
-  } else {
-    sum_rows(from_arrays<D, decltype(reads)>{x, &reads});
-  }
+  for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
 }
 
 }  // namespace tetsuame::pairs

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <cells/neighbour_list.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/lanes.hpp>
@@ -111,10 +112,10 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
-// Fills the records of the particles [0, n).
-template <int D, class... Reads>
-void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, std::size_t n,
-          particles::array& records) {
+// Fills the records of the given particles; there is room for all, null particle included.
+template <int D, class... Reads, class Particles>
+void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, const Particles& chosen,
+          const cells::neighbour_list& list) {
   using form = layout<D, Reads...>;
   std::array<const double*, form::size> source{};
   std::size_t k = 0;
@@ -125,11 +126,14 @@ void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& rea
       },
       reads);
   for (; k < form::size; ++k) source[k] = x[0];  // fills up the last register; never looked at
-  if (records.size() < n * form::size) records.resize(n * form::size);
-  double* out = records.data();
+  if (list.records.size() < (list.null + 1) * form::size) list.records.resize((list.null + 1) * form::size);
+  double* out = list.records.data();
+  const std::size_t n = chosen.size();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t r = 0; r < n; ++r) {
+    const std::size_t i = chosen[r];
     for (std::size_t c = 0; c < form::size; ++c) out[i * form::size + c] = source[c][i];
+  }
 }
 
 namespace detail {

@@ -16,14 +16,18 @@
 
 namespace tetsuame::pairs {
 
-// The fault of the lowest particle ID seen since the last agreement.
+// The fault seen first since the last agreement: of the earliest stage of an evaluation, there of the lowest
+// particle ID. What a later stage sees may follow from it.
 struct fault {
-  std::int64_t id = std::numeric_limits<std::int64_t>::max();
+  static constexpr int bits_of_id = 48;
+  std::int64_t stage = 0;
+  std::int64_t key = std::numeric_limits<std::int64_t>::max();  // stage, then ID
   std::string message;
 
   void report(std::int64_t particle, std::string text) {
-    if (particle >= id) return;
-    id = particle;
+    const std::int64_t now = (stage << bits_of_id) + particle;
+    if (now >= key) return;
+    key = now;
     message = std::move(text);
   }
 };
@@ -45,19 +49,36 @@ struct workspace {
     return std::visit([](const auto& k) { return k.support(); }, kernel);
   }
   std::array<const double*, D> x() const { return pointers<D>(s.x); }
-  every fluid() const { return {s.fluid}; }
 
+  // The owned fluid stands in layers: rows before `border` have neighbours among the owned fluid alone, and
+  // those from `border` on have none before `core`. Both are 0 where no other rank sends ghosts to wait for.
+  std::size_t core = 0, border = 0;
+  stretch fluid() const { return {0, s.fluid, 0, s.null() + 1}; }
+  stretch interior() const { return {0, border, 0, s.fluid}; }
+  stretch at_border() const { return {border, s.fluid, core, s.null() + 1}; }
+
+  // Between the two a rank may compute what needs no ghosts of these fields, which must not change.
+  void begin_fluid(std::initializer_list<double*> fields) const {
+    domain::begin_exchange<D>(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));
+  }
+  void end_fluid() const { domain::end_exchange(d.ranks, d.fluid_halo); }
   void exchange_fluid(std::initializer_list<double*> fields) const {
     domain::exchange<D>(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));
   }
   void exchange_walls(std::initializer_list<double*> fields) const {
     domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(fields.begin(), fields.size()));
   }
+  // A vector field and others, in one message a neighbour.
+  void exchange_walls(std::array<particles::array, D>& vectors, std::initializer_list<double*> fields) const {
+    std::vector<double*> all(fields);
+    for (auto& component : vectors) all.push_back(component.data());
+    domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(all));
+  }
   void agree() {
-    d.ranks.agree_on_fault(first_fault.id, first_fault.message, foundation::exit_status::calculation_failed);
+    d.ranks.agree_on_fault(first_fault.key, first_fault.message, foundation::exit_status::calculation_failed);
   }
 
-  // The terms' sums over the neighbours of all owned fluid particles, with the kernel the run chose.
+  // The terms' sums over the neighbours of these rows, with the kernel the run chose.
   template <class Rows, class... Terms>
   void sum(const Rows& rows, const Terms&... terms) const {
     std::visit([&](const auto& k) { sum_over<D>(rows, list, x(), k, terms...); }, kernel);

@@ -17,7 +17,9 @@
 #include <output/progress.hpp>
 #include <output/series.hpp>
 #include <simulation/command_line.hpp>
+#include <simulation/communication.hpp>
 #include <simulation/interrupt.hpp>
+#include <simulation/load_balance.hpp>
 #include <simulation/measures.hpp>
 #include <simulation/residuals.hpp>
 #include <simulation/restart.hpp>
@@ -43,8 +45,8 @@ struct run {
   volume_module how{};
   std::unique_ptr<integrators::explicit_integrator> integrator;
   std::int64_t step = 0, snapshots = 0;
-  double next_snapshot = 0.0;  // s
-  std::int64_t wall_crossings = 0;
+  double next_snapshot = 0.0;       // s
+  std::int64_t wall_crossings = 0;  // of this rank
   totals<D> start_totals;
 
   std::optional<output::run_log> log;
@@ -56,18 +58,23 @@ struct run {
   summary report;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
+  communication_meter communication;
 
-  // Of this rank's steps since the lists were made.
+  load_balance<D> balancer;
+  std::optional<output::history> balance_history;
+  // Cuts from elsewhere, asked for whenever lists are made anew, in the balancer's place; the same on every rank.
+  std::function<balance::cuts<D>(const balance::cuts<D>&)> other_cuts;
+
+  // What all ranks know together after a step.
   struct {
-    double computing = 0.0, waiting = 0.0;  // s
-  } load;
-  // New cuts from the present ones and every rank's cost, asked for whenever lists are made anew; every rank must come
-  // to the same. Empty: cuts stay. A rank's cost is its computing time, or else the entries of its neighbour lists,
-  // which are the same in every run.
-  std::function<balance::cuts<D>(const balance::cuts<D>&, const std::vector<double>&)> propose_cuts;
-  bool cost_is_time = true;
+    double speed2 = 0.0, moved2 = 0.0;  // m2/s2, m2, the largest; the latter since the lists were made
+    bool stop = false;                  // a signal came, or the wall-clock limit is reached
+    double since_checkpoint = 0.0;      // s, by rank 0's clock
+    bool crossed = false;               // a particle was put back inside the walls
+  } news;
 
-  run(const command_line& command, const input& in) : line(command), o(in.values), resolved(in.resolved) {}
+  run(const command_line& command, const input& in)
+      : line(command), o(in.values), resolved(in.resolved), balancer(in.values) {}
 
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); }
 
@@ -107,9 +114,9 @@ struct run {
         [this](double) { return measure_limits(world, o.time).least(); });
   }
 
-  // New lists before the next step could outrun the old ones.
-  void refresh_lists() {
-    auto& s = world.w.s;
+  // One reduction for all that a step has to agree on.
+  void hear_news(std::int64_t crossings) {
+    const auto& s = world.w.s;
     double speed2 = 0.0;
 #pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::values_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -117,36 +124,80 @@ struct run {
       for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
       speed2 = std::max(speed2, v2);
     }
-    const double speed = std::sqrt(ranks.maximum(speed2)), moved = std::sqrt(ranks.maximum(moved_since_lists(s)));
-    const auto& statistics = integrator->statistics();
-    const double dt = o.time.method == "adaptive" ? statistics.next_dt : o.time.dt;
-    if (moved + 1.5 * speed * dt <= 0.5 * world.skin || moved == 0.0) return;
-    domain::wrap(world.w.d.region, s);
-    balance_load();
-    rebuild(world);
-    integrator->resize(state_fields(world, o.time), s.fluid);
+    const bool late = o.run.wall_clock_limit > 0.0 && seconds() >= o.run.wall_clock_limit;
+    const double since = std::chrono::duration<double>(std::chrono::steady_clock::now() - last_checkpoint).count();
+    std::array<double, 5> most{speed2, moved_since_lists(s), stop_requested() || late ? 1.0 : 0.0,
+                               ranks.rank == 0 ? since : 0.0, crossings > 0 ? 1.0 : 0.0};
+    ranks.maximum(most);
+    news = {most[0], most[1], most[2] > 0.0, most[3], most[4] > 0.0};
   }
 
-  void balance_load() {
-    if (propose_cuts) {
-      const double mine = cost_is_time ? load.computing : static_cast<double>(world.w.list.pairs);
-      move_cuts(o, world, propose_cuts(world.w.d.cuts, ranks.every(mine)));
+  // New lists before the next step could outrun the old ones; new cuts where these pay.
+  void refresh_lists() {
+    const double speed = std::sqrt(news.speed2), moved = std::sqrt(news.moved2);
+    const double dt = o.time.method == "adaptive" ? integrator->statistics().next_dt : o.time.dt;
+    const bool lists_are_due = moved + 1.5 * speed * dt > 0.5 * world.skin && moved > 0.0;
+    if (lists_are_due) domain::wrap(world.w.d.region, world.w.s);
+    auto verdict = decide_on_cuts(lists_are_due);
+    const bool moves = verdict && verdict->decision.move;
+    if (lists_are_due || moves) {
+      const foundation::stage timed(world.w.times, moves ? "balance" : "lists");
+      if (!lists_are_due) exchange_positions();
+      const auto had = static_cast<std::int64_t>(world.w.s.fluid);
+      const std::int64_t left = moves ? balancer.leaving(world) : 0;
+      rebuild(world, lists_are_due ? set_list_positions : keep_list_positions);
+      if (verdict) balancer.learn(world, *verdict, left, static_cast<std::int64_t>(world.w.s.fluid) - had + left);
+      if (!lists_are_due) exchange_positions();
+      integrator->resize(state_fields(world, o.time), world.w.s.fluid);
     }
-    load = {};
+    if (verdict) note(*verdict);
+  }
+
+  // Cuts that are to move have done so, particles have not.
+  std::optional<typename load_balance<D>::verdict> decide_on_cuts(bool lists_are_due) {
+    if (other_cuts) {
+      if (lists_are_due) move_cuts(o, world, other_cuts(world.w.d.cuts));
+      return {};
+    }
+    if (ranks.size == 1 || !balancer.due(lists_are_due)) return {};
+    const foundation::stage timed(world.w.times, "balance");
+    auto verdict = balancer.decide(world, lists_are_due, o.time.steps - step);
+    if (verdict && verdict->decision.move) move_cuts(o, world, verdict->cuts);
+    return verdict;
+  }
+
+  void note(const typename load_balance<D>::verdict& v) {
+    say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
+    if (balance_history)
+      balance_history->append(step,
+                              std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain,
+                                         v.decision.cost, v.decision.move ? 1.0 : 0.0, v.migrated},
+                              v.decision.reason);
+  }
+
+  static std::vector<output::history_column> balance_columns() {
+    return {{"spread", "1"}, {"max_over_mean", "1"}, {"gain", "s or pairs"}, {"cost", "s or pairs"},
+            {"moved", "1"},  {"migrated", "1"},      {"reason", "text"}};
+  }
+
+  // Lists stand where they stood, so that sums keep their order: they are made from the positions
+  // of that time, and the present ones put back after.
+  void exchange_positions() {  // of the fluid: walls stay where they are
+    auto& s = world.w.s;
+    for (std::size_t n = 0; n < D; ++n)
+      std::swap_ranges(s.x[n].begin(), s.x[n].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[n].begin());
   }
 
   // A step of the integrator, with what it cost this rank.
   void timed_step() {
-    const auto before = std::chrono::steady_clock::now();
-    const double waited = foundation::waited_seconds;
+    const stopwatch watch;
     {
       const foundation::stage timed(world.w.times, "integration");
       start_from_present_state();
       integrator->step(next_stop());
     }
-    const double waiting = foundation::waited_seconds - waited;
-    load.waiting += waiting;
-    load.computing += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count() - waiting;
+    balancer.computing += watch.busy();
+    ++balancer.steps;
   }
 
   // The iteration for Y starts from what it found at the last state that was reached. The start value
@@ -167,9 +218,10 @@ struct run {
       residuals->append(step, how.residuals);
       how.residuals.clear();
     }
-    const std::int64_t crossings = ranks.sum(walls::reflect(world.walls, s));
+    const std::int64_t crossings = walls::reflect(world.walls, s);
     wall_crossings += crossings;
-    if (crossings > 0) integrator->state_changed();
+    hear_news(crossings);
+    if (news.crossed) integrator->state_changed();
   }
 
   bool finished() const { return step >= o.time.steps || integrator->time() >= *o.time.t_end * (1.0 - 1e-12); }
@@ -186,15 +238,18 @@ struct run {
   void advance() {
     output::progress_state now = progress();
     output::progress line_of_progress(ranks.rank == 0, stderr, now);
+    hear_news(0);
     while (!finished()) {
-      if (must_stop()) {
+      if (news.stop) {
         line_of_progress.finish(progress());
         interrupt_run();
       }
       const auto before = std::chrono::steady_clock::now();
+      communication.begin();
       refresh_lists();
       timed_step();
       complete_step();
+      communication.end();
       stepping_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
       record();
       line_of_progress.update(progress());
@@ -221,12 +276,9 @@ struct run {
     if (snapshot_due || row_due || finished()) evaluate_here();
     if (row_due || finished()) append_history();
     if (snapshot_due || finished()) write_snapshot();
-    const auto now = std::chrono::steady_clock::now();
     const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
-    // Rank 0's clock decides for all.
-    const double since =
-        ranks.maximum(ranks.rank == 0 ? std::chrono::duration<double>(now - last_checkpoint).count() : 0.0);
-    if (by_steps || (o.run.checkpoint_seconds > 0.0 && since >= o.run.checkpoint_seconds)) write_checkpoint();
+    if (by_steps || (o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds))
+      write_checkpoint();
   }
 
   void append_history() {
@@ -281,7 +333,7 @@ struct run {
     g.integers["step"] = step;
     g.integers["simd_lanes"] = simd_lanes;
     g.integers["snapshots"] = snapshots;
-    g.integers["wall_crossings"] = wall_crossings;
+    g.integers["wall_crossings"] = ranks.sum(wall_crossings);
     if constexpr (iterates) {
       g.integers["hosono_evaluations"] = how.evaluations;
       g.integers["hosono_passes"] = how.passes;
@@ -301,11 +353,6 @@ struct run {
 
   // ---- start, restart, end ----------------------------------------------------------------
 
-  bool must_stop() const {
-    const bool late = o.run.wall_clock_limit > 0.0 && seconds() >= o.run.wall_clock_limit;
-    return ranks.maximum(stop_requested() || late ? 1.0 : 0.0) > 0.0;
-  }
-
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
     throw foundation::error(
@@ -315,9 +362,13 @@ struct run {
   }
 
   void start_anew() {
+    const stopwatch watch;
     rebuild(world);
+    balancer.first_lists(world, watch.elapsed());
     make_integrator(0.0);
     history = output::history::start(ranks.comm, line.output + "/history.csv", history_columns());
+    if (balancer.mode != "off")
+      balance_history = output::history::start(ranks.comm, line.output + "/balance.csv", balance_columns());
     if constexpr (iterates) residuals = residual_file::start(ranks, line.output + "/residuals.csv");
     evaluate_here();
     start_totals = measure_totals(world);
@@ -352,20 +403,17 @@ struct run {
                       "order, so the last digits will differ from the uninterrupted run's",
                       before, simd_lanes));
     fluid_from_checkpoint(saved.tables.at("fluid"), world.w.s);
-    // Lists stand where they stood, so that sums keep their order: they are made from the positions
-    // of that time, and the present ones put back after.
-    auto& s = world.w.s;
-    const auto exchange_positions = [&] {  // of the fluid: walls stay where they are
-      for (std::size_t n = 0; n < D; ++n)
-        std::swap_ranges(s.x[n].begin(), s.x[n].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[n].begin());
-    };
     exchange_positions();
+    const stopwatch watch;
     rebuild(world, keep_list_positions);
+    balancer.first_lists(world, watch.elapsed());
     exchange_positions();
     make_integrator(0.0);
     restore(saved.globals);
     output::forget_checkpoints_after(ranks.comm, line.output, step);
     history = output::history::resume(ranks.comm, line.output + "/history.csv", history_columns(), step);
+    if (balancer.mode != "off")
+      balance_history = output::history::resume(ranks.comm, line.output + "/balance.csv", balance_columns(), step);
     if constexpr (iterates) residuals = residual_file::resume(ranks, line.output + "/residuals.csv", step);
     series = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots));
     evaluate_here();
@@ -377,7 +425,7 @@ struct run {
     step = g.integers.at("step");
     snapshots = g.integers.at("snapshots");
     next_snapshot = g.reals.at("next_snapshot");
-    wall_crossings = g.integers.at("wall_crossings");
+    wall_crossings = ranks.rank == 0 ? g.integers.at("wall_crossings") : 0;
     stepping_seconds = g.reals.at("stepping_seconds");
     if constexpr (iterates) {
       how.evaluations = g.integers.at("hosono_evaluations");
@@ -397,7 +445,13 @@ struct run {
     report.wall_seconds = seconds();
     report.stepping_seconds = stepping_seconds;
     report.stages = world.w.times.seconds();
-    report.metrics["wall_crossings"] = wall_crossings;
+    report.metrics["wall_crossings"] = ranks.sum(wall_crossings);
+    report.metrics["balance_decisions"] = balancer.decisions;
+    report.metrics["balance_moves"] = balancer.moves;
+    report.metrics["balance_gain_predicted"] = balancer.gain_predicted;
+    report.metrics["balance_seconds"] = ranks.maximum(balancer.seconds);
+    report.metrics["time_spread"] = balancer.time_spread_now(ranks);
+    communication.describe(world.w.d, report.metrics);
     if (integrator) {
       report.time = integrator->time();
       report.statistics = integrator->statistics();

@@ -26,6 +26,10 @@ void declare(namelist::schema& schema, domain_options& o) {
              {.minimum = 0,
               .maximum = 1e6,
               .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  schema.add("domain", "balance", o.balance,
+             {.choices = {"measured", "counted", "off"},
+              .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
+                         "every run), or nothing"});
 }
 
 void declare(namelist::schema& schema, initial_options& o) {
@@ -148,6 +152,11 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, 3, o.walls);
   volume::declare(schema, o.smoothing);
   volume::declare(schema, o.hosono);
+  balance::declare(schema, o.balancer);
+  schema.add("balancer", "interval", o.balance_interval,
+             {.minimum = 1,
+              .maximum = 1e9,
+              .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
   schema.group("output", "what is written, and how often");
   schema.add("output", "interval", o.output.interval,
              {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});

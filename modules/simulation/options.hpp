@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <balance/balancer.hpp>
 #include <cstdint>
 #include <eos/eos.hpp>
 #include <namelist/schema.hpp>
@@ -19,7 +20,8 @@ struct domain_options {
   std::array<double, 3> length{1e5, 1e5, 1e5};  // m
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
-  std::int64_t ranks_x = 0;  // columns of ranks; 0: as the box's shape suggests
+  std::int64_t ranks_x = 0;     // columns of ranks; 0: as the box's shape suggests
+  std::string balance = "off";  // what cuts between ranks follow: off, measured or counted cost
 };
 
 struct initial_options {
@@ -70,6 +72,8 @@ struct options {
   walls::options walls;
   volume::smoothing_options smoothing;
   volume::hosono_options hosono;
+  balance::balancer_options balancer;
+  std::int64_t balance_interval = 20;  // steps
   output_options output;
   run_options run;
 

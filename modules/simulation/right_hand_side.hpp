@@ -43,9 +43,9 @@ struct state_rates {
   }
 };
 
-// The state and its ghosts.
+// The state sets out to the ghosts; it is there after w.end_fluid().
 template <int D>
-void refresh_halo(scene<D>& scene) {
+void begin_halo(scene<D>& scene) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
@@ -55,12 +55,13 @@ void refresh_halo(scene<D>& scene) {
   fields[n++] = s.T.data();
   if (scene.density_carried) fields[n++] = s.rho.data();
   if (scene.weight_carried) fields[n++] = s.Y.data();
-  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
+  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
 }
 
-// Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du.
-template <class Gradient, int D>
-void sum_forces(scene<D>& scene, const state_rates<D>& out) {
+// Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du. First what walls push,
+// then the sums over neighbours, of some rows at a time.
+template <int D>
+void begin_forces(scene<D>& scene, const state_rates<D>& out) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
@@ -69,14 +70,21 @@ void sum_forces(scene<D>& scene, const state_rates<D>& out) {
     out.du[i] = out.heat()[i] = 0.0;
   });
   std::visit([&](auto t) { t.template push<D>(w, scene.walls, out.dv); }, scene.treatment);
+}
+
+template <class Gradient, int D>
+void sum_forces(scene<D>& scene, const state_rates<D>& out, const pairs::stretch& rows) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "gradient");
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
   const gradient::continuity<D> continuity{v, s.dV.data(), out.dlnrho()};
   if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
-    w.sum(w.fluid(), pressure, continuity,
+    w.sum(rows, pressure, continuity,
           diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), out.dv, out.heat()});
   else
-    w.sum(w.fluid(), pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
+    w.sum(rows, pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.heat()});
 }
 
@@ -126,26 +134,72 @@ void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoo
   w.first_fault = {};
   const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
 
-  refresh_halo(scene);
-  {
-    const foundation::stage timed(w.times, "volume");
-    how.before_walls(w, around);
-  }
-  w.agree();
-  {
+  using volume_module = typename Program::volume;
+  using pressure = typename Program::pressure;
+  const auto arrive = [&] {
+    const foundation::stage timed(w.times, "halo");
+    w.end_fluid();
+  };
+  const auto kinematics = [&] {
     const foundation::stage timed(w.times, "walls");
     std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
-  }
-  {
-    const foundation::stage timed(w.times, "pressure");
-    how.template determine<typename Program::pressure>(w, around);
-  }
-  w.agree();
-  {
+  };
+  const auto wall_pressures = [&] {
     const foundation::stage timed(w.times, "walls");
     std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
+  };
+
+  begin_halo(scene);
+  if constexpr (volume::works_ahead<volume_module>) {
+    // Twice a rank sums over the rows that need no ghosts while these travel. Ranks agree on a fault once, at the end:
+    // until then numbers may be not finite.
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.ahead(w);
+    }
+    {
+      const foundation::stage timed(w.times, "pressure");
+      pressure::sum(w, around, w.interior());
+    }
+    arrive();
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.with_ghosts(w);
+    }
+    kinematics();
+    ++w.first_fault.stage;
+    {
+      const foundation::stage timed(w.times, "pressure");
+      around.weights(w);
+      pressure::sum(w, around, w.at_border());
+      pressure::begin(w);
+    }
+    begin_forces(scene, out);
+    sum_forces<typename Program::gradient>(scene, out, w.interior());
+    {
+      const foundation::stage timed(w.times, "pressure");
+      pressure::end(w);
+    }
+    wall_pressures();
+    sum_forces<typename Program::gradient>(scene, out, w.at_border());
+  } else {
+    arrive();
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.before_walls(w, around);
+    }
+    w.agree();
+    kinematics();
+    {
+      const foundation::stage timed(w.times, "pressure");
+      how.template determine<pressure>(w, around);
+    }
+    w.agree();
+    wall_pressures();
+    begin_forces(scene, out);
+    sum_forces<typename Program::gradient>(scene, out, w.fluid());
   }
-  sum_forces<typename Program::gradient>(scene, out);
+  ++w.first_fault.stage;
   finish_rates<Program>(scene, out);
   w.agree();
 }

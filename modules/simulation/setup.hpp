@@ -140,6 +140,28 @@ void move_cuts(const options& o, scene<D>& scene, const balance::cuts<D>& cuts) 
 // before and after, so that lists are made as they were made).
 enum list_positions { set_list_positions, keep_list_positions };
 
+// Sorts the owned fluid, which is in the order of cells and IDs, into layers (workspace::border): within, those whose
+// neighbours may have ghosts or walls for neighbours, and those that may themselves.
+template <int D>
+void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size_t>& order) {
+  w.core = w.border = 0;
+  if (w.d.ranks.size == 1) return;  // nothing is ever on its way
+  auto cell = w.d.cell();
+  const auto deeper_than = [&](double depth) {
+    auto deep = cell;
+    for (std::size_t a = 0; a < D; ++a) {
+      deep.lower[a] = std::max(cell.lower[a], 0.0) + depth;
+      deep.upper[a] = std::min(cell.upper[a], w.d.region.length[a]) - depth;
+    }
+    return [&w, deep](std::size_t i) { return w.d.within(deep, cells::position<D>(w.s.x, i)); };
+  };
+  // A little more than lists reach, against rounding.
+  const auto border = std::stable_partition(order.begin(), order.end(), deeper_than(reach * (1.0 + 1e-6)));
+  const auto core = std::stable_partition(order.begin(), border, deeper_than(2.0 * reach * (1.0 + 1e-6)));
+  w.border = static_cast<std::size_t>(border - order.begin());
+  w.core = static_cast<std::size_t>(core - order.begin());
+}
+
 // Hands particles to their ranks, sorts them by cell and ID, makes halos and lists. The state's
 // arrays move: the integrator must be told.
 template <int D>
@@ -152,6 +174,7 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
 
   const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge<D>(reach));
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
+  order_in_layers(w, reach, order);
   particles::reorder(s, 0, std::span<const std::size_t>(order));
   if (positions == set_list_positions) s.x_list = s.x;
 

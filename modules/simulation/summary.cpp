@@ -84,9 +84,11 @@ std::vector<std::string> binding_lines(const std::string& input) {
   bool free = false;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("&"))
-      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
+      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run") ||
+             line.starts_with("&balancer");
     const auto key = line.find_first_not_of(' ');
-    const bool of_ranks = key != std::string::npos && line.substr(key).starts_with("ranks_x");
+    const bool of_ranks = key != std::string::npos &&
+                          (line.substr(key).starts_with("ranks_x") || line.substr(key).starts_with("balance "));
     if (!free && !of_ranks) lines.push_back(line);
   }
   return lines;
@@ -103,7 +105,8 @@ void check_restart(const std::string& saved_program, const std::string& saved_in
     const std::string a = n < was.size() ? was[n] : "(nothing)", b = n < is.size() ? is[n] : "(nothing)";
     if (a != b)
       foundation::fail_input(
-          "the input is not that of the checkpoint (only &time, &output, &run and &domain ranks_x may change): it "
+          "the input is not that of the checkpoint (only &time, &output, &run, &balancer and &domain ranks_x and "
+          "balance may change): it "
           "was\n  " +
           a + "\nand is now\n  " + b);
   }

@@ -12,19 +12,38 @@ struct our_method {
 
   template <int D>
   static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
-    auto& s = w.s;
-    equation_of_state(w, s.first_wall());
-    require_positive(w, s.p_eos, "the equation of state's pressure");
-    foundation::for_all(s.first_wall(), [&](std::size_t i) {
-      s.dV[i] = s.m[i] / s.rho[i];
-      s.Y[i] = s.p_eos[i] * s.dV[i];
-    });
+    weights(w, 0, w.s.first_wall());
+    require_positive(w, w.s.p_eos, "the equation of state's pressure");
   }
 
   template <class Pressure, int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
     around.weights(w);
     Pressure::determine(w, around);
+  }
+
+  // before_walls in parts: of the owned fluid, while the ghosts' state travels; of the ghosts, once it is here.
+  template <int D>
+  static void ahead(pairs::workspace<D>& w) {
+    weights(w, 0, w.s.fluid);
+    require_positive(w, w.s.p_eos, "the equation of state's pressure");
+  }
+  template <int D>
+  static void with_ghosts(pairs::workspace<D>& w) {
+    weights(w, w.s.fluid, w.s.first_wall());
+  }
+
+ private:
+  // Y and ΔV of [first, last).
+  template <int D>
+  static void weights(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+    auto& s = w.s;
+    equation_of_state(w, first, last);
+    foundation::for_all(last - first, [&](std::size_t k) {
+      const std::size_t i = first + k;
+      s.dV[i] = s.m[i] / s.rho[i];
+      s.Y[i] = s.p_eos[i] * s.dV[i];
+    });
   }
 };
 

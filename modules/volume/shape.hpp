@@ -4,6 +4,11 @@
 //   carried                          what of it the time integration carries
 //   before_walls(w, ...)             ρ and ΔV of the fluid and its ghosts, as far as known before the walls are
 //   determine(w, walls, ...)         Y, p, ΔV = Y/p, ρ and the material's properties, of fluid and ghosts
+//
+// One whose Y needs no neighbours has before_walls in parts as well, so that ranks can compute while ghosts travel:
+//
+//   ahead(w)                         of the owned fluid
+//   with_ghosts(w)                   of the ghosts
 #pragma once
 
 #include <foundation/threads.hpp>
@@ -14,6 +19,12 @@ namespace tetsuame::volume {
 
 // Which field beside position, velocity, temperature and energy is part of the state.
 enum class carries { density, weight, nothing };
+
+template <class Volume>
+concept works_ahead = requires(pairs::workspace<2>& w) {
+  Volume::ahead(w);
+  Volume::with_ghosts(w);
+};
 
 // Smoothing divided by the kernel sum; see smoothed.hpp for which sum.
 struct smoothing_options {
@@ -114,18 +125,22 @@ void evaluate_lanes(particles::particles<D>& s, const Material& material, std::i
 
 }  // namespace detail
 
-// p^, K_T, α, c_V and c of the particles [0, n) from ρ and T.
+// p^, K_T, α, c_V and c of the particles [first, last) from ρ and T.
 template <int D>
-void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
-  const std::size_t groups = (n + pairs::lanes - 1) / pairs::lanes;
+void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+  const std::size_t groups = (last - first + pairs::lanes - 1) / pairs::lanes;
   for (std::size_t k = 0; k < w.materials.size(); ++k)
     std::visit(
         [&](const auto& material) {
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) if (last - first > foundation::rows_worth_threads)
           for (std::size_t group = 0; group < groups; ++group)
-            detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k), group * pairs::lanes, n);
+            detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k), first + group * pairs::lanes, last);
         },
         w.materials[k]);
+}
+template <int D>
+void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
+  equation_of_state(w, 0, n);
 }
 
 // Y = p ΔV needs p > 0: reports the owned particle of the lowest ID where it is not.

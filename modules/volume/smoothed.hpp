@@ -79,11 +79,16 @@ void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
   w.sum(w.fluid(), weight_sum<D>{w.s.Y.data(), self_value(w), scale, w.s.p.data()});
 }
 
-// ΔV = Y/p of fluid and ghosts, once both are known everywhere.
+// ΔV = Y/p of [first, last), once both are known there.
+template <int D>
+void volumes_from_weights(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+  auto& s = w.s;
+  foundation::for_all(last - first, [&](std::size_t k) { s.dV[first + k] = s.Y[first + k] / s.p[first + k]; });
+}
+// Of fluid and ghosts.
 template <int D>
 void volumes_from_weights(pairs::workspace<D>& w) {
-  auto& s = w.s;
-  foundation::for_all(s.first_wall(), [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
+  volumes_from_weights(w, 0, w.s.first_wall());
 }
 
 struct smoothed {
@@ -92,14 +97,30 @@ struct smoothed {
   // Y and ΔV = m/ρ of fluid and ghosts, and Y of walls are known: p, then ΔV = Y/p.
   template <int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+    sum(w, around, w.fluid());
+    begin(w);
+    end(w);
+  }
+
+  // In parts: p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
+  template <int D>
+  static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
     auto& s = w.s;
     if (around.smoothing.normalise)
-      w.sum(w.fluid(), weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
+      w.sum(rows, weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
     else
-      smooth_by_lattice(w, false);
-    require_positive(w, s.p, "the smoothed pressure");
-    w.exchange_fluid({s.p.data()});
-    volumes_from_weights(w);
+      w.sum(rows, weight_sum<D>{s.Y.data(), self_value(w), 1.0, s.p.data()});
+  }
+  template <int D>
+  static void begin(pairs::workspace<D>& w) {
+    require_positive(w, w.s.p, "the smoothed pressure");
+    w.begin_fluid({w.s.p.data()});
+    volumes_from_weights(w, 0, w.s.fluid);
+  }
+  template <int D>
+  static void end(pairs::workspace<D>& w) {
+    w.end_fluid();
+    volumes_from_weights(w, w.s.fluid, w.s.first_wall());
   }
 };
 
@@ -108,9 +129,19 @@ struct non_smoothed {
 
   template <int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>&) {
+    begin(w);
+  }
+
+  // In parts: the ghosts' p is known like the owned particles'.
+  template <int D>
+  static void sum(pairs::workspace<D>&, const surroundings<D>&, const pairs::stretch&) {}
+  template <int D>
+  static void begin(pairs::workspace<D>& w) {
     auto& s = w.s;
     foundation::for_all(s.first_wall(), [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
   }
+  template <int D>
+  static void end(pairs::workspace<D>&) {}
 };
 
 }  // namespace tetsuame::volume

@@ -45,18 +45,24 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
       depth = std::max(depth, (set.marker[wall.axis][r] - wall.position) * wall.inward *
                                   ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
   depth = w.d.ranks.maximum(depth) + set.reach + skin;
-  std::vector<char> is_listed(s.null() + 1, 0);
-  for (const auto j : set.near_marker.neighbours) is_listed[static_cast<std::size_t>(j)] = 1;
+  // From here on the list counts in `listed`.
+  std::vector<std::int32_t> place(s.null() + 1, -1);
+  for (const auto j : set.near_marker.neighbours) place[static_cast<std::size_t>(j)] = 0;
   set.listed.clear();
-  for (std::size_t i = 0; i < is_listed.size(); ++i)
-    if (is_listed[i] != 0) set.listed.push_back(i);
-  set.near_wall.clear();
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] == 0) {
+      place[i] = static_cast<std::int32_t>(set.listed.size());
+      set.listed.push_back(i);
+    }
+  for (auto& j : set.near_marker.neighbours) j = place[static_cast<std::size_t>(j)];
+  std::vector<std::size_t> near;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const auto& wall : set.sides)
       if ((s.x[wall.axis][i] - wall.position) * wall.inward < depth) {
-        set.near_wall.push_back(i);
+        near.push_back(i);
         break;
       }
+  set.near_wall = pairs::choose(w.list, std::move(near));
 }
 
 // The given fields of the fluid that markers see, in the pair loop's records: one a particle.
@@ -67,17 +73,14 @@ struct marker_records {
   const std::int32_t* neighbours;
 
   template <int D>
-  marker_records(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<const double*, N>& fields)
+  marker_records(wall_set<D>& set, const std::array<const double*, N>& fields)
       : neighbours(set.near_marker.neighbours.data()) {
-    auto& all = w.list.records;
-    if (all.size() < size * (w.s.null() + 1)) all.resize(size * (w.s.null() + 1));
-    double* out = all.data();
     const std::size_t n = set.listed.size();
+    if (set.records.size() < n * size) set.records.resize(n * size);
+    double* out = set.records.data();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t i = set.listed[k];
-      for (std::size_t f = 0; f < N; ++f) out[i * size + f] = fields[f][i];
-    }
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t f = 0; f < N; ++f) out[k * size + f] = fields[f][set.listed[k]];
     records = out;
   }
 
@@ -137,7 +140,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   std::copy_n(pairs::pointers<D>(s.v).begin(), D, arrays.begin() + D);
   std::copy_n(std::array<const double*, 5>{s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()}.begin(), 5,
               arrays.begin() + 2 * D);
-  const marker_records<2 * D + 5> fields(w, set, arrays);
+  const marker_records<2 * D + 5> fields(set, arrays);
   const int order = polynomial_order(set.how.interpolation);
   std::visit(
       [&](const auto& kernel) {
@@ -160,8 +163,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
         }
       },
       w.kernel);
-  for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
-  w.exchange_walls({s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+  w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
 }
 
 // f = ν∇²v + g of the fluid near the walls, ghosts included.
@@ -171,12 +173,12 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   std::array<double*, D> f;
   for (std::size_t a = 0; a < D; ++a) {
     f[a] = set.f[a].data();
-    for (const std::size_t i : set.near_wall) set.f[a][i] = 0.0;
+    for (const std::size_t i : set.near_wall.rows) set.f[a][i] = 0.0;
   }
   w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
   for (std::size_t a = 0; a < D; ++a)
-    for (const std::size_t i : set.near_wall) f[a][i] = f[a][i] / s.m[i] + w.g[a];
-  for (std::size_t a = 0; a < D; ++a) w.exchange_fluid({f[a]});
+    for (const std::size_t i : set.near_wall.rows) f[a][i] = f[a][i] / s.m[i] + w.g[a];
+  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(f));
 }
 
 // Both are linear in the fluid's values: a pressure and a weight that grow from marker to
@@ -187,7 +189,7 @@ void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
   std::array<const double*, D + 1> arrays;
   std::copy_n(pairs::pointers<D>(set.f).begin(), D, arrays.begin());
   arrays[D] = s.m.data();
-  const marker_records<D + 1> fields(w, set, arrays);
+  const marker_records<D + 1> fields(set, arrays);
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const auto f = at_marker(set, r, fields);
@@ -201,7 +203,7 @@ void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  const marker_records<1> fields(w, set, {s.Y.data()});
+  const marker_records<1> fields(set, {s.Y.data()});
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) s.Y[s.first_wall() + r] = at_marker(set, r, fields)[0] + set.weight_step[r];
   w.exchange_walls({s.Y.data()});
@@ -210,7 +212,7 @@ void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  const marker_records<2> fields(w, set, {s.p.data(), s.dV.data()});
+  const marker_records<2> fields(set, {s.p.data(), s.dV.data()});
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
     const std::size_t i = s.first_wall() + r;
@@ -276,7 +278,7 @@ struct repulsion : with_markers {
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
-    for (const std::size_t i : set.near_wall)
+    for (const std::size_t i : set.near_wall.rows)
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);
@@ -303,8 +305,7 @@ struct frozen : nothing {
       s.p[i] = s.p_reference[i];
       s.dV[i] = s.m[i] / s.rho[i];
     }
-    for (std::size_t a = 0; a < D; ++a) w.exchange_walls({s.v[a].data()});
-    w.exchange_walls({s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
+    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>&) {

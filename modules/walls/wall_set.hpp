@@ -16,10 +16,11 @@ struct wall_set {
   // Row r belongs to the owned wall particle first_wall() + r.
   std::array<particles::array, D> marker;  // m, mirror image of the wall particle
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
-  cells::neighbour_list near_marker;       // fluid within reach of each marker
+  cells::neighbour_list near_marker;       // fluid within reach of each marker: places in `listed`
   particles::array phi;                    // shape function of each entry of that list
-  std::vector<std::size_t> near_wall;      // owned fluid that some marker may see
-  std::vector<std::size_t> listed;         // all in near_marker, ghosts and the null particle included
+  pairs::chosen near_wall;                 // owned fluid that some marker may see
+  std::vector<std::size_t> listed;         // local indices of all in near_marker, ghosts and null particle included
+  particles::array records;                // what a sum over them reads of these, one after the other
   double reach = 0.0;                      // m, radius of a marker's interpolation
 
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J).

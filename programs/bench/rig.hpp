@@ -211,7 +211,8 @@ class rig {
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
-        simulation::sum_forces<typename Program::gradient>(world, out);
+        simulation::begin_forces(world, out);
+        simulation::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in simulation::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];

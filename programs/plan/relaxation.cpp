@@ -117,7 +117,7 @@ void print_choice(const fluid_layer& f, const recommendation& r, const choice& w
          {"c_eff", number(r.c_eff), "m/s", "c_0/(zeta xi), slowed sound"},
          {"Pr_eff", number(r.Pr_eff), "", "Pr/xi^2"},
          {"V", number(r.speed), "m/s",
-          reached_balance(f, r.layers) == balance::viscous ? "reached: viscosity balances buoyancy"
+          reached_balance(f, r.layers) == relaxation::balance::viscous ? "reached: viscosity balances buoyancy"
                                                            : "reached: inertia balances buoyancy"},
          {"Mach", number(r.mach), "", "V/c_eff"},
          {"Re_xi", number(r.reynolds), "", "xi^2 V L/nu"}},

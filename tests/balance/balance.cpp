@@ -265,3 +265,64 @@ BOOST_AUTO_TEST_CASE(total_of_costs) {
   BOOST_TEST(total({{1.0, 2.0}, {0.5, 0.25}}) == (std::vector<double>{1.5, 2.25}), boost::test_tools::per_element());
   BOOST_CHECK_THROW(total({{1.0, 2.0}, {0.5}}), foundation::error);
 }
+
+namespace {
+
+// Particles in the halos of one column of ranks, by counting: a lattice of spacing 1 on equal cells, those
+// within w of the rank's cell by the nearest image, its own in place left out. Other ranks', own images.
+std::array<int, 2> count_halo(std::array<int, 2> n, std::array<int, 2> length, double w, std::array<bool, 2> periodic) {
+  std::array<int, 2> most{};
+  for (int i = 0; i < n[0]; ++i)
+    for (int j = 0; j < n[1]; ++j) {
+      std::array<int, 2> found{};
+      const std::array<int, 2> me{i, j};
+      std::array<double, 2> low, high;
+      for (std::size_t a = 0; a < 2; ++a) {
+        low[a] = static_cast<double>(length[a]) * me[a] / n[a];
+        high[a] = static_cast<double>(length[a]) * (me[a] + 1) / n[a];
+      }
+      for (int x = -length[0]; x < 2 * length[0]; ++x)
+        for (int y = -length[1]; y < 2 * length[1]; ++y) {
+          const std::array<int, 2> at{x, y};
+          bool seen = true, image = false, mine = true;
+          for (std::size_t a = 0; a < 2; ++a) {
+            const double c = at[a] + 0.5;
+            seen = seen && c > low[a] - w && c < high[a] + w && (periodic[a] || (at[a] >= 0 && at[a] < length[a]));
+            image = image || at[a] < 0 || at[a] >= length[a];
+            const int wrapped = (at[a] + length[a]) % length[a];
+            mine = mine && wrapped + 0.5 > low[a] && wrapped + 0.5 < high[a];
+          }
+          if (seen && !(mine && !image)) ++found[mine ? 1 : 0];
+        }
+      if (found[0] + found[1] > most[0] + most[1]) most = found;
+    }
+  return most;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(halo_cost_is_what_counting_finds) {
+  for (const auto& periodic : {std::array{true, true}, std::array{true, false}, std::array{false, false}})
+    for (const auto& n : {std::array{8, 1}, std::array{4, 2}, std::array{2, 4}, std::array{1, 8}, std::array{1, 1}}) {
+      const auto counted = count_halo(n, {48, 32}, 3.0, periodic);
+      const int messages = std::min(n[0], 3) * std::min(n[1], 3) - 1;
+      BOOST_TEST(halo_cost<2>(n, {48.0, 32.0}, {3.0, periodic}) == counted[0] + 0.5 * counted[1] + 36.0 * messages,
+                 boost::test_tools::tolerance(1e-12));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(counts_by_the_halo) {
+  const auto counts = [](int ranks, std::array<double, 2> length, double width, std::array<bool, 2> periodic) {
+    return choose_counts<2>(ranks, length, 0, {width, periodic});
+  };
+  using pair = std::array<int, 2>;
+  // Large boxes: the least volume. Small ones: the fewest messages.
+  BOOST_TEST((counts(8, {1600.0, 800.0}, 4.0, {true, true}) == pair{4, 2}));
+  BOOST_TEST((counts(8, {1600.0, 800.0}, 4.0, {true, false}) == pair{4, 2}));
+  BOOST_TEST((counts(8, {16.0, 8.0}, 4.0, {true, true}) == pair{8, 1}));
+  BOOST_TEST((counts(4, {800.0, 800.0}, 4.0, {false, false}) == pair{2, 2}));
+  BOOST_TEST((counts(16, {100.0, 10000.0}, 4.0, {false, false}) == pair{1, 16}));
+  BOOST_TEST((counts(484, {1.0, 1.0}, 0.0, {false, false}) == pair{22, 22}));
+  BOOST_TEST((choose_counts<3>(64, {100.0, 100.0, 100.0}, 0, {4.0, {true, true, true}}) == std::array{4, 4, 4}));
+  BOOST_TEST((choose_counts<2>(6, {100.0, 100.0}, 3, {4.0, {true, true}}) == pair{3, 2}));
+}

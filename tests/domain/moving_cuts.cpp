@@ -36,8 +36,7 @@ struct outcome {
 };
 
 template <int D, class Propose>
-outcome run_with(const simulation::options& o, const domain::communicator& ranks, bool cost_is_time,
-                 Propose&& propose) {
+outcome run_with(const simulation::options& o, const domain::communicator& ranks, Propose&& propose) {
   const simulation::command_line line{};
   const simulation::input in{o, ""};
   simulation::run<program, D> run(line, in);
@@ -48,14 +47,9 @@ outcome run_with(const simulation::options& o, const domain::communicator& ranks
   run.make_integrator(0.0);
   outcome found;
   std::vector<std::size_t> sizes;
-  run.cost_is_time = cost_is_time;
-  run.propose_cuts = [&](const balance::cuts<D>& now, const std::vector<double>& cost) {
+  run.other_cuts = [&](const balance::cuts<D>& now) {
     sizes.push_back(run.world.w.s.fluid);
-    BOOST_TEST(cost.size() == static_cast<std::size_t>(ranks.size));
-    double sum = 0.0;
-    for (const double c : cost) sum += c;
-    BOOST_TEST(sum > 0.0);
-    return propose(now, cost, found.moves++);
+    return propose(now, found.moves++);
   };
   for (int n = 0; n < o.time.steps; ++n) {
     run.refresh_lists();
@@ -71,14 +65,14 @@ outcome run_with(const simulation::options& o, const domain::communicator& ranks
 
 template <int D>
 void compare(simulation::options o) {
-  const auto stay = [](const balance::cuts<D>& now, const auto&, int) { return now; };
-  const auto alone_hash = run_with<D>(o, alone(), true, stay);
+  const auto stay = [](const balance::cuts<D>& now, int) { return now; };
+  const auto alone_hash = run_with<D>(o, alone(), stay);
   BOOST_TEST(alone_hash.moves > 3);  // lists were made anew so often
 
   // Cuts thrown anywhere, anew each time; every fourth time all particles go to the first rank.
   const auto world = domain::communicator::world();
   o.domain.ranks_x = world.size % 2 == 0 ? 2 : 1;
-  const auto thrown = [&](balance::cuts<D> cuts, const auto&, int n) {
+  const auto thrown = [&](balance::cuts<D> cuts, int n) {
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t g = 0; g < cuts.groups(a); ++g) {
         double* c = cuts.group(a, g);
@@ -89,26 +83,10 @@ void compare(simulation::options o) {
       }
     return cuts;
   };
-  const auto moved = run_with<D>(o, world, true, thrown);
+  const auto moved = run_with<D>(o, world, thrown);
   BOOST_TEST(moved.hash == alone_hash.hash);
   BOOST_TEST(moved.moves == alone_hash.moves);
   if (world.size > 1) BOOST_TEST(moved.distinct_sizes > 1U);
-
-  // What is counted is the same for every run: here a cut follows it, and so comes to the same places again.
-  std::vector<std::vector<double>> costs;
-  const auto by_count = [&](const balance::cuts<D>& now, const std::vector<double>& cost, int) {
-    costs.push_back(cost);
-    auto cuts = now;
-    if (cuts.counts[0] > 1) cuts.at[0][1] *= cost[0] > cost.back() ? 0.9 : 1.05;
-    return cuts;
-  };
-  auto few = o;
-  few.domain.ranks_x = world.size;
-  const auto first = run_with<D>(few, world, false, by_count), again = run_with<D>(few, world, false, by_count);
-  BOOST_TEST(first.hash == again.hash);
-  const std::size_t half = costs.size() / 2;
-  BOOST_REQUIRE(half > 1U);
-  for (std::size_t n = 0; n < half; ++n) BOOST_TEST((costs[n] == costs[n + half]));
 }
 
 }  // namespace

@@ -84,6 +84,16 @@ void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return bits(x) == bits(y); });
   };
   BOOST_TEST(same(again.scalar, is.scalar));
+
+  // In layers, whatever the records held before: here particles on top of the last one.
+  const auto spoil = [&] { std::fill(w.list.records.begin(), w.list.records.end(), s.x[0][s.fluid - 1]); };
+  result<D> layers(s.fluid);
+  spoil();
+  w.sum(w.interior(), layers.of(s.T));
+  spoil();
+  w.sum(w.at_border(), layers.of(s.T));
+  BOOST_TEST(same(layers.scalar, is.scalar));
+  for (std::size_t a = 0; a < D; ++a) BOOST_TEST(same(layers.vector[a], is.vector[a]));
   for (std::size_t a = 0; a < D; ++a) BOOST_TEST(same(again.vector[a], is.vector[a]));
 
   // The same bits as one rank alone gives.
@@ -117,8 +127,8 @@ BOOST_AUTO_TEST_CASE(chosen_rows_alone_are_written) {
   std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
   const std::vector<std::size_t> rows{3, 17, 5}, none;
   scene.w.sum(scene.w.fluid(), all.of(s.T));
-  scene.w.sum(rows, some.of(s.T));
-  scene.w.sum(none, some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, rows), some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, none), some.of(s.T));
   for (std::size_t i = 0; i < s.fluid; ++i)
     BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
 }
@@ -131,5 +141,27 @@ BOOST_AUTO_TEST_CASE(the_first_fault_is_that_of_the_lowest_id) {
   BOOST_TEST(f.message == "seven");
   f.report(2, "two");
   BOOST_TEST(f.message == "two");
-  BOOST_TEST(f.id == 2);
+  BOOST_TEST(f.key == 2);
+  ++f.stage;  // what a later stage sees may follow from it
+  f.report(1, "one, later");
+  BOOST_TEST(f.message == "two");
+}
+
+BOOST_AUTO_TEST_CASE(rows_that_need_no_ghosts) {
+  const std::array<std::int64_t, 2> n{56, 28};
+  const auto scene = make_scene<2>(box<2>(n, true), domain::communicator::world(), 0.4);
+  const auto& w = scene.w;
+  BOOST_TEST((w.border > 0) == (w.d.ranks.size > 1));
+  BOOST_TEST((w.core > 0) == (w.d.ranks.size > 1));
+  const auto neighbours = [&](std::size_t i) {
+    return std::span(w.list.neighbours).subspan(w.list.start[i], w.list.start[i + 1] - w.list.start[i]);
+  };
+  for (std::size_t i = 0; i < w.s.fluid; ++i)
+    for (const auto j : neighbours(i)) {
+      const auto k = static_cast<std::size_t>(j);
+      if (k == w.list.null) continue;
+      BOOST_TEST((i >= w.border || k < w.s.fluid));
+      BOOST_TEST((i < w.border || k >= w.core));
+    }
+  check_kernel<2>("quintic", n);
 }

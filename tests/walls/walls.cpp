@@ -232,7 +232,7 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   const auto& list = scene.walls.near_marker;
   std::size_t seen = 0, wrong = 0;
   for (std::size_t k = 0; k < list.neighbours.size(); ++k) {
-    const auto j = static_cast<std::size_t>(list.neighbours[k]);
+    const std::size_t j = scene.walls.listed[static_cast<std::size_t>(list.neighbours[k])];
     if (scene.walls.phi[k] == 0.0) continue;
     ++seen;
     for (std::size_t a = 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];

@@ -1,0 +1,94 @@
+"""Starts the runs and reads what they measured."""
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from .plan import Run
+
+TIME_LIMIT = 3600  # s, of one run: a program that hangs ends the study, not the day
+
+
+class Refused(Exception):
+    """Asked for what cannot be started, and what to do."""
+
+
+class Failed(Exception):
+    """A run that went wrong."""
+
+
+def words(launcher: str, ranks: int, threads: int) -> list[str]:
+    """The launcher's command line with its numbers put in."""
+    try:
+        return [word.format(ranks=ranks, threads=threads) for word in shlex.split(launcher)]
+    except (KeyError, IndexError, ValueError) as problem:
+        raise Refused(f"--launcher '{launcher}': only {{ranks}} and {{threads}} are put in ({problem})") from None
+
+
+def check(launcher: str, programs: list[Path]) -> None:
+    """Before anything is run."""
+    first = words(launcher, 1, 1)
+    if not first:
+        raise Refused("--launcher is empty; 'mpirun --bind-to none -n {ranks}' for instance")
+    if "{ranks}" not in launcher:
+        raise Refused(f"--launcher '{launcher}' names no {{ranks}}: every run would have the same number")
+    if shutil.which(first[0]) is None:
+        raise Refused(f"{first[0]} is not on the PATH: load or install MPI, or name the launcher with --launcher")
+    for program in programs:
+        if not program.is_file():
+            raise Refused(f"{program} is not there: ./run build")
+
+
+def start(command: list[str], threads: int, log: Path) -> str:
+    """Standard output of a run that succeeded; `log` keeps all it said."""
+    environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
+    try:
+        done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              errors="replace", timeout=TIME_LIMIT)
+    except subprocess.TimeoutExpired:
+        raise Failed(f"did not end within {TIME_LIMIT} s: {shlex.join(command)}") from None
+    except OSError as problem:
+        raise Failed(f"{command[0]}: {problem.strerror}") from None
+    log.write_text(done.stdout + done.stderr, encoding="utf-8")
+    if done.returncode != 0:
+        said = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        raise Failed(f"exit {done.returncode}: {shlex.join(command)}\n  " + "\n  ".join(said[-5:]) + f"\n  all of it: {log}")
+    return done.stdout
+
+
+def measure(run: Run, launcher: str, program: Path, source: Path, steps: int, folder: Path) -> dict:
+    """summary.json of one run. Its folder is removed after: the snapshots are large."""
+    target = folder / run.name
+    shutil.rmtree(target, ignore_errors=True)
+    command = words(launcher, run.ranks, run.threads) + [str(program), str(source), "--output", str(target)]
+    # No output between the steps: it is not timed, but it would leave the caches cold.
+    for setting in [*run.settings, f"time.steps={steps}", "output.interval=0", f"output.history_interval={steps}"]:
+        command += ["--set", setting]
+    start(command, run.threads, folder / f"{run.name}.log")
+    try:
+        summary = json.loads((target / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as problem:
+        raise Failed(f"{target}: no summary.json of a completed run ({problem})") from None
+    # A launcher that ignores its number would give R separate runs, or one of the wrong size.
+    for key, wanted in (("ranks", run.ranks), ("threads", run.threads), ("fluid_particles", run.particles)):
+        if summary[key] != wanted:
+            raise Failed(f"asked for {key} = {wanted}, but the run says {summary[key]}: is the launcher that of the MPI "
+                         f"the programs are built with? {shlex.join(command)}")
+    shutil.rmtree(target)
+    return summary
+
+
+def exchange(ranks: int, launcher: str, program: Path, folder: Path) -> dict:
+    """What program `exchange` measured on so many ranks."""
+    said = start(words(launcher, ranks, 1) + [str(program)], 1, folder / f"exchange_{ranks}.log")
+    try:
+        return json.loads(said[said.index("{"):said.rindex("}") + 1])
+    except ValueError:
+        raise Failed(f"exchange on {ranks} ranks wrote no JSON; it wrote {said[:200]!r}") from None
+
+
+def say(text: str) -> None:
+    print(f"scaling: {text}", file=sys.stderr, flush=True)

@@ -1,0 +1,47 @@
+"""One program for two generations of processors: the launcher's choice, and that both compute the same."""
+
+import os
+import pathlib
+import unittest
+
+from running import FILE_FAILED, PROGRAMS, Case
+
+WIDE = (PROGRAMS / "avx512").is_dir()
+CPU = pathlib.Path("/proc/cpuinfo").read_text()
+HAS_AVX512 = all(f" {flag}" in CPU for flag in ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"))
+
+# Iron, so that the equation of state's exponentials and logarithms are in it too.
+CASE = ("hydrostatic_13", {"time.steps": 40, "time.dt": 0.05, "output.interval": 0})
+
+
+@unittest.skipUnless(WIDE, "built for one processor alone")
+class Simd(Case):
+    def lanes(self, wanted):
+        if wanted:
+            os.environ["TETSUAME_SIMD"] = wanted
+            self.addCleanup(os.environ.pop, "TETSUAME_SIMD", None)
+        summary = self.run_program("disph_c", *CASE).summary
+        os.environ.pop("TETSUAME_SIMD", None)
+        return summary
+
+    def test_the_launcher_takes_what_the_processor_has(self):
+        self.assertEqual(self.lanes(None)["simd_lanes"], 8 if HAS_AVX512 else 4)
+        self.assertEqual(self.lanes("avx2")["simd_lanes"], 4)
+
+    @unittest.skipUnless(HAS_AVX512, "no AVX-512 here")
+    def test_both_compute_the_same(self):
+        wide, narrow = self.lanes(None), self.lanes("avx2")
+        self.assertEqual(wide["rhs_evaluations"], narrow["rhs_evaluations"])
+        for name, value in narrow["errors"].items():
+            # Sums rounded in another order: 1e-14 in a force, which 40 steps of a quiet column do not blow up.
+            self.assertAlmostEqual(wide["errors"][name], value, delta=1e-9 * max(abs(value), 1e-3), msg=name)
+
+    def test_a_missing_half_is_named(self):
+        lonely = self.here / "disph_c"
+        lonely.write_bytes((PROGRAMS / "disph_c").read_bytes())
+        lonely.chmod(0o755)
+        self.assert_says(self.call(lonely, "--version"), FILE_FAILED, "disph_c")
+
+
+if __name__ == "__main__":
+    unittest.main()
