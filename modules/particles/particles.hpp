@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <string>
 #include <vector>
 
 namespace tetsuame::particles {
@@ -40,6 +41,13 @@ enum class role {
   constant,    // given at the start, travels with the particle
   memory,      // travels with the particle from one evaluation to the next (start values of an iteration)
   derived,     // recomputed in every evaluation
+};
+
+// A field that only one problem has, beside those below.
+struct extra_field {
+  std::string name, unit, description;
+  role kind = role::memory;
+  array values;
 };
 
 template <int D>
@@ -73,6 +81,8 @@ struct particles {
   array alpha;  // 1/K
   array c_V;    // J/(kg K)
   array c;      // m/s, sound speed
+
+  std::vector<extra_field> extras;  // named by the problem before the first particle is there; not in snapshots
 
   std::size_t first_wall() const { return fluid + fluid_ghosts; }
   std::size_t total() const { return fluid + fluid_ghosts + walls + wall_ghosts; }
@@ -122,6 +132,8 @@ void for_each_field(P& s, F&& f) {
   f(field_info{"ThermalExpansivity", "1/K", "thermal expansivity", derived, false}, list{&s.alpha});
   f(field_info{"HeatCapacity", "J/(kg K)", "heat capacity at constant volume", derived, false}, list{&s.c_V});
   f(field_info{"SoundSpeed", "m/s", "adiabatic sound speed", derived, true}, list{&s.c});
+  for (auto& e : s.extras)
+    f(field_info{e.name.c_str(), e.unit.c_str(), e.description.c_str(), e.kind, false}, list{&e.values});
 }
 
 // A particle's own data: what moves with it between ranks and stands in a checkpoint.

@@ -62,7 +62,7 @@ void summary::print() const {
   for (const auto& [name, count] : statistics.limited_by)
     held += fmt::format("{}{} {}", held.empty() ? "" : ", ", name, count);
   fmt::print("  step set by: {}\n", held.empty() ? "-" : held);
-  if (errors.is_object())
+  if (errors.contains("pressure_mean"))
     fmt::print("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
                errors["pressure_mean"].get<double>(), errors["pressure_max"].get<double>(),
                errors["density_max"].get<double>(), errors["displacement_max_over_dx"].get<double>());

@@ -1,0 +1,707 @@
+// Thermal convection of a weakly compressible Boussinesq fluid, sound slowed by ζ and inertia raised by ξ [S1]:
+//
+//   ξ² dv/dt = -G(p)/ρ₀ + ν [L(v) + (G(v) + G(v)ᵀ - D(v))·∇ln ν] + b ŷ + ξ² (w + a v)·G(v)
+//   dp/dt    = -ρ₀ (c₀/ζ)² D(v) + (w + e v)·G(p) + δ h c_eff Q(p)
+//   dT/dt    = κ L(T) + w·G(T) + H/c_p                      dx/dt = v + w
+//   b = α g (T - T_ref) - g q p/K₀,   T_ref the conductive profile
+//
+// G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout. p is the part of the pressure beyond that
+// which carries T_ref. Choices:
+//   e = 1  the rate of p at a place: the steady state then does not know the speed of sound; e = 0: along the flow
+//   a = 1  (target steady) the rate of v at a place: inertia vanishes in the steady state, as at Pr = ∞, whatever ξ.
+//   Then ξ
+//          may differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff
+//   q      0, 1 (separated gravity density), ζ² (conventional density)
+// w spreads the particles evenly: w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
+// Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q(p) = Σ V F [2 (p_i - p_j) -
+// (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)].
+//
+// Walls are mirror images (images/images.hpp); p is even but for the step that the momentum balance asks for,
+// p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ)·∇ν]_n + b n_y).
+//
+// The deferred correction, the tensor B, Q's gradients and no-slip curvatures lag behind: they are those of the state
+// at the start of the step.
+#pragma once
+
+#include <boussinesq/options.hpp>
+#include <boussinesq/steady.hpp>
+#include <boussinesq/wall_gradient.hpp>
+#include <march/problem.hpp>
+#include <operators/consistent.hpp>
+#include <simulation/state.hpp>
+
+namespace tetsuame::boussinesq {
+
+struct pressure_gradient_tag {};
+inline constexpr pressure_gradient_tag of_pressure_gradient;
+
+// Q(p) above. Reads p among the fields of operators::consistent, at place K - 1.
+template <int D>
+struct pressure_smoothing {
+  using real = pairs::real;
+  std::array<const double*, D> gradient;  // Pa/m
+  double V;                               // m^D
+  double* out;                            // Pa/m^2
+
+  struct me {
+    real sum;
+  };
+  auto reads() const { return std::tuple{pairs::read(of_pressure_gradient, gradient)}; }
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const auto G = ij.own(of_pressure_gradient) + ij(of_pressure_gradient);
+    a.sum += ij.F * (2.0 * ij.difference(operators::of_fields)[D + 1] - foundation::dot(G, ij.x_ij));
+  }
+  void end(std::size_t i, const me& a) const { out[i] = V * pairs::sum(a.sum); }
+};
+
+// Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
+template <int D>
+struct unevenness {
+  using real = pairs::real;
+  double V, W_self, per_W_dx;
+  std::array<double*, D> out;
+  double* W_sum;
+
+  struct me {
+    pairs::vec<real, D> sum;
+    real W;
+  };
+  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const real q = ij.W * per_W_dx, q2 = q * q;
+    a.sum += (ij.F * (1.0 + 0.2 * q2 * q2)) * ij.x_ij;
+    a.W += ij.W;
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+    W_sum[i] = W_self + pairs::sum(a.W);
+  }
+};
+
+template <int D>
+class convection : public march::problem {
+ public:
+  convection(const options& o, const parameters& p) : o_(o), p_(p), samples_(measures.size()) {
+    using particles::role;
+    auto& s = world_.w.s;
+    const auto add = [&](std::string name, std::string unit, role kind) {
+      s.extras.push_back({std::move(name), std::move(unit), "", kind, {}});
+      return s.extras.size() - 1;
+    };
+    pressure_ = add("DynamicPressure", "Pa", role::integrated);
+    lap_ = add("Laplacian_0", "", role::memory);
+    for (std::size_t k = 1; k < K; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
+    grad_p_ = add("PressureGradient_0", "Pa/m", role::memory);
+    for (std::size_t k = 1; k < D; ++k) add("PressureGradient_" + std::to_string(k), "Pa/m", role::memory);
+    stress_ = add("GradedStress_0", "1/(m s)", role::memory);
+    for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
+    tensor_ = add("LaplacianWeight_0", "1", role::memory);
+    for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
+    earlier_ = s.extras.size();
+    if (o.march.time.method == "ab2")
+      for (std::size_t k = 0; k < 2 * D + 2; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
+
+    const auto& d = o.physics.domain;
+    const double dx = d.length[1] / static_cast<double>(d.particles[1]);
+    images::set_up(world_, domain::communicator::world(), {d.length, d.particles, d.periodic, o.ranks_x}, o.walls,
+                   o.march.kernel.name, o.march.kernel.h_over_dx, o.march.kernel.skin, 0.0, fit_radius * dx);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      s.T[i] = reference(s.x[1][i]) +
+               o.initial.perturbation * p_.fluid.dT *
+                   std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / d.length[0]) *
+                   std::sin(std::numbers::pi * s.x[1][i] / d.length[1]);
+      for (std::size_t a = 0, k = 0; a < D; ++a)
+        for (std::size_t b = a; b < D; ++b, ++k) s.extras[tensor_ + k].values[i] = a == b ? 1.0 : 0.0;
+    }
+    volume_ = std::pow(dx, D);
+    beta_ = o.convection.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
+    h_ = o.march.kernel.h_over_dx * dx;
+    std::visit(
+        [&](const auto& k) {
+          W_self_ = k.self();
+          per_W_dx_ = 1.0 / k.value(dx);
+        },
+        world_.w.kernel);
+  }
+
+  const domain::communicator& ranks() const override { return world_.w.d.ranks; }
+  std::size_t local_particles() const override { return world_.w.s.fluid; }
+  std::size_t simd_lanes() const override { return pairs::lanes; }
+  output::snapshot_header header() const override { return images::snapshot_header(world_); }
+  std::vector<std::string> about() const override { return p_.lines; }
+
+  std::vector<integrators::field> fields() override {
+    auto& s = world_.w.s;
+    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+    const double speed = p_.slowing.speed,
+                 pressure = p_.fluid.rho * p_.fluid.alpha * p_.fluid.dT * p_.fluid.g * p_.fluid.L;
+    std::vector<integrators::field> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, world_.w.dx});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
+    all.push_back({"T", s.T.data(), 0.0, p_.fluid.dT});
+    all.push_back({"p", pressure_of().data(), 0.0, pressure});
+    if (earlier_ < s.extras.size())
+      for (std::size_t k = 0; k < all.size(); ++k) all[k].previous_rate = s.extras[earlier_ + k].values.data();
+    return all;
+  }
+
+  // ---- right-hand side --------------------------------------------------------------------
+
+  void evaluate(std::span<double* const> rate) override {
+    refresh_state();
+    sum_over_neighbours();
+    combine(rate);
+    world_.w.agree();
+    keep_mean_pressure(rate[2 * D + 1]);
+  }
+
+  integrators::step_limit largest_step() override {
+    const double dx = world_.w.dx, fastest = std::max(largest_viscosity(), p_.fluid.kappa);
+    const double sound = *o_.march.time.cfl * dx / p_.c_eff;
+    const double diffusion = *o_.march.time.diffusive * dx * dx / fastest;
+    return sound < diffusion ? integrators::step_limit{sound, "sound"}
+                             : integrators::step_limit{diffusion, "diffusion"};
+  }
+  double diffusion_radius() override {
+    const double dx = world_.w.dx;
+    return 4.0 * D * std::max(largest_viscosity(), p_.fluid.kappa) / (dx * dx);
+  }
+
+  void keep_memory() override {
+    auto& s = world_.w.s;
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
+      for (std::size_t a = 0; a < D; ++a) s.extras[grad_p_ + a].values[i] = gradient_[K - 1][a][i];
+      for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
+      const auto stress = graded_stress(i);
+      for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
+    });
+    refresh_memory();
+    v_max_ = speed();
+  }
+
+  bool complete_step() override {
+    const std::int64_t crossings = ranks().sum(images::reflect(world_.images, world_.w.s));
+    crossings_ += crossings;
+    return crossings > 0;
+  }
+
+  double moved() override { return images::moved_since_lists(world_); }
+  double allowance() const override { return 0.5 * world_.skin; }
+  double speed() override {
+    const auto& s = world_.w.s;
+    double v2 = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      double sum = 0.0;
+      for (std::size_t a = 0; a < D; ++a) sum += s.v[a][i] * s.v[a][i];
+      v2 = std::max(v2, sum);
+    }
+    return std::sqrt(ranks().maximum(v2));
+  }
+
+  void rebuild(bool as_they_were) override {
+    auto& s = world_.w.s;
+    images::rebuild(world_, as_they_were);
+    for (auto* all : scratch())
+      if (all->size() < s.fluid) all->resize(s.fluid);
+    refresh_memory();
+  }
+
+  // ---- measures ---------------------------------------------------------------------------
+
+  std::vector<output::history_column> columns() const override {
+    std::vector<output::history_column> all;
+    for (std::size_t m = 0; m < measures.size(); ++m) all.push_back({measures[m], m >= 3 && m < 6 ? "kappa/L" : "1"});
+    all.push_back({"v_rms_si", "m/s"});
+    all.push_back({"mach", "1"});
+    all.push_back({"mean_density_drift", "1"});
+    return all;
+  }
+
+  // Velocities in kappa/L.
+  std::vector<double> row(double t) override {
+    const auto& s = world_.w.s;
+    const auto& f = p_.fluid;
+    const double unit = f.kappa / f.L;
+    foundation::exact_sum weight, squares, carried, drift;
+    std::array<foundation::exact_sum, D> momentum;
+    foundation::exact_sum speeds;
+    peaks_ = {};
+    double fastest = 0.0;
+    const auto& p = pressure_of();
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double V = 1.0 / W_sum_[i];
+      double v2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        v2 += s.v[a][i] * s.v[a][i];
+        momentum[a].add(s.v[a][i]);
+        if (std::abs(s.v[a][i]) > peaks_[a].value) {
+          peaks_[a].value = std::abs(s.v[a][i]);
+          for (std::size_t b = 0; b < D; ++b) peaks_[a].x[b] = s.x[b][i];
+        }
+      }
+      fastest = std::max(fastest, v2);
+      weight.add(V);
+      squares.add(V * v2);
+      speeds.add(std::sqrt(v2));
+      carried.add(V * s.v[1][i] * (s.T[i] - reference(s.x[1][i])));
+      drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
+    }
+    const double total = ranks().exact(weight);
+    v_rms_ = std::sqrt(ranks().exact(squares) / total);
+    mach_ = std::sqrt(ranks().maximum(fastest)) / p_.c_eff;
+    density_drift_ = ranks().exact(drift) / static_cast<double>(world_.fluid_total);
+    const double scale = ranks().exact(speeds);
+    momentum_ = 0.0;
+    for (std::size_t a = 0; a < D; ++a) momentum_ = std::max(momentum_, std::abs(ranks().exact(momentum[a])));
+    momentum_ = scale > 0.0 ? momentum_ / scale : 0.0;
+    for (std::size_t a = 0; a < D; ++a) agree_on_peak(peaks_[a]);
+    const auto walls = wall_heat();
+    std::vector<double> m{1.0 + ranks().exact(carried) / total / (unit * f.dT),
+                          walls.top,
+                          walls.bottom,
+                          v_rms_ / unit,
+                          peaks_[0].value / unit,
+                          peaks_[1].value / unit};
+    for (const double q : walls.corners) m.push_back(q);
+    samples_.add(t, m);
+    m.push_back(v_rms_);
+    m.push_back(mach_);
+    m.push_back(density_drift_);
+    return m;
+  }
+
+  bool steady() const override {
+    if (o_.convection.steady_tolerance == 0.0 || samples_.size() == 0) return false;
+    for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
+      if (!samples_.settled(m, window(), o_.convection.steady_tolerance)) return false;
+    return true;
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
+      output::column c{name, unit, about, {}, true};
+      for (const auto& component : components) c.components.push_back(component.data());
+      g.columns.push_back(std::move(c));
+    };
+    vector("Coordinates", "m", "position", s.x);
+    vector("Velocities", "m/s", "velocity", s.v);
+    extra.assign(2, particles::array(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      extra[0][i] = viscosity(i) * p_.fluid.rho;
+      extra[1][i] = 1.0 / W_sum_[i];
+    }
+    g.columns.push_back({"Temperature", "K", "temperature", {s.T.data()}, false});
+    g.columns.push_back(
+        {"Pressure", "Pa", "pressure beyond that of the conductive state", {pressure_of().data()}, false});
+    g.columns.push_back({"Viscosity", "Pa s", "dynamic viscosity", {extra[0].data()}, false});
+    g.columns.push_back({"Volume", D == 2 ? "m^2" : "m^3", "1/sum of W", {extra[1].data()}, false});
+    return {g};
+  }
+
+  void report(double, simulation::summary& r) override {
+    auto& j = r.metrics;
+    const auto& f = p_.fluid;
+    const double span = window();
+    for (std::size_t m = 0; m < measures.size(); ++m) {
+      const auto a = samples_.over(m, span);
+      j[measures[m]] = a.mean;
+      if (m < 4) j[std::string(measures[m]) + "_uncertainty"] = a.uncertainty;
+    }
+    j["averaged_over"] = span;
+    j["steady"] = steady();
+    constexpr std::array<const char*, 3> names{"u_max_at", "v_max_at", "w_max_at"};
+    for (std::size_t a = 0; a < D; ++a) {
+      auto place = nlohmann::ordered_json::array();
+      for (const double x : peaks_[a].x) place.push_back(x / f.L);
+      j[names[a]] = place;
+    }
+    j["mach"] = mach_;
+    j["reynolds_effective"] = v_rms_ * f.L / p_.nu_eff;
+    j["mean_density_drift"] = density_drift_;
+    j["wall_crossings"] = crossings_;
+    j["rayleigh"] = relaxation::rayleigh(f);
+    j["prandtl"] = relaxation::prandtl(f);
+    j["prandtl_effective"] = p_.nu_eff / f.kappa;
+    j["zeta"] = p_.slowing.zeta;
+    j["xi"] = p_.slowing.xi;
+    j["sound_speed_effective"] = p_.c_eff;
+    j["target"] = p_.steady ? "steady" : "transient";
+    const double top = j[measures[1]], bottom = j[measures[2]];
+    const double imbalance = (bottom - top) / (0.5 * (bottom + top));
+    j["heat_imbalance"] = imbalance;
+    r.conservation = {{"mass", density_drift_}, {"momentum", momentum_}, {"energy", imbalance}};
+    r.stages = world_.w.times.seconds();
+  }
+
+  std::string hash() override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto add = [&](const particles::array& a) { g.columns.push_back({"", "", "", {a.data()}, false}); };
+    for (const auto& a : s.x) add(a);
+    for (const auto& a : s.v) add(a);
+    add(s.T);
+    add(pressure_of());
+    return output::state_hash(ranks().comm, {g});
+  }
+
+  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+    return simulation::checkpoint_table(world_.w.s, materials);
+  }
+  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
+  void save(output::checkpoint_globals& g) const override {
+    g.reals["v_max"] = v_max_;
+    g.integers["wall_crossings"] = crossings_;
+    g.blobs["samples"] = samples_.flat();
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    v_max_ = g.reals.at("v_max");
+    crossings_ = g.integers.at("wall_crossings");
+    samples_.restore(g.blobs.at("samples"));
+    v_rms_ = samples_.size() > 0 ? samples_.over(3, 0.0).mean * p_.fluid.kappa / p_.fluid.L : 0.0;
+  }
+
+ private:
+  static constexpr int K = D + 2;  // fields of the operators: v, T, p
+  static constexpr std::size_t S = operators::symmetric_terms(D);
+  static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
+  static constexpr std::array<const char*, 10> measures{
+      "nusselt_volume", "nusselt_top", "nusselt_bottom", "v_rms", "u_max", "v_max", "q1", "q2", "q3", "q4"};
+
+  struct peak {
+    double value = 0.0;  // m/s
+    std::array<double, D> x{};
+  };
+
+  particles::array& pressure_of() { return world_.w.s.extras[pressure_].values; }
+  const particles::array& pressure_of() const { return world_.w.s.extras[pressure_].values; }
+
+  double reference(double y) const { return o_.temperature_bottom() - p_.fluid.dT * y / p_.fluid.L; }
+  double buoyancy(double y, double T, double p) const {  // m/s2, upwards
+    const auto& f = p_.fluid;
+    return f.alpha * f.g * (T - reference(y)) - f.g * p_.compressibility * p / f.K;
+  }
+
+  bool varies() const { return o_.convection.viscosity_law != "constant"; }
+  double viscosity(double y, double T) const {  // m2/s
+    if (!varies()) return p_.fluid.nu;
+    const auto& c = o_.convection;
+    return p_.fluid.nu * std::exp(-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
+                                  c.depth_exponent * (1.0 - y / p_.fluid.L));
+  }
+  double viscosity(std::size_t i) const { return viscosity(world_.w.s.x[1][i], world_.w.s.T[i]); }
+  // xi² at the particle.
+  double inertia(double nu) const { return p_.steady ? nu / p_.nu_eff : p_.slowing.xi * p_.slowing.xi; }
+  double stiffness(std::size_t i) const { return inertia(viscosity(i)); }
+  double largest_viscosity() {  // slowed
+    if (p_.steady || !varies()) return p_.nu_eff;
+    double nu = 0.0;
+    for (std::size_t i = 0; i < world_.w.s.fluid; ++i) nu = std::max(nu, viscosity(i));
+    return ranks().maximum(nu) / (p_.slowing.xi * p_.slowing.xi);
+  }
+
+  std::vector<particles::array*> scratch() {
+    std::vector<particles::array*> all{&smoothing_, &W_sum_};
+    for (auto& g : gradient_)
+      for (auto& component : g) all.push_back(&component);
+    for (auto* group : {&laplacian_, &plain_})
+      for (auto& a : *group) all.push_back(&a);
+    for (auto& a : next_B_) all.push_back(&a);
+    for (auto& a : uneven_) all.push_back(&a);
+    return all;
+  }
+
+  // Ghosts and images of the state; what the images lag behind is in their memory fields.
+  void refresh_state() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "halo");
+    std::array<double*, D + 2> fields;
+    for (std::size_t a = 0; a < D; ++a) fields[a] = s.v[a].data();
+    fields[D] = s.T.data();
+    fields[D + 1] = pressure_of().data();
+    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+    images::move(world_.images, s);
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) { mirror_state(r); });
+  }
+
+  void mirror_state(std::size_t r) {
+    auto& s = world_.w.s;
+    const auto& f = p_.fluid;
+    const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    std::array<double, D> v, curvature, gradient;
+    for (std::size_t a = 0; a < D; ++a) {
+      v[a] = s.v[a][j];
+      curvature[a] = s.extras[lap_ + a].values[j];
+      gradient[a] = s.extras[grad_p_ + a].values[j];
+    }
+    double T = s.T[j], p = pressure_of()[j], y = s.x[1][j];
+    images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+      const double d = wall.distance(s.x[wall.axis][j]), T_inside = T, y_inside = y;
+      if (wall.axis == 1) y = 2.0 * wall.position - y;
+      if (wall.thermal == images::heat::fixed_temperature)
+        T = 2.0 * wall.temperature - T;
+      else
+        T += 2.0 * d * wall.flux / conductivity();
+      double slope = 0.0;  // Pa/m, of p, inwards
+      if (varies())        // the normal one goes on smoothly
+        slope += f.rho * viscosity(y_inside, T_inside) * s.extras[stress_ + wall.axis].values[j] * wall.inward;
+      if (wall.no_slip) slope += f.rho * viscosity(y_inside, T_inside) * curvature[wall.axis] * wall.inward;
+      if (wall.axis == 1) slope += 0.5 * f.rho * wall.inward * (buoyancy(y_inside, T_inside, p) + buoyancy(y, T, p));
+      p -= 2.0 * d * slope;
+      gradient[wall.axis] = 2.0 * slope * wall.inward - gradient[wall.axis];
+      if (wall.no_slip)
+        for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a] + d * d * curvature[a];
+      else {
+        v[wall.axis] = -v[wall.axis];
+        curvature[wall.axis] = -curvature[wall.axis];
+      }
+    });
+    for (std::size_t a = 0; a < D; ++a) {
+      s.v[a][i] = v[a];
+      s.extras[grad_p_ + a].values[i] = gradient[a];
+    }
+    s.T[i] = T;
+    pressure_of()[i] = p;
+  }
+
+  // Ghosts and images of the plain Laplacians: odd where their field is, but for a velocity that does not slip, whose
+  // curvature goes on smoothly; and the ghosts' gradients of pressure.
+  void refresh_memory() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "halo");
+    std::array<double*, K + 2 * D> fields;
+    for (std::size_t k = 0; k < K; ++k) fields[k] = s.extras[lap_ + k].values.data();
+    for (std::size_t a = 0; a < D; ++a) {
+      fields[K + a] = s.extras[grad_p_ + a].values.data();
+      fields[K + D + a] = s.extras[stress_ + a].values.data();
+    }
+    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      std::array<double, K> sign;
+      sign.fill(1.0);
+      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+        if (!wall.no_slip) sign[wall.axis] = -sign[wall.axis];
+        if (wall.thermal == images::heat::fixed_temperature) sign[D] = -sign[D];
+      });
+      for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
+    });
+  }
+
+  void sum_over_neighbours() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "sums");
+    bool singular = false;
+    operators::consistent<D, K> derivatives{{}, {}, {}, volume_, beta_, {}, &singular};
+    for (std::size_t a = 0; a < D; ++a) derivatives.f[a] = s.v[a].data();
+    derivatives.f[D] = s.T.data();
+    derivatives.f[D + 1] = pressure_of().data();
+    for (std::size_t k = 0; k < K; ++k) {
+      derivatives.P[k] = s.extras[lap_ + k].values.data();
+      for (std::size_t a = 0; a < D; ++a) derivatives.out.gradient[k][a] = gradient_[k][a].data();
+      derivatives.out.laplacian[k] = laplacian_[k].data();
+      derivatives.out.plain[k] = plain_[k].data();
+    }
+    const bool whole_tensor = o_.convection.scheme != "trace";
+    for (std::size_t k = 0; k < S; ++k) {
+      derivatives.B[k] = whole_tensor ? s.extras[tensor_ + k].values.data() : nullptr;
+      derivatives.out.next_B[k] = next_B_[k].data();
+    }
+    pressure_smoothing<D> smooth{{}, volume_, smoothing_.data()};
+    unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
+    for (std::size_t a = 0; a < D; ++a) {
+      smooth.gradient[a] = s.extras[grad_p_ + a].values.data();
+      uneven.out[a] = uneven_[a].data();
+    }
+    w.sum(w.fluid(), derivatives, smooth, uneven);
+    if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
+  }
+
+  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s). With ∇²v it is the divergence of 2 ν (e - ½ ∇·v) over ν, e the rate of
+  // strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0 alone would feed it.
+  std::array<double, D> graded_stress(std::size_t i) const {
+    std::array<double, D> slope{}, stress{};
+    if (!varies()) return stress;
+    const auto& c = o_.convection;
+    for (std::size_t a = 0; a < D; ++a) slope[a] = -c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
+    slope[1] -= c.depth_exponent / p_.fluid.L;
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t b = 0; b < D; ++b)
+        stress[a] += (gradient_[a][b][i] + gradient_[b][a][i]) * slope[b] - gradient_[b][b][i] * slope[a];
+    return stress;
+  }
+
+  void combine(std::span<double* const> rate) {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const auto& f = p_.fluid;
+    const auto& c = o_.convection;
+    const foundation::stage timed(w.times, "rates");
+    const double a_inertia = p_.steady ? 1.0 : 0.0, e_pressure = c.pressure == "eulerian" ? 1.0 : 0.0;
+    const double spread = c.shifting * h_ * v_max_, most = 0.5 * v_max_;
+    const double smoothing = c.pressure_diffusion * h_ * p_.c_eff;
+    const double heating = c.heating * f.kappa / conductivity() * f.rho;
+    const auto& p = pressure_of();
+    bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      std::array<double, D> w_i, v_i, moving_v, moving_p;
+      double w2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        v_i[a] = s.v[a][i];
+        w_i[a] = -spread * uneven_[a][i];
+        w2 += w_i[a] * w_i[a];
+      }
+      const double cut = w2 > most * most ? most / std::sqrt(w2) : 1.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        w_i[a] *= cut;
+        moving_v[a] = w_i[a] + a_inertia * v_i[a];
+        moving_p[a] = w_i[a] + e_pressure * v_i[a];
+      }
+      const double nu = viscosity(i), xi2 = inertia(nu), per_xi2 = 1.0 / xi2;
+      const auto stress_i = graded_stress(i);
+      double divergence = 0.0, dp = smoothing * smoothing_[i], dT = f.kappa * laplacian_[D][i] + heating;
+      for (std::size_t a = 0; a < D; ++a) {
+        double advected = 0.0;
+        for (std::size_t b = 0; b < D; ++b) advected += moving_v[b] * gradient_[a][b][i];
+        double force = nu * (laplacian_[a][i] + stress_i[a]) - gradient_[D + 1][a][i] / f.rho;
+        if (a == 1) force += buoyancy(s.x[1][i], s.T[i], p[i]);
+        rate[a][i] = v_i[a] + w_i[a];
+        rate[D + a][i] = per_xi2 * force + advected;
+        divergence += gradient_[a][a][i];
+        dT += w_i[a] * gradient_[D][a][i];
+        dp += moving_p[a] * gradient_[D + 1][a][i];
+        finite = finite && std::isfinite(rate[D + a][i]);
+      }
+      rate[2 * D][i] = dT;
+      rate[2 * D + 1][i] = dp - f.rho * p_.c_eff * p_.c_eff * xi2 * divergence;
+      finite = finite && std::isfinite(rate[2 * D][i]) && std::isfinite(rate[2 * D + 1][i]);
+    }
+    if (finite) return;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      bool good = true;
+      for (const double* r : rate) good = good && std::isfinite(r[i]);
+      if (!good) w.first_fault.report(s.id[i], what_failed(i));
+    }
+  }
+  // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
+  // nothing feels, grow without bound.
+  void keep_mean_pressure(double* dp) {
+    const std::size_t n = world_.w.s.fluid;
+    foundation::exact_sum sum;
+    for (std::size_t i = 0; i < n; ++i) sum.add(dp[i]);
+    const double mean = ranks().exact(sum) / static_cast<double>(world_.fluid_total);
+    for (std::size_t i = 0; i < n; ++i) dp[i] -= mean;
+  }
+
+  std::string what_failed(std::size_t i) const {
+    const auto& s = world_.w.s;
+    return "a rate is not finite at particle " + std::to_string(s.id[i]) + ", T = " + std::to_string(s.T[i]) +
+           " K; the time step may be too large";
+  }
+
+  double conductivity() const { return o_.physics.material.conductivity; }
+
+  // Averages are over some turnovers, and at least a hundredth of the diffusion time.
+  double window() const {
+    const auto& f = p_.fluid;
+    const double turnover = v_rms_ > 0.0 ? f.L / v_rms_ : f.L * f.L / f.kappa;
+    return std::max(6.0 * turnover, 0.01 * f.L * f.L / f.kappa);
+  }
+
+  // Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
+  void agree_on_peak(peak& mine) const {
+    const double largest = ranks().maximum(mine.value);
+    bool candidate = mine.value == largest;
+    mine.value = largest;
+    for (std::size_t b = 0; b < D; ++b) {
+      const double x = ranks().minimum(candidate ? mine.x[b] : std::numeric_limits<double>::infinity());
+      candidate = candidate && mine.x[b] == x;
+      mine.x[b] = x;
+    }
+  }
+
+  struct wall_measures {
+    double top, bottom;
+    std::array<double, 4> corners;  // top left, top right, bottom right, bottom left
+  };
+
+  // Heat through top and bottom over that of conduction, and gradients at the corners, in units of ΔT/L.
+  wall_measures wall_heat() {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    wall_measures m{none, none, {none, none, none, none}};
+    for (const auto& wall : world_.images.sides) {
+      if (wall.axis != 1 || wall.thermal != images::heat::fixed_temperature) continue;
+      const bool top = wall.inward < 0.0;
+      auto [mean, left, right] = wall_gradients(wall);
+      const double sign = top ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid
+      (top ? m.top : m.bottom) = sign * mean;
+      m.corners[top ? 0 : 3] = sign * left;
+      m.corners[top ? 1 : 2] = sign * right;
+    }
+    return m;
+  }
+
+  std::array<double, 3> wall_gradients(const images::side<D>& wall) {
+    const auto& s = world_.w.s;
+    const auto& d = o_.physics.domain;
+    const double dx = world_.w.dx, radius = fit_radius * dx, unit = p_.fluid.L / p_.fluid.dT;
+    std::vector<near_wall> near;
+    for (std::size_t i = 0; i < s.total(); ++i) {
+      const double y = wall.distance(s.x[1][i]);
+      if (y <= 0.0 || y >= radius) continue;
+      near.push_back({y, {s.x[0][i], D == 3 ? s.x[2 % D][i] : 0.0}, s.T[i] - wall.temperature, s.id[i]});
+    }
+    sort(near);
+    const auto cell = world_.w.d.cell();
+    const auto here = [&](double x, double z) {
+      std::array<double, D> place;
+      place[0] = x;
+      place[1] = wall.position + wall.inward * 1e-6 * dx;
+      if (D == 3) place[2 % D] = z;
+      return world_.w.d.within(cell, place);
+    };
+    foundation::exact_sum sum;
+    std::int64_t places = 0;
+    const std::int64_t depth = D == 3 ? d.particles[2] : 1;
+    for (std::int64_t n = 0; n < d.particles[0]; ++n)
+      for (std::int64_t l = 0; l < depth; ++l) {
+        const double x = (static_cast<double>(n) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
+        ++places;
+        if (here(x, z)) sum.add(unit * wall_gradient(near, {x, z}, radius, D));
+      }
+    const auto corner = [&](double x) {
+      const double lowest = std::numeric_limits<double>::lowest();
+      const double inside = std::min(std::max(x, 1e-6 * dx), d.length[0] - 1e-6 * dx);
+      return ranks().maximum(here(inside, 0.0) ? unit * wall_gradient(near, {x, 0.0}, radius, D) : lowest);
+    };
+    return {ranks().exact(sum) / static_cast<double>(places), corner(0.0), corner(d.length[0])};
+  }
+
+  const options& o_;
+  const parameters& p_;
+  images::scene<D> world_;
+  std::size_t pressure_ = 0, lap_ = 0, grad_p_ = 0, stress_ = 0, tensor_ = 0,
+              earlier_ = 0;  // first of each in the extras
+  double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
+
+  std::array<std::array<particles::array, D>, K> gradient_;
+  std::array<particles::array, K> laplacian_, plain_;
+  std::array<particles::array, S> next_B_;
+  std::array<particles::array, D> uneven_;
+  particles::array smoothing_, W_sum_;
+
+  double v_max_ = 0.0;  // m/s, at the start of the step
+  std::int64_t crossings_ = 0;
+  record samples_;
+  std::array<peak, D> peaks_{};
+  double v_rms_ = 0.0, mach_ = 0.0, density_drift_ = 0.0, momentum_ = 0.0;
+};
+
+}  // namespace tetsuame::boussinesq

@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+
+#include <boussinesq/options.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+
+namespace tetsuame::boussinesq {
+
+namespace {
+
+void declare(namelist::schema& schema, convection_options& o) {
+  const char* g = "convection";
+  schema.group(g, "numbers, slowing and scheme");
+  schema.add(g, "rayleigh", o.rayleigh,
+             {.minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "overrides the viscosity, or the expansivity where prandtl is given"});
+  schema.add(g, "prandtl", o.prandtl,
+             {.minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "overrides the viscosity; the expansivity follows from the Rayleigh number"});
+  schema.add(g, "zeta", o.zeta, {.minimum = 0.0, .meaning = "sound is slowed by it; 0: recommended"});
+  schema.add(g, "xi", o.xi, {.minimum = 0.0, .meaning = "inertia is multiplied by its square; 0: recommended"});
+  schema.add(g, "steady_tolerance", o.steady_tolerance,
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .meaning = "the run ends when Nusselt number and rms velocity change by less; 0: at t_end only"});
+  schema.add(
+      g, "target", o.target,
+      {.choices = {"auto", "steady", "transient"},
+       .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, whatever "
+                  "xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
+  schema.add(
+      g, "steady_mach", o.steady_mach,
+      {.minimum = 0.0,
+       .maximum = 10.0,
+       .exclusive_minimum = true,
+       .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times slower"});
+  schema.add(g, "gravity_density", o.gravity_density,
+             {.choices = {"boussinesq", "separated", "conventional"},
+              .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
+  schema.add(g, "pressure", o.pressure,
+             {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
+  schema.add(
+      g, "operator", o.scheme,
+      {.choices = {"trace", "consistent", "corrected"},
+       .meaning =
+           "Laplacian with the sum of the second moments right, or all of them; that with the deferred correction"});
+  schema.add(g, "pressure_diffusion", o.pressure_diffusion,
+             {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
+  schema.add(g, "shifting", o.shifting,
+             {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
+  schema.add(
+      g, "viscosity_law", o.viscosity_law,
+      {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential"},
+       .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64"});
+  schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
+  schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
+  schema.add(g, "heating", o.heating, {.unit = "W/kg", .meaning = "from inside, uniform"});
+}
+
+// Values that a Rayleigh or Prandtl number overrides.
+void make_consistent(const options& o, relaxation::material_options& m, double dT) {
+  const auto& c = o.convection;
+  const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.physics.domain.length[1];
+  const double drive = o.physics.g * dT * L * L * L / kappa;  // Ra = alpha drive/nu
+  const double Ra = c.rayleigh.value_or(m.expansivity * drive / (m.viscosity / m.density));
+  if (c.prandtl) {
+    const double nu = *c.prandtl * kappa;
+    m.viscosity = nu * m.density;
+    m.expansivity = Ra * nu / drive;
+  } else if (c.rayleigh) {
+    m.viscosity = m.expansivity * drive / Ra * m.density;
+  }
+}
+
+void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const auto& f = p.fluid;
+  auto wanted = relaxation::wanted(o.physics.relaxation);
+  const auto given = [&](const char* key, double here, std::optional<double>& there) {
+    if (here == 0.0) return;
+    if (there) schema.fail("convection", key, std::string("is given in &relaxation too: keep one of them"));
+    there = here;
+  };
+  given("zeta", c.zeta, wanted.zeta);
+  given("xi", c.xi, wanted.xi);
+  const bool viscous = relaxation::reached_balance(f, wanted.boundary_layers) == relaxation::balance::viscous;
+  p.steady = c.target == "steady" || (c.target == "auto" && viscous);
+  const double c_0 = relaxation::sound_speed(f);
+  const double dx = f.L / static_cast<double>(o.physics.domain.particles[1]);
+  p.lines.push_back(fmt::format("Ra {:.6g}, Pr {:.6g}, M_th {:.4g}, {} balances buoyancy", relaxation::rayleigh(f),
+                                relaxation::prandtl(f), relaxation::thermal_mach(f),
+                                viscous ? "viscosity" : "inertia"));
+  if (p.steady && !wanted.zeta && !wanted.xi) {
+    // At the viscosity of the middle: the reference is that of the cold top.
+    auto middle = f;
+    middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
+    p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
+    // Viscous and sonic limits of the step then agree; below 2 kappa nothing is gained.
+    p.nu_eff = std::max(0.35 * p.c_eff * dx, 2.0 * f.kappa);
+    p.slowing = relaxation::recommend(f, wanted);
+    p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
+    p.slowing.zeta = c_0 / (p.c_eff * p.slowing.xi);
+    p.lines.push_back(fmt::format(
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max(0.35 c_eff dx/kappa, 2)), zeta {:.4g} (c_eff "
+        "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
+        p.slowing.xi, p.nu_eff / f.kappa, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
+  } else {
+    p.slowing = relaxation::recommend(f, wanted);
+    p.c_eff = c_0 / (p.slowing.zeta * p.slowing.xi);
+    p.nu_eff = f.nu / (p.slowing.xi * p.slowing.xi);
+    p.lines.push_back(
+        fmt::format("slowed by {}: zeta {:.4g} ({}), xi {:.4g} ({}): c_eff {:.4g} m/s ({:.4g} kappa/L), Pr_eff {:.4g}, "
+                    "expected Mach "
+                    "number {:.3g}{}",
+                    relaxation::name(p.slowing.how), p.slowing.zeta, p.slowing.zeta_rule, p.slowing.xi,
+                    p.slowing.xi_rule, p.c_eff, p.c_eff * f.L / f.kappa, p.nu_eff / f.kappa, p.slowing.speed / p.c_eff,
+                    p.steady ? "; inertia vanishes in the steady state: the way there is not a history" : ""));
+  }
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o) {
+  relaxation::declare(schema, o.physics);
+  schema.add("domain", "ranks_x", o.ranks_x,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  declare(schema, o.convection);
+  schema.group("initial", "start: conduction, at rest, with a disturbance");
+  schema.add("initial", "perturbation", o.initial.perturbation,
+             {.minimum = -1.0,
+              .maximum = 1.0,
+              .meaning = "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"});
+  schema.add("initial", "half_waves", o.initial.half_waves, {.minimum = 0, .maximum = 1000, .meaning = "along x"});
+  auto& sides = o.walls.sides;
+  o.walls.slip = "free_slip";
+  sides[2].thermal = sides[3].thermal = "fixed";
+  sides[2].temperature = 1000.0;
+  sides[3].temperature = 0.0;
+  images::declare(schema, 3, true, o.walls);
+  o.march.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
+  march::declare(schema, o.march, true);
+}
+
+parameters resolve(const namelist::schema& schema, options& o) {
+  march::resolve(o.march);
+  auto& c = o.convection;
+  const auto& d = o.physics.domain;
+  if (d.periodic[1])
+    schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
+  const double dT = o.temperature_bottom() - o.temperature_top();
+  parameters p{};
+  p.fluid = relaxation::layer(schema, o.physics, o.temperature_bottom(), o.temperature_top());
+  auto material = o.physics.material;
+  make_consistent(o, material, dT);
+  p.fluid.nu = material.viscosity / material.density;
+  p.fluid.alpha = material.expansivity;
+  if (c.viscosity_law == "constant" && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
+    schema.fail("convection", "viscosity_law", "exponents belong to the 'exponential' law");
+  const auto follow_law = [&](const char* law, double of_temperature, double of_depth) {
+    if (c.viscosity_law != law) return;
+    const auto set = [&](const char* key, double& value, double wanted) {
+      if (schema.given("convection", key) && std::abs(value - wanted) > 1e-12 * (1.0 + wanted))
+        schema.fail("convection", key,
+                    fmt::format("viscosity_law = '{}' has {} here: choose 'exponential'", law, wanted));
+      value = wanted;
+    };
+    set("temperature_exponent", c.temperature_exponent, of_temperature);
+    set("depth_exponent", c.depth_exponent, of_depth);
+  };
+  follow_law("blankenbach_2a", std::log(1000.0), 0.0);
+  follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
+  choose_slowing(schema, o, p);
+  p.compressibility = c.gravity_density == "separated"      ? 1.0
+                      : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
+                                                            : 0.0;
+  if (!o.march.time.t_end) o.march.time.t_end = p.fluid.L * p.fluid.L / p.fluid.kappa;
+  return p;
+}
+
+}  // namespace tetsuame::boussinesq

@@ -1,0 +1,61 @@
+// The input of thermal convection between a hot bottom and a cold top: that of module relaxation, and
+//   &convection  numbers that override the dimensional values, slowing, density, scheme
+//   &initial     perturbation, half_waves
+//   &walls       images/options.hpp
+//   &time, &kernel, &output, &run   march/options.hpp
+#pragma once
+
+#include <images/scene.hpp>
+#include <march/options.hpp>
+#include <relaxation/options.hpp>
+
+namespace tetsuame::boussinesq {
+
+struct convection_options {
+  std::optional<double> rayleigh, prandtl;
+  double zeta = 0.0, xi = 0.0;  // 0: recommended
+  double steady_tolerance = 2e-4;
+  std::string target = "auto";
+  double steady_mach = 1.0;
+  std::string gravity_density = "boussinesq";
+  std::string pressure = "eulerian";
+  std::string scheme = "corrected";
+  double pressure_diffusion = 0.2, shifting = 1.5;
+  std::string viscosity_law = "constant";
+  double temperature_exponent = 0.0, depth_exponent = 0.0;
+  double heating = 0.0;  // W/kg
+};
+
+struct initial_options {
+  double perturbation = 0.05;   // of the difference in temperature
+  std::int64_t half_waves = 1;  // along x
+};
+
+struct options {
+  relaxation::options physics;
+  convection_options convection;
+  initial_options initial;
+  images::options walls;
+  march::options march;
+  std::int64_t ranks_x = 0;
+
+  double temperature_bottom() const { return walls.sides[2].temperature; }
+  double temperature_top() const { return walls.sides[3].temperature; }
+};
+
+// What the run computes with, all SI.
+struct parameters {
+  relaxation::fluid_layer fluid;
+  relaxation::recommendation slowing;  // by the note's rules, or as given
+  bool steady;                         // only the steady state is right: artificial inertia vanishes there
+  double c_eff;                        // m/s, slowed sound c_0/(zeta xi)
+  double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
+  double compressibility;              // what of p/K_0 gravity feels: 0, 1 or zeta²
+  std::vector<std::string> lines;      // what was chosen, and why
+};
+
+void declare(namelist::schema& schema, options& o);
+// Makes the overridden values consistent, fills what was left open, checks.
+parameters resolve(const namelist::schema& schema, options& o);
+
+}  // namespace tetsuame::boussinesq

@@ -1,0 +1,202 @@
+// DT/Dt = κ∇²T on particles that stand still.
+//
+//   sum         ∇²T = Σ_j 2 V F (T_i - T_j), F = W'(r)/r                                  [S2]
+//   consistent  operators/consistent.hpp
+//   corrected   that with the deferred correction
+#pragma once
+
+#include <cooling/exact.hpp>
+#include <cooling/options.hpp>
+#include <diffusion/conduction.hpp>
+#include <march/problem.hpp>
+#include <operators/consistent.hpp>
+#include <simulation/state.hpp>
+
+namespace tetsuame::cooling {
+
+template <int D>
+class body : public march::problem {
+ public:
+  explicit body(const options& o) : o_(o) {
+    auto& s = world_.w.s;
+    s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
+    for (std::size_t k = 0; k < S; ++k)
+      s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
+    images::set_up(world_, domain::communicator::world(), o.box, o.walls, o.march.kernel.name, o.march.kernel.h_over_dx,
+                   0.01, o.jitter, 0.0);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      s.T[i] = o.start;
+      for (std::size_t a = 0, k = 1; a < D; ++a)
+        for (std::size_t b = a; b < D; ++b) s.extras[k++].values[i] = a == b ? 1.0 : 0.0;
+    }
+    volume_ = std::pow(world_.w.dx, D);
+    beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
+  }
+
+  const domain::communicator& ranks() const override { return world_.w.d.ranks; }
+  std::size_t local_particles() const override { return world_.w.s.fluid; }
+  std::size_t simd_lanes() const override { return pairs::lanes; }
+  output::snapshot_header header() const override { return images::snapshot_header(world_); }
+
+  std::vector<integrators::field> fields() override {
+    return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
+  }
+
+  void evaluate(std::span<double* const> rate) override {
+    auto& w = world_.w;
+    auto& s = w.s;
+    refresh_temperature();
+    double* dT = rate[0];
+    if (o_.scheme == "sum") {
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] = 0.0; });
+      w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), dT});
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] /= volume_; });
+    } else {
+      bool singular = false;
+      operators::consistent<D, 1> term{{s.T.data()}, {s.extras[0].values.data()}, {}, volume_, beta_, {}, &singular};
+      for (std::size_t k = 0; k < S; ++k) {
+        term.B[k] = s.extras[1 + k].values.data();
+        term.out.next_B[k] = next_[1 + k].data();
+      }
+      for (std::size_t a = 0; a < D; ++a) term.out.gradient[0][a] = gradient_[a].data();
+      term.out.laplacian[0] = dT;
+      term.out.plain[0] = next_[0].data();
+      w.sum(w.fluid(), term);
+      if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined");
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] *= o_.kappa; });
+    }
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (!std::isfinite(dT[i]))
+        w.first_fault.report(s.id[i], "the rate of temperature is not finite; the time step may be too large");
+    w.agree();
+  }
+
+  // Euler on the lattice is stable up to dx²/(2 d kappa).
+  integrators::step_limit largest_step() override {
+    const double dx = world_.w.dx;
+    return {*o_.march.time.diffusive * dx * dx / o_.kappa, "diffusion"};
+  }
+  double diffusion_radius() override {
+    const double dx = world_.w.dx;
+    return 4.0 * D * o_.kappa / (dx * dx);
+  }
+
+  void keep_memory() override {
+    if (o_.scheme == "sum") return;
+    auto& s = world_.w.s;
+    for (std::size_t k = 0; k < next_.size(); ++k) std::copy_n(next_[k].begin(), s.fluid, s.extras[k].values.begin());
+    refresh_memory();
+  }
+
+  void rebuild(bool as_they_were) override {
+    auto& s = world_.w.s;
+    images::rebuild(world_, as_they_were);
+    std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
+    std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
+    for (auto& a : next_) a.assign(s.fluid, 0.0);
+    for (auto& a : gradient_) a.assign(s.fluid, 0.0);
+    refresh_memory();
+  }
+
+  std::vector<output::history_column> columns() const override {
+    return {{"temperature_error_l2", "1"}, {"temperature_error_max", "1"}, {"heat", "K m^D"}};
+  }
+  std::vector<double> row(double t) override {
+    const auto e = errors(t);
+    return {e.l2, e.maximum, e.heat};
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>&) override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    output::column x{"Coordinates", "m", "position", {}, true};
+    for (const auto& component : s.x) x.components.push_back(component.data());
+    g.columns = {x, {"Temperature", "K", "temperature", {s.T.data()}, false}};
+    return {g};
+  }
+
+  void report(double t, simulation::summary& r) override {
+    const auto e = errors(t);
+    r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
+    r.metrics["reference"] = o_.reference;
+    r.metrics["operator"] = o_.scheme;
+    r.metrics["heat"] = e.heat;
+    r.stages = world_.w.times.seconds();
+  }
+
+  std::string hash() override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    for (const auto& component : s.x) g.columns.push_back({"x", "", "", {component.data()}, false});
+    g.columns.push_back({"T", "", "", {s.T.data()}, false});
+    return output::state_hash(ranks().comm, {g});
+  }
+
+  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+    return simulation::checkpoint_table(world_.w.s, materials);
+  }
+  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
+
+ private:
+  static constexpr std::size_t S = operators::symmetric_terms(D);
+  static constexpr particles::role memory = particles::role::memory;
+
+  struct error_measures {
+    double l2, maximum;  // of the difference in temperature at the start
+    double heat;         // K m^D
+  };
+  error_measures errors(double t) const {
+    const auto& s = world_.w.s;
+    const double T0 = o_.temperature_top(), L = o_.box.length[1];
+    foundation::exact_sum squares, heat;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double depth = L - s.x[1][i];
+      const double exact = o_.reference == "plate" ? plate(T0, o_.start, o_.kappa, L, depth, t)
+                                                   : half_space(T0, o_.start, o_.kappa, depth, t);
+      const double e = (s.T[i] - exact) / (o_.start - T0);
+      squares.add(e * e);
+      heat.add(s.T[i] * volume_);
+      largest = std::max(largest, std::abs(e));
+    }
+    return {std::sqrt(ranks().exact(squares) / static_cast<double>(world_.fluid_total)), ranks().maximum(largest),
+            ranks().exact(heat)};
+  }
+
+  // Of ghosts and images.
+  void refresh_temperature() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    w.exchange_fluid({s.T.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      double T = s.T[j];
+      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+        if (wall.thermal == images::heat::fixed_temperature) T = 2.0 * wall.temperature - T;
+      });
+      s.T[i] = T;
+    });
+  }
+  // The Laplacian is odd where the temperature less the wall's is: there it is zero.
+  void refresh_memory() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    auto& P = s.extras[0].values;
+    w.exchange_fluid({P.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      double value = P[world_.images.source[r]];
+      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+        if (wall.thermal == images::heat::fixed_temperature) value = -value;
+      });
+      P[s.first_wall() + r] = value;
+    });
+  }
+
+  const options& o_;
+  images::scene<D> world_;
+  double volume_ = 0.0, beta_ = 0.0;
+  std::array<particles::array, 1 + S> next_;
+  std::array<particles::array, D> gradient_;
+};
+
+}  // namespace tetsuame::cooling

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cooling/options.hpp>
+
+namespace tetsuame::cooling {
+
+void declare(namelist::schema& schema, options& o) {
+  constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+  o.walls.sides[2] = {"inherit", "fixed", 1.0, 0.0, 0.0};
+  o.walls.sides[3] = {"inherit", "fixed", 0.0, 0.0, 0.0};
+  o.march.time.method = "euler";
+  o.march.time.t_end = 1e4;
+  o.march.output.history_interval = 50;
+
+  schema.group("domain", "the box and the start lattice");
+  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
+    schema.add(
+        "domain", "length_" + axis, o.box.length[a],
+        {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box along " + axis + only});
+    schema.add("domain", "particles_" + axis, o.box.particles[a],
+               {.minimum = 4, .maximum = 1e6, .meaning = "particles along " + axis + only});
+    if (a != 1)
+      schema.add("domain", "periodic_" + axis, o.box.periodic[a],
+                 {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
+  }
+  schema.add("domain", "ranks_x", o.box.ranks_x,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  schema.add("domain", "jitter", o.jitter,
+             {.minimum = 0.0,
+              .maximum = 0.3,
+              .meaning = "particles are moved off the lattice by up to so many spacings along each axis"});
+  schema.group("conduction", "a body that cools from its top");
+  schema.add("conduction", "diffusivity", o.kappa,
+             {.unit = "m^2/s", .minimum = 0.0, .exclusive_minimum = true, .meaning = "kappa, thermal"});
+  schema.add("conduction", "temperature", o.start, {.unit = "K", .meaning = "at the start"});
+  schema.add("conduction", "reference", o.reference,
+             {.choices = {"plate", "half_space"}, .meaning = "exact solution the errors are against"});
+  schema.add("conduction", "operator", o.scheme,
+             {.choices = {"sum", "consistent", "corrected"},
+              .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
+  images::declare(schema, 3, false, o.walls);
+  march::declare(schema, o.march, false);
+}
+
+void resolve(const namelist::schema& schema, options& o) {
+  march::resolve(o.march);
+  const double dx = o.dx();
+  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
+    if (const double spacing = o.box.length[a] / static_cast<double>(o.box.particles[a]);
+        std::abs(spacing - dx) > 1e-9 * dx)
+      schema.fail(
+          "domain", a == 0 ? "particles_x" : "particles_z",
+          fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, dx));
+  const auto& sides = o.walls.sides;
+  if (sides[3].thermal != "fixed")
+    schema.fail("walls", "thermal_top", "the exact solutions are of a top at a fixed temperature");
+  if (sides[3].temperature == o.start)
+    schema.fail("conduction", "temperature", "the body must start at another temperature than its top's");
+  if (o.reference == "plate" && (sides[2].thermal != "fixed" || sides[2].temperature != o.start))
+    schema.fail("walls", "temperature_bottom", "the plate's bottom is kept at the temperature it starts with");
+  if (o.reference == "half_space" && *o.march.time.t_end > 0.0) {
+    // The exact solution must not have met the bottom.
+    const double reached = std::erfc(o.box.length[1] / (2.0 * std::sqrt(o.kappa * *o.march.time.t_end)));
+    if (reached > 1e-4)
+      schema.fail(
+          "time", "t_end",
+          fmt::format("the cooling reaches the bottom: there the half space has lost {:.2g} of its difference in "
+                      "temperature; stop earlier or take a deeper box",
+                      reached));
+  }
+}
+
+}  // namespace tetsuame::cooling

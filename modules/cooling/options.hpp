@@ -1,0 +1,28 @@
+// The input of a plate or half space that cools from its top.
+#pragma once
+
+#include <images/scene.hpp>
+#include <march/options.hpp>
+
+namespace tetsuame::cooling {
+
+// Defaults: [S2]'s 2500 particles and diffusivity. With 0.2 m, Euler's limit dx²/(4 kappa) is its 4 s.
+struct options {
+  std::int64_t dimension = 2;
+  images::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, 0};
+  double jitter = 0.0;  // of the particle spacing
+  double kappa = 1e-6;  // m2/s
+  double start = 1.0;   // K
+  std::string reference = "plate";
+  std::string scheme = "consistent";
+  images::options walls;
+  march::options march;
+
+  double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }
+  double temperature_top() const { return walls.sides[3].temperature; }
+};
+
+void declare(namelist::schema& schema, options& o);
+void resolve(const namelist::schema& schema, options& o);
+
+}  // namespace tetsuame::cooling

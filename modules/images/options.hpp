@@ -1,0 +1,72 @@
+// Plane walls of a box, for programs whose walls are mirror images of the fluid: slip and heat of each side.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <domain/decomposition.hpp>
+#include <namelist/schema.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::images {
+
+struct side_options {
+  std::string slip = "inherit";  // 'inherit': as &walls slip
+  std::string thermal = "inherit";
+  double temperature = 300.0;  // K, where thermal is 'fixed'
+  double flux = 0.0;           // W/m2 into the fluid, where thermal is 'flux'
+  double velocity = 0.0;       // m/s, along the wall (x for bottom and top, y for the others)
+};
+
+struct options {
+  std::string slip = "no_slip";
+  std::string thermal = "adiabatic";
+  std::array<side_options, 6> sides;  // left, right, bottom, top, back, front
+};
+
+// Declares group &walls; `dimension` decides how many sides there are. `moving`: whether the fluid moves, so that
+// there is slip to choose, and a flux of heat.
+void declare(namelist::schema& schema, int dimension, bool moving, options& o);
+
+enum class heat { fixed_temperature, given_flux };  // adiabatic is a flux of zero
+
+// One plane wall: the fluid is where (x - position) * inward > 0 along the axis.
+template <int D>
+struct side {
+  std::size_t axis = 0;
+  double position = 0.0;  // m
+  double inward = 1.0;    // +1 at the low end, -1 at the high end
+  bool no_slip = true;
+  heat thermal = heat::given_flux;
+  double temperature = 0.0;          // K
+  double flux = 0.0;                 // W/m2
+  std::array<double, D> velocity{};  // m/s
+
+  double distance(double x) const { return (x - position) * inward; }  // m, from the wall into the fluid
+};
+
+// One side at each end of every axis that is not periodic.
+template <int D>
+std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
+  std::vector<side<D>> all;
+  for (std::size_t axis = 0; axis < D; ++axis) {
+    if (box.periodic[axis]) continue;
+    for (const std::size_t end : {0, 1}) {
+      const auto& given = o.sides[2 * axis + end];
+      const std::string& thermal = given.thermal == "inherit" ? o.thermal : given.thermal;
+      side<D> s;
+      s.axis = axis;
+      s.position = end == 0 ? 0.0 : box.length[axis];
+      s.inward = end == 0 ? 1.0 : -1.0;
+      s.no_slip = (given.slip == "inherit" ? o.slip : given.slip) == "no_slip";
+      s.thermal = thermal == "fixed" ? heat::fixed_temperature : heat::given_flux;
+      s.temperature = given.temperature;
+      s.flux = thermal == "flux" ? given.flux : 0.0;
+      s.velocity[axis == 0 ? 1 : 0] = given.velocity;
+      all.push_back(s);
+    }
+  }
+  return all;
+}
+
+}  // namespace tetsuame::images

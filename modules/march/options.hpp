@@ -1,0 +1,50 @@
+// Input that every march in time shares: groups &time, &kernel, &output and &run.
+#pragma once
+
+#include <cstdint>
+#include <namelist/schema.hpp>
+#include <optional>
+#include <simulation/options.hpp>
+#include <string>
+
+namespace tetsuame::march {
+
+struct time_options {
+  std::string method = "rk4";
+  std::int64_t order = 3;
+  std::optional<double> dt;  // s
+  bool error_control = true;
+  std::int64_t steps = 1'000'000'000;
+  std::optional<double> t_end;  // s
+  double rtol = 1e-4;
+  std::optional<double> cfl, diffusive;  // dt c/dx, dt D/dx^2
+};
+
+struct kernel_options {
+  std::string name = "wendland_c2";
+  double h_over_dx = 0.0;  // 0: the kernel's own
+  double skin = 0.2;       // of the particle spacing
+};
+
+struct options {
+  time_options time;
+  kernel_options kernel;
+  simulation::output_options output;
+  simulation::run_options run;
+};
+
+// `lists_change`: whether particles move, so that a skin is worth choosing.
+void declare(namelist::schema& schema, options& o, bool lists_change);
+
+// Fills h_over_dx, and the fractions of sound's and diffusion's limits that the method stands (below).
+void resolve(options& o);
+
+// Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the
+// methods' stability on the lattice, where |eigenvalue| <= 2.2 c/dx for sound and 8 D/dx^2 for diffusion in 2-D, 12 in
+// 3-D.
+struct fractions {
+  double cfl, diffusive;
+};
+fractions stable_fractions(const std::string& method);
+
+}  // namespace tetsuame::march

@@ -1,0 +1,58 @@
+// What a march in time asks of a problem: its state, the right-hand side, and what is to be told of it.
+#pragma once
+
+#include <domain/communicator.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <output/checkpoint.hpp>
+#include <output/history.hpp>
+#include <output/snapshot.hpp>
+#include <simulation/summary.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetsuame::march {
+
+class problem {
+ public:
+  virtual ~problem() = default;
+
+  virtual const domain::communicator& ranks() const = 0;
+  virtual std::size_t local_particles() const = 0;
+  virtual std::size_t simd_lanes() const = 0;                    // of the pair loop, which is compiled with the program
+  virtual output::snapshot_header header() const = 0;            // all but time and step
+  virtual std::vector<std::string> about() const { return {}; }  // lines for the log and the terminal
+
+  // The integrated arrays, which rebuild() and read_particles() move.
+  virtual std::vector<integrators::field> fields() = 0;
+  // dy/dt at the state in the arrays. A memory (lagged terms) may be read; it moves on in keep_memory only.
+  virtual void evaluate(std::span<double* const> rate) = 0;
+  virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
+  virtual double diffusion_radius() = 0;               // 1/s, a bound for 'rkl2' and 'rkc2'
+
+  // The rate at the present state is known: what the next evaluations lag behind may become the present.
+  virtual void keep_memory() {}
+  // After an accepted step. Returns whether it changed the state.
+  virtual bool complete_step() { return false; }
+  // m, on any rank: the largest displacement since the lists were made; what the lists allow; the largest speed (m/s).
+  virtual double moved() { return 0.0; }
+  virtual double allowance() const { return 1.0; }
+  virtual double speed() { return 0.0; }
+  // Sorting, ghosts, lists. as_they_were: positions of the last time are used, so that sums keep their order.
+  virtual void rebuild(bool as_they_were) = 0;
+
+  // Measures need an evaluation at the present state.
+  virtual std::vector<output::history_column> columns() const = 0;  // beside time and dt
+  virtual std::vector<double> row(double t) = 0;
+  virtual bool steady() const { return false; }  // after row(): nothing more will happen
+  virtual std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) = 0;
+  virtual void report(double t, simulation::summary& s) = 0;
+  virtual std::string hash() = 0;
+
+  virtual output::table_view particles_table(std::vector<std::int64_t>& materials) = 0;
+  virtual void read_particles(const output::table& t) = 0;
+  virtual void save(output::checkpoint_globals&) const {}
+  virtual void restore(const output::checkpoint_globals&) {}
+};
+
+}  // namespace tetsuame::march

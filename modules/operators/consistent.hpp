@@ -1,0 +1,190 @@
+// Gradients that are exact for linear fields on any arrangement of particles, and Laplacians consistent with them, in
+// one pass over the neighbours. With r = x_i - x_j, e = r/|r|, F = W'(r)/r, equal volumes V, d dimensions:
+//
+//   M = -Σ V F r rᵀ                      G(f) = M⁻¹ Σ V F r (f_j - f_i)          [Bonet & Lok, CMAME 180, 97 (1999)]
+//   L(f) = (2d/m_s) Σ V F s [(f_i - f_j) - G(f)·r],   m_s = -Σ V F s r²,   s = eᵀB e
+//
+// B is the unit tensor, or solves -Σ V F r_a r_b (eᵀB e) = δ_ab: then every second moment is right, and not their sum
+// only. L is exact for quadratic fields where the neighbourhood is symmetric; elsewhere a part of second order in its
+// asymmetry is left, G's error times Σ V F s r [after Fatehi & Manzari, Comput. Math. Appl. 61, 482 (2011), who take it
+// into B].
+//
+// Deferred correction: on a lattice, for long waves, to the next order (R = Σ F r⁴/Σ F r², isotropic fourth moments)
+//   L(f) = ∇²(f + β ∇²f),   G(f) = ∇(f + 2β ∇²f),   β = R/(4(d + 2))
+// so with P(f), the plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P) are of fourth order.
+#pragma once
+
+#include <operators/symmetric.hpp>
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::operators {
+
+struct fields_tag {};
+struct laplacians_tag {};
+inline constexpr fields_tag of_fields;
+inline constexpr laplacians_tag of_laplacians;
+
+// Where the operators of K fields f and of their earlier plain Laplacians P go; arrays of particles, rows are written.
+template <int D, int K>
+struct results {
+  std::array<std::array<double*, D>, K> gradient;  // G(f - 2β P)
+  std::array<double*, K> laplacian;                // L(f - β P)
+  std::array<double*, K> plain;                    // L(f), the next P
+  std::array<double*, symmetric_terms(D)> next_B;  // the next B; null where B is the unit tensor
+};
+
+template <int D, int K>
+struct consistent {
+  using real = pairs::real;
+  static constexpr std::size_t S = symmetric_terms(D);
+
+  std::array<const double*, K> f, P;
+  std::array<const double*, S> B;  // dimensionless; null: the unit tensor
+  double V;                        // m^D
+  double beta;                     // m2; 0: no correction
+  results<D, K> out;
+  bool* singular;  // set where a neighbourhood does not determine a gradient
+
+  struct me {
+    std::array<real, S> B;
+    std::array<real, S> M;                            // Σ F r_a r_b
+    std::array<std::array<real, S>, S> Q;             // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
+    pairs::vec<real, D> first;                        // Σ F s r
+    real m_s;                                         // Σ F s r²
+    std::array<pairs::vec<real, D>, 2 * K> gradient;  // Σ F r (f_i - f_j)
+    std::array<real, 2 * K> laplacian;                // Σ F s (f_i - f_j)
+  };
+
+  auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P)}; }
+
+  me begin(std::size_t i) const {
+    me a;
+    for (std::size_t k = 0; k < S; ++k) {
+      a.B[k] = real(B[k] != nullptr ? B[k][i] : 0.0);
+      a.M[k] = real(0.0);
+      for (std::size_t l = k; l < S; ++l) a.Q[k][l] = real(0.0);
+    }
+    a.first = foundation::zero<real, D>();
+    a.m_s = real(0.0);
+    for (std::size_t k = 0; k < 2 * K; ++k) {
+      a.gradient[k] = foundation::zero<real, D>();
+      a.laplacian[k] = real(0.0);
+    }
+    return a;
+  }
+
+  void add(me& a, const auto& ij) const {
+    const auto& r = ij.x_ij;
+    const real F = ij.F;
+    std::array<real, S> rr;
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q) rr[n++] = r[p] * r[q];
+    real Fs = F;
+    if (B[0] != nullptr) {
+      const real inverse_r2 = real(1.0) / max(ij.r2, real(1e-300));
+      real s(0.0);
+      n = 0;
+      for (std::size_t p = 0; p < D; ++p)
+        for (std::size_t q = p; q < D; ++q, ++n) s += (p == q ? 1.0 : 2.0) * a.B[n] * rr[n];
+      const real F_per_r2 = F * inverse_r2;
+      Fs = s * F_per_r2;
+      for (std::size_t k = 0; k < S; ++k) {
+        const real part = F_per_r2 * rr[k];
+        for (std::size_t l = k; l < S; ++l) a.Q[k][l] += part * rr[l];
+      }
+    }
+    for (std::size_t k = 0; k < S; ++k) a.M[k] += F * rr[k];
+    a.first += Fs * r;
+    a.m_s += Fs * ij.r2;
+    const auto differences = [&](std::size_t at, const auto& d) {
+      for (std::size_t k = 0; k < K; ++k) {
+        real d_k;
+        if constexpr (K == 1)
+          d_k = d;
+        else
+          d_k = d[k];
+        a.gradient[at + k] += (F * d_k) * r;
+        a.laplacian[at + k] += Fs * d_k;
+      }
+    };
+    differences(0, ij.difference(of_fields));
+    differences(K, ij.difference(of_laplacians));
+  }
+
+  void end(std::size_t i, const me& a) const {
+    constexpr auto d = static_cast<double>(D);
+    std::array<std::array<double, D>, D> M{};
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * pairs::sum(a.M[symmetric_place(q, p, D)]);
+    if (!factorise(M)) {
+#pragma omp atomic write
+      *singular = true;
+      return;
+    }
+    std::array<double, D> first;
+    for (std::size_t p = 0; p < D; ++p) first[p] = V * pairs::sum(a.first[p]);
+    const double scale = -2.0 * d / (V * pairs::sum(a.m_s));
+    std::array<std::array<double, D>, 2 * K> G;
+    std::array<double, 2 * K> L;
+    for (std::size_t k = 0; k < 2 * K; ++k) {
+      std::array<double, D> b;
+      for (std::size_t p = 0; p < D; ++p) b[p] = -V * pairs::sum(a.gradient[k][p]);
+      G[k] = solve(M, b);
+      L[k] = V * pairs::sum(a.laplacian[k]);
+      for (std::size_t p = 0; p < D; ++p) L[k] -= G[k][p] * first[p];
+      L[k] *= scale;
+    }
+    for (std::size_t k = 0; k < K; ++k) {
+      for (std::size_t p = 0; p < D; ++p) out.gradient[k][p][i] = G[k][p] - 2.0 * beta * G[K + k][p];
+      out.laplacian[k][i] = L[k] - beta * L[K + k];
+      out.plain[k][i] = L[k];
+    }
+    if (B[0] != nullptr) next_tensor(i, a);
+  }
+
+ private:
+  // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
+  void next_tensor(std::size_t i, const me& a) const {
+    std::array<std::array<double, S>, S> A{};
+    std::array<double, S> b{}, weight{};
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q, ++n) {
+        b[n] = p == q ? 1.0 : 0.0;
+        weight[n] = p == q ? 1.0 : 2.0;
+      }
+    // Rows of off-diagonal components are doubled, which makes the matrix symmetric.
+    for (std::size_t k = 0; k < S; ++k)
+      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * pairs::sum(a.Q[l][k]);
+    const bool solvable = factorise(A);
+    const auto solution = solvable ? solve(A, b) : b;
+    for (std::size_t k = 0; k < S; ++k) out.next_B[k][i] = solution[k];
+  }
+};
+
+// R/(4(d + 2)) of the kernel on the square (cubic) lattice: β above, m².
+template <int D>
+double lattice_beta(const kernels::any<D>& kernel, double dx) {
+  double second = 0.0, fourth = 0.0;
+  std::visit(
+      [&](const auto& k) {
+        const int reach = static_cast<int>(std::ceil(k.support() / dx));
+        std::array<int, D> at;
+        at.fill(-reach);
+        while (true) {
+          double r2 = 0.0;
+          for (const int n : at) r2 += n * n * dx * dx;
+          const double F = k.gradient_over_r(std::sqrt(r2));
+          second += F * r2;
+          fourth += F * r2 * r2;
+          std::size_t axis = 0;
+          while (axis < D && ++at[axis] > reach) at[axis++] = -reach;
+          if (axis == D) break;
+        }
+      },
+      kernel);
+  return fourth / second / (4.0 * (D + 2));
+}
+
+}  // namespace tetsuame::operators

@@ -1,0 +1,48 @@
+// Small symmetric systems of one particle: gradients are solved with the moments of its neighbourhood.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace tetsuame::operators {
+
+// Number of components of a symmetric tensor, in the order xx, xy, …, yy, …
+constexpr std::size_t symmetric_terms(int D) { return static_cast<std::size_t>(D * (D + 1) / 2); }
+constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t D) {
+  return a <= b ? a * D - a * (a + 1) / 2 + b : symmetric_place(b, a, D);
+}
+
+// A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
+// positive definite to working accuracy.
+template <std::size_t N>
+bool factorise(std::array<std::array<double, N>, N>& A) {
+  constexpr double singular = 1e-10;  // of the diagonal
+  for (std::size_t k = 0; k < N; ++k) {
+    const double diagonal = A[k][k];
+    for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
+    if (!(A[k][k] > singular * diagonal)) return false;
+    A[k][k] = std::sqrt(A[k][k]);
+    for (std::size_t i = k + 1; i < N; ++i) {
+      for (std::size_t l = 0; l < k; ++l) A[i][k] -= A[i][l] * A[k][l];
+      A[i][k] /= A[k][k];
+    }
+  }
+  return true;
+}
+
+// c with L Lᵀ c = b, from factorise().
+template <std::size_t N>
+std::array<double, N> solve(const std::array<std::array<double, N>, N>& L, std::array<double, N> b) {
+  for (std::size_t k = 0; k < N; ++k) {
+    for (std::size_t l = 0; l < k; ++l) b[k] -= L[k][l] * b[l];
+    b[k] /= L[k][k];
+  }
+  for (std::size_t k = N; k-- > 0;) {
+    for (std::size_t i = k + 1; i < N; ++i) b[k] -= L[i][k] * b[i];
+    b[k] /= L[k][k];
+  }
+  return b;
+}
+
+}  // namespace tetsuame::operators

@@ -1,0 +1,104 @@
+"""Thermal convection against published numbers, at few particles; ranks, threads, restarts, input."""
+
+import math
+import unittest
+
+from running import BAD_INPUT, CALCULATION_FAILED, Case
+
+MANTLE, AIR = "blankenbach_1a", "air_1e4"
+SHORT = {"time.steps": 60, "output.history_interval": 20}
+
+
+def size(n):
+    return {"domain.particles_x": n, "domain.particles_y": n}
+
+
+class Convection(Case):
+    def test_blankenbach_1a(self):
+        """Blankenbach et al. (1989): Nu 4.884409, v_rms 42.864947. At n = 16 within 1 %; at 24, 0.1 %."""
+        s = self.run_program("convection", MANTLE, {**size(16), "convection.steady_tolerance": 1e-3}).summary
+        m = s["metrics"]
+        self.assertTrue(m["steady"])
+        self.assertAlmostEqual(m["nusselt_volume"] / 4.884409, 1, delta=0.01)
+        self.assertAlmostEqual(m["v_rms"] / 42.864947, 1, delta=0.01)
+        for side in ["nusselt_top", "nusselt_bottom"]:
+            self.assertAlmostEqual(m[side] / 4.884409, 1, delta=0.03)
+        # Above the upwelling on the left the heat flux is large; where the downwelling leaves the top it is small.
+        self.assertAlmostEqual(m["q1"] / 8.059384, 1, delta=0.04)
+        self.assertAlmostEqual(m["q3"] / m["q1"], 1, delta=0.01)
+        self.assertAlmostEqual(m["q4"] / m["q2"], 1, delta=0.05)
+        for name in ["mass", "momentum", "energy"]:
+            self.assertLess(abs(s["conservation"][name]), 3e-3, name)
+
+    def test_onset(self):
+        """Free slip, a cell as wide as high: disturbances grow as (s/Pr + K)(s + K) = Ra pi^2/K, K = 2 pi^2, in kappa/L^2; none below
+        Ra = 8 pi^4 = 779.3 [Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), ch. II]."""
+        K = 2 * math.pi**2
+        settings = {**size(16), "time.t_end": 1.5e17, "convection.steady_tolerance": 0, "convection.xi": 4e12, "convection.zeta": 5,
+                    "initial.perturbation": 1e-3}
+        for Ra in [600, 1000]:
+            result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra})
+            header, rows = result.rows()
+            t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
+            rows = [(float(row[t]) * 1e-18, float(row[v])) for row in rows if float(row[t]) > 5e16]
+            rate = math.log(rows[-1][1] / rows[0][1]) / (rows[-1][0] - rows[0][0])
+            a = 1 / result.summary["metrics"]["prandtl_effective"]
+            b, c = K * (1 + a), K * K - Ra * math.pi**2 / K
+            with self.subTest(rayleigh=Ra):
+                self.assertAlmostEqual(rate, (-b + math.sqrt(b * b - 4 * a * c)) / (2 * a), delta=0.3)
+
+    def test_ranks_threads_restart(self):
+        for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2"}),
+                           (AIR, {"domain.periodic_x": ".true."})]:
+            with self.subTest(name, **more):
+                settings = {**SHORT, **size(20), "initial.perturbation": 0.2, **more}
+                whole = self.run_program("convection", name, settings).summary
+                self.assertGreater(whole["metrics"]["v_rms"], 1)
+                for ranks, threads in [(2, 1), (3, 1), (None, 2)]:
+                    s = self.run_program("convection", name, settings, ranks=ranks, threads=threads).summary
+                    self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+                part = {**settings, "time.steps": 40, "run.checkpoint_interval": 40}
+                self.run_program("convection", name, part, output=f"part_{name}_{len(more)}_{list(more)[:1]}")
+                s = self.run_program("convection", name, settings, output=f"part_{name}_{len(more)}_{list(more)[:1]}",
+                                     options=["--restart", "latest"], ranks=2).summary
+                self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+
+    def test_three_dimensions(self):
+        """A roll in a thin periodic box is the two-dimensional flow."""
+        settings = {**SHORT, **size(10), "initial.perturbation": 0.2}
+        flat = self.run_program("convection", MANTLE, settings).summary["metrics"]
+        deep = self.run_program("convection", MANTLE, {**settings, "domain.dimension": 3, "domain.length_z": 1e6,
+                                                       "domain.particles_z": 10, "domain.periodic_z": ".true."}).summary["metrics"]
+        for name in ["nusselt_volume", "v_rms", "nusselt_top"]:
+            self.assertAlmostEqual(deep[name] / flat[name], 1, delta=0.03)
+
+    def test_choices(self):
+        """Each choice changes the run, and runs."""
+        settings = {**SHORT, **size(12), "initial.perturbation": 0.2}
+        hashes = {"as it is": self.run_program("convection", MANTLE, settings).summary["state_hash"]}
+        for change in [{"convection.pressure": "lagrangian"}, {"convection.operator": "trace"}, {"convection.operator": "consistent"},
+                       {"convection.shifting": 0.5}, {"convection.pressure_diffusion": 0.1}, {"convection.heating": 1e-11},
+                       {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional"},
+                       {"convection.viscosity_law": "exponential", "convection.temperature_exponent": 1.0}, {"convection.steady_mach": 0.5}, {"walls.slip_top": "no_slip"},
+                       {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
+                       {"convection.target": "transient"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
+            with self.subTest(**change):
+                s = self.run_program("convection", MANTLE, {**settings, **change}).summary
+                hashes[str(change)] = s["state_hash"]
+        self.assertEqual(len(set(hashes.values())), len(hashes))
+
+    def test_wrong_input(self):
+        for key, value, word in [("domain.periodic_y", ".true.", "periodic_y"), ("walls.temperature_bottom", -1, "temperature_bottom"),
+                                 ("convection.rayleigh", -1, "rayleigh"), ("convection.temperature_exponent", 1, "viscosity_law")]:
+            with self.subTest(key):
+                result = self.run_program("convection", MANTLE, {key: value}, expect=BAD_INPUT)
+                self.assertIn(word, result.stderr)
+                self.assertFalse(result.directory.exists())
+
+    def test_too_large_a_step_is_told(self):
+        result = self.run_program("convection", MANTLE, {**size(12), "time.dt": 1e16}, expect=CALCULATION_FAILED)
+        self.assertIn("above the", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
