@@ -118,7 +118,7 @@ void print_choice(const fluid_layer& f, const recommendation& r, const choice& w
          {"Pr_eff", number(r.Pr_eff), "", "Pr/xi^2"},
          {"V", number(r.speed), "m/s",
           reached_balance(f, r.layers) == relaxation::balance::viscous ? "reached: viscosity balances buoyancy"
-                                                           : "reached: inertia balances buoyancy"},
+                                                                       : "reached: inertia balances buoyancy"},
          {"Mach", number(r.mach), "", "V/c_eff"},
          {"Re_xi", number(r.reynolds), "", "xi^2 V L/nu"}},
         {false, true, false, false}}
