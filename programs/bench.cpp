@@ -130,6 +130,7 @@ json as_json(const bench::result& r, const settings& o, const std::string& proce
   j["pairs_per_second"] = r.pairs_per_second();
   j["pairs_per_second_per_core"] = r.pairs_per_second() / r.threads;
   j["ns_per_pair"] = r.ns_per_pair();
+  j["threads_speedup"] = r.speedup_over_first;
   j["bytes_per_particle"] = r.bytes_per_particle;
   j["list_bytes_per_particle"] = r.list_bytes_per_particle;
   j["stages"] = r.stages;
@@ -148,17 +149,17 @@ json as_json(const bench::result& r, const settings& o, const std::string& proce
 }
 
 void print_head() {
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "case", "D", "particles", "threads",
-             "pairs", "Mupd/s", "Mpairs/s", "ns/pair", "scalar/", "walls", "bytes/", "list");
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "", "", "", "", "each", "per core",
-             "per core", "per core", "engine", "share", "particle", "bytes");
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "case", "D", "particles",
+             "threads", "faster", "pairs", "Mupd/s", "Mpairs/s", "ns/pair", "scalar/", "walls", "bytes/", "list");
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "", "", "", "", "", "each",
+             "per core", "per core", "per core", "engine", "share", "particle", "bytes");
 }
 
 void print_row(const bench::result& r) {
   const auto walls = r.stages.find("walls");
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7.1f}{:>10.3f}{:>10.1f}{:>9.2f}{:>9}{:>6.1f}%{:>8.0f}{:>8.0f}\n", r.name,
-             r.dimension, r.particles, r.threads, r.neighbours, 1e-6 * r.updates_per_second() / r.threads,
-             1e-6 * r.pairs_per_second() / r.threads, r.ns_per_pair(),
+  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7.2f}{:>7.1f}{:>10.3f}{:>10.1f}{:>9.2f}{:>9}{:>6.1f}%{:>8.0f}{:>8.0f}\n", r.name,
+             r.dimension, r.particles, r.threads, r.speedup_over_first, r.neighbours,
+             1e-6 * r.updates_per_second() / r.threads, 1e-6 * r.pairs_per_second() / r.threads, r.ns_per_pair(),
              r.speedup_over_scalar ? fmt::format("{:.2f}", *r.speedup_over_scalar) : "",
              walls != r.stages.end() ? 100.0 * walls->second : 0.0, r.bytes_per_particle, r.list_bytes_per_particle);
   std::fflush(stdout);

@@ -5,25 +5,41 @@
 // the null particle to a multiple of `lanes`.
 #pragma once
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cells/grid.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
-#include <span>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace tetsuame::cells {
+
+// A vector with it leaves new values as they are: large arrays that are written at once are not filled before.
+template <class T>
+struct uninitialised : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = uninitialised<U>;
+  };
+  template <class U>
+  void construct(U* at) {
+    ::new (static_cast<void*>(at)) U;
+  }
+  template <class U, class... Arguments>
+  void construct(U* at, Arguments&&... arguments) {
+    ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
+  }
+};
 
 struct neighbour_list {
   // Values in one SIMD register: a row is padded to a multiple of it.
   static constexpr std::size_t lanes = foundation::lanes;
 
   std::vector<std::size_t> start;  // per row, into `neighbours`; one more at the end
-  std::vector<std::int32_t> neighbours;
+  std::vector<std::int32_t, uninitialised<std::int32_t>> neighbours;
   std::size_t pairs = 0;             // entries without padding
   std::size_t null = 0;              // the null particle's index, the largest there is
   mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
@@ -32,49 +48,56 @@ struct neighbour_list {
 };
 
 // Row r lists the particles j with |centre(r) - x_j| < reach and accept(r, j). The list's memory serves again.
+//
+// Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
+// those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
 template <int D, class Centre, class Accept>
 void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double reach, std::size_t null,
                Centre&& centre, Accept&& accept) {
+  constexpr std::size_t block = 256;  // rows
   list.null = null;
-  list.start.assign(rows + 1, 0);
-  // Each thread makes its share of rows in a store of its own; then all stand one behind the other.
-  const int threads = rows > foundation::rows_worth_threads ? omp_get_max_threads() : 1;
-  std::vector<std::vector<std::int32_t>> shares(static_cast<std::size_t>(threads));
-  if (threads == 1) {
-    shares[0] = std::move(list.neighbours);
-    shares[0].clear();
-  }
-  std::size_t pairs = 0;
-#pragma omp parallel num_threads(threads) reduction(+ : pairs)
-  {
-    const auto share = static_cast<std::size_t>(omp_get_thread_num()),
-               all = static_cast<std::size_t>(omp_get_num_threads());
-    auto& mine = shares[share];
-    const std::size_t first = rows * share / all, last = rows * (share + 1) / all;
-    for (std::size_t r = first; r < last; ++r) {
-      const std::size_t begin = mine.size();
-      for_each_near<D>(g, centre(r), reach, [&](std::uint32_t j) {
-        if (accept(r, j)) mine.push_back(static_cast<std::int32_t>(j));
-      });
-      pairs += mine.size() - begin;
-      while (mine.size() % neighbour_list::lanes != 0) mine.push_back(static_cast<std::int32_t>(null));
-      list.start[r + 1] = mine.size() - begin;  // lengths first
-      constexpr std::size_t sample = 64;        // rows that tell how long the others will be
-      if (r + 1 == first + sample) mine.reserve(mine.size() / sample * (last - first + sample) / 16 * 17);
-    }
-#pragma omp barrier
-#pragma omp single
+  list.start.resize(rows + 1);
+  list.start[0] = 0;
+  list.neighbours.resize(list.neighbours.capacity());
+  std::size_t pairs = 0, end = 0;
+  const auto sweep = [&] {
+    pairs = end = 0;
+#pragma omp parallel reduction(+ : pairs) if (rows > foundation::rows_worth_threads)
     {
-      for (std::size_t r = 0; r < rows; ++r) list.start[r + 1] += list.start[r];
-      if (all > 1) list.neighbours.resize(list.start[rows]);
+      std::vector<std::int32_t> made;
+#pragma omp for ordered schedule(dynamic, 1)
+      for (std::size_t first = 0; first < rows; first += block) {
+        const std::size_t last = std::min(rows, first + block);
+        made.clear();
+        for (std::size_t r = first; r < last; ++r) {
+          const std::size_t begin = made.size();
+          for_each_near<D>(g, centre(r), reach, [&](std::uint32_t j) {
+            if (accept(r, j)) made.push_back(static_cast<std::int32_t>(j));
+          });
+          pairs += made.size() - begin;
+          while (made.size() % neighbour_list::lanes != 0) made.push_back(static_cast<std::int32_t>(null));
+          list.start[r + 1] = made.size();  // from the block's begin
+        }
+        std::size_t begin;
+#pragma omp ordered
+        {
+          begin = end;
+          end += made.size();
+        }
+        for (std::size_t r = first; r < last; ++r) list.start[r + 1] += begin;
+        if (begin + made.size() <= list.neighbours.size())
+          std::copy(made.begin(), made.end(), list.neighbours.begin() + static_cast<std::ptrdiff_t>(begin));
+      }
     }
-    if (all > 1) {
-      std::copy(mine.begin(), mine.end(), list.neighbours.begin() + static_cast<std::ptrdiff_t>(list.start[first]));
-      std::vector<std::int32_t>().swap(mine);
-    } else {
-      list.neighbours = std::move(mine);
-    }
+  };
+  sweep();
+  if (end > list.neighbours.size()) {
+    list.neighbours.clear();
+    list.neighbours.shrink_to_fit();        // before the new memory is taken
+    list.neighbours.resize(end / 32 * 33);  // a little to spare
+    sweep();
   }
+  list.neighbours.resize(end);
   list.pairs = pairs;
 }
 

@@ -14,7 +14,7 @@ struct request {
   std::string name;           // one of case_names
   int dimension;              // 2 or 3
   std::int64_t side;          // particles along each axis
-  std::vector<int> threads;   // measured one after the other, on the same particles
+  std::vector<int> threads;   // measured in turns, on the same particles
   double seconds;             // to spend on each number of threads, the start not counted
   std::int64_t steps_a_list;  // over how many steps the making of lists is spread
 
@@ -34,6 +34,7 @@ struct result {
   double step_seconds = 0.0;                    // of one Euler step, its share of list making included
   double list_seconds = 0.0;                    // to make the lists once, ghosts and sorting included
   std::map<std::string, double> stages;         // shares of step_seconds, their sum is 1
+  double speedup_over_first = 1.0;              // over the first number of threads: median of the turns' ratios
   double bytes_per_particle = 0.0;              // all memory in use but the lists
   double list_bytes_per_particle = 0.0;         // fluid's neighbour lists
   std::optional<double> speedup_over_scalar;    // of the two sums of program C
@@ -46,7 +47,7 @@ struct result {
   double ns_per_pair() const { return 1e9 * threads / pairs_per_second(); }  // of one core's time
 };
 
-// Measures the case for each number of threads in turn. fail_calculation if engine and scalar
+// Measures the case for each number of threads. fail_calculation if engine and scalar
 // reference disagree.
 void measure(const request& asked, const std::function<void(const result&)>& take);
 

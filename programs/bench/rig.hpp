@@ -102,16 +102,22 @@ class rig {
     found_.passes = Program::passes;
   }
 
-  result measure(int threads) {
-    omp_set_num_threads(threads);
-    result r = found_;
-    r.threads = threads;
-    double load = 0.0;
-    if (getloadavg(&load, 1) == 1) r.load_average = load;
-    time_steps(r);
+  // For each number of threads asked for. They take turns, so that what else the machine does falls on all of them.
+  std::vector<result> measure() {
+    std::vector<result> all;
+    for (const int threads : asked_.threads) {
+      all.push_back(found_);
+      all.back().threads = threads;
+      if (double load = 0.0; getloadavg(&load, 1) == 1) all.back().load_average = load;
+    }
+    time_steps(all);
     if constexpr (std::is_same_v<Program, program_c>)
-      if (run_.world.uniform_transport) compare_with_scalar(r);
-    return r;
+      if (run_.world.uniform_transport)
+        for (result& r : all) {
+          omp_set_num_threads(r.threads);
+          compare_with_scalar(r);
+        }
+    return all;
   }
 
  private:
@@ -139,32 +145,53 @@ class rig {
     return since(start);
   }
 
-  // Rounds of: new lists, the step that finds them new, ordinary steps. What the first step takes more
-  // than an ordinary one (what is kept while lists live) is charged to the lists.
-  void time_steps(result& r) {
-    constexpr int rounds = 3;
-    std::vector<double> lists, steps;
-    std::map<std::string, double> seconds;
-    for (int n = 0; n < rounds; ++n) {
-      lists.push_back(time_of([&] { make_lists(); }) + time_of([&] { step(); }));
-      run_.world.w.times.clear();
-      const auto start = clock::now();
-      do steps.push_back(time_of([&] { step(); }));
-      while (since(start) < asked_.seconds / rounds || steps.size() < 2 * static_cast<std::size_t>(n + 1));
-      for (const auto& [name, s] : run_.world.w.times.seconds()) seconds[name] += s;
-    }
-    const double ordinary = median(steps);
-    r.list_seconds = std::max(0.0, median(lists) - ordinary);
-    const double lists_a_step = r.list_seconds / static_cast<double>(asked_.steps_a_list);
-    r.step_seconds = ordinary + lists_a_step;
+  // Rounds, in each of which every number of threads has its turn: new lists, the step that finds them new, ordinary
+  // steps. What the first step takes more than an ordinary one (what is kept while lists live) is charged to the lists.
+  void time_steps(std::vector<result>& all) {
+    struct record {
+      std::vector<double> lists, steps, rounds;  // s, s, and s an ordinary step of a round with its share of the lists
+      std::map<std::string, double> seconds;
+    };
+    std::vector<record> records(all.size());
+    constexpr std::size_t fewest = 3, most = 25;
+    const double turn = asked_.seconds / 10.0;
+    const auto begin = clock::now();
+    for (std::size_t n = 0; n < fewest || (n < most && since(begin) < asked_.seconds * static_cast<double>(all.size()));
+         ++n)
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        omp_set_num_threads(all[k].threads);
+        auto& [lists, steps, rounds, seconds] = records[k];
+        lists.push_back(time_of([&] { make_lists(); }) + time_of([&] { step(); }));
+        run_.world.w.times.clear();
+        const auto start = clock::now();
+        std::vector<double> these;
+        do these.push_back(time_of([&] { step(); }));
+        while (since(start) < turn || these.size() < 3);
+        for (const auto& [name, s] : run_.world.w.times.seconds()) seconds[name] += s;
+        steps.insert(steps.end(), these.begin(), these.end());
+        const double ordinary = median(these);
+        rounds.push_back(ordinary + std::max(0.0, lists.back() - ordinary) / static_cast<double>(asked_.steps_a_list));
+      }
 
-    double total = 0.0, staged = 0.0;
-    for (const double s : steps) total += s;
-    for (const auto& [name, s] : seconds) staged += s;
-    seconds["rest"] = std::max(0.0, total - staged);  // displacements, the largest speed, the walls' last guard
-    total = std::max(total, staged);
-    for (const auto& [name, s] : seconds) r.stages[name] = s / total * ordinary / r.step_seconds;
-    r.stages["lists"] = lists_a_step / r.step_seconds;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      auto& [lists, steps, rounds, seconds] = records[k];
+      result& r = all[k];
+      const double ordinary = median(steps);
+      r.list_seconds = std::max(0.0, median(lists) - ordinary);
+      const double lists_a_step = r.list_seconds / static_cast<double>(asked_.steps_a_list);
+      r.step_seconds = ordinary + lists_a_step;
+      std::vector<double> ratios;
+      for (std::size_t n = 0; n < rounds.size(); ++n) ratios.push_back(records[0].rounds[n] / rounds[n]);
+      r.speedup_over_first = median(ratios);
+
+      double total = 0.0, staged = 0.0;
+      for (const double s : steps) total += s;
+      for (const auto& [name, s] : seconds) staged += s;
+      seconds["rest"] = std::max(0.0, total - staged);  // displacements, the largest speed, the walls' last guard
+      total = std::max(total, staged);
+      for (const auto& [name, s] : seconds) r.stages[name] = s / total * ordinary / r.step_seconds;
+      r.stages["lists"] = lists_a_step / r.step_seconds;
+    }
   }
 
   void count_pairs() {
@@ -261,7 +288,7 @@ class rig {
 template <class Program, int D>
 void measure_case(const request& asked, const std::function<void(const result&)>& take) {
   rig<Program, D> bench(asked);
-  for (const int threads : asked.threads) take(bench.measure(threads));
+  for (const result& r : bench.measure()) take(r);
 }
 
 template <int D>
