@@ -94,7 +94,7 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double 
   if (end > list.neighbours.size()) {
     list.neighbours.clear();
     list.neighbours.shrink_to_fit();        // before the new memory is taken
-    list.neighbours.resize(end / 32 * 33);  // a little to spare
+    list.neighbours.resize(end + end / 32);  // a little to spare
     sweep();
   }
   list.neighbours.resize(end);
