@@ -93,7 +93,7 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double 
   sweep();
   if (end > list.neighbours.size()) {
     list.neighbours.clear();
-    list.neighbours.shrink_to_fit();        // before the new memory is taken
+    list.neighbours.shrink_to_fit();         // before the new memory is taken
     list.neighbours.resize(end + end / 32);  // a little to spare
     sweep();
   }

@@ -89,7 +89,7 @@ void wrap(const box<D>& region, particles::particles<D>& s) {
       const double shift = s.x[a][i] < 0.0 ? length : s.x[a][i] >= length ? -length : 0.0;
       if (shift == 0.0) continue;
       s.x[a][i] += shift;
-      s.x_start[a][i] += shift;
+      if (s.keeps_start) s.x_start[a][i] += shift;
       s.x_list[a][i] += shift;
     }
   }

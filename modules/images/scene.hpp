@@ -65,7 +65,8 @@ void set_up(scene<D>& scene, const domain::communicator& ranks, const box_option
     s.id[i] = ids[i];
     s.material[i] = 0;
     for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = s.x_start[a][i] = places[i][a];
+      s.x[a][i] = places[i][a];
+      if (s.keeps_start) s.x_start[a][i] = places[i][a];
       s.v[a][i] = 0.0;
     }
   }

@@ -32,11 +32,6 @@ struct release_arkode {
 };
 using arkode_handle = std::unique_ptr<void, release_arkode>;
 
-table_handle euler_table() {
-  double c[] = {0.0}, a[] = {0.0}, b[] = {1.0};
-  return table_handle(ARKodeButcherTable_Create(1, 1, 0, c, a, b, nullptr));
-}
-
 // A. Ralston, Math. Comp. 16, 431 (1962): of the two-stage methods of order 2 the one with the
 // smallest bound on the error; forward Euler is embedded.
 table_handle ralston_table() {
@@ -58,15 +53,13 @@ table_handle rk4_table() {
 }
 
 bool stabilised(const std::string& method) { return method == "rkl2" || method == "rkc2"; }
-bool formed_here(const std::string& method) { return stabilised(method) || method == "ab2"; }
+bool formed_here(const std::string& method) { return stabilised(method) || method == "ab2" || method == "euler"; }
 
 table_handle table_of(const std::string& method, int order) {
   if (formed_here(method)) return nullptr;
   if (method == "ssp_rk3") return ssp_rk3_table();
   if (method == "rk4") return rk4_table();
   switch (order) {
-    case 1:
-      return euler_table();
     case 2:
       return ralston_table();
     case 3:
@@ -163,7 +156,8 @@ struct explicit_integrator::implementation {
 
   int order = order_of(options);
   bool adaptive = controls_error(options);
-  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2";
+  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2",
+       is_euler = options.method == "euler";
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
   table_handle table = table_of(options.method, order);
 
@@ -203,6 +197,7 @@ struct explicit_integrator::implementation {
   outcome attempt_here(double dt);
   int stabilised_stages(double dt);
   int ab2_step(double dt);
+  int euler_step(double dt);
   void form_stage(const recurrence& r, std::size_t j, double dt);
   void estimate_error(double factor, double dt);
   void check_fields() const;
@@ -506,11 +501,25 @@ int explicit_integrator::implementation::ab2_step(double dt) {
   return evaluate(t + dt, latest_rate.get());
 }
 
+// In one sweep: the state is kept and moves on. A fixed step is not tried again, so the rate at its end
+// may stand in the place of that at its start.
+int explicit_integrator::implementation::euler_step(double dt) {
+  const auto f = values(start_rate.get());
+  const auto before = values_to_overwrite(saved.get());
+  set_arrays([&](std::size_t k, std::size_t i) {
+    before[k][i] = fields[k].data[i];
+    return before[k][i] + dt * f[k][i];
+  });
+  for (N_Vector done : {start_rate.get(), latest_rate.get()}) forget_values(done);
+  rate_known = false;
+  return evaluate(t + dt, latest_rate.get());
+}
+
 explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_here(double dt) {
-  N_VScale(1.0, home.get(), saved.get());
+  if (!is_euler) N_VScale(1.0, home.get(), saved.get());
   int status = 0;
   try {
-    status = is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
+    status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
   } catch (...) {
     return_to_saved();
     throw;

@@ -1,6 +1,5 @@
 // Explicit steps straight over the particle arrays. Runge–Kutta steps
 // y_(n+1) = y_n + dt sum_s b_s f(t_s, Y_s), SUNDIALS' ARKODE (ERKStep) doing the stages:
-//   'euler'              forward Euler, fixed step
 //   'order_2'            Ralston (1962), fixed step
 //   'order_3'            Bogacki & Shampine (1989), fixed step
 //   'order_4'            Zonneveld (1963), fixed step
@@ -9,6 +8,7 @@
 //   'rk4'                the classical one of Kutta (1901), fixed step: up to 1.4
 //   'adaptive'           those of order 2 to 5, steps from the embedded error estimate
 // and steps formed here:
+//   'euler'              forward Euler, fixed step: beside the particle arrays one state and one rate
 //   'ab2'                Adams & Bashforth, fixed step, one evaluation a step
 //   'rkl2', 'rkc2'       stabilised for diffusion (stabilised.hpp); steps from an error estimate, or fixed
 // Order 2 has a table of its own: ERKStep 6.4 takes every table whose last abscissa is 1 for

@@ -13,7 +13,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tetsuame::particles {
@@ -67,12 +69,9 @@ struct particles {
   array m;                       // kg
   array eta;                     // Pa s
   array k;                       // W/(m K)
-  std::array<array, D> x_start;  // m, moved along when a periodic border is crossed
   std::array<array, D> x_list;   // m, where the particle was when the neighbour lists were made
-  array p_reference;             // Pa, pressure of the exact solution at the start position
-  array rho_reference;           // kg/m3
-
-  array rho_guess;  // kg/m3, where the iteration for Y starts
+  std::array<array, D> x_start;  // m, moved along when a periodic border is crossed; where keeps_start is set
+  bool keeps_start = false;      // set before the first particle is there
 
   array p_eos;  // Pa, p^(rho, T), straight from the equation of state
   array p;      // Pa, what the forces use: smoothed, or p^
@@ -88,6 +87,14 @@ struct particles {
   std::size_t total() const { return fluid + fluid_ghosts + walls + wall_ghosts; }
   std::size_t null() const { return total(); }
 };
+
+// The problem's own field of that name, which must be there.
+template <class P>
+auto& extra(P& s, std::string_view name) {
+  for (auto& e : s.extras)
+    if (e.name == name) return e.values;
+  throw std::logic_error("no extra field " + std::string(name));
+}
 
 struct field_info {
   const char* name;  // of the data set
@@ -117,13 +124,11 @@ void for_each_field(P& s, F&& f) {
   f(field_info{"Masses", "kg", "mass (2-D: per metre of depth)", constant, true}, list{&s.m});
   f(field_info{"Viscosity", "Pa s", "dynamic viscosity", constant, true}, list{&s.eta});
   f(field_info{"Conductivity", "W/(m K)", "thermal conductivity", constant, false}, list{&s.k});
-  f(field_info{"StartCoordinates", "m", "position at the start, less periodic jumps", constant, false},
-    components(s.x_start));
+  if (s.keeps_start)
+    f(field_info{"StartCoordinates", "m", "position at the start, less periodic jumps", constant, false},
+      components(s.x_start));
   f(field_info{"ListCoordinates", "m", "position when the neighbour lists were made", memory, false},
     components(s.x_list));
-  f(field_info{"PressureReference", "Pa", "pressure of the exact solution", constant, true}, list{&s.p_reference});
-  f(field_info{"DensityReference", "kg/m^3", "density of the exact solution", constant, true}, list{&s.rho_reference});
-  f(field_info{"DensityGuess", "kg/m^3", "start value of the iteration for Y", memory, false}, list{&s.rho_guess});
   f(field_info{"PressureEOS", "Pa", "pressure straight from the equation of state", derived, true}, list{&s.p_eos});
   f(field_info{"Pressure", "Pa", "pressure in the forces: smoothed, or that of the equation of state", derived, true},
     list{&s.p});

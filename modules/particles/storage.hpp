@@ -40,7 +40,7 @@ void allocate(particles<D>& s, std::size_t fluid, std::size_t fluid_ghosts, std:
   const auto resize = [&](auto& a) {
     // A little to spare, where the library's own growth would double.
     const std::size_t most = walls_move ? std::max(n, std::max(s.first_wall(), old_first_wall) + walls) : n;
-    if (a.capacity() < most) a.reserve(most + most / 32);
+    if (a.capacity() < most) a.reserve(most + most / 64);
     if (walls_move) {
       if (a.size() < most) a.resize(most);
       const auto from = a.begin() + static_cast<std::ptrdiff_t>(old_first_wall);

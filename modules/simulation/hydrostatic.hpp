@@ -206,7 +206,7 @@ struct run {
   void start_from_present_state() {
     if constexpr (iterates) {
       integrator->prepare();
-      std::copy_n(world.w.s.rho.begin(), world.w.s.fluid, world.w.s.rho_guess.begin());
+      std::copy_n(world.w.s.rho.begin(), world.w.s.fluid, particles::extra(world.w.s, volume::density_guess).begin());
     }
   }
 
@@ -508,6 +508,7 @@ struct run {
     world.weight_carried = volume_module::carried == volume::carries::weight;
     if constexpr (iterates) {
       how.how = o.hosono;
+      volume::add_density_guess(world.w.s);
       volume::equation_of_state(world.w, world.w.s.fluid);
       start_kappa = volume::detail::largest_kappa(world.w);
     }

@@ -22,12 +22,13 @@ errors measure_errors(const scene<D>& scene) {
   foundation::exact_sum sum;
   errors e;
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    const double dp = std::abs(s.p[i] / s.p_reference[i] - 1.0);
+    const auto row = start_place(scene, s.id[i])[1];
+    const double dp = std::abs(s.p[i] / scene.p_exact[row] - 1.0);
     sum.add(dp);
     e.pressure_max = std::max(e.pressure_max, dp);
-    e.density_max = std::max(e.density_max, std::abs(s.rho[i] / s.rho_reference[i] - 1.0));
+    e.density_max = std::max(e.density_max, std::abs(s.rho[i] / scene.rho_exact[row] - 1.0));
     double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_start[a][i]) * (s.x[a][i] - s.x_start[a][i]);
+    for (const double d : displacement(scene, i)) r2 += d * d;
     e.displacement_max_over_dx = std::max(e.displacement_max_over_dx, std::sqrt(r2) / scene.w.dx);
   }
   e.pressure_mean = ranks.exact(sum) / static_cast<double>(scene.fluid_total);

@@ -18,10 +18,36 @@ struct scene {
   walls::wall_set<D> walls;
   double skin = 0.0;  // m
   std::int64_t fluid_total = 0;
-  bool density_carried = false;             // ρ is part of the state
-  bool weight_carried = false;              // Y is
+  std::array<std::int64_t, D> lattice{};   // particles along each axis at the start, numbered by ID along the first one
+  std::vector<double> p_exact, rho_exact;  // Pa, kg/m3, of the exact solution, by row along y
+  bool density_carried = false;            // ρ is part of the state
+  bool weight_carried = false;             // Y is
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
 };
+
+// Where the particle of that ID stood at the start: its place on the lattice along each axis.
+template <int D>
+std::array<std::size_t, D> start_place(const scene<D>& scene, std::int64_t id) {
+  std::array<std::size_t, D> place;
+  for (std::size_t a = 0; a < D; ++a) {
+    place[a] = static_cast<std::size_t>(id % scene.lattice[a]);
+    id /= scene.lattice[a];
+  }
+  return place;
+}
+
+// m, how far fluid particle i is from its start. Over a periodic border the nearest image counts.
+template <int D>
+std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
+  const auto& box = scene.w.d.region;
+  const auto place = start_place(scene, scene.w.s.id[i]);
+  std::array<double, D> d;
+  for (std::size_t a = 0; a < D; ++a) {
+    d[a] = scene.w.s.x[a][i] - (static_cast<double>(place[a]) + 0.5) * scene.w.dx;
+    if (box.periodic[a]) d[a] -= box.length[a] * std::round(d[a] / box.length[a]);
+  }
+  return d;
+}
 
 // Pressure of the exact solution at the height y: the initial pressure, or the hydrostatic
 // dp/dy = -ρ^(p, T) g from the top, by fourth-order Runge–Kutta steps of at most Δx/16.
@@ -56,16 +82,17 @@ void place_fluid(const options& o, scene<D>& scene) {
   auto& w = scene.w;
   auto& s = w.s;
   const profile exact(o, w.materials[0]);
-  std::array<std::int64_t, D> cells;
+  auto& cells = scene.lattice;
   scene.fluid_total = 1;
   for (std::size_t a = 0; a < D; ++a) {
     cells[a] = o.domain.particles[a];
     scene.fluid_total *= cells[a];
   }
-  std::vector<double> p_row, rho_row;  // by height
+  scene.p_exact.clear();
+  scene.rho_exact.clear();
   for (std::int64_t row = 0; row < cells[1]; ++row) {
-    p_row.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
-    rho_row.push_back(exact.density(p_row.back()));
+    scene.p_exact.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
+    scene.rho_exact.push_back(exact.density(scene.p_exact.back()));
   }
   // A cell of the slice grid is a box: what it holds along each axis.
   const auto cell = w.d.cell();
@@ -89,15 +116,14 @@ void place_fluid(const options& o, scene<D>& scene) {
       rest /= mine[a].size();
       s.id[i] += stride * at[a];
       stride *= cells[a];
-      s.x[a][i] = s.x_start[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
+      s.x[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
       s.v[a][i] = 0.0;
     }
     const auto row = static_cast<std::size_t>(at[1]);
-    s.rho[i] = s.rho_reference[i] = s.rho_guess[i] = rho_row[row];
-    s.p_reference[i] = p_row[row];
+    s.rho[i] = scene.rho_exact[row];
     s.T[i] = o.initial.temperature;
     s.m[i] = s.rho[i] * std::pow(w.dx, D);
-    s.Y[i] = s.p_reference[i] * s.m[i] / s.rho[i];
+    s.Y[i] = scene.p_exact[row] * s.m[i] / s.rho[i];
     s.u[i] = 0.0;
     s.eta[i] = o.material.viscosity;
     s.k[i] = o.material.conductivity;
@@ -118,14 +144,16 @@ void place_walls(const options& o, scene<D>& scene) {
     s.T[i] = o.initial.temperature;
     s.eta[i] = o.material.viscosity;
     s.k[i] = o.material.conductivity;
-    s.p_reference[i] = frozen ? exact.pressure(s.x[1][i]) : o.initial.pressure;
-    s.rho_reference[i] = exact.density(s.p_reference[i]);
-    s.rho[i] = s.rho_reference[i];
+    s.p[i] = s.p_eos[i] = frozen ? exact.pressure(s.x[1][i]) : o.initial.pressure;
+    s.rho[i] = exact.density(s.p[i]);
     s.m[i] = s.rho[i] * std::pow(w.dx, D);
-    s.p[i] = s.p_eos[i] = s.p_reference[i];
     s.dV[i] = s.m[i] / s.rho[i];
     s.Y[i] = s.p[i] * s.dV[i];
   }
+  if (!frozen) return;
+  const auto begin = static_cast<std::ptrdiff_t>(s.first_wall()), end = begin + static_cast<std::ptrdiff_t>(s.walls);
+  scene.walls.p_given.assign(s.p.begin() + begin, s.p.begin() + end);
+  scene.walls.rho_given.assign(s.rho.begin() + begin, s.rho.begin() + end);
 }
 
 // Gives the ranks other cells. Walls move at once; the fluid, and all that hangs on it, at the next rebuild, which

@@ -45,23 +45,36 @@ output::particle_group group_of(const particles::particles<D>& s, int type, std:
 
 }  // namespace detail
 
-// Fluid and walls for a snapshot, with the smoothing length and the displacement beside the fields of
-// the table; `extra` holds what is made for the occasion.
+// Fluid and walls for a snapshot, with the smoothing length and, of the fluid, the displacement and the exact solution
+// beside the fields of the table; `extra` holds what is made for the occasion.
 template <int D>
 std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, double h,
                                                     std::vector<particles::array>& extra) {
   const auto& s = scene.w.s;
-  extra.assign(D + 1, particles::array(s.total(), 0.0));
-  std::fill(extra[0].begin(), extra[0].end(), h);
-  for (std::size_t a = 0; a < D; ++a)
-    for (std::size_t i = 0; i < s.total(); ++i) extra[a + 1][i] = i < s.fluid ? s.x[a][i] - s.x_start[a][i] : 0.0;
+  enum : std::size_t { smoothing_length, pressure, density, moved };
+  extra.assign(moved + D, particles::array(s.fluid, 0.0));
+  extra[smoothing_length].assign(s.total(), h);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto row = start_place(scene, s.id[i])[1];
+    extra[pressure][i] = scene.p_exact[row];
+    extra[density][i] = scene.rho_exact[row];
+    const auto d = displacement(scene, i);
+    for (std::size_t a = 0; a < D; ++a) extra[moved + a][i] = d[a];
+  }
   std::vector<output::particle_group> groups;
   const auto add = [&](int type, std::size_t begin, std::size_t n) {
     auto g = detail::group_of<D>(s, type, begin, n);
-    g.columns.push_back({"SmoothingLength", "m", "smoothing length h", {extra[0].data() + begin}, false});
-    output::column displacement{"Displacement", "m", "position less start position", {}, true};
-    for (std::size_t a = 0; a < D; ++a) displacement.components.push_back(extra[a + 1].data() + begin);
-    g.columns.push_back(std::move(displacement));
+    g.columns.push_back(
+        {"SmoothingLength", "m", "smoothing length h", {extra[smoothing_length].data() + begin}, false});
+    if (type == 0) {
+      g.columns.push_back(
+          {"PressureReference", "Pa", "pressure of the exact solution", {extra[pressure].data()}, false});
+      g.columns.push_back(
+          {"DensityReference", "kg/m^3", "density of the exact solution", {extra[density].data()}, false});
+      output::column displacement{"Displacement", "m", "position less start position", {}, true};
+      for (std::size_t a = 0; a < D; ++a) displacement.components.push_back(extra[moved + a].data());
+      g.columns.push_back(std::move(displacement));
+    }
     groups.push_back(std::move(g));
   };
   add(0, 0, s.fluid);

@@ -8,7 +8,7 @@
 //   anderson       the same map, accelerated from its last passes (KINSOL)
 //   newton         unknowns ln ρ: p^(ρ_i) - Σ_j m_j p^(ρ_j)/ρ_j W_ij = 0 (KINSOL, Newton–Krylov),
 //                  whose operator K_T - S (K_T - p) is positive; its diagonal preconditions.
-// Every evaluation starts from the density of the last completed step (`rho_guess`, part of a
+// Every evaluation starts from the density of the last completed step (an extra field, part of a
 // checkpoint), so that what an evaluation gives does not depend on those between.
 #pragma once
 
@@ -22,6 +22,15 @@
 
 namespace tetsuame::volume {
 
+inline constexpr const char* density_guess = "DensityGuess";
+
+// The field from which the iteration starts, with the present density in it: to be added once the particles are there.
+template <int D>
+void add_density_guess(particles::particles<D>& s) {
+  s.extras.push_back({density_guess, "kg/m^3", "start value of the iteration for Y", particles::role::memory,
+                      particles::array(s.rho)});
+}
+
 struct hosono_iteration {
   static constexpr const char* name = "hosono_iteration";
   static constexpr carries carried = carries::nothing;
@@ -34,7 +43,7 @@ struct hosono_iteration {
   template <int D>
   void before_walls(pairs::workspace<D>& w, const surroundings<D>&) const {
     auto& s = w.s;
-    std::copy_n(s.rho_guess.begin(), s.fluid, s.rho.begin());
+    std::copy_n(particles::extra(s, density_guess).begin(), s.fluid, s.rho.begin());
     w.exchange_fluid({s.rho.data()});
     equation_of_state(w, s.first_wall());
     require_positive(w, s.p_eos, "the start value's pressure");
@@ -146,12 +155,13 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   double densest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < s.fluid; ++i) densest = std::min(densest, dV[i]);
   densest = w.d.ranks.minimum(densest);
+  const auto& guess = particles::extra(s, density_guess);
   double p_most = -std::numeric_limits<double>::infinity(), p_start = p_most, K_T = 0.0;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     std::visit(
         [&](const auto& material) {
           p_most = std::max(p_most, material.evaluate(s.m[i] / densest, s.T[i]).p);
-          const auto start = material.evaluate(s.rho_guess[i], s.T[i]);
+          const auto start = material.evaluate(guess[i], s.T[i]);
           p_start = std::max(p_start, start.p);
           K_T = std::max(K_T, start.K_T);
         },

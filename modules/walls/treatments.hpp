@@ -301,8 +301,8 @@ struct frozen : nothing {
       for (std::size_t k = 0; k < set.sides.size(); ++k)
         if ((set.mirrored[r] >> k & 1U) != 0) v = set.sides[k].velocity;
       for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-      s.rho[i] = s.rho_reference[i];
-      s.p[i] = s.p_reference[i];
+      s.rho[i] = set.rho_given[r];
+      s.p[i] = set.p_given[r];
       s.dV[i] = s.m[i] / s.rho[i];
     }
     w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});

@@ -26,6 +26,8 @@ struct wall_set {
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J).
   particles::array pressure_step, weight_step;
   std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g
+
+  particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start
 };
 
 // Radius of a marker's interpolation in kernel supports.
@@ -104,7 +106,8 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
     s.material[i] = 0;
     set.mirrored[r] = mine[r].mirrored;
     for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = s.x_start[a][i] = mine[r].x[a];
+      s.x[a][i] = mine[r].x[a];
+      if (s.keeps_start) s.x_start[a][i] = mine[r].x[a];
       set.marker[a][r] = mine[r].marker[a];
     }
     s.m[i] = s.rho[i] = s.p[i] = s.p_eos[i] = s.c_V[i] = s.c[i] = 1.0;

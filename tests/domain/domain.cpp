@@ -303,6 +303,8 @@ BOOST_AUTO_TEST_CASE(wrap_moves_start_and_list_positions_along) {
   auto scene = make_scene<2>(o, alone());
   auto& s = scene.w.s;
   const auto before = s.x;
+  s.keeps_start = true;
+  s.x_start = s.x;
   const auto start = s.x_start;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (std::size_t a = 0; a < 2; ++a) s.x[a][i] += 3.0 * noise(s.id[i], a);

@@ -29,6 +29,7 @@ outcome solve(const simulation::options& o, double jitter, volume::hosono_option
               const domain::communicator& ranks = domain::communicator::world(), bool normalise = false) {
   auto scene = make_scene<2>(o, ranks, jitter);
   refresh(scene);
+  volume::add_density_guess(scene.w.s);
   volume::hosono_iteration how;
   how.how = std::move(options);
   test::evaluate<volume::smoothed>(scene, how, {normalise});
@@ -95,6 +96,7 @@ BOOST_AUTO_TEST_CASE(plain_diverges_at_the_rate_of_theory) {
     refresh(scene);
     const double S_min = kernels::transfer_minimum<2>(scene.w.kernel, scene.w.dx).value;
     const double G = (1.0 / ratio - 1.0) * (1.0 - S_min);
+    volume::add_density_guess(scene.w.s);
     volume::hosono_iteration how;
     how.how = {.solver = "plain", .tolerance = 1e-13, .max_iterations = 200};
     std::string message;
@@ -140,6 +142,7 @@ BOOST_AUTO_TEST_CASE(proof_that_no_state_exists) {
   const auto proof = [](double p, bool normalise) {
     auto scene = make_scene<2>(at_pressure(p), domain::communicator::world());
     refresh(scene);
+    volume::add_density_guess(scene.w.s);
     volume::hosono_iteration how;
     const volume::surroundings<2> around{scene.treatment, scene.walls, {normalise}};
     how.before_walls(scene.w, around);
