@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <foundation/error.hpp>
 #include <map>
 #include <string>
 #include <utility>
@@ -18,12 +19,24 @@
 
 namespace tetsuame::output {
 
+// Values by name; one that is missing is an error of the file.
+template <class T>
+struct named_values : std::map<std::string, T> {
+  using std::map<std::string, T>::map;
+  const T& at(const std::string& name) const {
+    const auto found = this->find(name);
+    if (found == this->end())
+      foundation::fail_file("the checkpoint has no '" + name + "': another version of the program wrote it");
+    return found->second;
+  }
+};
+
 // The same on every rank; written as rank 0 has them. Names are without '/'.
 struct checkpoint_globals {
-  std::map<std::string, double> reals;
-  std::map<std::string, std::int64_t> integers;
-  std::map<std::string, std::string> texts;
-  std::map<std::string, std::vector<double>> blobs;
+  named_values<double> reals;
+  named_values<std::int64_t> integers;
+  named_values<std::string> texts;
+  named_values<std::vector<double>> blobs;
 };
 
 // What one rank holds of a kind of particles, to be written. The names are the same on
@@ -39,13 +52,13 @@ struct table_view {
 // As read: rank r of p holds rows N r / p up to N (r + 1) / p, ascending in ID.
 struct table {
   std::vector<std::int64_t> ids;
-  std::map<std::string, std::vector<double>> reals;
-  std::map<std::string, std::vector<std::int64_t>> integers;
+  named_values<std::vector<double>> reals;
+  named_values<std::vector<std::int64_t>> integers;
 };
 
 struct checkpoint {
   checkpoint_globals globals;
-  std::map<std::string, table> tables;
+  named_values<table> tables;
 };
 
 std::string checkpoint_name(std::int64_t step);  // checkpoint_00001200.h5

@@ -1,11 +1,16 @@
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <foundation/error.hpp>
+#include <map>
 #include <optional>
 #include <output/agree.hpp>
 #include <output/directory.hpp>
@@ -18,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv",
-                                    "series.xdmf",  "run.log",      "cuts.csv",    "times.csv"};
+constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv", "series.xdmf",
+                                    "run.log",      "cuts.csv",     "times.csv",   "balance.csv"};
 
 // The digits of PREFIX<digits>SUFFIX, as a number.
 std::optional<std::int64_t> number_in(const std::string& name, const std::string& prefix, const std::string& suffix) {
@@ -63,6 +68,25 @@ void remove_files(const std::string& directory, const std::vector<std::string>& 
   }
 }
 
+// Keeps the directory for this process until it ends, however it ends. A file system without locks lets everyone in.
+void lock(const std::string& directory) {
+  const int opened = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return;
+  struct stat about {};
+  static std::map<std::pair<dev_t, ino_t>, int> held;
+  const bool known = ::fstat(opened, &about) == 0 && held.contains({about.st_dev, about.st_ino});
+  if (!known && ::flock(opened, LOCK_EX | LOCK_NB) == 0) {
+    held.emplace(std::pair{about.st_dev, about.st_ino}, opened);
+    return;
+  }
+  const bool taken = !known && errno == EWOULDBLOCK;
+  ::close(opened);
+  if (taken)
+    foundation::fail_input(fmt::format(
+        "another run is writing to {}: wait for its end, or name another directory by --output; nothing was written",
+        directory));
+}
+
 void open_on_this_rank(const std::string& directory, directory_mode mode) {
   std::error_code ignored;
   const bool exists = fs::exists(directory, ignored);
@@ -71,6 +95,7 @@ void open_on_this_rank(const std::string& directory, directory_mode mode) {
   if (!exists && mode == directory_mode::restart)
     foundation::fail_file(fmt::format("cannot continue in {}: there is no such directory", directory));
   if (!exists) make(directory);
+  lock(directory);
 
   auto names = names_in(directory);
   if (mode == directory_mode::fresh && !names.empty())

@@ -17,8 +17,8 @@ enum class directory_mode {
 };
 
 // Collective: rank 0 looks, all agree.
-//   fail_input  the directory is not empty (fresh), or the path is a file: nothing was written
-//   fail_file   it cannot be made or written, or there is nothing to continue (restart)
+//   fail_input  the directory is not empty (fresh), the path is a file, or another run writes there: nothing was
+//   written fail_file   it cannot be made or written, or there is nothing to continue (restart)
 // Removes what a killed run left half written (*.tmp of our own names). From here on a
 // file-size limit fails a write instead of ending the program by a signal.
 void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode);

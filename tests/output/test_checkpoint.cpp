@@ -76,6 +76,14 @@ void check_state(MPI_Comm comm, const output::checkpoint& c) {
 
 }  // namespace
 
+BOOST_AUTO_TEST_CASE(a_value_that_is_not_there_is_an_error_of_the_file) {
+  const auto g = globals();
+  std::string message;
+  BOOST_TEST(fails(exit_status::file_failed, message, [&] { g.integers.at("steps"); }));
+  BOOST_TEST(message.find("'steps'") != std::string::npos, message);
+  BOOST_TEST(g.reals.at("time") == 0.1 + 0.2);
+}
+
 BOOST_AUTO_TEST_CASE(written_on_p_ranks_read_on_q) {
   const auto directory = fresh_directory("checkpoint_pq");
   std::string first;

@@ -1,4 +1,8 @@
 // The rules for the output directory: nothing is overwritten unasked, only our own files are removed.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <output/directory.hpp>
 
 #include "scratch.hpp"
@@ -53,6 +57,27 @@ BOOST_AUTO_TEST_CASE(force_removes_our_files_only) {
   auto left = others;
   std::sort(left.begin(), left.end());
   BOOST_TEST((names_in(directory) == left));
+}
+
+// As a second job would: another description of the open directory holds the lock.
+BOOST_AUTO_TEST_CASE(a_directory_that_another_run_writes_to_is_refused_until_that_ends) {
+  const auto directory = fresh_directory("directory_locked");
+  fill(directory, ours);
+  int other = -1;
+  if (rank() == 0) {
+    other = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY);
+    BOOST_REQUIRE(::flock(other, LOCK_EX | LOCK_NB) == 0);
+  }
+  for (const auto mode : {directory_mode::force, directory_mode::restart}) {
+    std::string message;
+    BOOST_TEST(fails(exit_status::bad_input, message, [&] { open(directory, mode); }));
+    BOOST_TEST(message.find("another run") != std::string::npos, message);
+  }
+  BOOST_TEST((names_in(directory) == ours));
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) ::close(other);
+  BOOST_CHECK_NO_THROW(open(directory, directory_mode::restart));
+  BOOST_CHECK_NO_THROW(open(directory, directory_mode::restart));  // this run's own lock is in nobody's way
 }
 
 BOOST_AUTO_TEST_CASE(restart_keeps_results_and_clears_halves) {
