@@ -56,7 +56,7 @@ def markdown(header: list[str], rows: list[list[str]]) -> str:
 def measured_table(rows: list[dict]) -> str:
     first = rows[0]
     lines = [[r["kind"], f"{r['ranks']} × {r['threads']}", f"{r['particles']:,}".replace(",", " "), f"{1e-6 * r['updates_per_second']:.2f}",
-              f"{r['efficiency']:.3f}", f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
+              f"{r['efficiency']:.3f}", analysis.ratio(analysis.of_the_machine(r, rows)), f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
               f"{100 * r['waiting_fraction']:.1f} %", f"{r['bytes_sent_per_step'] / 1024:.0f}", f"{r['messages_per_step']:.1f}",
               f"{r['collectives_per_step']:.1f}"] for r in rows]
     fits = [f"Parallel fraction over {fit.over}: {fit.text}." for fit in analysis.amdahl(rows)]
@@ -64,7 +64,7 @@ def measured_table(rows: list[dict]) -> str:
         f"{first['processor']}, {first['cores_here']} cores, {first['simd_lanes']} lanes; {first['steps']} steps, {first['repeats']} rounds; "
         f"load average at the start {first['load_average']:.1f}{'' if first['load_average'] < analysis.QUIET else ': **busy with other work, which these numbers show**'}"
         f"{'; OMP_WAIT_POLICY=' + first['wait_policy'] if first['wait_policy'] else ''}.",
-        markdown(["kind", "ranks × threads", "particles", "million updates/s", "efficiency", "least–largest", "waiting",
+        markdown(["kind", "ranks × threads", "particles", "million updates/s", "efficiency", "of the copies", "least–largest", "waiting",
                   "KiB sent a step", "messages", "collectives"], lines), *fits])
 
 

@@ -12,6 +12,14 @@ class Unreadable(Exception):
     """Why there is nothing to show, and what to do."""
 
 
+def of_the_machine(row: dict, rows: list[dict]) -> float | None:
+    """A run's rate over that of as many separate copies as it has cores, in the same rounds: what the program itself loses."""
+    same = [r for r in rows if r["kind"] == "copies" and r["ranks"] == row["ranks"] * row["threads"]]
+    if not same or row["kind"] == "copies":
+        return None
+    return median(u / c for u, c in zip(row["updates_per_second_readings"], same[0]["updates_per_second_readings"]))
+
+
 def per_core(row: dict) -> float:
     return row["updates_per_second"] / (row["ranks"] * row["threads"])
 
@@ -45,11 +53,12 @@ def result(kind: str, run, readings: list[dict], machine: dict) -> dict:
 def add_efficiency(rows: list[dict]) -> None:
     """Rate a core over that of the fewest cores of the same kind, and its spread over the rounds: round k's readings of
     both were taken one soon after the other."""
-    for kind in ("strong", "weak"):
+    for kind in ("strong", "weak", "copies"):
         same = [r for r in rows if r["kind"] == kind]
         if not same:
             continue
-        base = base_of(same)
+        # A copy on its own is the strong run on one core.
+        base = base_of([r for r in rows if r["kind"] == "strong"] if kind == "copies" else same)
         for r in same:
             c, c0 = r["ranks"] * r["threads"], base["ranks"] * base["threads"]
             pairs = [u * c0 / (u0 * c) for u, u0 in zip(r["updates_per_second_readings"], base["updates_per_second_readings"])]
@@ -115,13 +124,17 @@ def read(folder: Path) -> tuple[list[dict], list[dict]]:
     return rows, exchanges
 
 
+def ratio(value: float | None) -> str:
+    return "" if value is None else f"{value:.3f}"
+
+
 def as_text(rows: list[dict]) -> str:
     """A table for the terminal."""
-    lines = [f"{'':7}{'ranks':>6}{'threads':>8}{'particles':>11}{'M updates/s':>13}{'efficiency':>12}{'spread':>16}{'waiting':>9}"
+    lines = [f"{'':7}{'ranks':>6}{'threads':>8}{'particles':>11}{'M updates/s':>13}{'efficiency':>12}{'spread':>16}{'/copies':>9}{'waiting':>9}"
              f"{'KiB/step':>10}{'messages':>10}"]
     for r in rows:
         spread = f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}"
         lines.append(f"{r['kind']:7}{r['ranks']:6}{r['threads']:8}{r['particles']:11,}{1e-6 * r['updates_per_second']:13.3f}"
-                     f"{r['efficiency']:12.3f}{spread:>16}{100 * r['waiting_fraction']:8.1f}%"
+                     f"{r['efficiency']:12.3f}{spread:>16}{ratio(of_the_machine(r, rows)):>9}{100 * r['waiting_fraction']:8.1f}%"
                      f"{r['bytes_sent_per_step'] / 1024:10.1f}{r['messages_per_step']:10.1f}")
     return "\n".join(lines)

@@ -107,10 +107,13 @@ def study(given: argparse.Namespace) -> None:
     for n in range(repeats):
         # There and back, so that a slow drift of the machine's speed favours none.
         for run in runs if n % 2 == 0 else runs[::-1]:
+            if run.copies:
+                readings[run].append(runner.measure_copies(run, program, source, given.steps, work))
+                continue
             launcher = given.launcher or default_launcher(run.cores)
             readings[run].append(runner.measure(run, launcher, program, source, given.steps, work))
         runner.say(f"round {n + 1} of {repeats}, {len(runs)} runs each, {time.monotonic() - begin:.0f} s")
-    rows = [analysis.result(kind, run, read, facts) for kind in ("strong", "weak") for run, read in readings.items() if kind in run.kinds]
+    rows = [analysis.result(kind, run, read, facts) for kind in ("strong", "weak", "copies") for run, read in readings.items() if kind in run.kinds]
     analysis.add_efficiency(rows)
     exchanges = [runner.exchange(r, given.launcher or default_launcher(r), exchange, work) for r in ranks if r > 1]
     for name, content in (("scaling", rows), ("exchange", exchanges)):

@@ -5,7 +5,7 @@ from html import escape
 from bench_report.page import STYLE, image, table
 
 from . import model
-from .analysis import amdahl
+from .analysis import amdahl, of_the_machine, ratio
 
 CAPTIONS = {
     "measured": ("Measured", "Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest."),
@@ -38,10 +38,10 @@ def page(rows: list[dict], exchanges: list[dict], costs: model.Costs | None, dra
 
 def numbers(rows: list[dict]) -> str:
     lines = [[r["kind"], str(r["ranks"]), str(r["threads"]), f"{r['particles']:,}", f"{1e-6 * r['updates_per_second']:.3f}",
-              f"{r['efficiency']:.3f}", f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
+              f"{r['efficiency']:.3f}", ratio(of_the_machine(r, rows)), f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
               f"{100 * r['waiting_fraction']:.1f} %", f"{r['bytes_sent_per_step'] / 1024:.1f}", f"{r['messages_per_step']:.1f}",
               f"{r['collectives_per_step']:.1f}"] for r in rows]
-    return table(["Kind", "Ranks", "Threads", "Particles", "M updates/s", "Efficiency", "Least–largest", "Waiting", "KiB sent a step",
+    return table(["Kind", "Ranks", "Threads", "Particles", "M updates/s", "Efficiency", "Of the copies", "Least–largest", "Waiting", "KiB sent a step",
                   "Messages", "Collectives"], lines, 1, "wide")
 
 

@@ -1,4 +1,5 @@
-"""Which runs: every number of ranks with every number of threads, at fixed size (strong) and at fixed size a core (weak)."""
+"""Which runs: every number of ranks with every number of threads, at fixed size (strong) and at fixed size a core (weak);
+and as many separate runs at once (copies), which exchange nothing: what the machine itself gives."""
 from dataclasses import dataclass
 
 SPACING = 5.0e3  # m, that of the input
@@ -9,15 +10,19 @@ class Run:
     ranks: int
     threads: int
     counts: tuple[int, int]  # fluid particles along x and y
-    kinds: tuple[str, ...]   # "strong", "weak"
+    kinds: tuple[str, ...]   # "strong", "weak"; or "copies": `ranks` runs of one rank, of `counts` each
 
     @property
     def cores(self) -> int:
         return self.ranks * self.threads
 
     @property
+    def copies(self) -> bool:
+        return "copies" in self.kinds
+
+    @property
     def particles(self) -> int:
-        return self.counts[0] * self.counts[1]
+        return self.counts[0] * self.counts[1] * (self.ranks if self.copies else 1)
 
     @property
     def name(self) -> str:
@@ -47,4 +52,8 @@ def runs(ranks: list[int], threads: list[int], side: int, cores: int | None) -> 
             a, b = factors(r * t)
             for kind, counts in (("strong", (side, side)), ("weak", (side * a, side * b))):
                 wanted.setdefault((r, t, counts), []).append(kind)
-    return [Run(r, t, counts, tuple(kinds)) for (r, t, counts), kinds in wanted.items()]
+    found = [Run(r, t, counts, tuple(kinds)) for (r, t, counts), kinds in wanted.items()]
+    # Copies are bound to this machine's cores, which no launcher does for them.
+    if cores is not None and 1 in threads:
+        found += [Run(r, 1, (side, side), ("copies",)) for r in ranks if 1 < r <= cores]
+    return found

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .plan import Run
@@ -57,6 +58,21 @@ def start(command: list[str], threads: int, log: Path) -> str:
         said = (done.stderr.strip() or done.stdout.strip()).splitlines()
         raise Failed(f"exit {done.returncode}: {shlex.join(command)}\n  " + "\n  ".join(said[-5:]) + f"\n  all of it: {log}")
     return done.stdout
+
+
+def measure_copies(run: Run, program: Path, source: Path, steps: int, folder: Path) -> dict:
+    """run.ranks separate runs at once, each on a core of its own: the first one's summary.json with all their rates' sum."""
+    one = Run(1, 1, run.counts, run.kinds)
+    cores = sorted(os.sched_getaffinity(0))[:run.ranks]
+
+    def copy(core: int) -> dict:
+        own = folder / f"copy_{core}"
+        own.mkdir(exist_ok=True)
+        return measure(one, f"taskset --cpu-list {core}", program, source, steps, own)
+
+    with ThreadPoolExecutor(len(cores)) as pool:
+        summaries = list(pool.map(copy, cores))
+    return summaries[0] | {"particle_updates_per_second": sum(s["particle_updates_per_second"] for s in summaries)}
 
 
 def measure(run: Run, launcher: str, program: Path, source: Path, steps: int, folder: Path) -> dict:

@@ -51,6 +51,20 @@ class Driver(Case):
         self.assertEqual(found, {("strong", 1, 1): SIDE ** 2, ("strong", 2, 1): SIDE ** 2,
                                  ("weak", 1, 1): SIDE ** 2, ("weak", 2, 1): 2 * SIDE ** 2})
 
+    @unittest.skipIf(len(os.sched_getaffinity(0)) < 2, "two copies need two cores")
+    def test_copies_run_beside_each_other(self):
+        """What the machine gives: as many separate runs, each with all the particles; the others are compared with them."""
+        folder = self.here / "copies"
+        folder.mkdir()
+        said = study(folder, "--ranks", "1,2", "--size", SIDE, "--repeats", "1", "--steps", STEPS)
+        self.assertEqual(said.returncode, COMPLETED, said.stderr)
+        rows = json.loads((folder / "scaling/scaling.json").read_text())
+        copies = [r for r in rows if r["kind"] == "copies"]
+        self.assertEqual([(r["ranks"], r["threads"], r["particles"]) for r in copies], [(2, 1, 2 * SIDE ** 2)])
+        two = next(r for r in rows if (r["kind"], r["ranks"], r["threads"]) == ("strong", 2, 1))
+        self.assertAlmostEqual(analysis.of_the_machine(two, rows), two["updates_per_second"] / copies[0]["updates_per_second"])
+        self.assertIsNone(analysis.of_the_machine(copies[0], rows))
+
     def test_threads_alone(self):
         """No ranks to exchange anything: no costs of it, and so no prediction; the base is what there is."""
         with_threads = self.here / "threads"
