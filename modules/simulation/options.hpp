@@ -21,7 +21,7 @@ struct domain_options {
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
   std::int64_t ranks_x = 0;     // columns of ranks; 0: as the box's shape suggests
-  std::string balance = "off";  // what cuts between ranks follow: off, measured or counted cost
+  std::string balance = "measured";  // what cuts between ranks follow: measured or counted cost, or off
 };
 
 struct initial_options {
