@@ -34,10 +34,13 @@ endif()
 set(TETSUAME_HOST_AVX512 OFF)
 if(EXISTS /proc/cpuinfo)
   file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
-  if(flags MATCHES "avx512bw" AND flags MATCHES "avx512vl" AND flags MATCHES "avx512dq")
+  if(flags MATCHES "avx512bw" AND flags MATCHES "avx512cd" AND flags MATCHES "avx512vl" AND flags MATCHES "avx512dq")
     set(TETSUAME_HOST_AVX512 ON)
   endif()
 endif()
+
+# All but programs for processors of the other kind: what tests need.
+add_custom_target(this_machine)
 
 function(tetsuame_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
@@ -58,7 +61,8 @@ function(tetsuame_module name)
 endfunction()
 
 # WIDE: the pair loop is in it. Built for AVX2 and for AVX-512, in folders of their own; the program's name
-# stands for a launcher that chooses (programs/launcher.cpp). Not with another TETSUAME_ARCH, or for
+# stands for a launcher that chooses (programs/launcher.cpp), and as a target for it and the one that this machine
+# takes; the other is only built with all. Not with another TETSUAME_ARCH, or for
 # debugging: then the name is the program.
 function(tetsuame_program name)
   cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS" ${ARGN})
@@ -72,12 +76,17 @@ function(tetsuame_program name)
     add_executable(${name}_avx512 ${arg_SOURCES})
     set_target_properties(${name}_avx512 PROPERTIES
       TETSUAME_WIDE ON OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx512)
-    add_dependencies(${name} ${targets})
+    if(TETSUAME_HOST_AVX512)
+      add_dependencies(${name} ${name}_avx512)
+    else()
+      add_dependencies(${name} ${name}_avx2)
+    endif()
   else()
     add_executable(${name} ${arg_SOURCES})
     set(targets ${name})
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
+  add_dependencies(this_machine ${name})
   foreach(target IN LISTS targets)
     target_link_libraries(${target} PRIVATE ${arg_DEPENDS})
     # The physics is compiled here, from headers. Its sums over neighbours run the same
@@ -98,6 +107,7 @@ function(tetsuame_test name)
     set(arg_TIMEOUT 300)
   endif()
   add_executable(test_${name} ${arg_SOURCES})
+  add_dependencies(this_machine test_${name})
   target_compile_definitions(test_${name} PRIVATE BOOST_TEST_DYN_LINK
     TETSUAME_SOURCE_DIR="${CMAKE_SOURCE_DIR}" TETSUAME_BINARY_DIR="${CMAKE_BINARY_DIR}")
   target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} tetsuame_options Boost::unit_test_framework)
