@@ -2,7 +2,7 @@
 //
 //   ξ² dv/dt = -G(p)/ρ₀ + ν [L(v) + (G(v) + G(v)ᵀ - D(v))·∇ln ν] + b ŷ + ξ² (w + a v)·G(v)
 //   dp/dt    = -ρ₀ (c₀/ζ)² D(v) + (w + e v)·G(p) + δ h c_eff Q(p)
-//   dT/dt    = κ L(T) + w·G(T) + H/c_p                      dx/dt = v + w
+//   dT/dt    = κ L(T) + w·G(T) + ε h |w| Q(T) + H/c_p       dx/dt = v + w
 //   b = α g (T - T_ref) - g q p/K₀,   T_ref the conductive profile
 //
 // G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout. p is the part of the pressure beyond that
@@ -32,27 +32,95 @@
 
 namespace tetsuame::boussinesq {
 
-struct pressure_gradient_tag {};
-inline constexpr pressure_gradient_tag of_pressure_gradient;
+struct slopes_tag {};
+inline constexpr slopes_tag of_slopes;
 
-// Q(p) above. Reads p among the fields of operators::consistent, at place K - 1.
-template <int D>
-struct pressure_smoothing {
+struct viscosity_root_tag {};
+inline constexpr viscosity_root_tag of_viscosity_root;
+
+// Q(T) and Q(p) above. Reads T and p among the fields of operators::consistent, at places D and D + 1. Graded: Q(p)
+// takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
+template <int D, bool graded>
+struct noise {
   using real = pairs::real;
-  std::array<const double*, D> gradient;  // Pa/m
-  double V;                               // m^D
-  double* out;                            // Pa/m^2
+  std::array<const double*, 2 * D> gradients;  // K/m, Pa/m
+  double V;                                    // m^D
+  std::array<double*, 2> out;                  // K/m^2, Pa/m^2
 
   struct me {
-    real sum;
+    std::array<real, 2> sum;
   };
-  auto reads() const { return std::tuple{pairs::read(of_pressure_gradient, gradient)}; }
-  me begin(std::size_t) const { return {real(0.0)}; }
+  auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
+  me begin(std::size_t) const { return {{real(0.0), real(0.0)}}; }
   void add(me& a, const auto& ij) const {
-    const auto G = ij.own(of_pressure_gradient) + ij(of_pressure_gradient);
-    a.sum += ij.F * (2.0 * ij.difference(operators::of_fields)[D + 1] - foundation::dot(G, ij.x_ij));
+    const auto G = ij.own(of_slopes) + ij(of_slopes);
+    for (std::size_t k = 0; k < 2; ++k) {
+      real steps = 2.0 * ij.difference(operators::of_fields)[D + k];
+      for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
+      if constexpr (graded)
+        if (k == 1) {
+          const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
+          steps *= mine / max(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
+        }
+      a.sum[k] += ij.F * steps;
+    }
   }
-  void end(std::size_t i, const me& a) const { out[i] = V * pairs::sum(a.sum); }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < 2; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+  }
+};
+
+// Divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i, from forces along the lines between particles:
+//   (d + 2) (2d/m) V [Σ F (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F e e r],  m = -V Σ F r²,  ν_ij = (ν_i ν_j)^½
+// [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
+// soon as ν changes severalfold from one particle to the next. The second sum, zero on a lattice, makes linear
+// velocities exact. v - β P(v) for v is the deferred correction of flows without divergence, β = R/(4(d + 4)).
+template <int D>
+struct graded_viscosity {
+  using real = pairs::real;
+  static constexpr std::size_t S = operators::symmetric_terms(D);
+
+  const double* root;                                    // ν^½
+  double beta;                                           // m2
+  std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
+  std::array<double*, D> out;                            // 1/(m s)
+
+  struct me {
+    pairs::vec<real, D> sum;
+    std::array<pairs::vec<real, D>, S> third;  // Σ F e e r
+    real m;
+  };
+  auto reads() const { return std::tuple{pairs::read(of_viscosity_root, root)}; }
+  me begin(std::size_t) const {
+    me a;
+    a.sum = foundation::zero<real, D>();
+    for (auto& t : a.third) t = foundation::zero<real, D>();
+    a.m = real(0.0);
+    return a;
+  }
+  void add(me& a, const auto& ij) const {
+    const auto& r = ij.x_ij;
+    const auto v = ij.difference(operators::of_fields), P = ij.difference(operators::of_laplacians);
+    const real per_r2 = ij.F / max(ij.r2, real(1e-300));
+    real along(0.0);
+    for (std::size_t b = 0; b < D; ++b) along += (v[b] - beta * P[b]) * r[b];
+    a.sum += (per_r2 * ij(of_viscosity_root) * along) * r;
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q) a.third[n++] += (per_r2 * r[p] * r[q]) * r;
+    a.m += ij.F * ij.r2;
+  }
+  void end(std::size_t i, const me& a) const {
+    constexpr auto d = static_cast<double>(D);
+    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
+    for (std::size_t p = 0; p < D; ++p) {
+      double force = pairs::sum(a.sum[p]) / root[i];
+      for (std::size_t q = 0; q < D; ++q)
+        for (std::size_t c = 0; c < D; ++c)
+          force -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
+      out[p][i] = scale * force;
+    }
+  }
 };
 
 // Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
@@ -92,8 +160,11 @@ class convection : public march::problem {
     pressure_ = add("DynamicPressure", "Pa", role::integrated);
     lap_ = add("Laplacian_0", "", role::memory);
     for (std::size_t k = 1; k < K; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
+    grad_T_ = add("TemperatureGradient_0", "K/m", role::memory);
+    for (std::size_t k = 1; k < D; ++k) add("TemperatureGradient_" + std::to_string(k), "K/m", role::memory);
     grad_p_ = add("PressureGradient_0", "Pa/m", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("PressureGradient_" + std::to_string(k), "Pa/m", role::memory);
+    root_ = add("ViscosityRoot", "m/s^(1/2)", role::memory);
     stress_ = add("GradedStress_0", "1/(m s)", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
@@ -172,7 +243,10 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     foundation::for_all(s.fluid, [&](std::size_t i) {
       for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
-      for (std::size_t a = 0; a < D; ++a) s.extras[grad_p_ + a].values[i] = gradient_[K - 1][a][i];
+      for (std::size_t a = 0; a < D; ++a) {
+        s.extras[grad_T_ + a].values[i] = gradient_[D][a][i];
+        s.extras[grad_p_ + a].values[i] = gradient_[D + 1][a][i];
+      }
       for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
       const auto stress = graded_stress(i);
       for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
@@ -396,21 +470,24 @@ class convection : public march::problem {
   // xi² at the particle.
   double inertia(double nu) const { return p_.steady ? nu / p_.nu_eff : p_.slowing.xi * p_.slowing.xi; }
   double stiffness(std::size_t i) const { return inertia(viscosity(i)); }
-  double largest_viscosity() {  // slowed
-    if (p_.steady || !varies()) return p_.nu_eff;
+  // What the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as shear.
+  double largest_viscosity() {
+    if (!varies()) return p_.nu_eff;
+    if (p_.steady) return 3.0 * p_.nu_eff;
     double nu = 0.0;
     for (std::size_t i = 0; i < world_.w.s.fluid; ++i) nu = std::max(nu, viscosity(i));
-    return ranks().maximum(nu) / (p_.slowing.xi * p_.slowing.xi);
+    return 3.0 * ranks().maximum(nu) / (p_.slowing.xi * p_.slowing.xi);
   }
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&smoothing_, &W_sum_};
+    std::vector<particles::array*> all{&noise_[0], &noise_[1], &W_sum_};
     for (auto& g : gradient_)
       for (auto& component : g) all.push_back(&component);
     for (auto* group : {&laplacian_, &plain_})
       for (auto& a : *group) all.push_back(&a);
     for (auto& a : next_B_) all.push_back(&a);
-    for (auto& a : uneven_) all.push_back(&a);
+    for (auto* group : {&uneven_, &viscous_})
+      for (auto& a : *group) all.push_back(&a);
     return all;
   }
 
@@ -419,12 +496,15 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
+    if (varies()) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity_root(i, s.x[1][i]); });
     std::array<double*, D + 2> fields;
     for (std::size_t a = 0; a < D; ++a) fields[a] = s.v[a].data();
     fields[D] = s.T.data();
     fields[D + 1] = pressure_of().data();
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
     images::move(world_.images, s);
+    if (varies())
+      foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity_root(s.fluid + g, s.x[1][s.fluid + g]); });
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) { mirror_state(r); });
   }
 
@@ -432,20 +512,25 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     const auto& f = p_.fluid;
     const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
-    std::array<double, D> v, curvature, gradient;
+    std::array<double, D> v, curvature, gradient, gradient_T;
     for (std::size_t a = 0; a < D; ++a) {
       v[a] = s.v[a][j];
       curvature[a] = s.extras[lap_ + a].values[j];
       gradient[a] = s.extras[grad_p_ + a].values[j];
+      gradient_T[a] = s.extras[grad_T_ + a].values[j];
     }
     double T = s.T[j], p = pressure_of()[j], y = s.x[1][j];
     images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
       const double d = wall.distance(s.x[wall.axis][j]), T_inside = T, y_inside = y;
       if (wall.axis == 1) y = 2.0 * wall.position - y;
-      if (wall.thermal == images::heat::fixed_temperature)
+      gradient_T[wall.axis] = -gradient_T[wall.axis];
+      if (wall.thermal == images::heat::fixed_temperature) {
         T = 2.0 * wall.temperature - T;
-      else
+        for (double& g : gradient_T) g = -g;
+      } else {
         T += 2.0 * d * wall.flux / conductivity();
+        gradient_T[wall.axis] -= 2.0 * wall.flux / conductivity() * wall.inward;
+      }
       double slope = 0.0;  // Pa/m, of p, inwards
       if (varies())        // the normal one goes on smoothly
         slope += f.rho * viscosity(y_inside, T_inside) * s.extras[stress_ + wall.axis].values[j] * wall.inward;
@@ -463,9 +548,14 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) {
       s.v[a][i] = v[a];
       s.extras[grad_p_ + a].values[i] = gradient[a];
+      s.extras[grad_T_ + a].values[i] = gradient_T[a];
     }
     s.T[i] = T;
     pressure_of()[i] = p;
+    if (varies()) set_viscosity_root(i, y);
+  }
+  void set_viscosity_root(std::size_t i, double y) {
+    world_.w.s.extras[root_].values[i] = std::sqrt(viscosity(y, world_.w.s.T[i]));
   }
 
   // Ghosts and images of the plain Laplacians: odd where their field is, but for a velocity that does not slip, whose
@@ -474,11 +564,12 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
-    std::array<double*, K + 2 * D> fields;
+    std::array<double*, K + 3 * D> fields;
     for (std::size_t k = 0; k < K; ++k) fields[k] = s.extras[lap_ + k].values.data();
     for (std::size_t a = 0; a < D; ++a) {
       fields[K + a] = s.extras[grad_p_ + a].values.data();
       fields[K + D + a] = s.extras[stress_ + a].values.data();
+      fields[K + 2 * D + a] = s.extras[grad_T_ + a].values.data();
     }
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
@@ -513,13 +604,27 @@ class convection : public march::problem {
       derivatives.B[k] = whole_tensor ? s.extras[tensor_ + k].values.data() : nullptr;
       derivatives.out.next_B[k] = next_B_[k].data();
     }
-    pressure_smoothing<D> smooth{{}, volume_, smoothing_.data()};
     unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
-    for (std::size_t a = 0; a < D; ++a) {
-      smooth.gradient[a] = s.extras[grad_p_ + a].values.data();
-      uneven.out[a] = uneven_[a].data();
+    for (std::size_t a = 0; a < D; ++a) uneven.out[a] = uneven_[a].data();
+    const auto sum = [&](auto smooth, const auto&... more) {
+      smooth.V = volume_;
+      smooth.out = {noise_[0].data(), noise_[1].data()};
+      for (std::size_t a = 0; a < D; ++a) {
+        smooth.gradients[a] = s.extras[grad_T_ + a].values.data();
+        smooth.gradients[D + a] = s.extras[grad_p_ + a].values.data();
+      }
+      w.sum(w.fluid(), derivatives, smooth, uneven, more...);
+    };
+    if (varies()) {
+      graded_viscosity<D> viscous{s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}};
+      for (std::size_t a = 0; a < D; ++a) {
+        viscous.out[a] = viscous_[a].data();
+        for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[a][b].data();
+      }
+      sum(noise<D, true>{}, viscous);
+    } else {
+      sum(noise<D, false>{});
     }
-    w.sum(w.fluid(), derivatives, smooth, uneven);
     if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
   }
 
@@ -548,6 +653,7 @@ class convection : public march::problem {
     const double smoothing = c.pressure_diffusion * h_ * p_.c_eff;
     const double heating = c.heating * f.kappa / conductivity() * f.rho;
     const auto& p = pressure_of();
+    const bool graded = varies();
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -565,12 +671,12 @@ class convection : public march::problem {
         moving_p[a] = w_i[a] + e_pressure * v_i[a];
       }
       const double nu = viscosity(i), xi2 = inertia(nu), per_xi2 = 1.0 / xi2;
-      const auto stress_i = graded_stress(i);
-      double divergence = 0.0, dp = smoothing * smoothing_[i], dT = f.kappa * laplacian_[D][i] + heating;
+      double divergence = 0.0, dp = smoothing * noise_[1][i];
+      double dT = f.kappa * laplacian_[D][i] + heating + c.remap_diffusion * h_ * cut * std::sqrt(w2) * noise_[0][i];
       for (std::size_t a = 0; a < D; ++a) {
         double advected = 0.0;
         for (std::size_t b = 0; b < D; ++b) advected += moving_v[b] * gradient_[a][b][i];
-        double force = nu * (laplacian_[a][i] + stress_i[a]) - gradient_[D + 1][a][i] / f.rho;
+        double force = nu * (graded ? viscous_[a][i] : laplacian_[a][i]) - gradient_[D + 1][a][i] / f.rho;
         if (a == 1) force += buoyancy(s.x[1][i], s.T[i], p[i]);
         rate[a][i] = v_i[a] + w_i[a];
         rate[D + a][i] = per_xi2 * force + advected;
@@ -687,15 +793,16 @@ class convection : public march::problem {
   const options& o_;
   const parameters& p_;
   images::scene<D> world_;
-  std::size_t pressure_ = 0, lap_ = 0, grad_p_ = 0, stress_ = 0, tensor_ = 0,
+  std::size_t pressure_ = 0, lap_ = 0, grad_T_ = 0, grad_p_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
   std::array<std::array<particles::array, D>, K> gradient_;
   std::array<particles::array, K> laplacian_, plain_;
   std::array<particles::array, S> next_B_;
-  std::array<particles::array, D> uneven_;
-  particles::array smoothing_, W_sum_;
+  std::array<particles::array, D> uneven_, viscous_;
+  std::array<particles::array, 2> noise_;
+  particles::array W_sum_;
 
   double v_max_ = 0.0;  // m/s, at the start of the step
   std::int64_t crossings_ = 0;

@@ -48,6 +48,10 @@ void declare(namelist::schema& schema, convection_options& o) {
            "Laplacian with the sum of the second moments right, or all of them; that with the deferred correction"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
+  schema.add(g, "remap_diffusion", o.remap_diffusion,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .meaning = "of the temperature's noise, times the speed with which particles are spread"});
   schema.add(g, "shifting", o.shifting,
              {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
   schema.add(
@@ -97,15 +101,17 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     auto middle = f;
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
-    // Viscous and sonic limits of the step then agree; below 2 kappa nothing is gained.
-    p.nu_eff = std::max(0.35 * p.c_eff * dx, 2.0 * f.kappa);
+    // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
+    // 2 kappa nothing is gained.
+    const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
+    p.nu_eff = std::max(share * p.c_eff * dx, 2.0 * f.kappa);
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
     p.slowing.zeta = c_0 / (p.c_eff * p.slowing.xi);
     p.lines.push_back(fmt::format(
-        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max(0.35 c_eff dx/kappa, 2)), zeta {:.4g} (c_eff "
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 2)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
-        p.slowing.xi, p.nu_eff / f.kappa, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
+        p.slowing.xi, p.nu_eff / f.kappa, share, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
   } else {
     p.slowing = relaxation::recommend(f, wanted);
     p.c_eff = c_0 / (p.slowing.zeta * p.slowing.xi);

@@ -20,7 +20,7 @@ struct convection_options {
   std::string gravity_density = "boussinesq";
   std::string pressure = "eulerian";
   std::string scheme = "corrected";
-  double pressure_diffusion = 0.2, shifting = 1.5;
+  double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   double heating = 0.0;  // W/kg
