@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 #include <overturn/options.hpp>
+#include <theory/free_slip_box.hpp>
+#include <theory/stokes_box.hpp>
 
 namespace tetsuame::overturn {
 
@@ -174,6 +176,65 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
 }
 
+// Difference of density and terminal velocity at the height where it is measured.
+void find_fall(const namelist::schema& schema, options& o, parameters& p) {
+  const auto& d = o.domain;
+  const bool deep = d.dimension == 3;
+  const double height = d.length[1], y = o.measure_at * height;
+  const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!o.centre[a]) o.centre[a] = middle[a];
+  for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
+    if (*o.centre[a] < o.radius || *o.centre[a] > d.length[a] - o.radius)
+      schema.fail("drop", axis_names[a], "the drop must lie inside the box");
+  if (!(y > o.radius && y < *o.centre[1] - 0.02 * height))
+    schema.fail(
+        "drop", "measure_at",
+        "must be lower than the drop starts, by a fiftieth of the height at least, and the drop above the floor");
+  const barotropic inside{&(*p.material)[1], o.p_top, o.temperature, o.temperature_law == "adiabatic"};
+  const place here = p.base->at(y);
+  p.density_difference = at_pressure(inside, here.pressure).density - here.density;
+  const double eta = o.material[0].viscosity, eta_drop = o.material[1].viscosity;
+  const auto& w = o.walls;
+  if (!deep) {
+    const auto sides = [](const std::string& slip) {
+      return slip == "no_slip" ? theory::sides::no_slip : theory::sides::free_slip;
+    };
+    if (w.floor != w.lid) {
+      p.theory_about = "no theory for a floor unlike the lid";
+      return;
+    }
+    const theory::drop_in_box box{d.length[0],
+                                  height,
+                                  o.radius,
+                                  *o.centre[0],
+                                  y,
+                                  eta,
+                                  eta_drop,
+                                  p.density_difference,
+                                  o.gravity,
+                                  d.periodic[0] ? theory::sides::periodic : sides(w.sides),
+                                  sides(w.floor)};
+    const int cells = static_cast<int>(std::ceil(6.0 * d.length[0] / o.radius));
+    p.theory_fall = theory::fall_velocity_extrapolated(box, cells);
+    p.theory_about = "creeping flow about the round drop in this box (finite differences)";
+  } else if (w.floor == "free_slip" && w.lid == "free_slip" &&
+             (w.sides == "free_slip" || (d.periodic[0] && d.periodic[2]))) {
+    p.theory_fall = theory::fall_velocity({3,
+                                           d.length,
+                                           d.periodic,
+                                           o.radius,
+                                           {*o.centre[0], y, *o.centre[2]},
+                                           eta,
+                                           eta_drop,
+                                           p.density_difference,
+                                           o.gravity});
+    p.theory_about = "creeping flow about the round drop in this box (Fourier series)";
+  } else {
+    p.theory_about = "in three dimensions there is a theory for free-slip walls only";
+  }
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, problem_kind kind, options& o) {
@@ -273,11 +334,18 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   if (kind == problem_kind::rayleigh_taylor) {
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
+  } else {
+    find_fall(schema, o, p);
   }
   return p;
 }
 
-std::string theory_text(problem_kind, const options& o, const parameters& p) {
+std::string theory_text(problem_kind kind, const options& o, const parameters& p) {
+  if (kind == problem_kind::drop)
+    return p.theory_fall
+               ? fmt::format("{}\ndrop less surroundings {:.6g} kg/m3 at y = {:.6g} m\nfall velocity {:.9g} m/s\n",
+                             p.theory_about, p.density_difference, o.measure_at * o.domain.length[1], *p.theory_fall)
+               : p.theory_about + "\n";
   if (!p.growth) return p.theory_about + "\n";
   return fmt::format(
       "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"

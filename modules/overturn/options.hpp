@@ -75,11 +75,11 @@ struct parameters {
   std::unique_ptr<column> base;                       // the column at rest
   double k_x = 0.0, k_z = 0.0;                        // 1/m
   double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
-  double density_difference;                          // kg/m3, at the interface (of a drop: at its centre)
+  double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
   std::optional<double> growth, growth_incompressible;
   std::optional<theory::mode> mode;
-  double theory_fall = 0.0;  // drop: m/s, downward
+  std::optional<double> theory_fall;  // drop: m/s, downward
   std::string theory_about;
   std::vector<std::string> lines;
 };
