@@ -34,6 +34,7 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
     app.add_option(in.shorthands[k].option, short_values[k],
                    in.shorthands[k].meaning + ": --set " + in.shorthands[k].key + "=" + in.shorthands[k].type)
         ->type_name(in.shorthands[k].type);
+  for (const auto& f : in.flags) app.add_flag(f.option, *f.given, f.meaning);
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
   app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
   app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");

@@ -33,12 +33,18 @@ int start(int argc, char** argv, const std::string& program, const std::string& 
 struct shorthand {
   std::string option, key, type, meaning;  // "--ranks", "machine.ranks", "P": --ranks 4 is --set machine.ranks=4
 };
+struct flag {
+  std::string option;  // "--theory"
+  bool* given;
+  std::string meaning;
+};
 struct program_input {
   std::string program;
   std::vector<shorthand> shorthands;
   bool restarts = false;                                  // knows --restart
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
+  std::vector<flag> flags = {};
 };
 // As above. `run` gets the input as resolved, a namelist.
 int start(int argc, char** argv, const program_input& input,

@@ -1,0 +1,359 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <overturn/options.hpp>
+#include <theory/free_slip_box.hpp>
+#include <theory/stokes_box.hpp>
+
+namespace tetsuame::overturn {
+
+namespace {
+
+using namelist::key_info;
+
+constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+const char* group_of(problem_kind kind) { return kind == problem_kind::drop ? "drop" : "rti"; }
+std::array<const char*, 2> names_of(problem_kind kind) {
+  if (kind == problem_kind::drop) return {"outside", "drop"};
+  return {"lower", "upper"};
+}
+
+key_info positive(std::string unit, std::string meaning) {
+  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+}
+
+void declare(namelist::schema& schema, domain_options& o) {
+  schema.group("domain", "the box and the start lattice");
+  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
+    schema.add("domain", "length_" + axis, o.length[a], positive("m", "edge of the box along " + axis + only));
+    schema.add("domain", "particles_" + axis, o.particles[a],
+               {.minimum = 4, .maximum = 1e6, .meaning = "particles along " + axis + only});
+    if (a != 1)
+      schema.add("domain", "periodic_" + axis, o.periodic[a],
+                 {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
+  }
+  schema.add("domain", "ranks_x", o.ranks_x,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+}
+
+void declare(namelist::schema& schema, const char* group, const std::string& which, material_options& o) {
+  std::vector<std::string> choices;
+  for (const auto& name : eos::names()) choices.emplace_back(name);
+  schema.add(group, "eos_" + which, o.eos,
+             {.choices = choices, .meaning = "equation of state; others than linear have parameters of their own"});
+  schema.add(group, "density_" + which, o.density, positive("kg/m^3", "linear equation of state: at zero pressure"));
+  schema.add(group, "bulk_modulus_" + which, o.bulk_modulus,
+             positive("Pa", "linear equation of state; not given: bulk_modulus"));
+  schema.add(group, "heat_capacity_" + which, o.heat_capacity,
+             positive("J/(kg K)", "c_V; not given: the equation of state's"));
+  schema.add(group, "viscosity_" + which, o.viscosity, positive("Pa s", "dynamic"));
+}
+
+void declare(namelist::schema& schema, const char* group, scheme_options& o) {
+  schema.add(group, "volume", o.volume,
+             {.choices = {"number_density", "our_method"},
+              .meaning = "of a particle: from the number density, or m/rho with rho by continuity (our method)"});
+  schema.add(
+      group, "pressure", o.pressure,
+      {.choices = {"non_smoothed", "smoothed"}, .meaning = "straight from the equation of state, or the sum of Y W"});
+  schema.add(group, "gradient", o.gradient,
+             {.choices = {"pattern_1", "pattern_2"}, .meaning = "form of the pressure gradient"});
+  schema.add(group, "volume_element", o.volume_element,
+             {.choices = {"own", "from_weight"},
+              .meaning = "in the forces, with a smoothed pressure: as volume says (p dV^2), or Y/p (Y^2/p)"});
+  schema.add(group, "normalise", o.normalise, {.meaning = "smoothing is divided by the sum of dV W"});
+  schema.add(group, "delta", o.delta,
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
+  schema.add(group, "stress", o.stress,
+             {.choices = {"auto", "laplacian", "symmetric"},
+              .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
+}
+
+eos::any make(const options& o, std::size_t n) {
+  const auto& given = o.material[n];
+  eos::material_options m;
+  m.name = given.eos;
+  if (given.eos == "linear") {
+    m.reference_pressure = 0.0;
+    m.reference_density = given.density;
+    m.reference_temperature = o.temperature;
+    m.bulk_modulus = given.bulk_modulus.value_or(o.bulk_modulus);
+    m.thermal_expansivity = 0.0;
+  }
+  m.heat_capacity = given.heat_capacity;
+  return eos::make(m);
+}
+
+theory::boundary boundary_of(const std::string& name) {
+  return name == "no_slip"     ? theory::boundary::no_slip
+         : name == "free_slip" ? theory::boundary::free_slip
+                               : theory::boundary::free_surface;
+}
+
+theory::two_layers layers(const options& o, const parameters& p, bool compressible) {
+  theory::two_layers t;
+  const auto fill = [&](theory::layer& l, std::size_t n, double thickness, const barotropic& b) {
+    l.thickness = thickness;
+    l.viscosity = o.material[n].viscosity;
+    l.bulk_viscosity = (p.stress_b == 0.0 ? -1.0 : 5.0) / 3.0 * l.viscosity;
+    if (compressible)
+      l.material = curve(b);
+    else
+      l.material = theory::linear_barotrope(o.material[n].eos == "linear"
+                                                ? o.material[n].density
+                                                : p.base->at(p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0)).density,
+                                            std::numeric_limits<double>::infinity());
+  };
+  fill(t.lower, 0, p.interface, p.base->lower());
+  fill(t.upper, 1, o.domain.length[1] - p.interface, p.base->upper());
+  t.gravity = o.gravity;
+  t.top_pressure = o.p_top;
+  t.floor = boundary_of(o.walls.floor);
+  t.lid = boundary_of(o.walls.lid);
+  return t;
+}
+
+void check_domain(const namelist::schema& schema, options& o, parameters& p) {
+  const auto& d = o.domain;
+  p.dx = d.length[1] / static_cast<double>(d.particles[1]);
+  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
+    if (const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
+        std::abs(spacing - p.dx) > 1e-9 * p.dx)
+      schema.fail(
+          "domain", std::string("particles_") + axis_names[a],
+          fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, p.dx));
+}
+
+void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p) {
+  auto& s = o.scheme;
+  if (s.pressure == "non_smoothed" && s.volume_element == "from_weight")
+    schema.fail(group, "volume_element", "Y/p is the particle's own volume where the pressure is not smoothed");
+  if (s.volume == "number_density" && schema.given(group, "delta") && s.delta > 0.0)
+    schema.fail(group, "delta", "belongs to volume = 'our_method': the number density has no rate to add to");
+  if (s.volume == "number_density") s.delta = 0.0;
+  if (o.walls.lid == "free_surface" && s.volume == "number_density")
+    schema.fail(group, "volume",
+                "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
+  const bool equal = o.material[0].viscosity == o.material[1].viscosity && o.walls.lid != "free_surface";
+  if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
+  p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;
+  p.stress_b = s.stress == "laplacian" ? 0.0 : static_cast<double>(o.domain.dimension + 2);
+}
+
+void find_waves(const namelist::schema& schema, options& o, parameters& p) {
+  const auto& d = o.domain;
+  if (!o.wavelength) o.wavelength = d.length[0];
+  p.k_x = 2.0 * std::numbers::pi / *o.wavelength;
+  if (o.wavelength_z > 0.0) {
+    if (d.dimension == 2) schema.fail("rti", "wavelength_z", "two dimensions have no z");
+    p.k_z = 2.0 * std::numbers::pi / o.wavelength_z;
+  }
+  const auto fits = [&](std::size_t a, double k, const char* key) {
+    const double halves = k * d.length[a] / std::numbers::pi, least = d.periodic[a] ? 2.0 : 1.0;
+    if (std::abs(halves / least - std::round(halves / least)) > 1e-6)
+      schema.fail("rti", key,
+                  fmt::format("the box holds {:.6g} waves along {}: it must hold a whole number of {}", 0.5 * halves,
+                              axis_names[a], d.periodic[a] ? "waves" : "half waves"));
+  };
+  fits(0, p.k_x, "wavelength");
+  if (p.k_z > 0.0) fits(2, p.k_z, "wavelength_z");
+  const bool walls = !d.periodic[0] || (d.dimension == 3 && !d.periodic[2]);
+  if (walls && o.walls.sides == "no_slip") {
+    p.theory_about = "no-slip sides: there are no separate waves, and no theory to compare with";
+    if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
+    return;
+  }
+  const double k = std::hypot(p.k_x, p.k_z);
+  p.mode = theory::eigenmode(layers(o, p, true), k);
+  p.growth = p.mode->growth_rate;
+  p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+}
+
+// Difference of density and terminal velocity at the height where it is measured.
+void find_fall(const namelist::schema& schema, options& o, parameters& p) {
+  const auto& d = o.domain;
+  const bool deep = d.dimension == 3;
+  const double height = d.length[1], y = o.measure_at * height;
+  const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!o.centre[a]) o.centre[a] = middle[a];
+  for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
+    if (*o.centre[a] < o.radius || *o.centre[a] > d.length[a] - o.radius)
+      schema.fail("drop", axis_names[a], "the drop must lie inside the box");
+  if (!(y > o.radius && y < *o.centre[1] - 0.02 * height))
+    schema.fail(
+        "drop", "measure_at",
+        "must be lower than the drop starts, by a fiftieth of the height at least, and the drop above the floor");
+  const barotropic inside{&(*p.material)[1], o.p_top, o.temperature, o.temperature_law == "adiabatic"};
+  const place here = p.base->at(y);
+  p.density_difference = at_pressure(inside, here.pressure).density - here.density;
+  const double eta = o.material[0].viscosity, eta_drop = o.material[1].viscosity;
+  const auto& w = o.walls;
+  if (!deep) {
+    const auto sides = [](const std::string& slip) {
+      return slip == "no_slip" ? theory::sides::no_slip : theory::sides::free_slip;
+    };
+    if (w.floor != w.lid) {
+      p.theory_about = "no theory for a floor unlike the lid";
+      return;
+    }
+    const theory::drop_in_box box{d.length[0],
+                                  height,
+                                  o.radius,
+                                  *o.centre[0],
+                                  y,
+                                  eta,
+                                  eta_drop,
+                                  p.density_difference,
+                                  o.gravity,
+                                  d.periodic[0] ? theory::sides::periodic : sides(w.sides),
+                                  sides(w.floor)};
+    const int cells = static_cast<int>(std::ceil(6.0 * d.length[0] / o.radius));
+    p.theory_fall = theory::fall_velocity_extrapolated(box, cells);
+    p.theory_about = "creeping flow about the round drop in this box (finite differences)";
+  } else if (w.floor == "free_slip" && w.lid == "free_slip" &&
+             (w.sides == "free_slip" || (d.periodic[0] && d.periodic[2]))) {
+    p.theory_fall = theory::fall_velocity({3,
+                                           d.length,
+                                           d.periodic,
+                                           o.radius,
+                                           {*o.centre[0], y, *o.centre[2]},
+                                           eta,
+                                           eta_drop,
+                                           p.density_difference,
+                                           o.gravity});
+    p.theory_about = "creeping flow about the round drop in this box (Fourier series)";
+  } else {
+    p.theory_about = "in three dimensions there is a theory for free-slip walls only";
+  }
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, problem_kind kind, options& o) {
+  const char* group = group_of(kind);
+  const auto names = names_of(kind);
+  o.march.kernel.name = "wendland_c6";
+  o.march.kernel.skin = 0.4;
+  o.march.output.history_interval = 10;
+  o.march.time.t_end = 3000.0;
+  o.material[0].density = 3000.0;
+  declare(schema, o.domain);
+  schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
+  for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
+  schema.add(group, "bulk_modulus", o.bulk_modulus, positive("Pa", "K of p = K (rho/rho0 - 1), of both"));
+  schema.add(group, "gravity", o.gravity, positive("m/s^2", "towards -y"));
+  schema.add(group, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure at the top of the start column"});
+  schema.add(group, "temperature", o.temperature, positive("K", "at the top of the start column"));
+  schema.add(
+      group, "temperature_law", o.temperature_law,
+      {.choices = {"isothermal", "adiabatic"},
+       .meaning =
+           "one temperature for ever; or adiabats at the start and temperature by compression, friction, conduction"});
+  schema.add(group, "conductivity", o.conductivity,
+             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, adiabatic law only"});
+  if (kind == problem_kind::drop) {
+    schema.add(group, "radius", o.radius, positive("m", "of the drop"));
+    for (std::size_t a = 0; a < 3; ++a)
+      schema.add(
+          group, axis_names[a], o.centre[a],
+          {.unit = "m", .minimum = 0.0, .meaning = "its centre; not given: the middle, y at 0.75 of the height"});
+    schema.add(group, "measure_at", o.measure_at,
+               {.minimum = 0.0, .maximum = 1.0, .meaning = "height over the box's where the velocity is measured"});
+  } else {
+    schema.add(
+        group, "interface", o.interface,
+        {.unit = "m",
+         .minimum = 0.0,
+         .exclusive_minimum = true,
+         .meaning = "its height; rows whose centres are not above it are of the lower layer; not given: the middle"});
+    schema.add(group, "wavelength", o.wavelength, positive("m", "along x; not given: the box's width"));
+    schema.add(group, "wavelength_z", o.wavelength_z,
+               {.unit = "m", .minimum = 0.0, .meaning = "along z; 0: none (3-D only)"});
+    schema.add(group, "amplitude", o.amplitude,
+               {.unit = "m", .minimum = 0.0, .meaning = "of the interface at the start"});
+    schema.add(group, "start", o.start,
+               {.choices = {"eigenmode", "displaced", "coloured"},
+                .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
+                           "part at the wave"});
+  }
+  declare(schema, group, o.scheme);
+  schema.group("walls", "sides of the box that are not periodic");
+  schema.add("walls", "floor", o.walls.floor,
+             {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the floor"});
+  schema.add("walls", "lid", o.walls.lid,
+             {.choices = {"no_slip", "free_slip", "free_surface"}, .meaning = "velocity at the lid, or none there"});
+  schema.add("walls", "sides", o.walls.sides,
+             {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the sides"});
+  schema.add(
+      "walls", "pressure", o.walls.pressure,
+      {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
+  march::declare(schema, o.march, true);
+}
+
+parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
+  const char* group = group_of(kind);
+  march::resolve(o.march);
+  parameters p{};
+  p.material = std::make_unique<std::array<eos::any, 2>>();
+  check_domain(schema, o, p);
+  choose_scheme(schema, group, o, p);
+  if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
+    schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
+  const double height = o.domain.length[1];
+  for (const std::size_t n : {0, 1}) {
+    const auto& m = o.material[n];
+    const std::string which = names_of(kind)[n];
+    if (m.eos != "linear")
+      for (const char* key : {"density_", "bulk_modulus_"})
+        if (schema.given(group, key + which))
+          schema.fail(group, key + which, "is of the linear equation of state; '" + m.eos + "' has its own");
+    (*p.material)[n] = make(o, n);
+  }
+  const bool adiabatic = o.temperature_law == "adiabatic";
+  if (kind == problem_kind::rayleigh_taylor) {
+    if (!o.interface) o.interface = 0.5 * height;
+    const double rows = std::floor(*o.interface / p.dx + 0.5 + 1e-9);  // with their centres not above it
+    p.interface = rows * p.dx;
+    if (!(rows >= 1.0 && rows < static_cast<double>(o.domain.particles[1])))
+      schema.fail(group, "interface", "leaves no row of particles on one side");
+  } else {
+    p.interface = height;
+  }
+  const std::size_t top = kind == problem_kind::drop ? 0 : 1;
+  p.base = std::make_unique<column>(barotropic{&(*p.material)[0], o.p_top, o.temperature, adiabatic},
+                                    barotropic{&(*p.material)[top], o.p_top, o.temperature, adiabatic}, p.interface,
+                                    height, o.gravity);
+  if (kind == problem_kind::rayleigh_taylor) {
+    p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
+    find_waves(schema, o, p);
+  } else {
+    find_fall(schema, o, p);
+  }
+  return p;
+}
+
+std::string theory_text(problem_kind kind, const options& o, const parameters& p) {
+  if (kind == problem_kind::drop)
+    return p.theory_fall
+               ? fmt::format("{}\ndrop less surroundings {:.6g} kg/m3 at y = {:.6g} m\nfall velocity {:.9g} m/s\n",
+                             p.theory_about, p.density_difference, o.measure_at * o.domain.length[1], *p.theory_fall)
+               : p.theory_about + "\n";
+  if (!p.growth) return p.theory_about + "\n";
+  return fmt::format(
+      "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"
+      "wave number {:.9g} 1/m, {} floor, {} lid\n"
+      "growth rate {:.9g} 1/s (as run: compressible, {} stress)\n"
+      "growth rate {:.9g} 1/s (incompressible)\n",
+      p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), o.walls.floor, o.walls.lid, *p.growth,
+      o.scheme.stress, *p.growth_incompressible);
+}
+
+}  // namespace tetsuame::overturn

@@ -1,0 +1,92 @@
+// The input of two fluids under gravity, of programs rti and drop:
+//   &domain   dimension, length_x …, particles_x …, periodic_x, periodic_z
+//   &rti or &drop   shape, materials, start, formulation
+//   &walls    floor, lid, sides
+//   &time, &kernel, &output, &run   march/options.hpp
+#pragma once
+
+#include <eos/eos.hpp>
+#include <march/options.hpp>
+#include <memory>
+#include <overturn/column.hpp>
+
+namespace tetsuame::overturn {
+
+enum class problem_kind { rayleigh_taylor, drop };
+
+struct domain_options {
+  std::int64_t dimension = 2;
+  std::array<double, 3> length{1.5e6, 1.5e6, 1.5e6};  // m
+  std::array<std::int64_t, 3> particles{48, 48, 48};
+  std::array<bool, 3> periodic{};
+  std::int64_t ranks_x = 0;
+};
+
+struct wall_options {
+  std::string floor = "no_slip", lid = "no_slip", sides = "free_slip";
+  std::string pressure = "hydrostatic";
+};
+
+struct material_options {
+  std::string eos = "linear";
+  double density = 7000.0;              // kg/m3, linear: at zero pressure
+  double viscosity = 6e11;              // Pa s
+  std::optional<double> bulk_modulus;   // Pa, linear; not given: the common one
+  std::optional<double> heat_capacity;  // J/(kg K); not given: the equation of state's own
+};
+
+struct scheme_options {
+  std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
+  std::string volume_element = "own";
+  bool normalise = true;
+  double delta = 0.1;
+  std::string stress = "auto";
+};
+
+struct options {
+  domain_options domain;
+  wall_options walls;
+  std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
+  double bulk_modulus = 5e11;                // Pa
+  double gravity = 10.0;                     // m/s2
+  double p_top = 1e5;                        // Pa
+  double temperature = 3000.0;               // K, at the top
+  std::string temperature_law = "isothermal";
+  double conductivity = 0.0;  // W/(m K)
+  // of rti
+  std::optional<double> interface, wavelength;  // m
+  double wavelength_z = 0.0;                    // m; 0: no change along z
+  double amplitude = 750.0;                     // m
+  std::string start = "eigenmode";
+  // of drop
+  double radius = 1.5e5;                          // m
+  std::array<std::optional<double>, 3> centre{};  // m
+  double measure_at = 0.7;                        // of the height
+
+  scheme_options scheme;
+  march::options march;
+};
+
+// What a run computes with, SI.
+struct parameters {
+  double dx;
+  std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
+  double interface;                                   // m, on an edge between rows
+  std::unique_ptr<column> base;                       // the column at rest
+  double k_x = 0.0, k_z = 0.0;                        // 1/m
+  double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
+  double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
+  // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
+  std::optional<double> growth, growth_incompressible;
+  std::optional<theory::mode> mode;
+  std::optional<double> theory_fall;  // drop: m/s, downward
+  std::string theory_about;
+  std::vector<std::string> lines;
+};
+
+void declare(namelist::schema& schema, problem_kind kind, options& o);
+parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
+// What --theory prints.
+std::string theory_text(problem_kind kind, const options& o, const parameters& p);
+
+}  // namespace tetsuame::overturn

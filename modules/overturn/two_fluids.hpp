@@ -1,0 +1,655 @@
+// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop.
+//
+//   dx/dt = v,   m dv/dt = pressure + viscosity (terms.hpp) + m g
+//   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
+//     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
+//     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
+//   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
+//   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
+//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V)
+//
+// Walls are mirror images (images/images.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
+// images have the reversed velocity. The mirror in two sides stands behind a corner.
+//
+// Starts: every particle of the same volume, mass by the column at rest (column.hpp).
+#pragma once
+
+#include <diffusion/conduction.hpp>
+#include <images/scene.hpp>
+#include <march/problem.hpp>
+#include <overturn/growth.hpp>
+#include <overturn/lattice.hpp>
+#include <overturn/options.hpp>
+#include <overturn/terms.hpp>
+#include <simulation/state.hpp>
+#include <volume/shape.hpp>
+
+namespace tetsuame::overturn {
+
+// A measure over time: lines of history that the summary looks back on.
+struct record {
+  std::vector<double> time, mode, centroid, fall;  // s; m; m; m/s
+};
+
+template <int D>
+class two_fluids : public march::problem {
+ public:
+  two_fluids(problem_kind kind, const options& o, const parameters& p) : kind_(kind), o_(o), p_(p) {
+    auto& w = world_.w;
+    auto& s = w.s;
+    s.extras.push_back(
+        {"Dissipated", "J/kg", "specific heat of friction since the start", particles::role::integrated, {}});
+    const auto& d = o.domain;
+    images::options walls;
+    walls.slip = o.walls.sides;
+    walls.sides[2].slip = o.walls.floor;
+    walls.sides[3].slip = o.walls.lid == "free_surface" ? "free_slip" : o.walls.lid;
+    const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
+    images::set_up(world_, domain::communicator::world(), {d.length, d.particles, periodic, d.ranks_x}, walls,
+                   o.march.kernel.name, o.march.kernel.h_over_dx, o.march.kernel.skin, 0.0, 0.0);
+    if (o.walls.lid == "free_surface")
+      std::erase_if(world_.images.sides, [](const auto& side) { return side.axis == 1 && side.inward < 0.0; });
+    w.materials = {(*p.material)[0], (*p.material)[1]};
+    w.g[1] = -o.gravity;
+    carried_ = o.scheme.volume == "our_method";
+    smoothed_ = o.scheme.pressure == "smoothed";
+    from_weight_ = o.scheme.volume_element == "from_weight";
+    warms_ = o.temperature_law == "adiabatic";
+    self_ = std::visit([](const auto& k) { return k.self(); }, w.kernel);
+    h_ = o.march.kernel.h_over_dx * w.dx;
+    place_fluid();
+    limit_ = limit();
+  }
+
+  const domain::communicator& ranks() const override { return world_.w.d.ranks; }
+  std::size_t local_particles() const override { return world_.w.s.fluid; }
+  std::size_t simd_lanes() const override { return pairs::lanes; }
+  output::snapshot_header header() const override { return images::snapshot_header(world_); }
+  std::vector<std::string> about() const override { return p_.lines; }
+
+  std::vector<integrators::field> fields() override {
+    auto& s = world_.w.s;
+    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+    const double fast = 1e-2 * fastest_sound_;
+    std::vector<integrators::field> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, world_.w.dx});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
+    all.push_back({"u", s.u.data(), 0.0, fast * fast});
+    all.push_back({"q", dissipated().data(), 0.0, fast * fast});
+    if (carried_) all.push_back({"rho", s.rho.data(), 0.0, 0.0});
+    if (warms_) all.push_back({"T", s.T.data(), 0.0, 0.0});
+    return all;
+  }
+
+  // ---- right-hand side --------------------------------------------------------------------
+
+  void evaluate(std::span<double* const> rate) override {
+    refresh_motion();
+    find_volumes();
+    find_pressures();
+    sum_over_neighbours();
+    combine(rate);
+    world_.w.agree();
+  }
+
+  integrators::step_limit largest_step() override { return limit_; }
+  double diffusion_radius() override { return radius_; }
+
+  bool complete_step() override {
+    const std::int64_t crossings = ranks().sum(images::reflect(world_.images, world_.w.s));
+    crossings_ += crossings;
+    return crossings > 0;
+  }
+
+  double moved() override { return images::moved_since_lists(world_); }
+  double allowance() const override { return 0.5 * world_.skin; }
+  double speed() override {
+    const auto& s = world_.w.s;
+    double v2 = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) v2 = std::max(v2, speed2(i));
+    return std::sqrt(ranks().maximum(v2));
+  }
+
+  void rebuild(bool as_they_were) override {
+    auto& w = world_.w;
+    auto& s = w.s;
+    images::rebuild(world_, as_they_were);
+    w.exchange_fluid({s.m.data()});
+    for (std::size_t i = 0; i < s.total(); ++i) {
+      const auto& m = o_.material[static_cast<std::size_t>(s.material[i])];
+      s.eta[i] = m.viscosity;
+      s.k[i] = o_.conductivity;
+    }
+    for (auto* all : scratch())
+      if (all->size() < s.total() + 1) all->resize(s.total() + 1);
+    stress_[s.null()] = factor_[s.null()] = 0.0;
+  }
+
+  // ---- measures ---------------------------------------------------------------------------
+
+  std::vector<output::history_column> columns() const override {
+    const std::string J = D == 2 ? "J/m" : "J";
+    return {{"centroid", "1"},
+            {"v_rms", "m/s"},
+            {"kinetic", J},
+            {"potential", J},
+            {"elastic", J},
+            {"dissipated", J},
+            {"thermal", J},
+            {"energy_residual", "1"},
+            {"mode_amplitude", "m"},
+            {"fall_velocity", "m/s"},
+            {"density_ratio_min", "1"},
+            {"density_ratio_max", "1"},
+            {"pressure_min", "Pa"}};
+  }
+
+  std::vector<double> row(double t) override {
+    const auto& s = world_.w.s;
+    foundation::exact_sum kinetic, potential, elastic, heat, thermal, volume, squares, metal_mass, metal_y,
+        metal_volume, metal_v, shape, shape2;
+    double low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double v2 = speed2(i), V = s.m[i] / s.rho[i];
+      kinetic.add(0.5 * s.m[i] * v2);
+      potential.add(s.m[i] * o_.gravity * s.x[1][i]);
+      elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)));
+      heat.add(s.m[i] * dissipated()[i]);
+      thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - T_start(i)));
+      volume.add(V);
+      squares.add(V * v2);
+      if (is_metal(i)) {
+        metal_mass.add(s.m[i]);
+        metal_y.add(s.m[i] * s.x[1][i]);
+        metal_volume.add(V);
+        metal_v.add(-V * s.v[1][i]);
+      }
+      low = std::min(low, s.rho[i] / s.rho_reference[i]);
+      high = std::max(high, s.rho[i] / s.rho_reference[i]);
+      p_low = std::min(p_low, s.p_eos[i]);
+      if (p_.mode) {
+        std::array<double, D> lattice;
+        for (std::size_t a = 0; a < D; ++a) lattice[a] = s.x_start[a][i];
+        const auto m = mode_at(lattice);
+        for (std::size_t a = 0; a < D; ++a) {
+          shape.add(s.m[i] * m[a] * (s.x[a][i] - lattice[a]));
+          shape2.add(s.m[i] * m[a] * m[a]);
+        }
+      }
+    }
+    const auto total = [&](const foundation::exact_sum& sum) { return ranks().exact(sum); };
+    const double E[] = {total(kinetic), total(potential), total(elastic), total(heat)};
+    const double energy = E[0] + E[1] + E[2] + E[3];
+    if (!energy_start_) energy_start_ = energy;
+    const double residual = (energy - *energy_start_) / energy_scale();
+    residual_ = residual;
+    residual_max_ = std::max(residual_max_, std::abs(residual));
+    v_rms_ = std::sqrt(total(squares) / total(volume));
+    if (v_rms_ > v_rms_max_) {
+      v_rms_max_ = v_rms_;
+      v_rms_max_time_ = t;
+    }
+    const double y = total(metal_y) / total(metal_mass), fall = total(metal_v) / total(metal_volume);
+    density_min_ = std::min(density_min_, ranks().minimum(low));
+    density_max_ = std::max(density_max_, ranks().maximum(high));
+    pressure_min_ = std::min(pressure_min_, ranks().minimum(p_low));
+    const double amplitude = p_.mode ? total(shape) / total(shape2) : 0.0;
+    record_.time.push_back(t);
+    record_.mode.push_back(amplitude);
+    record_.centroid.push_back(y);
+    record_.fall.push_back(fall);
+    return {y / o_.domain.length[1],
+            v_rms_,
+            E[0],
+            E[1],
+            E[2],
+            E[3],
+            total(thermal),
+            residual,
+            amplitude,
+            fall,
+            ranks().minimum(low),
+            ranks().maximum(high),
+            ranks().minimum(p_low)};
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
+      output::column c{name, unit, about, {}, true};
+      for (const auto& component : components) c.components.push_back(component.data());
+      g.columns.push_back(std::move(c));
+    };
+    vector("Coordinates", "m", "position", s.x);
+    vector("Velocities", "m/s", "velocity", s.v);
+    extra.assign(1, particles::array(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = is_metal(i) ? 1.0 : 0.0;
+    const auto add = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
+      g.columns.push_back({name, unit, about, {a.data()}, false});
+    };
+    add("Masses", D == 2 ? "kg/m" : "kg", "mass", s.m);
+    add("Density", "kg/m^3", "mass density", s.rho);
+    add("Pressure", "Pa", "pressure in the forces", s.p);
+    add("Temperature", "K", "temperature", s.T);
+    add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
+    add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
+    add("DensityReference", "kg/m^3", "density at the start, at rest", s.rho_reference);
+    return {g};
+  }
+
+  void report(double, simulation::summary& r) override {
+    auto& j = r.metrics;
+    const double L = o_.domain.length[1];
+    const auto or_null = [](const std::optional<double>& v) {
+      return v ? nlohmann::ordered_json(*v) : nlohmann::ordered_json(nullptr);
+    };
+    if (kind_ == problem_kind::rayleigh_taylor) {
+      const auto fit = p_.mode ? fit_growth(record_.time, record_.mode) : std::nullopt;
+      j["growth_rate"] = fit ? nlohmann::ordered_json(fit->rate) : nlohmann::ordered_json(nullptr);
+      j["growth_rate_uncertainty"] = fit ? nlohmann::ordered_json(fit->uncertainty) : nlohmann::ordered_json(nullptr);
+      j["growth_rate_theory"] = or_null(p_.growth);
+      j["growth_rate_incompressible"] = or_null(p_.growth_incompressible);
+      j["mode_amplitude"] = record_.mode.back();
+    } else {
+      j["fall_velocity"] = or_null(fall_at(o_.measure_at * L));
+      j["fall_velocity_theory"] = or_null(p_.theory_fall);
+    }
+    j["metal_centroid"] = record_.centroid.back() / L;
+    for (const double fall : {0.1, 0.2, 0.3})
+      j["time_of_fall_" + fmt::format("{:.1f}", fall)] = or_null(time_of_fall(fall * L));
+    j["v_rms"] = v_rms_;
+    j["v_rms_max"] = v_rms_max_;
+    j["v_rms_max_time"] = v_rms_max_time_;
+    j["energy_residual"] = residual_;
+    j["energy_residual_max"] = residual_max_;
+    j["density_ratio_min"] = density_min_;
+    j["density_ratio_max"] = density_max_;
+    j["pressure_min"] = pressure_min_;
+    j["wall_crossings"] = crossings_;
+    j["particles_lost"] = world_.fluid_total - ranks().sum(static_cast<std::int64_t>(world_.w.s.fluid));
+    j["neighbours"] = static_cast<double>(ranks().sum(static_cast<std::int64_t>(world_.w.list.pairs))) /
+                      static_cast<double>(world_.fluid_total);
+    r.conservation = {{"mass", 0.0}, {"momentum", nullptr}, {"energy", residual_}};
+    r.stages = world_.w.times.seconds();
+  }
+
+  std::string hash() override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto add = [&](const particles::array& a) { g.columns.push_back({"", "", "", {a.data()}, false}); };
+    for (const auto& a : s.x) add(a);
+    for (const auto& a : s.v) add(a);
+    add(s.T);
+    add(s.u);
+    add(dissipated());
+    add(s.m);
+    if (carried_) add(s.rho);
+    return output::state_hash(ranks().comm, {g});
+  }
+
+  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+    return simulation::checkpoint_table(world_.w.s, materials);
+  }
+  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
+  void save(output::checkpoint_globals& g) const override {
+    g.integers["wall_crossings"] = crossings_;
+    g.blobs["time"] = record_.time;
+    g.blobs["mode"] = record_.mode;
+    g.blobs["centroid"] = record_.centroid;
+    g.blobs["fall"] = record_.fall;
+    g.blobs["measures"] = {energy_start_.value_or(0.0),
+                           residual_,
+                           residual_max_,
+                           v_rms_,
+                           v_rms_max_,
+                           v_rms_max_time_,
+                           density_min_,
+                           density_max_,
+                           pressure_min_};
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    crossings_ = g.integers.at("wall_crossings");
+    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall")};
+    const auto& m = g.blobs.at("measures");
+    energy_start_ = m[0];
+    std::array<double*, 8> to{&residual_,       &residual_max_, &v_rms_,       &v_rms_max_,
+                              &v_rms_max_time_, &density_min_,  &density_max_, &pressure_min_};
+    for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
+  }
+
+ private:
+  particles::array& dissipated() { return world_.w.s.extras[0].values; }
+  const particles::array& dissipated() const { return world_.w.s.extras[0].values; }
+  bool is_metal(std::size_t i) const { return world_.w.s.material[i] == 1; }
+  double speed2(std::size_t i) const {
+    double v2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) v2 += world_.w.s.v[a][i] * world_.w.s.v[a][i];
+    return v2;
+  }
+  // Temperature at the start: in the place of the energy's reference, which only this module reads.
+  double T_start(std::size_t i) const { return world_.w.s.rho_guess[i]; }
+
+  // ---- start ------------------------------------------------------------------------------
+
+  // Of the growing mode with unit amplitude: displacement (m/m) of the particle that rests at x.
+  std::array<double, D> mode_at(const std::array<double, D>& x) const {
+    const auto m = theory::at(*p_.mode, x[1] - p_.interface);
+    const double k = p_.mode->k, z = D == 3 ? x[2 % D] : 0.0;
+    const double cx = std::cos(p_.k_x * x[0]), sx = std::sin(p_.k_x * x[0]);
+    const double cz = std::cos(p_.k_z * z), sz = std::sin(p_.k_z * z);
+    std::array<double, D> u;
+    u[0] = m.displacement_x * p_.k_x / k * sx * cz;
+    u[1] = m.displacement_y * cx * cz;
+    if (D == 3) u[2 % D] = m.displacement_x * p_.k_z / k * cx * sz;
+    return u;
+  }
+
+  std::int32_t material_at(const std::array<double, D>& x) const {
+    if (kind_ == problem_kind::drop) {
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) r2 += (x[a] - *o_.centre[a]) * (x[a] - *o_.centre[a]);
+      return r2 < o_.radius * o_.radius ? 1 : 0;
+    }
+    double height = p_.interface;
+    if (o_.start == "coloured")
+      height = *o_.interface + o_.amplitude * std::cos(p_.k_x * x[0]) * std::cos(p_.k_z * (D == 3 ? x[2 % D] : 0.0));
+    return x[1] > height ? 1 : 0;
+  }
+
+  void place_fluid() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    std::vector<std::array<place, 2>> rows;
+    const barotropic drop{&(*p_.material)[1], o_.p_top, o_.temperature, warms_};
+    for (std::int64_t row = 0; row < o_.domain.particles[1]; ++row) {
+      const place here = p_.base->at((static_cast<double>(row) + 0.5) * w.dx);
+      const auto& lower = p_.base->lower();
+      const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
+      rows.push_back({at_pressure(lower, here.pressure), at_pressure(upper, here.pressure)});
+    }
+    const double V = std::pow(w.dx, D);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      std::array<double, D> x;
+      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
+      s.material[i] = material_at(x);
+      const auto row = static_cast<std::size_t>(x[1] / w.dx);
+      const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
+      s.m[i] = state.density * V;
+      s.rho[i] = s.rho_reference[i] = state.density;
+      s.p_reference[i] = state.pressure;
+      s.T[i] = s.rho_guess[i] = state.temperature;
+      s.u[i] = dissipated()[i] = 0.0;
+      if (!p_.mode || o_.start == "coloured") continue;
+      const auto u = mode_at(x);
+      const double rate = o_.start == "eigenmode" ? p_.mode->growth_rate : 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        s.x[a][i] += o_.amplitude * u[a];
+        s.v[a][i] = rate * o_.amplitude * u[a];
+      }
+      if (carried_) {
+        // As the mode compresses a particle: its pressure is that of the place where it went.
+        const auto m = theory::at(*p_.mode, x[1] - p_.interface);
+        const auto e = eos::evaluate((*p_.material)[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i]);
+        const double stiffness = warms_ ? s.rho[i] * e.sound_speed * e.sound_speed : e.K_T;
+        const double wave = std::cos(p_.k_x * x[0]) * std::cos(p_.k_z * (D == 3 ? x[2 % D] : 0.0));
+        s.rho[i] *= 1.0 + o_.amplitude * wave * (m.pressure - s.rho[i] * o_.gravity * m.displacement_y) / stiffness;
+      }
+    }
+  }
+
+  // Explicit steps: those of the lattice, for sound at the pressures of top and floor.
+  integrators::step_limit limit() {
+    const double dx = world_.w.dx;
+    const auto stiff = rates_of_lattice<D>(world_.w.kernel, dx);
+    double nu = 0.0;
+    const double p_floor = p_.base->at(0.0).pressure;
+    for (const std::size_t n : {0, 1})
+      for (const double p : {o_.p_top, p_floor}) {
+        const auto& material = (*p_.material)[n];
+        const auto state = at_pressure({&material, o_.p_top, o_.temperature, warms_}, p);
+        fastest_sound_ =
+            std::max(fastest_sound_, eos::evaluate(material, state.density, state.temperature).sound_speed);
+        nu = std::max(nu, o_.material[n].viscosity / state.density);
+      }
+    // The stress along x_ij is (d + 2)/d of the other's trace, and three times as stiff for waves of compression.
+    const double along = p_.stress_b > 0.0 ? 3.0 : 1.0;
+    radius_ = 1.2 * along * stiff.viscous * nu / (dx * dx);
+    // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
+    const double sound = *o_.march.time.cfl * 2.2 / stiff.sound * dx / fastest_sound_;
+    const double viscous = *o_.march.time.diffusive * 4.0 * D / (along * stiff.viscous) * dx * dx / nu;
+    const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous);
+    return {both, sound < viscous ? "sound" : "viscosity"};
+  }
+
+  // ---- right-hand side --------------------------------------------------------------------
+
+  std::vector<particles::array*> scratch() {
+    std::vector<particles::array*> all{&stress_, &factor_, &W_sum_, &compression_, &heat_, &rho_rate_, &conducted_};
+    for (auto& f : force_) all.push_back(&f);
+    return all;
+  }
+
+  // Where ghosts and images are, and how they move.
+  void refresh_motion() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "halo");
+    std::vector<double*> fields;
+    for (auto& v : s.v) fields.push_back(v.data());
+    if (o_.conductivity > 0.0) fields.push_back(s.T.data());
+    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+    images::move(world_.images, s);
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = s.v[a][j];
+      s.T[i] = s.T[j];
+      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+        if (wall.no_slip)
+          for (std::size_t a = 0; a < D; ++a) s.v[a][i] = -s.v[a][i];
+        else
+          s.v[wall.axis][i] = -s.v[wall.axis][i];
+      });
+    });
+  }
+
+  // ΔV and ρ, and the pressure of the equation of state, of fluid and ghosts.
+  void find_volumes() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    if (!carried_) {
+      const foundation::stage timed(w.times, "volumes");
+      w.sum(w.fluid(), kernel_sum<D>{self_, W_sum_.data()});
+      foundation::for_all(s.fluid, [&](std::size_t i) {
+        s.dV[i] = w.lattice_sum / W_sum_[i];
+        s.rho[i] = s.m[i] / s.dV[i];
+      });
+    } else {
+      foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.m[i] / s.rho[i]; });
+    }
+    {
+      const foundation::stage timed(w.times, "equation of state");
+      volume::equation_of_state(w, s.fluid);
+    }
+    const foundation::stage timed(w.times, "halo");
+    w.exchange_fluid({s.dV.data(), s.p_eos.data()});
+    foundation::for_all(s.fluid_ghosts,
+                        [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
+    mirror(s.p_eos);
+  }
+
+  // The source's ΔV and ρ, and p + ρ g (y_source - y_image).
+  void mirror(particles::array& p) {
+    auto& s = world_.w.s;
+    const double g = o_.walls.pressure == "hydrostatic" ? o_.gravity : 0.0;
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      s.dV[i] = s.dV[j];
+      s.rho[i] = s.rho[j];
+      p[i] = p[j] + s.rho[j] * g * (s.x[1][j] - s.x[1][i]);
+    });
+  }
+
+  // The pressure in the forces.
+  void find_pressures() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const std::size_t n = s.total();
+    if (smoothed_) {
+      const foundation::stage timed(w.times, "smoothing");
+      foundation::for_all(n, [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
+      w.sum(w.fluid(), smoothing<D>{s.Y.data(), s.dV.data(), self_, s.p.data(), W_sum_.data()});
+      if (o_.scheme.normalise) foundation::for_all(s.fluid, [&](std::size_t i) { s.p[i] /= W_sum_[i]; });
+      if (from_weight_) {
+        volume::require_positive(w, s.p, "the smoothed pressure");
+        foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
+      }
+      w.exchange_fluid({s.p.data(), s.dV.data()});
+      mirror_volumes(s.p);
+    } else {
+      foundation::for_all(n, [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
+    }
+    const bool first = o_.scheme.gradient == "pattern_1";
+    const double scale = carried_ ? 1.0 : 1.0 / w.lattice_sum;
+    foundation::for_all(n, [&](std::size_t i) {
+      stress_[i] = scale * s.p[i] * s.dV[i] * (first ? s.dV[i] : 1.0);
+      factor_[i] = first ? 1.0 : s.dV[i];
+    });
+    stress_[s.null()] = factor_[s.null()] = 0.0;
+  }
+  // mirror() once more, of what smoothing changed: ρ stays.
+  void mirror_volumes(particles::array& p) { mirror(p); }
+
+  void sum_over_neighbours() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    {
+      const foundation::stage timed(w.times, "forces");
+      forces<D> f{pairs::pointers<D>(s.v),
+                  stress_.data(),
+                  factor_.data(),
+                  s.dV.data(),
+                  s.eta.data(),
+                  p_.stress_a,
+                  p_.stress_b,
+                  {},
+                  compression_.data(),
+                  heat_.data()};
+      for (std::size_t a = 0; a < D; ++a) f.force[a] = force_[a].data();
+      w.sum(w.fluid(), f);
+    }
+    if (carried_) {
+      const foundation::stage timed(w.times, "continuity");
+      w.sum(w.fluid(), density_rate<D>{pairs::pointers<D>(s.v), s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(),
+                                       o_.gravity, o_.scheme.delta * h_, rho_rate_.data()});
+    }
+    if (o_.conductivity > 0.0) {
+      std::fill_n(conducted_.begin(), s.fluid, 0.0);
+      w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), conducted_.data()});
+    }
+  }
+
+  void combine(std::span<double* const> rate) {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "rates");
+    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0);
+    const bool first = o_.scheme.gradient == "pattern_1";
+    bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double per_m = 1.0 / s.m[i];
+      for (std::size_t a = 0; a < D; ++a) {
+        rate[a][i] = s.v[a][i];
+        rate[D + a][i] = per_m * force_[a][i] + w.g[a];
+        finite = finite && std::isfinite(rate[D + a][i]);
+      }
+      rate[2 * D][i] = per_m * stress_[i] * compression_[i];
+      rate[2 * D + 1][i] = per_m * heat_[i];
+      double dlnrho = compression_[i] * (first ? s.dV[i] : 1.0) / w.lattice_sum;
+      if (carried_) {
+        rate[at_rho][i] = rho_rate_[i];
+        dlnrho = rho_rate_[i] / s.rho[i];
+        finite = finite && std::isfinite(rho_rate_[i]);
+      }
+      if (warms_) {
+        const double gamma = s.alpha[i] * s.K_T[i] / (s.rho[i] * s.c_V[i]);
+        rate[at_T][i] =
+            gamma * s.T[i] * dlnrho + per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0)) / s.c_V[i];
+        finite = finite && std::isfinite(rate[at_T][i]);
+      }
+    }
+    if (finite) return;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      bool good = true;
+      for (const double* r : rate) good = good && std::isfinite(r[i]);
+      if (!good)
+        w.first_fault.report(s.id[i], "a rate is not finite: " + volume::where_is(s, i) + ", rho = " +
+                                          volume::number(s.rho[i]) + " kg/m3, p = " + volume::number(s.p[i]) +
+                                          " Pa; the flow has blown up, or the step is too large");
+    }
+  }
+
+  // ---- energy -----------------------------------------------------------------------------
+
+  // J/kg, ∫ p dρ/ρ² from the density at the start, at the particle's temperature: four Gauss points in ln ρ.
+  double elastic_energy(std::size_t i) const {
+    const auto& s = world_.w.s;
+    const auto& material = world_.w.materials[static_cast<std::size_t>(s.material[i])];
+    constexpr std::array<double, 4> x{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
+    constexpr std::array<double, 4> weight{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                           0.3478548451374538};
+    const double half = 0.5 * std::log(s.rho[i] / s.rho_reference[i]);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double rho = s.rho_reference[i] * std::exp(half * (1.0 + x[k]));
+      sum += weight[k] * eos::pressure(material, rho, s.T[i]) / rho;
+    }
+    return half * sum;
+  }
+
+  // J (2-D: J/m): Δρ g L³/8 of a square box; of a drop, what it loses on the way from lid to floor.
+  double energy_scale() const {
+    const auto& L = o_.domain.length;
+    const double weight = std::abs(p_.density_difference) * o_.gravity, a = o_.radius;
+    if (kind_ == problem_kind::drop) return weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0);
+    return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
+  }
+
+  // s, of the first line where the metal's centroid has fallen that far, by straight lines between.
+  std::optional<double> time_of_fall(double fall) const { return when_below(record_.centroid.front() - fall); }
+  std::optional<double> when_below(double y) const {
+    for (std::size_t k = 1; k < record_.time.size(); ++k)
+      if (record_.centroid[k] <= y && record_.centroid[k - 1] > y)
+        return record_.time[k - 1] + (record_.time[k] - record_.time[k - 1]) * share(k, y);
+    return std::nullopt;
+  }
+  // m/s, mean over a fiftieth of the height about y: sound that the start left swings on top of the velocity.
+  std::optional<double> fall_at(double y) const {
+    const double span = 0.02 * o_.domain.length[1];
+    const auto above = when_below(y + 0.5 * span), below = when_below(y - 0.5 * span);
+    return above && below ? std::optional(span / (*below - *above)) : std::nullopt;
+  }
+  double share(std::size_t k, double y) const {
+    return (record_.centroid[k - 1] - y) / (record_.centroid[k - 1] - record_.centroid[k]);
+  }
+
+  problem_kind kind_;
+  const options& o_;
+  const parameters& p_;
+  images::scene<D> world_;
+  bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
+  double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
+  integrators::step_limit limit_;
+
+  std::array<particles::array, D> force_;
+  particles::array stress_, factor_, W_sum_, compression_, heat_, rho_rate_, conducted_;
+
+  std::int64_t crossings_ = 0;
+  record record_;
+  std::optional<double> energy_start_;
+  double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
+  double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
+};
+
+}  // namespace tetsuame::overturn

@@ -1,0 +1,72 @@
+#include <cmath>
+#include <foundation/error.hpp>
+#include <numbers>
+#include <theory/drop.hpp>
+#include <theory/free_slip_box.hpp>
+#include <vector>
+
+namespace tetsuame::theory {
+
+namespace {
+
+constexpr double pi = std::numbers::pi, largest_ka = 60.0;
+
+double form_factor(int dimension, double q) {
+  if (q < 1e-3) return 1.0 - q * q / (dimension == 3 ? 10.0 : 8.0);
+  return dimension == 3 ? 3.0 * (std::sin(q) - q * std::cos(q)) / (q * q * q) : 2.0 * std::cyl_bessel_j(1.0, q) / q;
+}
+
+struct wave {
+  double k, weight;  // 1/m; with N_k
+};
+
+std::vector<wave> waves(const drop_among_free_slip& d, std::size_t a) {
+  std::vector<wave> all;
+  const double unit = (d.periodic[a] && a != 1 ? 2.0 : 1.0) * pi / d.length[a];
+  const int n = static_cast<int>(std::ceil(largest_ka / (d.radius * unit)));
+  for (int m = 0; m <= n; ++m) {
+    const double phase = unit * m * d.centre[a];
+    const double shape = a == 1 ? std::sin(phase) : std::cos(phase);
+    const double square = d.periodic[a] && a != 1 ? 0.5 : shape * shape;  // the two waves of one length, each a half
+    all.push_back({unit * m, m == 0 ? (a == 1 ? 0.0 : 1.0) : (d.periodic[a] && a != 1 ? 4.0 : 2.0) * square});
+  }
+  return all;
+}
+
+}  // namespace
+
+double fall_velocity(const drop_among_free_slip& d) {
+  const bool deep = d.dimension == 3;
+  for (std::size_t a = 0; a < (deep ? 3u : 2u); ++a)
+    if (!(d.radius > 0.0 && d.length[a] > 0.0) ||
+        (!d.periodic[a] && (d.centre[a] < d.radius || d.centre[a] > d.length[a] - d.radius)))
+      foundation::fail_input("drop in a free-slip box: the drop must lie inside the box");
+  const auto along_x = waves(d, 0), along_y = waves(d, 1);
+  const auto along_z = deep ? waves(d, 2) : std::vector<wave>{{0.0, 1.0}};
+  const double a = d.radius;
+  double sum = 0.0;
+  for (const auto& x : along_x)
+    for (const auto& z : along_z) {
+      const double across = x.k * x.k + z.k * z.k;
+      if (across == 0.0) continue;
+      for (const auto& y : along_y) {
+        const double k2 = across + y.k * y.k, q = a * std::sqrt(k2);
+        if (q > largest_ka) break;
+        const double s = form_factor(d.dimension, q);
+        sum += x.weight * y.weight * z.weight * across / (k2 * k2) * s * s;
+      }
+    }
+  const double volume = deep ? 4.0 / 3.0 * pi * a * a * a : pi * a * a;
+  const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
+  const double weight = d.density_difference * d.gravity, equal = weight * volume / (d.viscosity * box) * sum;
+  if (d.viscosity == d.drop_viscosity) return equal;
+  const double ratio = d.drop_viscosity / d.viscosity;
+  if (deep) {
+    const drop one{a, d.density_difference, d.gravity, d.viscosity, d.drop_viscosity},
+        same{a, d.density_difference, d.gravity, d.viscosity, d.viscosity};
+    return equal + hadamard_rybczynski(one) - hadamard_rybczynski(same);
+  }
+  return equal + 0.25 * weight * a * a / d.viscosity * (1.0 / (2.0 + 2.0 * ratio) - 0.25);
+}
+
+}  // namespace tetsuame::theory
