@@ -12,6 +12,7 @@
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -47,12 +48,13 @@ struct neighbour_list {
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
 };
 
-// Row r lists the particles j with |centre(r) - x_j| < reach and accept(r, j). The list's memory serves again.
+// Row r lists the particles j with |centre(r) - x_j| < reach, or reach(r), and accept(r, j). The list's memory serves
+// again.
 //
 // Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
 // those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
-template <int D, class Centre, class Accept>
-void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double reach, std::size_t null,
+template <int D, class Reach, class Centre, class Accept>
+void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, const Reach& reach, std::size_t null,
                Centre&& centre, Accept&& accept) {
   constexpr std::size_t block = 256;  // rows
   list.null = null;
@@ -60,6 +62,12 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double 
   list.start[0] = 0;
   list.neighbours.resize(list.neighbours.capacity());
   std::size_t pairs = 0, end = 0;
+  const auto reach_of = [&](std::size_t r) -> double {
+    if constexpr (std::is_invocable_v<Reach, std::size_t>)
+      return reach(r);
+    else
+      return reach;
+  };
   const auto sweep = [&] {
     pairs = end = 0;
 #pragma omp parallel reduction(+ : pairs) if (rows > foundation::rows_worth_threads)
@@ -71,7 +79,7 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, double 
         made.clear();
         for (std::size_t r = first; r < last; ++r) {
           const std::size_t begin = made.size();
-          for_each_near<D>(g, centre(r), reach, [&](std::uint32_t j) {
+          for_each_near<D>(g, centre(r), reach_of(r), [&](std::uint32_t j) {
             if (accept(r, j)) made.push_back(static_cast<std::int32_t>(j));
           });
           pairs += made.size() - begin;

@@ -26,7 +26,7 @@ struct halo {
     int rank = 0;
     std::size_t begin = 0, count = 0;  // of `sources`, or of the ghosts
   };
-  static constexpr std::size_t shifts = D == 2 ? 9 : 27;
+  static constexpr std::size_t shifts = D == 1 ? 3 : D == 2 ? 9 : 27;
 
   std::vector<std::uint32_t> sources;                    // local indices sent
   std::vector<std::uint8_t> shift;                       // of each source, into `shift_by`

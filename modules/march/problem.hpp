@@ -6,6 +6,7 @@
 #include <output/checkpoint.hpp>
 #include <output/history.hpp>
 #include <output/snapshot.hpp>
+#include <particles/particles.hpp>
 #include <simulation/summary.hpp>
 #include <span>
 #include <string>

@@ -99,11 +99,7 @@ struct consistent {
     a.m_s += Fs * ij.r2;
     const auto differences = [&](std::size_t at, const auto& d) {
       for (std::size_t k = 0; k < K; ++k) {
-        real d_k;
-        if constexpr (K == 1)
-          d_k = d;
-        else
-          d_k = d[k];
+        const real d_k = d[k];
         a.gradient[at + k] += (F * d_k) * r;
         a.laplacian[at + k] += Fs * d_k;
       }

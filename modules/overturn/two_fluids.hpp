@@ -39,6 +39,9 @@ class two_fluids : public march::problem {
     auto& s = w.s;
     s.extras.push_back(
         {"Dissipated", "J/kg", "specific heat of friction since the start", particles::role::integrated, {}});
+    s.extras.push_back({"StartDensity", "kg/m^3", "density at the start, at rest", particles::role::constant, {}});
+    s.extras.push_back({"StartTemperature", "K", "temperature at the start", particles::role::constant, {}});
+    s.keeps_start = true;
     const auto& d = o.domain;
     images::options walls;
     walls.slip = o.walls.sides;
@@ -164,8 +167,8 @@ class two_fluids : public march::problem {
         metal_volume.add(V);
         metal_v.add(-V * s.v[1][i]);
       }
-      low = std::min(low, s.rho[i] / s.rho_reference[i]);
-      high = std::max(high, s.rho[i] / s.rho_reference[i]);
+      low = std::min(low, s.rho[i] / rho_start()[i]);
+      high = std::max(high, s.rho[i] / rho_start()[i]);
       p_low = std::min(p_low, s.p_eos[i]);
       if (p_.mode) {
         std::array<double, D> lattice;
@@ -234,7 +237,7 @@ class two_fluids : public march::problem {
     add("Temperature", "K", "temperature", s.T);
     add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
     add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
-    add("DensityReference", "kg/m^3", "density at the start, at rest", s.rho_reference);
+    add("DensityReference", "kg/m^3", "density at the start, at rest", rho_start());
     return {g};
   }
 
@@ -327,8 +330,9 @@ class two_fluids : public march::problem {
     for (std::size_t a = 0; a < D; ++a) v2 += world_.w.s.v[a][i] * world_.w.s.v[a][i];
     return v2;
   }
-  // Temperature at the start: in the place of the energy's reference, which only this module reads.
-  double T_start(std::size_t i) const { return world_.w.s.rho_guess[i]; }
+  particles::array& rho_start() { return world_.w.s.extras[1].values; }
+  const particles::array& rho_start() const { return world_.w.s.extras[1].values; }
+  double T_start(std::size_t i) const { return world_.w.s.extras[2].values[i]; }
 
   // ---- start ------------------------------------------------------------------------------
 
@@ -376,9 +380,8 @@ class two_fluids : public march::problem {
       const auto row = static_cast<std::size_t>(x[1] / w.dx);
       const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
       s.m[i] = state.density * V;
-      s.rho[i] = s.rho_reference[i] = state.density;
-      s.p_reference[i] = state.pressure;
-      s.T[i] = s.rho_guess[i] = state.temperature;
+      s.rho[i] = rho_start()[i] = state.density;
+      s.T[i] = s.extras[2].values[i] = state.temperature;
       s.u[i] = dissipated()[i] = 0.0;
       if (!p_.mode || o_.start == "coloured") continue;
       const auto u = mode_at(x);
@@ -599,10 +602,10 @@ class two_fluids : public march::problem {
     constexpr std::array<double, 4> x{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
     constexpr std::array<double, 4> weight{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                            0.3478548451374538};
-    const double half = 0.5 * std::log(s.rho[i] / s.rho_reference[i]);
+    const double half = 0.5 * std::log(s.rho[i] / rho_start()[i]);
     double sum = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const double rho = s.rho_reference[i] * std::exp(half * (1.0 + x[k]));
+      const double rho = rho_start()[i] * std::exp(half * (1.0 + x[k]));
       sum += weight[k] * eos::pressure(material, rho, s.T[i]) / rho;
     }
     return half * sum;

@@ -53,12 +53,13 @@ struct pair {
   const std::int32_t* j;                              // local indices of the neighbours, one a lane
   vec<real, D> x_ij;                                  // m, x_i - x_j
   real r2;                                            // m2
+  real r, per_r;                                      // m, 1/m: of at least the kernel's smallest_r()
   real W;                                             // 1/m^D
   real F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
 };
 
-// A pair with both records: scalars are a real, vectors a vec.
+// A pair with both records: numbers are a real, vectors a vec.
 template <int D, class Layout>
 struct packed_pair : pair<D> {
   std::array<real, Layout::size> mine, values;
@@ -87,7 +88,7 @@ struct packed_pair : pair<D> {
   static auto pick(const std::array<real, Layout::size>& record) {
     constexpr std::size_t at = Layout::template place<Tag>(), n = Layout::template components<Tag>();
     static_assert(n > 0, "a term uses a field that its reads() does not name");
-    if constexpr (n == 1) {
+    if constexpr (!Layout::template is_vector<Tag>()) {
       return record[at];
     } else {
       vec<real, static_cast<int>(n)> v;
@@ -160,6 +161,8 @@ template <int D, class Source, class Kernel, class... Terms>
     ij.x_ij = x_i - source.neighbour(ij);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
     const auto root = foundation::both_roots(max(ij.r2, nearest));
+    ij.r = root.r;
+    ij.per_r = root.inverse;
     kernel.both(root.r, root.inverse, ij.W, ij.F);
     add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
   }

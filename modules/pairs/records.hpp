@@ -41,20 +41,21 @@ inline constexpr viscosity_tag of_viscosity;
 inline constexpr temperature_tag of_temperature;
 inline constexpr conductivity_tag of_conductivity;
 
-// A field of N components that a term reads.
-template <class Tag, std::size_t N>
+// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1).
+template <class Tag, std::size_t N, bool Vector>
 struct field_read {
   using tag = Tag;
   static constexpr std::size_t components = N;
+  static constexpr bool is_vector = Vector;
   std::array<const double*, N> from;
 };
 
 template <class Tag>
-field_read<Tag, 1> read(Tag, const double* a) {
+field_read<Tag, 1, false> read(Tag, const double* a) {
   return {{a}};
 }
 template <class Tag, std::size_t N>
-field_read<Tag, N> read(Tag, const std::array<const double*, N>& a) {
+field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a) {
   return {a};
 }
 
@@ -104,6 +105,10 @@ struct layout {
   template <class Tag>
   static constexpr std::size_t components() {
     return (std::size_t{0} + ... + (std::is_same_v<Tag, typename Reads::tag> ? Reads::components : 0));
+  }
+  template <class Tag>
+  static constexpr bool is_vector() {
+    return ((std::is_same_v<Tag, typename Reads::tag> && Reads::is_vector) || ...);
   }
 };
 

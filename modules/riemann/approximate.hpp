@@ -47,4 +47,33 @@ hllc_star<R> hllc(const side<R>& l, const side<R>& r) {
   return {p, u, l.u - w_l, r.u + w_r, l.rho * w_l / (w_l + u - l.u), r.rho * w_r / (w_r + r.u - u)};
 }
 
+template <class R>
+struct contact {
+  R p, u;  // Pa, m/s
+};
+
+// Pressure and speed of HLLC's contact alone, for the pair loop: two roots and three divisions. c_l, c_r may be the
+// sound speeds of states near by. The squares of the mass fluxes are those of hllc(),
+//   m_K^2 = rho_K [gamma P_K + (gamma+1)/2 max(p_est - p_K, 0)],
+// p_est the greater of acoustics and of two shocks into cold gas with its densities' harmonic mean (derived here),
+//   p_est = (gamma+1)/4 (u_l - u_r)^2 rho_l rho_r/(rho_l + rho_r),
+// exact where the densities are equal and never too large else. Not below -min(p_inf), where a vacuum opens.
+template <class R>
+contact<R> hllc_contact(const side<R>& l, const side<R>& r, const R& c_l, const R& c_r) {
+  using detail::greater, detail::smaller, detail::square_root;
+  const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
+  const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
+  const R meeting = greater(closing, R(0.0));
+  const R cold = 0.125 * (l.gamma + r.gamma + 2.0) * meeting * meeting * (l.rho * r.rho) / (l.rho + r.rho) -
+                 greater(l.p_infinity, r.p_infinity);
+  const R estimate = greater(acoustic, cold);
+  const auto flux = [&](const side<R>& s) {
+    return square_root(
+        R(s.rho * (s.gamma * (s.p + s.p_infinity) + 0.5 * (s.gamma + 1.0) * greater(R(estimate - s.p), R(0.0)))));
+  };
+  const R m_l = flux(l), m_r = flux(r), per_sum = 1.0 / (m_l + m_r);
+  const R p = (m_r * l.p + m_l * r.p + m_l * m_r * closing) * per_sum;
+  return {greater(p, R(0.0 - smaller(l.p_infinity, r.p_infinity))), (m_l * l.u + m_r * r.u + l.p - r.p) * per_sum};
+}
+
 }  // namespace tetsuame::riemann

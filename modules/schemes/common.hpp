@@ -1,0 +1,164 @@
+// What the schemes for gas share: names of fields, the two kernels of a pair whose ends have supports of their own, and
+// the sums before the forces. Notation: w the weight that a scheme smooths, m (SSPH, GSPH) or U = m u (DISPH, GDISPH);
+//   y_i = Σ_j w_j W_ij(h_i)                        ρ or q = P/(γ - 1)                        [S4, eq. (7)]
+//   f_i = [1 + h_i/(D y_i) Σ_j w_j ∂W_ij/∂h_i]⁻¹ = -D y_i / Σ_j w_j r² F_ij(h_i)             [S4, eq. (9)]
+// by h ∂W/∂h = -(D W + r W'). Kernels are evaluated at q = r/S with support 1: W = Ŵ/S^D, W'/r = F̂/S^(D+2).
+//
+// The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice,
+// so that h is smooth where m and u jump.
+#pragma once
+
+#include <cmath>
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::schemes {
+
+using pairs::real, pairs::vec;
+
+struct mass_tag {};
+struct per_support_tag {};
+struct density_tag {};
+struct sound_tag {};
+struct slope_tag {};
+struct dissipation_tag {};
+inline constexpr mass_tag of_mass;
+inline constexpr per_support_tag of_per_support;  // 1/S; 0 for the null particle
+inline constexpr density_tag of_density;
+inline constexpr sound_tag of_sound;
+inline constexpr slope_tag of_slope;              // f_i/y_i², with the pressure where the scheme has one of its own
+inline constexpr dissipation_tag of_dissipation;  // α_i and Balsara's factor
+
+// In place of a kernel in pairs::sum_over: the terms evaluate their own.
+struct distances_only {
+  double nearest;  // m
+  double smallest_r() const { return nearest; }
+  template <class R>
+  void both(const R&, const R&, R&, R&) const {}
+};
+
+template <int D, class R>
+R power(const R& a) {
+  if constexpr (D == 1)
+    return a;
+  else if constexpr (D == 2)
+    return a * a;
+  else
+    return a * a * a;
+}
+
+struct shape {
+  real q, W, F;  // r/S, Ŵ, F̂
+};
+
+// Of a particle whose support is 1/per_S.
+template <class Kernel>
+shape shape_of(const Kernel& unit, const auto& ij, const real& S, const real& per_S) {
+  shape s;
+  s.q = ij.r * per_S;
+  unit.both(s.q, real(ij.per_r * S), s.W, s.F);
+  return s;
+}
+
+// W'(r)/r of either end, 1/m^(D+2).
+struct two_slopes {
+  real i, j;
+};
+template <int D, class Kernel>
+two_slopes slopes_of(const Kernel& unit, const auto& ij) {
+  const real p_i = ij.own(of_per_support), p_j = ij(of_per_support);
+  // A spline's F̂ has 1/q: its own S instead of 1/(1/S), which the null particle does not have.
+  const auto one = [&](const real& per_S) {
+    real W, F;
+    const real q = ij.r * per_S;
+    if constexpr (requires { Kernel::shape(q, q, W, F); })
+      unit.both(q, q, W, F);
+    else
+      unit.both(q, real(1.0 / max(q, real(1e-9))), W, F);
+    return real(power<D>(per_S) * per_S * per_S * F);
+  };
+  return {one(p_i), one(p_j)};
+}
+
+// n_i S_i^D and the same of r² F, by which Newton's method finds S.
+template <class Kernel>
+struct number_density {
+  Kernel unit;
+  const double* S;
+  double *count, *slope;
+
+  struct me {
+    real S, per_S, count, slope;
+  };
+  me begin(std::size_t i) const { return {real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const shape s = shape_of(unit, ij, a.S, a.per_S);
+    a.count += s.W;
+    a.slope += s.q * s.q * s.F;
+  }
+  void end(std::size_t i, const me& a) const {
+    count[i] = unit.self() + pairs::sum(a.count);
+    slope[i] = pairs::sum(a.slope);
+  }
+};
+
+// The next S of S^D n = target by Newton's method, by at most a fifth at once.
+inline double next_support(double S, double count, double slope, double target) {
+  constexpr double most = 0.2;
+  const double miss = count - target;
+  const double change = slope < -1e-12 * count ? miss / slope : -miss;  // alone: a larger support
+  return S * (1.0 + std::fmin(std::fmax(change, -most), most));
+}
+
+// y, f, ∇·v, |∇×v| (1/s) and n.
+template <int D, class Kernel>
+struct density {
+  Kernel unit;
+  const double* weight;
+  std::array<const double*, D> v;
+  const double* S;
+  struct {
+    double *y, *f, *divergence, *curl, *n;
+  } out;
+
+  static constexpr int C = D == 1 ? 0 : D == 2 ? 1 : 3;
+  struct me {
+    real S, per_S, y, slope, n, divergence;
+    std::array<real, C> curl;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(pairs::of_velocity, v)}; }
+  me begin(std::size_t i) const {
+    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), {}};
+    for (auto& c : a.curl) c = real(0.0);
+    return a;
+  }
+  void add(me& a, const auto& ij) const {
+    const shape s = shape_of(unit, ij, a.S, a.per_S);
+    const real w = ij(pairs::of_weight), wF = w * s.F;
+    a.n += s.W;
+    a.y += w * s.W;
+    a.slope += wF * s.q * s.q;
+    a.divergence += wF * ij.along(pairs::of_velocity);
+    const auto v_ij = ij.difference(pairs::of_velocity);
+    if constexpr (D == 2) a.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
+    if constexpr (D == 3)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+        a.curl[k] += wF * (v_ij[l] * ij.x_ij[m] - v_ij[m] * ij.x_ij[l]);
+      }
+  }
+  void end(std::size_t i, const me& a) const {
+    const double y = weight[i] * unit.self() + pairs::sum(a.y), slope = pairs::sum(a.slope);
+    const double per_volume = 1.0 / power<D>(S[i]);
+    const double f = slope < -1e-12 * y ? -D * y / slope : 1.0;
+    const double factor = f / (y * S[i] * S[i]);
+    double curl2 = 0.0;
+    for (const real& c : a.curl) curl2 += pairs::sum(c) * pairs::sum(c);
+    out.y[i] = per_volume * y;
+    out.f[i] = f;
+    out.divergence[i] = -factor * pairs::sum(a.divergence);
+    out.curl[i] = factor * std::sqrt(curl2);
+    out.n[i] = per_volume * (unit.self() + pairs::sum(a.n));
+  }
+};
+
+}  // namespace tetsuame::schemes

@@ -1,0 +1,601 @@
+// Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
+//   1. supports: one step of Newton's method from those of the step's start (schemes/common.hpp)
+//   2. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
+//        SSPH, GSPH   ρ = y, P = (γ - 1) ρ u         DISPH, GDISPH   P = (γ - 1) q, ρ = m q/U,   q = y
+//   3. second order: gradients of p, ρ, v
+//   4. forces and power, artificial viscosity or Riemann problems
+// Integrated: x, v, u, and α where it depends on time. What a scheme conserves it does whatever h and f are, so
+// supports need not be converged; they are those of one Newton step.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <march/problem.hpp>
+#include <schemes/disph.hpp>
+#include <schemes/gdisph.hpp>
+#include <schemes/gradients.hpp>
+#include <schemes/gsph.hpp>
+#include <schemes/ssph.hpp>
+#include <shocks/scene.hpp>
+#include <simulation/state.hpp>
+#include <variant>
+
+namespace tetsuame::shocks {
+
+template <int D>
+using kernel_choice = std::variant<kernels::quintic_spline<D>, kernels::wendland_c4<D>>;
+
+template <int D>
+class flow : public march::problem {
+ public:
+  explicit flow(const options& o) : o_(o), setup_(make_setup(o)) {
+    using particles::role;
+    auto& s = w_.s;
+    s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
+    s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
+    s.extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
+    const auto& line = kernels::find(o.march.kernel.name);
+    support_over_dx_ = line.support_over_h * o.march.kernel.h_over_dx;
+    support_over_h_ = line.support_over_h;
+    target_ = std::pow(support_over_dx_, D);
+    choose_kernel(o.march.kernel.name);
+    domain::box<D> region;
+    for (std::size_t a = 0; a < D; ++a) {
+      region.length[a] = o.box.length[a];
+      region.periodic[a] = o.box.periodic[a];
+    }
+    w_.dx = o.dx();
+    skin_ = o.march.kernel.skin * w_.dx;
+    w_.d = domain::decompose<D>(domain::communicator::world(), region, support_over_dx_ * w_.dx + skin_,
+                                static_cast<int>(o.box.ranks_x));
+    images_.sides = reflecting_walls<D>(region);
+    place_particles();
+  }
+
+  const domain::communicator& ranks() const override { return w_.d.ranks; }
+  std::size_t local_particles() const override { return w_.s.fluid; }
+  std::size_t simd_lanes() const override { return pairs::lanes; }
+  output::snapshot_header header() const override {
+    output::snapshot_header header;
+    header.dimension = D;
+    for (std::size_t a = 0; a < D; ++a) {
+      header.box_lengths[a] = w_.d.region.length[a];
+      header.periodic[a] = w_.d.region.periodic[a];
+    }
+    return header;
+  }
+
+  std::vector<integrators::field> fields() override {
+    auto& s = w_.s;
+    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+    std::vector<integrators::field> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, w_.dx});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed_scale_});
+    all.push_back({"u", s.u.data(), 0.0, speed_scale_ * speed_scale_});
+    if (has_alpha()) all.push_back({"alpha", alpha().data(), 0.0, 1.0});
+    return all;
+  }
+
+  // ---- right-hand side --------------------------------------------------------------------
+
+  void evaluate(std::span<double* const> rate) override {
+    std::visit([&](const auto& unit) { evaluate_with(unit); }, unit_);
+    combine(rate);
+    w_.agree();
+  }
+
+  integrators::step_limit largest_step() override {
+    const auto& s = w_.s;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double spacing = S_[i] / support_over_dx_, signal = std::max(signal_[i], 2.0 * sound_speed(i));
+      least = std::min(least, 2.0 * spacing / signal);
+    }
+    return {*o_.march.time.cfl * ranks().minimum(least), "sound"};
+  }
+  double diffusion_radius() override { return 0.0; }
+
+  void keep_memory() override { std::copy_n(S_.begin(), w_.s.fluid, support().begin()); }
+
+  bool complete_step() override {
+    const std::int64_t crossings = ranks().sum(images::reflect(images_, w_.s));
+    crossings_ += crossings;
+    return crossings > 0;
+  }
+
+  // Lists hold as long as particles moved, and supports grew, by no more than the skin.
+  double moved() override {
+    const auto& s = w_.s;
+    double growth = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) growth = std::max(growth, support()[i] - list_support()[i]);
+    return displacement() + 0.5 * ranks().maximum(growth);
+  }
+  double allowance() const override { return 0.5 * skin_; }
+  double speed() override {
+    const auto& s = w_.s;
+    double v2 = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      double sum = 0.0;
+      for (std::size_t a = 0; a < D; ++a) sum += s.v[a][i] * s.v[a][i];
+      v2 = std::max(v2, sum);
+    }
+    return std::sqrt(ranks().maximum(v2));
+  }
+
+  void rebuild(bool as_they_were) override {
+    make_lists(as_they_were);
+    if (settled_ || as_they_were) {
+      settled_ = true;
+      return;
+    }
+    // The start lattice's supports are those of an endless lattice: next to a jump they are not yet the right ones.
+    settled_ = true;
+    for (int round = 0; round < 4; ++round) {
+      for (int k = 0; k < 5; ++k) {
+        std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
+        keep_memory();
+      }
+      make_lists(false);
+    }
+  }
+
+  // ---- measures ---------------------------------------------------------------------------
+
+  std::vector<output::history_column> columns() const override {
+    return {{"kinetic_energy", "J"}, {"internal_energy", "J"}, {"momentum_x", "kg m/s"}, {"density_max", "kg/m^3"}};
+  }
+  std::vector<double> row(double) override {
+    const totals now = sum_up();
+    if (!first_) first_ = now;
+    double densest = 0.0;
+    for (std::size_t i = 0; i < w_.s.fluid; ++i) densest = std::max(densest, w_.s.rho[i]);
+    return {now.kinetic, now.internal, now.momentum[0], ranks().maximum(densest)};
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+    const auto& s = w_.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
+      output::column c{name, unit, about, {}, true};
+      for (const auto& component : components) c.components.push_back(component.data());
+      g.columns.push_back(std::move(c));
+    };
+    vector("Coordinates", "m", "position", s.x);
+    vector("Velocities", "m/s", "velocity", s.v);
+    extra.assign(1, particles::array(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = S_[i] / support_over_h_;
+    const auto scalar = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
+      g.columns.push_back({name, unit, about, {a.data()}, false});
+    };
+    scalar("Masses", "kg", "mass", s.m);
+    scalar("Density", "kg/m^3", "mass density", s.rho);
+    scalar("Pressure", "Pa", "pressure", s.p);
+    scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
+    scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
+    if (has_alpha()) scalar("ArtificialViscosity", "1", "alpha", alpha());
+    return {g};
+  }
+
+  void report(double t, simulation::summary& r) override {
+    const totals now = sum_up();
+    double momentum = 0.0;
+    for (std::size_t a = 0; a < D; ++a)
+      momentum = std::max(momentum, std::abs(now.momentum[a] - first_->momentum[a]) / now.momentum_scale);
+    r.conservation = {{"mass", now.mass / first_->mass - 1.0},
+                      {"momentum", momentum},
+                      {"energy", (now.kinetic + now.internal) / (first_->kinetic + first_->internal) - 1.0}};
+    r.metrics["test"] = o_.shock.test;
+    r.metrics["scheme"] = o_.shock.scheme;
+    for (const auto& [name, value] : setup_.numbers) r.metrics[name] = value;
+    r.metrics["wall_crossings"] = crossings_;
+    if (setup_.exact) r.errors = errors(t);
+    r.stages = w_.times.seconds();
+  }
+
+  std::string hash() override {
+    const auto& s = w_.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    const auto add = [&](const char* name, const particles::array& a) {
+      g.columns.push_back({name, "", "", {a.data()}, false});
+    };
+    for (const auto& component : s.x) add("x", component);
+    for (const auto& component : s.v) add("v", component);
+    add("u", s.u);
+    add("m", s.m);
+    add("rho", s.rho);
+    add("p", s.p);
+    return output::state_hash(ranks().comm, {g});
+  }
+
+  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+    return simulation::checkpoint_table(w_.s, materials);
+  }
+  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, w_.s); }
+  void save(output::checkpoint_globals& g) const override {
+    g.integers["crossings"] = crossings_;
+    if (!first_) return;
+    std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->momentum_scale};
+    all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
+    g.blobs["first_totals"] = all;
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    crossings_ = g.integers.at("crossings");
+    const auto& all = g.blobs.at("first_totals");
+    first_.emplace(totals{all[0], all[1], all[2], all[3], {}});
+    std::copy_n(all.begin() + 4, D, first_->momentum.begin());
+  }
+
+ private:
+  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);  // gradients
+
+  particles::array& support() { return w_.s.extras[0].values; }
+  particles::array& list_support() { return w_.s.extras[1].values; }
+  particles::array& alpha() { return w_.s.extras[2].values; }
+  bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
+  double sound_speed(std::size_t i) const {
+    return std::sqrt(o_.shock.gamma * (o_.shock.gamma - 1.0) * std::max(w_.s.u[i], 0.0));
+  }
+
+  void choose_kernel(const std::string& name) {
+    bool found = false;
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+      ((std::variant_alternative_t<k, kernel_choice<D>>::name == name ? (unit_.template emplace<k>(1.0), found = true)
+                                                                      : false),
+       ...);
+    }
+    (std::make_index_sequence<std::variant_size_v<kernel_choice<D>>>{});
+    if (!found) foundation::fail_input("&kernel name: this program has 'quintic' and 'wendland_c4'");
+  }
+
+  // ---- start and lists --------------------------------------------------------------------
+
+  void place_particles() {
+    auto& s = w_.s;
+    struct start {
+      std::int64_t id;
+      point x;
+      double volume;
+    };
+    std::vector<start> mine;
+    std::int64_t id = 0;
+    double fastest = 0.0;
+    for_each_start<D>(setup_, [&](const point& x, double volume) {
+      const state now = setup_.start(x);
+      double v2 = o_.shock.gamma * now.p / now.rho;
+      for (const double v : now.v) v2 += v * v;
+      fastest = std::max(fastest, v2);
+      std::array<double, D> place;
+      std::copy_n(x.begin(), D, place.begin());
+      if (w_.d.within(w_.d.cell(), place)) mine.push_back({id, x, volume});
+      ++id;
+    });
+    fluid_total_ = id;
+    speed_scale_ = std::sqrt(fastest);
+    particles::allocate(s, mine.size(), 0, 0, 0);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const auto& p = mine[i];
+      const state now = setup_.start(p.x);
+      s.id[i] = p.id;
+      s.material[i] = now.material;
+      s.m[i] = now.rho * p.volume;
+      s.u[i] = now.p / ((o_.shock.gamma - 1.0) * now.rho);
+      for (std::size_t a = 0; a < D; ++a) {
+        s.x[a][i] = p.x[a];
+        s.v[a][i] = now.v[a];
+      }
+      support()[i] = support_over_dx_ * std::pow(p.volume, 1.0 / D);
+      alpha()[i] = o_.shock.switch_of_alpha ? o_.shock.alpha_min : o_.shock.alpha;
+    }
+  }
+
+  // As images::rebuild, with supports of the particles' own.
+  void make_lists(bool as_they_were) {
+    auto& s = w_.s;
+    const foundation::stage timed(w_.times, "lists");
+    const auto exchange_positions = [&] {
+      for (std::size_t a = 0; a < D; ++a)
+        std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
+    };
+    particles::allocate(s, s.fluid, 0, 0, 0);
+    if (as_they_were)
+      exchange_positions();
+    else
+      domain::wrap(w_.d.region, s);
+    domain::migrate(w_.d, s);
+    if (!as_they_were) std::copy_n(support().begin(), s.fluid, list_support().begin());
+    double most = 0.0;
+    foundation::exact_sum all;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      most = std::max(most, list_support()[i]);
+      all.add(list_support()[i]);
+    }
+    most = ranks().maximum(most);
+    const double mean = ranks().exact(all) / static_cast<double>(fluid_total_);
+    const double edge = cells::cell_edge<D>(mean + skin_);
+    const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, edge);
+    std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
+    particles::reorder(s, 0, std::span<const std::size_t>(order));
+    if (!as_they_were)
+      for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
+    w_.d.width = (most + skin_) * (1.0 + 1e-6);
+    for (std::size_t a = 0; a < D; ++a)
+      if (w_.d.region.periodic[a] && w_.d.width > w_.d.region.length[a])
+        foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
+    domain::make_halo<D>(w_.d, s, 0, s.fluid, s.fluid, w_.d.fluid_halo,
+                         [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, 0, 0); });
+    images::make(images_, s, fluid_total_, most + skin_);
+    w_.exchange_fluid({s.m.data(), list_support().data()});
+    foundation::for_all(images_.source.size(), [&](std::size_t r) {
+      s.m[s.first_wall() + r] = s.m[images_.source[r]];
+      list_support()[s.first_wall() + r] = list_support()[images_.source[r]];
+    });
+    make_list<D>(w_, list_support(), skin_, edge);
+    if (as_they_were) exchange_positions();
+    for (auto* a : {&S_, &per_S_, &weight_, &slope_, &dissipation_}) a->assign(s.total() + 1, 0.0);
+    for (auto* a : {&y_, &f_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_})
+      a->resize(s.fluid);
+    for (auto& a : force_) a.resize(s.fluid);
+    if (o_.second_order())
+      for (auto& a : gradient_) a.assign(s.total() + 1, 0.0);
+    std::copy_n(support().begin(), s.fluid, S_.begin());
+    std::fill(signal_.begin(), signal_.end(), 0.0);
+    refresh_state();
+  }
+
+  point place(std::size_t i) const {
+    point x{};
+    for (std::size_t a = 0; a < D; ++a) x[a] = w_.s.x[a][i];
+    return x;
+  }
+
+  double displacement() const {
+    const auto& s = w_.s;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
+      largest = r2 > largest || r2 != r2 ? r2 : largest;
+    }
+    return std::sqrt(ranks().maximum(largest));
+  }
+
+  // ---- one evaluation ---------------------------------------------------------------------
+
+  // f(image, its source, which velocities and slopes along an axis change sign)
+  template <class F>
+  void for_each_image(F&& f) {
+    const auto& s = w_.s;
+    foundation::for_all(images_.source.size(), [&](std::size_t r) {
+      std::array<double, D> sign;
+      sign.fill(1.0);
+      images::for_each_mirror(images_, r, [&](const images::side<D>& wall) { sign[wall.axis] = -sign[wall.axis]; });
+      f(s.first_wall() + r, images_.source[r], sign);
+    });
+  }
+
+  template <class... Terms>
+  void sum(const Terms&... terms) {
+    const double nearest = 1e-9 * support_over_dx_ * w_.dx;
+    pairs::sum_over<D>(w_.fluid(), w_.list, w_.x(), schemes::distances_only{nearest}, terms...);
+  }
+
+  // x, v, u of ghosts and images, and everyone's weight.
+  void refresh_state() {
+    auto& s = w_.s;
+    const foundation::stage timed(w_.times, "halo");
+    std::array<double*, D + 1> state;
+    for (std::size_t a = 0; a < D; ++a) state[a] = s.v[a].data();
+    state[D] = s.u.data();
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(state), &s.x);
+    images::move(images_, s);
+    for_each_image([&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
+      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = sign[a] * s.v[a][j];
+      s.u[i] = s.u[j];
+    });
+    foundation::for_all(s.total(), [&](std::size_t i) { weight_[i] = o_.weighs_energy() ? s.m[i] * s.u[i] : s.m[i]; });
+  }
+
+  template <class Kernel>
+  void find_supports(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "supports");
+    const auto& s = w_.s;
+    sum(schemes::number_density<Kernel>{unit, support().data(), count_.data(), count_slope_.data()});
+    const double room = skin_ - 2.0 * displacement();
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      const double next = schemes::next_support(support()[i], count_[i], count_slope_[i], target_);
+      S_[i] = std::min(next, std::max(list_support()[i] + room, support()[i]));
+    });
+  }
+
+  template <class Kernel>
+  schemes::density<D, Kernel> densities_of(const Kernel& unit) {
+    return {unit,
+            weight_.data(),
+            pairs::pointers<D>(w_.s.v),
+            S_.data(),
+            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data()}};
+  }
+
+  template <class Kernel>
+  void find_densities(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "densities");
+    auto& s = w_.s;
+    sum(densities_of(unit));
+    const double gamma = o_.shock.gamma;
+    const bool energy = o_.weighs_energy(), own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
+        w_.first_fault.report(
+            s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
+        break;
+      }
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      s.c[i] = sound_speed(i);
+      s.rho[i] = energy ? y_[i] / s.u[i] : y_[i];
+      s.p[i] = (gamma - 1.0) * (energy ? y_[i] : y_[i] * s.u[i]);
+      s.dV[i] = 1.0 / number_[i];
+      per_S_[i] = 1.0 / S_[i];
+      slope_[i] = (star_of_mass ? 1.0 : f_[i]) * (own_pressure ? s.p[i] : 1.0) / (y_[i] * y_[i]);
+      const double closing = std::abs(divergence_[i]), h = S_[i] / support_over_h_;
+      const double balsara = o_.shock.balsara ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
+      dissipation_[i] = alpha()[i] * balsara;
+    });
+    per_S_[s.null()] = slope_[s.null()] = 0.0;
+    const std::array<double*, 7> all{s.rho.data(),  s.p.data(),    s.c.data(),         s.dV.data(),
+                                     per_S_.data(), slope_.data(), dissipation_.data()};
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
+    for_each_image([&](std::size_t i, std::size_t j, const auto&) {
+      for (double* a : all) a[i] = a[j];
+    });
+  }
+
+  template <class Kernel>
+  void find_gradients(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "gradients");
+    auto& s = w_.s;
+    schemes::gradients<D, Kernel> term{unit,      s.dV.data(), s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
+                                       S_.data(), {}};
+    std::array<double*, G> all;
+    for (std::size_t k = 0; k < G; ++k) all[k] = term.out[k] = gradient_[k].data();
+    sum(term);
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
+    for_each_image([&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
+      for (std::size_t k = 0; k < D + 2; ++k)
+        for (std::size_t b = 0; b < D; ++b) {
+          const double of_field = k < 2 ? 1.0 : sign[k - 2];
+          all[D * k + b][i] = of_field * sign[b] * all[D * k + b][j];
+        }
+    });
+  }
+
+  template <class Kernel>
+  void find_forces(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "forces");
+    auto& s = w_.s;
+    schemes::gas<D> gas{pairs::pointers<D>(s.v),
+                        s.m.data(),
+                        weight_.data(),
+                        s.rho.data(),
+                        s.p.data(),
+                        s.c.data(),
+                        slope_.data(),
+                        per_S_.data(),
+                        dissipation_.data(),
+                        {},
+                        {},
+                        {},
+                        o_.shock.gamma,
+                        o_.shock.limiter == "minmod" ? 1.0 : 2.0,
+                        o_.shock.solver == "exact"};
+    for (std::size_t b = 0; b < D; ++b) {
+      gas.grad_p[b] = gradient_[b].data();
+      gas.grad_rho[b] = gradient_[D + b].data();
+    }
+    for (std::size_t k = 0; k < gas.grad_v.size(); ++k) gas.grad_v[k] = gradient_[2 * D + k].data();
+    schemes::rates<D> out{{}, power_.data(), signal_.data()};
+    for (std::size_t a = 0; a < D; ++a) out.force[a] = force_[a].data();
+    if (o_.shock.scheme == "ssph") return sum(schemes::ssph<D, Kernel>{unit, gas, out});
+    if (o_.shock.scheme == "disph") return sum(schemes::disph<D, Kernel>{unit, gas, out});
+    const bool second = o_.second_order();
+    if (o_.shock.scheme == "gsph")
+      return second ? sum(schemes::gsph<D, Kernel, true>{unit, gas, out})
+                    : sum(schemes::gsph<D, Kernel, false>{unit, gas, out});
+    return second ? sum(schemes::gdisph<D, Kernel, true>{unit, gas, out})
+                  : sum(schemes::gdisph<D, Kernel, false>{unit, gas, out});
+  }
+
+  template <class Kernel>
+  void evaluate_with(const Kernel& unit) {
+    refresh_state();
+    find_supports(unit);
+    find_densities(unit);
+    if (o_.second_order()) find_gradients(unit);
+    find_forces(unit);
+  }
+
+  void combine(std::span<double* const> rate) {
+    const auto& s = w_.s;
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      for (std::size_t a = 0; a < D; ++a) {
+        rate[a][i] = s.v[a][i];
+        rate[D + a][i] = force_[a][i] / s.m[i];
+      }
+      rate[2 * D][i] = power_[i] / s.m[i];
+      if (!has_alpha()) return;
+      const double h = S_[i] / support_over_h_, decay = 0.2 * s.c[i] / h;
+      const auto& q = o_.shock;
+      rate[2 * D + 1][i] =
+          (q.alpha_min - alpha()[i]) * decay + std::max(-divergence_[i], 0.0) * std::max(q.alpha - alpha()[i], 0.0);
+    });
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (!std::isfinite(rate[D][i] + rate[2 * D][i])) {
+        w_.first_fault.report(s.id[i], fmt::format("a rate is not finite at particle {}", s.id[i]));
+        break;
+      }
+  }
+
+  // ---- measures ---------------------------------------------------------------------------
+
+  struct totals {
+    double mass, kinetic, internal, momentum_scale;
+    std::array<double, D> momentum;
+  };
+  totals sum_up() const {
+    const auto& s = w_.s;
+    foundation::exact_sum mass, kinetic, internal, scale;
+    std::array<foundation::exact_sum, D> momentum;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      double v2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        v2 += s.v[a][i] * s.v[a][i];
+        momentum[a].add(s.m[i] * s.v[a][i]);
+      }
+      mass.add(s.m[i]);
+      kinetic.add(0.5 * s.m[i] * v2);
+      internal.add(s.m[i] * s.u[i]);
+      scale.add(s.m[i] * (std::sqrt(v2) + sound_speed(i)));
+    }
+    totals t{ranks().exact(mass), ranks().exact(kinetic), ranks().exact(internal), ranks().exact(scale), {}};
+    for (std::size_t a = 0; a < D; ++a) t.momentum[a] = ranks().exact(momentum[a]);
+    return t;
+  }
+
+  // Means of |value - exact| over the volume of the particles measured.
+  nlohmann::ordered_json errors(double t) const {
+    const auto& s = w_.s;
+    foundation::exact_sum volume, rho, v, p;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const point x = place(i);
+      if (setup_.measured && !setup_.measured(x, t)) continue;
+      const state right = setup_.exact(x, t);
+      double dv2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) dv2 += (s.v[a][i] - right.v[a]) * (s.v[a][i] - right.v[a]);
+      const double V = 1.0 / number_[i];
+      volume.add(V);
+      rho.add(V * std::abs(s.rho[i] - right.rho));
+      v.add(V * std::sqrt(dv2));
+      p.add(V * std::abs(s.p[i] - right.p));
+    }
+    const double all = ranks().exact(volume);
+    return {{"density_l1", ranks().exact(rho) / all},
+            {"velocity_l1", ranks().exact(v) / all},
+            {"pressure_l1", ranks().exact(p) / all}};
+  }
+
+  const options& o_;
+  const setup setup_;
+  pairs::workspace<D> w_;
+  images::image_set<D> images_;
+  kernel_choice<D> unit_ = kernels::quintic_spline<D>(1.0);  // support 1
+  double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0;
+  std::int64_t fluid_total_ = 0, crossings_ = 0;
+  bool settled_ = false;
+  std::optional<totals> first_;
+
+  particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
+  particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_;
+  std::array<particles::array, D> force_;
+  std::array<particles::array, G> gradient_;
+};
+
+}  // namespace tetsuame::shocks

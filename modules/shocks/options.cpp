@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <shocks/options.hpp>
+
+namespace tetsuame::shocks {
+
+void declare(namelist::schema& schema, options& o) {
+  constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+  o.march.time.method = "adaptive";
+  o.march.time.rtol = 0.02;
+  o.march.kernel.name = "quintic";
+  o.march.kernel.skin = 0.5;
+
+  schema.group("domain", "the box and the start lattice");
+  schema.add("domain", "dimension", o.dimension, {.minimum = 1, .maximum = 3, .meaning = "of space"});
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis = axis_names[a], rest = a > 0 ? "; 0: as along x" : "";
+    schema.add(
+        "domain", "length_" + axis, o.box.length[a],
+        {.unit = "m", .minimum = 0.0, .exclusive_minimum = a == 0, .meaning = "edge of the box along " + axis + rest});
+    schema.add("domain", "particles_" + axis, o.box.particles[a],
+               {.minimum = a == 0 ? 8.0 : 0.0,
+                .maximum = 1e7,
+                .meaning = "particles along " + axis + (a > 0 ? "; 0: with the spacing of x" : "")});
+    schema.add("domain", "periodic_" + axis, o.box.periodic[a],
+               {.meaning = "the two sides across " + axis + " are one, or else walls that reflect"});
+  }
+  schema.add("domain", "ranks_x", o.box.ranks_x,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+
+  auto& s = o.shock;
+  schema.group("shock", "gas with contacts and shocks");
+  schema.add("shock", "test", s.test, {.choices = {"riemann"}, .meaning = "what is at the start"});
+  schema.add("shock", "scheme", s.scheme,
+             {.choices = {"ssph", "disph", "gsph", "gdisph"},
+              .meaning = "standard, density-independent; Godunov's forms of the two"});
+  schema.add("shock", "masses", s.masses,
+             {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
+  const auto side = [&](const std::string& end, const char* where, double& rho, double& u, double& p) {
+    schema.add(
+        "shock", "rho_" + end, rho,
+        {.unit = "kg/m^3", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("density ") + where});
+    schema.add("shock", "u_" + end, u, {.unit = "m/s", .meaning = std::string("velocity along x ") + where});
+    schema.add("shock", "p_" + end, p,
+               {.unit = "Pa", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("pressure ") + where});
+  };
+  side("l", "on the left", s.rho_l, s.u_l, s.p_l);
+  side("r", "on the right", s.rho_r, s.u_r, s.p_r);
+  schema.add("shock", "gamma", s.gamma,
+             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the ideal gas"});
+  schema.add("shock", "window", s.window,
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .exclusive_minimum = true,
+              .meaning = "errors are measured in this part of the box along x, about its middle"});
+  schema.add("shock", "solver", s.solver,
+             {.choices = {"exact", "hllc"}, .meaning = "of the Riemann problem (gsph, gdisph)"});
+  schema.add("shock", "reconstruction", s.reconstruction,
+             {.choices = {"first", "second"}, .meaning = "order of the states at the interface (gsph, gdisph)"});
+  schema.add("shock", "limiter", s.limiter,
+             {.choices = {"minmod", "monotonised"}, .meaning = "of the second order's slopes"});
+  schema.add("shock", "alpha", s.alpha,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .meaning = "of the artificial viscosity (ssph, disph); time-dependent: the largest"});
+  schema.add("shock", "time_dependent_alpha", s.switch_of_alpha,
+             {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
+  schema.add("shock", "alpha_min", s.alpha_min, {.minimum = 0.0, .maximum = 10.0, .meaning = "smallest alpha"});
+  schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
+  march::declare(schema, o.march, true);
+}
+
+void resolve(const namelist::schema& schema, options& o) {
+  if (!o.march.time.cfl) o.march.time.cfl = o.march.time.method == "euler" ? 0.1 : 0.4;
+  march::resolve(o.march);
+  const double dx = o.dx();
+  for (std::size_t a = 1; a < static_cast<std::size_t>(o.dimension); ++a) {
+    auto& length = o.box.length[a];
+    auto& n = o.box.particles[a];
+    if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.box.length[0];
+    if (n == 0) n = std::llround(length / dx);
+    if (const double spacing = length / static_cast<double>(n); n == 0 || std::abs(spacing - dx) > 1e-9 * dx)
+      schema.fail("domain", a == 1 ? "particles_y" : "particles_z",
+                  fmt::format("the particle spacing must be the same along all axes: here {} m, along x {} m",
+                              n == 0 ? length : spacing, dx));
+  }
+  for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
+  if (!o.march.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+}
+
+}  // namespace tetsuame::shocks

@@ -1,0 +1,42 @@
+// The input of gas with contacts and shocks:
+//   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
+//   &shock    test, scheme, state on either side, viscosity, Riemann solver, reconstruction
+//   &time, &kernel, &output, &run   march/options.hpp
+#pragma once
+
+#include <array>
+#include <images/scene.hpp>
+#include <march/options.hpp>
+#include <optional>
+
+namespace tetsuame::shocks {
+
+struct shock_options {
+  std::string test = "riemann", scheme = "gdisph", masses = "equal_mass";
+  double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
+  double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
+  double gamma = 1.4;
+  double window = 1.0;        // of the box along x, about its middle: where errors are measured
+  double energy = 1.0;        // J, of 'sedov'
+  double blast_radius = 0.0;  // m
+  std::string solver = "hllc", reconstruction = "second", limiter = "minmod";
+  double alpha = 1.0, alpha_min = 0.1;
+  bool switch_of_alpha = true, balsara = true;
+};
+
+struct options {
+  std::int64_t dimension = 1;
+  images::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, 0};
+  shock_options shock;
+  march::options march;
+
+  double dx() const { return box.length[0] / static_cast<double>(box.particles[0]); }
+  bool weighs_energy() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
+  bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  bool second_order() const { return godunov() && shock.reconstruction == "second"; }
+};
+
+void declare(namelist::schema& schema, options& o);
+void resolve(const namelist::schema& schema, options& o);
+
+}  // namespace tetsuame::shocks

@@ -1,0 +1,72 @@
+"""Gas with contacts and shocks: errors against exact solutions, conservation, ranks, restarts."""
+
+import unittest
+
+from running import BAD_INPUT, Case
+
+SCHEMES = ["ssph", "disph", "gsph", "gdisph"]
+
+
+class Shock(Case):
+    def summary(self, name, settings=None, **how):
+        return self.run_program("shock", name, settings or {}, **how).summary
+
+    def test_star_states(self):
+        """Toro (2009), tables 4.1 and 4.2, in the digits printed there."""
+        for settings, p, u in [({}, 0.30313, 0.92745),
+                               ({"shock.rho_r": 1, "shock.u_l": -2, "shock.u_r": 2, "shock.p_l": 0.4, "shock.p_r": 0.4}, 0.00189, 0.0),
+                               ({"shock.rho_r": 1, "shock.p_l": 1000, "shock.p_r": 0.01}, 460.894, 19.5975)]:
+            m = self.summary("sod", {**settings, "time.steps": 0})["metrics"]
+            for got, want in [(m["p_star"], p), (m["u_star"], u)]:
+                self.assertAlmostEqual(got, want, delta=0.5 * 10 ** -len(f"{want}".split(".")[1]))
+
+    def test_sod(self):
+        """A wave that is a spacing or two wrong: errors are of the order of the support, 2 % of the box, times the jumps."""
+        for scheme in SCHEMES:
+            with self.subTest(scheme):
+                s = self.summary("sod", {"shock.scheme": scheme, "domain.particles_x": 200})
+                self.assertLess(s["errors"]["density_l1"], 0.02)
+                self.assertLess(s["errors"]["pressure_l1"], 0.02)
+                self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
+
+    def test_momentum(self):
+        """Round-off, where no walls are."""
+        for scheme in SCHEMES:
+            with self.subTest(scheme):
+                s = self.summary("sod", {"shock.scheme": scheme, "domain.particles_x": 100, "domain.periodic_x": "T"})
+                self.assertLess(s["conservation"]["momentum"], 1e-13)
+
+    def test_two_dimensions(self):
+        flat = {"domain.dimension": 2, "domain.particles_x": 120, "domain.particles_y": 12, "domain.periodic_y": "T",
+                "kernel.skin": 0.5, "time.t_end": 0.1}
+        for scheme in ["disph", "gdisph"]:
+            with self.subTest(scheme):
+                self.assertLess(self.summary("sod", {**flat, "shock.scheme": scheme})["errors"]["density_l1"], 0.03)
+
+    def test_ranks_and_restart(self):
+        settings = {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
+                    "kernel.skin": 0.5, "time.t_end": 0.04}
+        for scheme in ["disph", "gdisph"]:
+            with self.subTest(scheme):
+                settings["shock.scheme"] = scheme
+                whole = self.summary("sod", settings)
+                for ranks, threads in [(2, 1), (4, 1), (None, 2)]:
+                    s = self.summary("sod", settings, ranks=ranks, threads=threads)
+                    self.assertEqual(s["state_hash"], whole["state_hash"])
+                part = {**settings, "time.steps": 10, "run.checkpoint_interval": 10}
+                self.summary("sod", part, output="part_" + scheme)
+                s = self.summary("sod", settings, output="part_" + scheme, options=["--restart", "latest"], ranks=2)
+                self.assertEqual((s["state_hash"], s["steps"]), (whole["state_hash"], whole["steps"]))
+                self.assertEqual(s["conservation"], whole["conservation"])
+
+    def test_wrong_input(self):
+        for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),
+                                 ("shock.p_r", -1, "p_r")]:
+            with self.subTest(key):
+                result = self.run_program("shock", "sod", {key: value}, expect=BAD_INPUT)
+                self.assertIn(word, result.stderr)
+                self.assertFalse(result.directory.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
