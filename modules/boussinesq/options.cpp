@@ -30,12 +30,12 @@ void declare(namelist::schema& schema, convection_options& o) {
       {.choices = {"auto", "steady", "transient"},
        .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, whatever "
                   "xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
-  schema.add(
-      g, "steady_mach", o.steady_mach,
-      {.minimum = 0.0,
-       .maximum = 10.0,
-       .exclusive_minimum = true,
-       .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times slower"});
+  schema.add(g, "steady_mach", o.steady_mach,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .exclusive_minimum = true,
+              .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
+                         "slower: at 1.5, Mach 0.25"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
@@ -111,9 +111,9 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
     // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
-    // 2 kappa nothing is gained.
+    // kappa nothing is gained.
     const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
-    p.nu_eff = std::max(share * p.c_eff * dx, 2.0 * f.kappa);
+    p.nu_eff = std::max(share * p.c_eff * dx, f.kappa);
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
     p.slowing.zeta = c_0 / (p.c_eff * p.slowing.xi);
@@ -124,7 +124,7 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     p.slowing.mach = p.slowing.speed / p.c_eff;
     p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
     p.lines.push_back(fmt::format(
-        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 2)), zeta {:.4g} (c_eff "
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
         p.slowing.xi, p.nu_eff / f.kappa, share, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
   } else {

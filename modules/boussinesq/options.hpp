@@ -16,7 +16,7 @@ struct convection_options {
   double zeta = 0.0, xi = 0.0;  // 0: recommended
   double steady_tolerance = 2e-4;
   std::string target = "auto";
-  double steady_mach = 1.0;
+  double steady_mach = 1.5;
   std::string gravity_density = "boussinesq";
   std::string pressure = "eulerian";
   std::string scheme = "consistent";

@@ -103,7 +103,7 @@ struct loop {
 
   // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
   // Particles may gain speed on the way.
-  static constexpr double faster = 1.25;
+  static constexpr double faster = 1.6;
   double longest = std::numeric_limits<double>::infinity();  // s
   void refresh_lists() {
     const double moved = p.moved(), speed = faster * p.speed();
@@ -119,6 +119,8 @@ struct loop {
   // Where the next step must stop: fixed steps keep their length but for the last one.
   double next_stop() const {
     const double t = integrator->time(), end = t_end();
+    if (!(t + 1e-3 * longest > t))
+      foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
     if (controls_error()) return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, next_snapshot) : end);
     if (longest < dt) return std::min(end, t + longest);
     return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
