@@ -1,26 +1,27 @@
 // Thermal convection of a weakly compressible Boussinesq fluid, sound slowed by ζ and inertia raised by ξ [S1]:
 //
-//   ξ² dv/dt = -G(p)/ρ₀ + ν [L(v) + (G(v) + G(v)ᵀ - D(v))·∇ln ν] + b ŷ + ξ² (w + a v)·G(v)
+//   ξ² dv/dt = -G(p)/ρ₀ + ν L(v) [or the divergence of ν (∇v + ∇vᵀ + ∇·v)] + b ŷ + ξ² [(w + a v)·G(v) + ε h |w| Q(v)]
 //   dp/dt    = -ρ₀ (c₀/ζ)² D(v) + (w + e v)·G(p) + δ h c_eff Q(p)
 //   dT/dt    = κ L(T) + w·G(T) + ε h |w| Q(T) + H/c_p       dx/dt = v + w
+//              [+ 2 ν e:e/c_p, e the rate of strain] [- α g v_y T/c_p]
 //   b = α g (T - T_ref) - g q p/K₀,   T_ref the conductive profile
 //
 // G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout. p is the part of the pressure beyond that
 // which carries T_ref. Choices:
 //   e = 1  the rate of p at a place: the steady state then does not know the speed of sound; e = 0: along the flow
 //   a = 1  (target steady) the rate of v at a place: inertia vanishes in the steady state, as at Pr = ∞, whatever ξ.
-//   Then ξ
-//          may differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff
+//   Then ξ may
+//          differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff
 //   q      0, 1 (separated gravity density), ζ² (conventional density)
 // w spreads the particles evenly: w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
-// Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q(p) = Σ V F [2 (p_i - p_j) -
+// Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q(f) = Σ V F [2 (f_i - f_j) -
 // (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)].
 //
 // Walls are mirror images (images/images.hpp); p is even but for the step that the momentum balance asks for,
 // p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ)·∇ν]_n + b n_y).
 //
-// The deferred correction, the tensor B, Q's gradients and no-slip curvatures lag behind: they are those of the state
-// at the start of the step.
+// The deferred correction, the tensor B, w's sum, Q's gradients and no-slip curvatures lag behind: they are those of
+// the state at the start of the step.
 #pragma once
 
 #include <boussinesq/options.hpp>
@@ -28,6 +29,7 @@
 #include <boussinesq/wall_gradient.hpp>
 #include <march/problem.hpp>
 #include <operators/consistent.hpp>
+#include <operators/sums.hpp>
 #include <simulation/state.hpp>
 
 namespace tetsuame::boussinesq {
@@ -38,27 +40,33 @@ inline constexpr slopes_tag of_slopes;
 struct viscosity_root_tag {};
 inline constexpr viscosity_root_tag of_viscosity_root;
 
-// Q(T) and Q(p) above. Reads T and p among the fields of operators::consistent, at places D and D + 1. Graded: Q(p)
-// takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
+// Q(v), Q(T) and Q(p) above, of the fields of operators::consistent. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a
+// pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
 template <int D, bool graded>
 struct noise {
   using real = pairs::real;
-  std::array<const double*, 2 * D> gradients;  // K/m, Pa/m
+  static constexpr std::size_t K = D + 2;
+  std::array<const double*, K * D> gradients;  // of each field
   double V;                                    // m^D
-  std::array<double*, 2> out;                  // K/m^2, Pa/m^2
+  std::array<double*, K> out;                  // of each field, over m^2
 
   struct me {
-    std::array<real, 2> sum;
+    std::array<real, K> sum;
   };
   auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
-  me begin(std::size_t) const { return {{real(0.0), real(0.0)}}; }
+  me begin(std::size_t) const {
+    me a;
+    a.sum.fill(real(0.0));
+    return a;
+  }
   void add(me& a, const auto& ij) const {
     const auto G = ij.own(of_slopes) + ij(of_slopes);
-    for (std::size_t k = 0; k < 2; ++k) {
-      real steps = 2.0 * ij.difference(operators::of_fields)[D + k];
+    const auto f_ij = ij.difference(operators::of_fields);
+    for (std::size_t k = 0; k < K; ++k) {
+      real steps = 2.0 * f_ij[k];
       for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
       if constexpr (graded)
-        if (k == 1) {
+        if (k + 1 == K) {
           const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
           steps *= mine / max(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
         }
@@ -66,7 +74,7 @@ struct noise {
     }
   }
   void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < 2; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+    for (std::size_t k = 0; k < K; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
   }
 };
 
@@ -160,10 +168,8 @@ class convection : public march::problem {
     pressure_ = add("DynamicPressure", "Pa", role::integrated);
     lap_ = add("Laplacian_0", "", role::memory);
     for (std::size_t k = 1; k < K; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
-    grad_T_ = add("TemperatureGradient_0", "K/m", role::memory);
-    for (std::size_t k = 1; k < D; ++k) add("TemperatureGradient_" + std::to_string(k), "K/m", role::memory);
-    grad_p_ = add("PressureGradient_0", "Pa/m", role::memory);
-    for (std::size_t k = 1; k < D; ++k) add("PressureGradient_" + std::to_string(k), "Pa/m", role::memory);
+    grad_ = add("Gradient_0", "", role::memory);
+    for (std::size_t k = 1; k < K * D; ++k) add("Gradient_" + std::to_string(k), "", role::memory);
     root_ = add("ViscosityRoot", "m/s^(1/2)", role::memory);
     stress_ = add("GradedStress_0", "1/(m s)", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
@@ -186,7 +192,7 @@ class convection : public march::problem {
         for (std::size_t b = a; b < D; ++b, ++k) s.extras[tensor_ + k].values[i] = a == b ? 1.0 : 0.0;
     }
     volume_ = std::pow(dx, D);
-    beta_ = o.convection.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
+    beta_ = o.convection.operators == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
     h_ = o.march.kernel.h_over_dx * dx;
     std::visit(
         [&](const auto& k) {
@@ -239,20 +245,28 @@ class convection : public march::problem {
     return 4.0 * D * std::max(largest_viscosity(), p_.fluid.kappa) / (dx * dx);
   }
 
+  void expect_memory(bool expected) override { whole_ = expected; }
   void keep_memory() override {
     auto& s = world_.w.s;
-    foundation::for_all(s.fluid, [&](std::size_t i) {
-      for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
-      for (std::size_t a = 0; a < D; ++a) {
-        s.extras[grad_T_ + a].values[i] = gradient_[D][a][i];
-        s.extras[grad_p_ + a].values[i] = gradient_[D + 1][a][i];
-      }
-      for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
-      const auto stress = graded_stress(i);
-      for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
-    });
+    // Plain sums keep nothing: no correction then, and images of the first order.
+    if (!plain_sums())
+      foundation::for_all(s.fluid, [&](std::size_t i) {
+        for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
+        for (std::size_t k = 0; k < K; ++k)
+          for (std::size_t a = 0; a < D; ++a) s.extras[grad_ + k * D + a].values[i] = gradient_[k][a][i];
+        for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
+        const auto stress = graded_stress(i);
+        for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
+      });
     refresh_memory();
-    v_max_ = speed();
+    v_max_ = fastest();
+    faster_ = v_max_ > 0.0 ? std::max(1.0, ranks().maximum(displacing_) / v_max_) : 1.5;
+  }
+
+  bool set_time(double t) override {
+    const double before = reached_, ramp = o_.convection.viscosity_ramp;
+    reached_ = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
+    return reached_ != before;
   }
 
   bool complete_step() override {
@@ -263,7 +277,9 @@ class convection : public march::problem {
 
   double moved() override { return images::moved_since_lists(world_); }
   double allowance() const override { return 0.5 * world_.skin; }
-  double speed() override {
+  // Of the particles, which are spread as well: as at the start of the last step in proportion.
+  double speed() override { return fastest() * faster_; }
+  double fastest() {
     const auto& s = world_.w.s;
     double v2 = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -298,7 +314,7 @@ class convection : public march::problem {
     const auto& s = world_.w.s;
     const auto& f = p_.fluid;
     const double unit = f.kappa / f.L;
-    foundation::exact_sum weight, squares, carried, drift;
+    foundation::exact_sum weight, squares, carried, drift, dissipated;
     std::array<foundation::exact_sum, D> momentum;
     foundation::exact_sum speeds;
     peaks_ = {};
@@ -320,6 +336,7 @@ class convection : public march::problem {
       squares.add(V * v2);
       speeds.add(std::sqrt(v2));
       carried.add(V * s.v[1][i] * (s.T[i] - reference(s.x[1][i])));
+      dissipated.add(V * dissipation(i, viscosity(i)));
       drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
     }
     const double total = ranks().exact(weight);
@@ -339,6 +356,8 @@ class convection : public march::problem {
                           peaks_[0].value / unit,
                           peaks_[1].value / unit};
     for (const double q : walls.corners) m.push_back(q);
+    // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
+    m.push_back(1.0 + ranks().exact(dissipated) / total / (f.alpha * f.g * unit * f.dT));
     samples_.add(t, m);
     m.push_back(v_rms_);
     m.push_back(mach_);
@@ -348,6 +367,7 @@ class convection : public march::problem {
 
   bool steady() const override {
     if (o_.convection.steady_tolerance == 0.0 || samples_.size() == 0) return false;
+    if (samples_.last_time() < o_.convection.viscosity_ramp + window()) return false;
     for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
       if (!samples_.settled(m, window(), o_.convection.steady_tolerance)) return false;
     return true;
@@ -428,11 +448,13 @@ class convection : public march::problem {
   void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
   void save(output::checkpoint_globals& g) const override {
     g.reals["v_max"] = v_max_;
+    g.reals["faster"] = faster_;
     g.integers["wall_crossings"] = crossings_;
     g.blobs["samples"] = samples_.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
     v_max_ = g.reals.at("v_max");
+    faster_ = g.reals.at("faster");
     crossings_ = g.integers.at("wall_crossings");
     samples_.restore(g.blobs.at("samples"));
     v_rms_ = samples_.size() > 0 ? samples_.over(3, 0.0).mean * p_.fluid.kappa / p_.fluid.L : 0.0;
@@ -442,8 +464,9 @@ class convection : public march::problem {
   static constexpr int K = D + 2;  // fields of the operators: v, T, p
   static constexpr std::size_t S = operators::symmetric_terms(D);
   static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
-  static constexpr std::array<const char*, 10> measures{
-      "nusselt_volume", "nusselt_top", "nusselt_bottom", "v_rms", "u_max", "v_max", "q1", "q2", "q3", "q4"};
+  static constexpr std::array<const char*, 11> measures{
+      "nusselt_volume",     "nusselt_top", "nusselt_bottom", "v_rms", "u_max", "v_max", "q1", "q2", "q3", "q4",
+      "nusselt_dissipation"};
 
   struct peak {
     double value = 0.0;  // m/s
@@ -463,8 +486,8 @@ class convection : public march::problem {
   double viscosity(double y, double T) const {  // m2/s
     if (!varies()) return p_.fluid.nu;
     const auto& c = o_.convection;
-    return p_.fluid.nu * std::exp(-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
-                                  c.depth_exponent * (1.0 - y / p_.fluid.L));
+    return p_.fluid.nu * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
+                                              c.depth_exponent * (1.0 - y / p_.fluid.L)));
   }
   double viscosity(std::size_t i) const { return viscosity(world_.w.s.x[1][i], world_.w.s.T[i]); }
   // xi² at the particle.
@@ -480,10 +503,10 @@ class convection : public march::problem {
   }
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&noise_[0], &noise_[1], &W_sum_};
+    std::vector<particles::array*> all{&W_sum_};
     for (auto& g : gradient_)
       for (auto& component : g) all.push_back(&component);
-    for (auto* group : {&laplacian_, &plain_})
+    for (auto* group : {&laplacian_, &plain_, &noise_})
       for (auto& a : *group) all.push_back(&a);
     for (auto& a : next_B_) all.push_back(&a);
     for (auto* group : {&uneven_, &viscous_})
@@ -512,24 +535,24 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     const auto& f = p_.fluid;
     const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
-    std::array<double, D> v, curvature, gradient, gradient_T;
+    std::array<double, D> v, curvature;
+    std::array<std::array<double, D>, K> gradient;
     for (std::size_t a = 0; a < D; ++a) {
       v[a] = s.v[a][j];
       curvature[a] = s.extras[lap_ + a].values[j];
-      gradient[a] = s.extras[grad_p_ + a].values[j];
-      gradient_T[a] = s.extras[grad_T_ + a].values[j];
+      for (std::size_t k = 0; k < K; ++k) gradient[k][a] = s.extras[grad_ + k * D + a].values[j];
     }
     double T = s.T[j], p = pressure_of()[j], y = s.x[1][j];
     images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
       const double d = wall.distance(s.x[wall.axis][j]), T_inside = T, y_inside = y;
       if (wall.axis == 1) y = 2.0 * wall.position - y;
-      gradient_T[wall.axis] = -gradient_T[wall.axis];
+      for (auto& g : gradient) g[wall.axis] = -g[wall.axis];  // of even fields
       if (wall.thermal == images::heat::fixed_temperature) {
         T = 2.0 * wall.temperature - T;
-        for (double& g : gradient_T) g = -g;
+        for (double& g : gradient[D]) g = -g;
       } else {
         T += 2.0 * d * wall.flux / conductivity();
-        gradient_T[wall.axis] -= 2.0 * wall.flux / conductivity() * wall.inward;
+        gradient[D][wall.axis] -= 2.0 * wall.flux / conductivity() * wall.inward;
       }
       double slope = 0.0;  // Pa/m, of p, inwards
       if (varies())        // the normal one goes on smoothly
@@ -537,18 +560,22 @@ class convection : public march::problem {
       if (wall.no_slip) slope += f.rho * viscosity(y_inside, T_inside) * curvature[wall.axis] * wall.inward;
       if (wall.axis == 1) slope += 0.5 * f.rho * wall.inward * (buoyancy(y_inside, T_inside, p) + buoyancy(y, T, p));
       p -= 2.0 * d * slope;
-      gradient[wall.axis] = 2.0 * slope * wall.inward - gradient[wall.axis];
+      gradient[D + 1][wall.axis] += 2.0 * slope * wall.inward;
       if (wall.no_slip)
-        for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a] + d * d * curvature[a];
+        for (std::size_t a = 0; a < D; ++a) {
+          v[a] = 2.0 * wall.velocity[a] - v[a] + d * d * curvature[a];
+          for (double& g : gradient[a]) g = -g;
+          gradient[a][wall.axis] -= 2.0 * d * wall.inward * curvature[a];
+        }
       else {
         v[wall.axis] = -v[wall.axis];
         curvature[wall.axis] = -curvature[wall.axis];
+        for (double& g : gradient[wall.axis]) g = -g;
       }
     });
     for (std::size_t a = 0; a < D; ++a) {
       s.v[a][i] = v[a];
-      s.extras[grad_p_ + a].values[i] = gradient[a];
-      s.extras[grad_T_ + a].values[i] = gradient_T[a];
+      for (std::size_t k = 0; k < K; ++k) s.extras[grad_ + k * D + a].values[i] = gradient[k][a];
     }
     s.T[i] = T;
     pressure_of()[i] = p;
@@ -564,13 +591,10 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
-    std::array<double*, K + 3 * D> fields;
+    std::array<double*, K + K * D + D> fields;
     for (std::size_t k = 0; k < K; ++k) fields[k] = s.extras[lap_ + k].values.data();
-    for (std::size_t a = 0; a < D; ++a) {
-      fields[K + a] = s.extras[grad_p_ + a].values.data();
-      fields[K + D + a] = s.extras[stress_ + a].values.data();
-      fields[K + 2 * D + a] = s.extras[grad_T_ + a].values.data();
-    }
+    for (std::size_t k = 0; k < K * D; ++k) fields[K + k] = s.extras[grad_ + k].values.data();
+    for (std::size_t a = 0; a < D; ++a) fields[K + K * D + a] = s.extras[stress_ + a].values.data();
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
@@ -584,12 +608,39 @@ class convection : public march::problem {
     });
   }
 
+  bool plain_sums() const { return o_.convection.operators == "sum"; }
   void sum_over_neighbours() {
+    const foundation::stage timed(world_.w.times, "sums");
+    if (plain_sums()) return sum_plainly();
+    if (whole_)
+      sum_over_neighbours_as<true>();
+    else
+      sum_over_neighbours_as<false>();
+  }
+  void sum_plainly() {
+    auto& s = world_.w.s;
+    operators::sums<D, K> derivatives{{}, volume_, {}};
+    unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
+    for (std::size_t a = 0; a < D; ++a) {
+      derivatives.f[a] = s.v[a].data();
+      uneven.out[a] = uneven_[a].data();
+    }
+    derivatives.f[D] = s.T.data();
+    derivatives.f[D + 1] = pressure_of().data();
+    for (std::size_t k = 0; k < K; ++k) {
+      for (std::size_t a = 0; a < D; ++a) derivatives.out.gradient[k][a] = gradient_[k][a].data();
+      derivatives.out.laplacian[k] = laplacian_[k].data();
+    }
+    world_.w.sum(world_.w.fluid(), derivatives, uneven);
+  }
+  // whole: with what is kept for the step, which the stages after the first do not need. The spreading is that of the
+  // first.
+  template <bool whole>
+  void sum_over_neighbours_as() {
     auto& w = world_.w;
     auto& s = w.s;
-    const foundation::stage timed(w.times, "sums");
     bool singular = false;
-    operators::consistent<D, K> derivatives{{}, {}, {}, volume_, beta_, {}, &singular};
+    operators::consistent<D, K, whole> derivatives{{}, {}, {}, volume_, beta_, {}, &singular};
     for (std::size_t a = 0; a < D; ++a) derivatives.f[a] = s.v[a].data();
     derivatives.f[D] = s.T.data();
     derivatives.f[D + 1] = pressure_of().data();
@@ -599,7 +650,7 @@ class convection : public march::problem {
       derivatives.out.laplacian[k] = laplacian_[k].data();
       derivatives.out.plain[k] = plain_[k].data();
     }
-    const bool whole_tensor = o_.convection.scheme != "trace";
+    const bool whole_tensor = o_.convection.operators != "trace";
     for (std::size_t k = 0; k < S; ++k) {
       derivatives.B[k] = whole_tensor ? s.extras[tensor_ + k].values.data() : nullptr;
       derivatives.out.next_B[k] = next_B_[k].data();
@@ -608,12 +659,12 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) uneven.out[a] = uneven_[a].data();
     const auto sum = [&](auto smooth, const auto&... more) {
       smooth.V = volume_;
-      smooth.out = {noise_[0].data(), noise_[1].data()};
-      for (std::size_t a = 0; a < D; ++a) {
-        smooth.gradients[a] = s.extras[grad_T_ + a].values.data();
-        smooth.gradients[D + a] = s.extras[grad_p_ + a].values.data();
-      }
-      w.sum(w.fluid(), derivatives, smooth, uneven, more...);
+      for (std::size_t k = 0; k < K; ++k) smooth.out[k] = noise_[k].data();
+      for (std::size_t k = 0; k < K * D; ++k) smooth.gradients[k] = s.extras[grad_ + k].values.data();
+      if constexpr (whole)
+        w.sum(w.fluid(), derivatives, smooth, uneven, more...);
+      else
+        w.sum(w.fluid(), derivatives, smooth, more...);
     };
     if (varies()) {
       graded_viscosity<D> viscous{s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}};
@@ -634,8 +685,9 @@ class convection : public march::problem {
     std::array<double, D> slope{}, stress{};
     if (!varies()) return stress;
     const auto& c = o_.convection;
-    for (std::size_t a = 0; a < D; ++a) slope[a] = -c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
-    slope[1] -= c.depth_exponent / p_.fluid.L;
+    for (std::size_t a = 0; a < D; ++a)
+      slope[a] = -reached_ * c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
+    slope[1] -= reached_ * c.depth_exponent / p_.fluid.L;
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
         stress[a] += (gradient_[a][b][i] + gradient_[b][a][i]) * slope[b] - gradient_[b][b][i] * slope[a];
@@ -655,7 +707,8 @@ class convection : public march::problem {
     const auto& p = pressure_of();
     const bool graded = varies();
     bool finite = true;
-#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
+    double displacing = 0.0;  // m2/s2
+#pragma omp parallel for schedule(static) reduction(&& : finite) reduction(max : displacing) if (s.fluid > foundation::rows_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       std::array<double, D> w_i, v_i, moving_v, moving_p;
       double w2 = 0.0;
@@ -665,30 +718,36 @@ class convection : public march::problem {
         w2 += w_i[a] * w_i[a];
       }
       const double cut = w2 > most * most ? most / std::sqrt(w2) : 1.0;
+      const double remap = c.remap_diffusion * h_ * cut * std::sqrt(w2);
       for (std::size_t a = 0; a < D; ++a) {
         w_i[a] *= cut;
         moving_v[a] = w_i[a] + a_inertia * v_i[a];
         moving_p[a] = w_i[a] + e_pressure * v_i[a];
       }
       const double nu = viscosity(i), xi2 = inertia(nu), per_xi2 = 1.0 / xi2;
-      double divergence = 0.0, dp = smoothing * noise_[1][i];
-      double dT = f.kappa * laplacian_[D][i] + heating + c.remap_diffusion * h_ * cut * std::sqrt(w2) * noise_[0][i];
+      double moving2 = 0.0, divergence = 0.0, dp = smoothing * noise_[D + 1][i];
+      double dT = f.kappa * laplacian_[D][i] + heating + remap * noise_[D][i];
       for (std::size_t a = 0; a < D; ++a) {
         double advected = 0.0;
         for (std::size_t b = 0; b < D; ++b) advected += moving_v[b] * gradient_[a][b][i];
         double force = nu * (graded ? viscous_[a][i] : laplacian_[a][i]) - gradient_[D + 1][a][i] / f.rho;
         if (a == 1) force += buoyancy(s.x[1][i], s.T[i], p[i]);
         rate[a][i] = v_i[a] + w_i[a];
-        rate[D + a][i] = per_xi2 * force + advected;
+        moving2 += rate[a][i] * rate[a][i];
+        rate[D + a][i] = per_xi2 * force + advected + remap * noise_[a][i];
         divergence += gradient_[a][a][i];
         dT += w_i[a] * gradient_[D][a][i];
         dp += moving_p[a] * gradient_[D + 1][a][i];
         finite = finite && std::isfinite(rate[D + a][i]);
       }
+      displacing = std::max(displacing, moving2);
+      if (c.viscous_heating) dT += dissipation(i, nu) / heat_capacity();
+      if (c.adiabatic_heating) dT -= f.alpha * f.g * v_i[1] * s.T[i] / heat_capacity();
       rate[2 * D][i] = dT;
       rate[2 * D + 1][i] = dp - f.rho * p_.c_eff * p_.c_eff * xi2 * divergence;
       finite = finite && std::isfinite(rate[2 * D][i]) && std::isfinite(rate[2 * D + 1][i]);
     }
+    displacing_ = std::sqrt(displacing);
     if (finite) return;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       bool good = true;
@@ -696,6 +755,18 @@ class convection : public march::problem {
       if (!good) w.first_fault.report(s.id[i], what_failed(i));
     }
   }
+
+  double heat_capacity() const { return o_.physics.material.heat_capacity; }
+  double dissipation(std::size_t i, double nu) const {  // 2 ν e:e, W/kg
+    double sum = 0.0;
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t b = 0; b < D; ++b) {
+        const double shear = gradient_[a][b][i] + gradient_[b][a][i];
+        sum += 0.5 * nu * shear * shear;
+      }
+    return sum;
+  }
+
   // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
   // nothing feels, grow without bound.
   void keep_mean_pressure(double* dp) {
@@ -793,7 +864,7 @@ class convection : public march::problem {
   const options& o_;
   const parameters& p_;
   images::scene<D> world_;
-  std::size_t pressure_ = 0, lap_ = 0, grad_T_ = 0, grad_p_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
+  std::size_t pressure_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
@@ -801,10 +872,14 @@ class convection : public march::problem {
   std::array<particles::array, K> laplacian_, plain_;
   std::array<particles::array, S> next_B_;
   std::array<particles::array, D> uneven_, viscous_;
-  std::array<particles::array, 2> noise_;
+  std::array<particles::array, K> noise_;
   particles::array W_sum_;
 
-  double v_max_ = 0.0;  // m/s, at the start of the step
+  double reached_ = 1.0;     // of the viscosity's exponents
+  bool whole_ = true;        // the next evaluation is one that is kept
+  double v_max_ = 0.0;       // m/s, at the start of the step
+  double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading
+  double faster_ = 1.5;      // the ratio of the two
   std::int64_t crossings_ = 0;
   record samples_;
   std::array<peak, D> peaks_{};

@@ -30,28 +30,32 @@ void declare(namelist::schema& schema, convection_options& o) {
       {.choices = {"auto", "steady", "transient"},
        .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, whatever "
                   "xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
-  schema.add(
-      g, "steady_mach", o.steady_mach,
-      {.minimum = 0.0,
-       .maximum = 10.0,
-       .exclusive_minimum = true,
-       .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times slower"});
+  schema.add(g, "steady_mach", o.steady_mach,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .exclusive_minimum = true,
+              .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
+                         "slower: at 1.5, Mach 0.25"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
+  schema.add(g, "scheme", o.scheme,
+             {.choices = {"consistent", "plain"},
+              .meaning = "plain: unless given, operator = 'sum', pressure = 'lagrangian', no diffusion of "
+                         "pressure and of the remapped temperature, and target = 'transient'"});
   schema.add(
-      g, "operator", o.scheme,
-      {.choices = {"trace", "consistent", "corrected"},
-       .meaning =
-           "Laplacian with the sum of the second moments right, or all of them; that with the deferred correction"});
+      g, "operator", o.operators,
+      {.choices = {"sum", "trace", "consistent", "corrected"},
+       .meaning = "sum: plain sums, without curvature at walls; Laplacian with the sum of the second moments right, or "
+                  "all of them; that with the deferred correction"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
   schema.add(g, "remap_diffusion", o.remap_diffusion,
              {.minimum = 0.0,
               .maximum = 10.0,
-              .meaning = "of the temperature's noise, times the speed with which particles are spread"});
+              .meaning = "of the noise in temperature and velocity, times the speed with which particles are spread"});
   schema.add(g, "shifting", o.shifting,
              {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
   schema.add(
@@ -60,6 +64,11 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64"});
   schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
+  schema.add(g, "viscosity_ramp", o.viscosity_ramp,
+             {.unit = "s", .minimum = 0.0, .meaning = "the exponents grow from zero over this time"});
+  schema.add(g, "viscous_heating", o.viscous_heating, {.meaning = "heat from friction, 2 nu e:e"});
+  schema.add(g, "adiabatic_heating", o.adiabatic_heating,
+             {.meaning = "cooling of what rises, alpha g v_y T; temperatures are absolute then"});
   schema.add(g, "heating", o.heating, {.unit = "W/kg", .meaning = "from inside, uniform"});
 }
 
@@ -102,14 +111,20 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
     // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
-    // 2 kappa nothing is gained.
+    // kappa nothing is gained.
     const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
-    p.nu_eff = std::max(share * p.c_eff * dx, 2.0 * f.kappa);
+    p.nu_eff = std::max(share * p.c_eff * dx, f.kappa);
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
     p.slowing.zeta = c_0 / (p.c_eff * p.slowing.xi);
+    p.slowing.how = relaxation::method::rsst_vim;
+    p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
+    p.slowing.c_eff = p.c_eff;
+    p.slowing.Pr_eff = p.nu_eff / f.kappa;
+    p.slowing.mach = p.slowing.speed / p.c_eff;
+    p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
     p.lines.push_back(fmt::format(
-        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 2)), zeta {:.4g} (c_eff "
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
         p.slowing.xi, p.nu_eff / f.kappa, share, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
   } else {
@@ -155,6 +170,19 @@ parameters resolve(const namelist::schema& schema, options& o) {
   march::resolve(o.march);
   auto& c = o.convection;
   const auto& d = o.physics.domain;
+  const auto unless_given = [&](const char* key, auto& value, auto of_plain) {
+    if (c.scheme == "plain" && !schema.given("convection", key)) value = of_plain;
+  };
+  unless_given("operator", c.operators, "sum");
+  unless_given("pressure", c.pressure, "lagrangian");
+  unless_given("target", c.target, "transient");
+  unless_given("pressure_diffusion", c.pressure_diffusion, 0.0);
+  unless_given("remap_diffusion", c.remap_diffusion, 0.0);
+  if (c.operators == "sum" && c.viscosity_law != "constant")
+    schema.fail("convection", "viscosity_law", "the plain sums are for one viscosity");
+  if (c.operators == "sum" && (c.pressure_diffusion != 0.0 || c.remap_diffusion != 0.0))
+    schema.fail("convection", "pressure_diffusion",
+                "the plain sums have no gradients for it: give 0, remap_diffusion too");
   if (d.periodic[1])
     schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
   const double dT = o.temperature_bottom() - o.temperature_top();

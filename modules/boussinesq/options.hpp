@@ -16,14 +16,17 @@ struct convection_options {
   double zeta = 0.0, xi = 0.0;  // 0: recommended
   double steady_tolerance = 2e-4;
   std::string target = "auto";
-  double steady_mach = 1.0;
+  double steady_mach = 1.5;
   std::string gravity_density = "boussinesq";
   std::string pressure = "eulerian";
-  std::string scheme = "corrected";
+  std::string scheme = "consistent";
+  std::string operators = "corrected";
   double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
-  double heating = 0.0;  // W/kg
+  double viscosity_ramp = 0.0;  // s
+  double heating = 0.0;         // W/kg
+  bool viscous_heating = false, adiabatic_heating = false;
 };
 
 struct initial_options {

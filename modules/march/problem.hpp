@@ -31,8 +31,12 @@ class problem {
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
   virtual double diffusion_radius() = 0;               // 1/s, a bound for 'rkl2' and 'rkc2'
 
+  // Whether keep_memory may follow the next evaluations; else what serves that alone can be left out. True at first.
+  virtual void expect_memory(bool) {}
   // The rate at the present state is known: what the next evaluations lag behind may become the present.
   virtual void keep_memory() {}
+  // At the start and after each step. Returns whether the equations change with the time, so that a rate known is none.
+  virtual bool set_time(double) { return false; }
   // After an accepted step. Returns whether it changed the state.
   virtual bool complete_step() { return false; }
   // m, on any rank: the largest displacement since the lists were made; what the lists allow; the largest speed (m/s).

@@ -11,7 +11,8 @@
 //
 // Deferred correction: on a lattice, for long waves, to the next order (R = Σ F r⁴/Σ F r², isotropic fourth moments)
 //   L(f) = ∇²(f + β ∇²f),   G(f) = ∇(f + 2β ∇²f),   β = R/(4(d + 2))
-// so with P(f), the plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P) are of fourth order.
+// so with P(f), the plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P) are of fourth order. (The
+// gradient in L is G(f - 2β P) as well: beside a small sum of r, and zero on a lattice.)
 #pragma once
 
 #include <operators/symmetric.hpp>
@@ -33,7 +34,8 @@ struct results {
   std::array<double*, symmetric_terms(D)> next_B;  // the next B; null where B is the unit tensor
 };
 
-template <int D, int K>
+// `whole`: with the next P and B. Who keeps those of the start of a step needs them only there, and saves a third else.
+template <int D, int K, bool whole = true>
 struct consistent {
   using real = pairs::real;
   static constexpr std::size_t S = symmetric_terms(D);
@@ -47,12 +49,13 @@ struct consistent {
 
   struct me {
     std::array<real, S> B;
-    std::array<real, S> M;                            // Σ F r_a r_b
-    std::array<std::array<real, S>, S> Q;             // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
-    pairs::vec<real, D> first;                        // Σ F s r
-    real m_s;                                         // Σ F s r²
-    std::array<pairs::vec<real, D>, 2 * K> gradient;  // Σ F r (f_i - f_j)
-    std::array<real, 2 * K> laplacian;                // Σ F s (f_i - f_j)
+    std::array<real, S> M;                             // Σ F r_a r_b
+    std::array<std::array<real, S>, whole ? S : 0> Q;  // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
+    pairs::vec<real, D> first;                         // Σ F s r
+    real m_s;                                          // Σ F s r²
+    std::array<pairs::vec<real, D>, K> gradient;       // Σ F r (f_i - f_j), of f - 2β P
+    std::array<real, K> laplacian;                     // Σ F s (f_i - f_j), of f - β P
+    std::array<real, whole ? K : 0> plain;             // of f
   };
 
   auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P)}; }
@@ -62,13 +65,15 @@ struct consistent {
     for (std::size_t k = 0; k < S; ++k) {
       a.B[k] = real(B[k] != nullptr ? B[k][i] : 0.0);
       a.M[k] = real(0.0);
-      for (std::size_t l = k; l < S; ++l) a.Q[k][l] = real(0.0);
+      if constexpr (whole)
+        for (std::size_t l = k; l < S; ++l) a.Q[k][l] = real(0.0);
     }
     a.first = foundation::zero<real, D>();
     a.m_s = real(0.0);
-    for (std::size_t k = 0; k < 2 * K; ++k) {
+    for (std::size_t k = 0; k < K; ++k) {
       a.gradient[k] = foundation::zero<real, D>();
       a.laplacian[k] = real(0.0);
+      if constexpr (whole) a.plain[k] = real(0.0);
     }
     return a;
   }
@@ -89,23 +94,22 @@ struct consistent {
         for (std::size_t q = p; q < D; ++q, ++n) s += (p == q ? 1.0 : 2.0) * a.B[n] * rr[n];
       const real F_per_r2 = F * inverse_r2;
       Fs = s * F_per_r2;
-      for (std::size_t k = 0; k < S; ++k) {
-        const real part = F_per_r2 * rr[k];
-        for (std::size_t l = k; l < S; ++l) a.Q[k][l] += part * rr[l];
-      }
+      if constexpr (whole)
+        for (std::size_t k = 0; k < S; ++k) {
+          const real part = F_per_r2 * rr[k];
+          for (std::size_t l = k; l < S; ++l) a.Q[k][l] += part * rr[l];
+        }
     }
     for (std::size_t k = 0; k < S; ++k) a.M[k] += F * rr[k];
     a.first += Fs * r;
     a.m_s += Fs * ij.r2;
-    const auto differences = [&](std::size_t at, const auto& d) {
-      for (std::size_t k = 0; k < K; ++k) {
-        const real d_k = d[k];
-        a.gradient[at + k] += (F * d_k) * r;
-        a.laplacian[at + k] += Fs * d_k;
-      }
-    };
-    differences(0, ij.difference(of_fields));
-    differences(K, ij.difference(of_laplacians));
+    const auto f_ij = ij.difference(of_fields), P_ij = ij.difference(of_laplacians);
+    for (std::size_t k = 0; k < K; ++k) {
+      const real f_k = f_ij[k], correction = beta * P_ij[k], once = f_k - correction;
+      a.gradient[k] += (F * (once - correction)) * r;
+      a.laplacian[k] += Fs * once;
+      if constexpr (whole) a.plain[k] += Fs * f_k;
+    }
   }
 
   void end(std::size_t i, const me& a) const {
@@ -121,22 +125,20 @@ struct consistent {
     std::array<double, D> first;
     for (std::size_t p = 0; p < D; ++p) first[p] = V * pairs::sum(a.first[p]);
     const double scale = -2.0 * d / (V * pairs::sum(a.m_s));
-    std::array<std::array<double, D>, 2 * K> G;
-    std::array<double, 2 * K> L;
-    for (std::size_t k = 0; k < 2 * K; ++k) {
+    for (std::size_t k = 0; k < K; ++k) {
       std::array<double, D> b;
       for (std::size_t p = 0; p < D; ++p) b[p] = -V * pairs::sum(a.gradient[k][p]);
-      G[k] = solve(M, b);
-      L[k] = V * pairs::sum(a.laplacian[k]);
-      for (std::size_t p = 0; p < D; ++p) L[k] -= G[k][p] * first[p];
-      L[k] *= scale;
+      const auto G = solve(M, b);
+      double linear = 0.0;
+      for (std::size_t p = 0; p < D; ++p) {
+        out.gradient[k][p][i] = G[p];
+        linear += G[p] * first[p];
+      }
+      out.laplacian[k][i] = scale * (V * pairs::sum(a.laplacian[k]) - linear);
+      if constexpr (whole) out.plain[k][i] = scale * (V * pairs::sum(a.plain[k]) - linear);
     }
-    for (std::size_t k = 0; k < K; ++k) {
-      for (std::size_t p = 0; p < D; ++p) out.gradient[k][p][i] = G[k][p] - 2.0 * beta * G[K + k][p];
-      out.laplacian[k][i] = L[k] - beta * L[K + k];
-      out.plain[k][i] = L[k];
-    }
-    if (B[0] != nullptr) next_tensor(i, a);
+    if constexpr (whole)
+      if (B[0] != nullptr) next_tensor(i, a);
   }
 
  private:

@@ -1,13 +1,15 @@
 // plan relaxation: numbers, rules and steps of slowed convection.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <boussinesq/options.hpp>
+
 #include <cmath>
 #include <foundation/error.hpp>
 #include <iostream>
 #include <memory>
 #include <plan/shared.hpp>
 #include <relaxation/options.hpp>
-#include <walls/options.hpp>
 
 namespace tetsuame::plan {
 
@@ -25,21 +27,17 @@ struct question {
   std::optional<std::int64_t> n;
 };
 
-// The input of module relaxation, that of the walls, and what came from the command line.
+// The input of the convection program, and what came from the command line.
 struct case_data {
-  options values;
-  walls::options walls;
-  double& temperature_bottom() { return walls.sides[2].temperature; }
-  double& temperature_top() { return walls.sides[3].temperature; }
+  boussinesq::options all;
+  options& values = all.physics;
+  double& temperature_bottom() { return all.walls.sides[2].temperature; }
+  double& temperature_top() { return all.walls.sides[3].temperature; }
 };
 
 void declare_all(namelist::schema& schema, case_data& c) {
-  c.walls.treatment = "virtual_marker";
-  c.temperature_bottom() = 1000.0;
-  c.temperature_top() = 0.0;
-  relaxation::declare(schema, c.values);
-  walls::declare(schema, 3, c.walls);
-  for (const char* others : {"initial", "time", "kernel", "smoothing", "output", "run"}) schema.pass_over(others);
+  boussinesq::declare(schema, c.all);
+  schema.pass_over("smoothing");
 }
 
 void apply(const question& q, case_data& c) {
@@ -235,10 +233,22 @@ void run(const question& q) {
   for (const auto& argument : q.set) document.set(argument);
   schema.read(document);
   apply(q, c);
-  const fluid_layer f = layer(schema, c.values, c.temperature_bottom(), c.temperature_top());
+  fluid_layer f = layer(schema, c.values, c.temperature_bottom(), c.temperature_top());
   const choice w = wanted(c.values.relaxation);
+  recommendation r = recommend(f, w);
+  // With &convection, what the program will run with; without, the note's rules.
+  const auto& groups = document.groups();
+  if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; })) {
+    const auto p = boussinesq::resolve(schema, c.all);
+    f = p.fluid;
+    r = p.slowing;
+    for (const auto& text : p.lines) fmt::print("convection: {}\n", text);
+    for (const auto& side : c.all.walls.sides)
+      if (side.thermal == "flux" && side.flux != 0.0)
+        fmt::print("convection: {} W/m^2 through a side, beside {:.4g} of conduction from bottom to top\n", side.flux,
+                   c.values.material.conductivity * f.dT / f.L);
+  }
   const auto rules = all_rules(f, w.phi_xi);
-  const recommendation r = recommend(f, w);
   const auto& d = c.values.domain;
   const int dimension = static_cast<int>(d.dimension);
   const double ratio = volume_ratio(d);

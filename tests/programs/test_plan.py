@@ -75,6 +75,20 @@ class Relaxation(Plan):
         self.assertAlmostEqual(changed["numbers"]["Ra"], 1e7, delta=1e-3)
         self.assertEqual(changed["plan"]["particles"], 2500)
 
+    def test_the_convection_program_s_own_input(self):
+        """What the program will run with: its target, its Rayleigh number, its slowing."""
+        (self.here / "mantle.nml").write_text(
+            "&convection rayleigh = 1e5 target = 'steady' steady_mach = 2 /\n&walls thermal_left = 'flux' flux_left = 1e-3 /\n")
+        found, said = self.plan("relaxation", "mantle.nml", "--n", 100)
+        self.assertAlmostEqual(found["numbers"]["Ra"] / 1e5, 1, delta=1e-12)
+        kappa_per_L = found["given"]["kappa_m2_s"] / found["given"]["L_m"]
+        c = found["recommended"]["c_eff_m_s"] / kappa_per_L
+        self.assertAlmostEqual(c / (1e5 ** (2 / 3) / 2), 1, delta=1e-9)
+        self.assertAlmostEqual(found["recommended"]["Pr_eff"] / (0.35 * c / 100), 1, delta=1e-9)
+        self.assertIn("steady state", said)
+        self.assertIn("0.001 W/m^2", said)
+        self.assert_says(self.call("plan", "relaxation", "mantle.nml", "--set", "convection.zeta=3", "--set", "relaxation.zeta=3"), BAD_INPUT, "keep one")
+
     def test_every_formula_binds_to_the_numbers(self):
         found, _ = self.plan("relaxation", *AIR, "--dT", 0.5)
         Ra, Pr, M = (found["numbers"][key] for key in ("Ra", "Pr", "M_th"))
@@ -125,8 +139,8 @@ class Relaxation(Plan):
         described = self.call("plan", "relaxation", "--describe")
         self.assertEqual(described.status, COMPLETED, described)
         (self.here / "all.nml").write_text(described.stdout)
-        by_file, _ = self.plan("relaxation", "all.nml")
-        self.assertEqual(by_file, self.plan("relaxation")[0])
+        (self.here / "empty.nml").write_text("&convection /\n")
+        self.assertEqual(self.plan("relaxation", "all.nml")[0], self.plan("relaxation", "empty.nml")[0])
 
 
 class Timestep(Plan):
