@@ -1,4 +1,5 @@
-// How fast the stiffest waves of the start lattice are: what bounds an explicit step.
+// Sums over the start lattice: how fast its stiffest waves are, which bounds an explicit step, and the viscous sum's
+// weights.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +15,36 @@ struct lattice_rates {
   double viscous;  // largest Σ 2 Δx^D |F| (1 - cos k·x_j) Δx²: shear dies at the rate ν/Δx² times it
 };
 
+// Weights F (a0 - a1 r²) of the viscous sum.
+struct viscous_weights {
+  double a0 = 1.0, a1 = 0.0;  // 1, 1/m2
+};
+
+// Those with Σ Δx^D F' r² = -d and Σ Δx^D F' r⁴ = 0 over the lattice: the sum is ∇² up to sixth derivatives, but for
+// what the lattice has of fourth ones in its own directions. Far neighbours then have the other sign.
 template <int D>
-lattice_rates rates_of_lattice(const kernels::any<D>& kernel, double dx) {
+viscous_weights fourth_order_weights(const kernels::any<D>& kernel, double dx) {
+  return std::visit(
+      [&](const auto& k) {
+        const int n = static_cast<int>(std::ceil(k.support() / dx)), depth = D == 3 ? n : 0;
+        std::array<double, 3> M{};  // Σ F r², r⁴, r⁶
+        for (int a = -n; a <= n; ++a)
+          for (int b = -n; b <= n; ++b)
+            for (int c = -depth; c <= depth; ++c) {
+              const double r2 = dx * dx * (a * a + b * b + c * c);
+              if (r2 == 0.0) continue;
+              const double F = std::pow(dx, D) * k.gradient_over_r(std::sqrt(r2));
+              for (std::size_t m = 0; m < 3; ++m) M[m] += F * std::pow(r2, static_cast<double>(m + 1));
+            }
+        // a0 M2 - a1 M4 = -d, a0 M4 - a1 M6 = 0
+        const double a1 = -D * M[1] / (M[0] * M[2] - M[1] * M[1]);
+        return viscous_weights{a1 * M[2] / M[1], a1};
+      },
+      kernel);
+}
+
+template <int D>
+lattice_rates rates_of_lattice(const kernels::any<D>& kernel, double dx, const viscous_weights& weights) {
   return std::visit(
       [&](const auto& k) {
         const int n = static_cast<int>(std::ceil(k.support() / dx)), waves = D == 3 ? 12 : 32;
@@ -36,7 +65,7 @@ lattice_rates rates_of_lattice(const kernels::any<D>& kernel, double dx) {
             const double F = V * k.gradient_over_r(dx * std::sqrt(r2)) * dx * dx;
             const double phase = unit * static_cast<double>(m[0] * at[0] + m[1] * at[1] + m[2] * at[2]);
             for (std::size_t a = 0; a < 3; ++a) slope[a] += F * at[a] * std::sin(phase);
-            decay -= 2.0 * F * (1.0 - std::cos(phase));
+            decay -= 2.0 * F * (weights.a0 - weights.a1 * dx * dx * r2) * (1.0 - std::cos(phase));
           });
           most.sound = std::max(most.sound, std::hypot(slope[0], slope[1], slope[2]));
           most.viscous = std::max(most.viscous, decay);

@@ -401,7 +401,8 @@ class two_fluids : public march::problem {
   // Explicit steps: those of the lattice, for sound at the pressures of top and floor.
   integrators::step_limit limit() {
     const double dx = world_.w.dx;
-    const auto stiff = rates_of_lattice<D>(world_.w.kernel, dx);
+    if (o_.scheme.viscous_order == 4) viscous_ = fourth_order_weights<D>(world_.w.kernel, dx);
+    const auto stiff = rates_of_lattice<D>(world_.w.kernel, dx, viscous_);
     double nu = 0.0;
     const double p_floor = p_.base->at(0.0).pressure;
     for (const std::size_t n : {0, 1})
@@ -532,6 +533,8 @@ class two_fluids : public march::problem {
                   s.eta.data(),
                   p_.stress_a,
                   p_.stress_b,
+                  viscous_.a0,
+                  viscous_.a1,
                   {},
                   compression_.data(),
                   heat_.data()};
@@ -641,6 +644,7 @@ class two_fluids : public march::problem {
   bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
   double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
   integrators::step_limit limit_;
+  viscous_weights viscous_;
 
   std::array<particles::array, D> force_;
   particles::array stress_, factor_, W_sum_, compression_, heat_, rho_rate_, conducted_;
