@@ -480,9 +480,14 @@ class two_fluids : public march::problem {
       volume::equation_of_state(w, s.fluid);
     }
     const foundation::stage timed(w.times, "halo");
-    w.exchange_fluid({s.dV.data(), s.p_eos.data()});
-    foundation::for_all(s.fluid_ghosts,
-                        [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
+    // A ghost's ρ is to have the bits of its source's: ρ itself, or what ΔV gives there too.
+    if (carried_) {
+      w.exchange_fluid({s.dV.data(), s.p_eos.data(), s.rho.data()});
+    } else {
+      w.exchange_fluid({s.dV.data(), s.p_eos.data()});
+      foundation::for_all(s.fluid_ghosts,
+                          [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
+    }
     mirror(s.p_eos);
   }
 

@@ -67,7 +67,7 @@ class RayleighTaylor(Case):
         for name, more in [(NOTE, {}), (POSTER, {}), (NOTE, {"rti.volume": "our_method", "rti.pressure": "smoothed"}),
                            (NOTE, {"time.method": "rkl2", **viscosity(6e12)})]:
             with self.subTest(name, **more):
-                settings = {**size(20), "time.steps": 60, "rti.amplitude": 1e5, "output.interval": 0, **more}
+                settings = {**size(20), "time.steps": 60, "rti.amplitude": 4e4, "output.interval": 0, **more}
                 whole = self.run_program("rti", name, settings).summary
                 for ranks, threads in [(2, 1), (4, 1), (None, 2)]:
                     s = self.run_program("rti", name, settings, ranks=ranks, threads=threads).summary
