@@ -35,7 +35,8 @@ class RayleighTaylor(Case):
             with self.subTest(**change):
                 m = self.run_program("rti", LINEAR, {**size(24), **change}).summary["metrics"]
                 self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=delta)
-                self.assertLess(abs(m["energy_residual_max"]), 1e-4)
+                # Smoothing takes the force away from its potential.
+                self.assertLess(abs(m["energy_residual_max"]), 1e-3 if "rti.pressure" in change else 1e-4)
 
     def test_creeping(self):
         """Ten times the viscosity, with the stabilised method: compressibility speeds the growth by a tenth, and the run shows it."""
