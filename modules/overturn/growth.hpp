@@ -14,7 +14,7 @@ struct growth_fit {
 
 // Least squares of ln(amplitude) over the first stretch of time where amplitude/first is in [low, high]. Nothing where
 // fewer than three samples lie there.
-std::optional<growth_fit> fit_growth(const std::vector<double>& time, const std::vector<double>& amplitude,
-                                     double low = 1.6, double high = 20.0);
+std::optional<growth_fit> fit_growth(const std::vector<double>& time, const std::vector<double>& amplitude, double low,
+                                     double high);
 
 }  // namespace tetsuame::overturn

@@ -71,6 +71,10 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
              {.minimum = 0.0,
               .maximum = 1.0,
               .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
+  schema.add(group, "viscous_order", o.viscous_order,
+             {.minimum = 2,
+              .maximum = 4,
+              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
@@ -141,6 +145,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
   if (o.walls.lid == "free_surface" && s.volume == "number_density")
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
+  if (s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4");
   const bool equal = o.material[0].viscosity == o.material[1].viscosity && o.walls.lid != "free_surface";
   if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
   p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;

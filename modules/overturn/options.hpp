@@ -41,6 +41,7 @@ struct scheme_options {
   bool normalise = true;
   double delta = 0.1;
   std::string stress = "auto";
+  std::int64_t viscous_order = 4;
 };
 
 struct options {

@@ -4,6 +4,8 @@
 //   m_i dv_i/dt = -Σ_j (A_i B_j + B_i A_j) ∇_i W_ij
 //                 + Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j F_ij [a v_ij + b (v_ij·x_ij) x_ij/|x_ij|²]
 //   pattern 1 [S0, S2]: A = p ΔV² = Y²/p, B = 1;   pattern 2: A = p ΔV = Y, B = ΔV
+//   F_ij = F (a0 - a1 |x_ij|²): a0 = 1, a1 = 0 is the notes' sum, which smooths like the kernel, by a part of order
+//   (kS)²; lattice.hpp has weights that do so by (kS)⁴ only
 //   a = 1, b = 0: ∇·(η ∇v) [S2];   a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which conserves
 //   angular momentum and holds where η varies [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005), sect. 3.2]
 // and with it D_i = Σ_j B_j v_ij·∇_i W_ij: A_i D_i (W) is what compression takes up; and the heat of friction.
@@ -70,6 +72,7 @@ struct forces {
   std::array<const double*, D> v;  // m/s
   const double *A, *B, *V, *eta;   // above; m^D; Pa s
   double a, b;                     // of the viscous stress
+  double a0, a1;                   // 1, 1/m2
   std::array<double*, D> force;    // N
   double *compression, *heat;      // D_i; W
 
@@ -87,8 +90,8 @@ struct forces {
     using namespace pairs;
     const real B_j = ij(of_factor);
     const real slope = (ij.own(of_stress) * B_j + ij.own(of_factor) * ij(of_stress)) * ij.F;
-    const real friction =
-        diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
+    const real friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
+                          (ij(of_volume) * ij.F) * (a0 - a1 * ij.r2);
     const auto v_ij = ij.difference(of_velocity);
     const real along = foundation::dot(v_ij, ij.x_ij);
     const real parallel = b != 0.0 ? real(b * friction * along / max(ij.r2, real(1e-200))) : real(0.0);

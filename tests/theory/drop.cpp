@@ -2,6 +2,7 @@
 #include <limits>
 #include <numbers>
 #include <theory/drop.hpp>
+#include <theory/free_slip_box.hpp>
 #include <theory/stokes_box.hpp>
 
 #include "close.hpp"
@@ -120,4 +121,33 @@ BOOST_AUTO_TEST_CASE(box_arguments) {
   box.y = 0.5;
   box.floor_lid = sides::periodic;
   BOOST_CHECK_THROW(theory::fall_velocity(box, 32), tetsuame::foundation::error);
+}
+
+// Fourier series against finite differences, which share nothing: walls and periodic sides, off the middle, in two
+// dimensions.
+BOOST_AUTO_TEST_CASE(free_slip_box) {
+  for (const double y : {0.5, 0.7})
+    for (const bool periodic : {false, true}) {
+      const theory::drop_among_free_slip series{
+          2, {1.0, 1.0, 1.0}, {periodic, false, false}, 0.1, {0.3, y, 0.5}, 1.0, 1.0, 1.0, 1.0};
+      const theory::drop_in_box box{
+          1.0, 1.0, 0.1, 0.3, y, 1.0, 1.0, 1.0, 1.0, periodic ? sides::periodic : sides::free_slip, sides::free_slip};
+      BOOST_TEST(close(theory::fall_velocity(series), theory::fall_velocity_extrapolated(box, 60), 1e-3));
+    }
+}
+
+// In three dimensions: Hadamard's and Rybczynski's velocity less the walls' part, which goes as radius over length.
+BOOST_AUTO_TEST_CASE(free_slip_box_of_three_dimensions) {
+  const double alone = theory::hadamard_rybczynski({0.1, 1.0, 1.0, 1.0, 1.0});
+  const auto lost = [&](double L) {
+    const theory::drop_among_free_slip box{
+        3, {L, L, L}, {true, false, true}, 0.1, {0.5 * L, 0.5 * L, 0.5 * L}, 1.0, 1.0, 1.0, 1.0};
+    return 1.0 - theory::fall_velocity(box) / alone;
+  };
+  const double near = lost(0.8), far = lost(1.6);
+  BOOST_TEST(far > 0.0);
+  BOOST_TEST(close(near / far, 2.0, 0.02));  // the next term goes as the cube
+  theory::drop_among_free_slip out{3,  {1.0, 1.0, 1.0}, {false, false, false}, 0.1, {0.5, 0.95, 0.5}, 1.0, 1.0, 1.0,
+                                   1.0};
+  BOOST_CHECK_THROW(theory::fall_velocity(out), tetsuame::foundation::error);
 }

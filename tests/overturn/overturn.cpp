@@ -1,0 +1,160 @@
+// The start column, the fit of a growth rate, and the sums over the start lattice.
+#define BOOST_TEST_MODULE overturn
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <kernels/kernel.hpp>
+#include <namelist/parse.hpp>
+#include <overturn/column.hpp>
+#include <overturn/growth.hpp>
+#include <overturn/lattice.hpp>
+#include <overturn/options.hpp>
+
+using namespace tetsuame;
+using namespace tetsuame::overturn;
+namespace tt = boost::test_tools;
+
+namespace {
+
+eos::any linear(double rho0) {
+  eos::material_options o;
+  o.reference_density = rho0;
+  o.reference_pressure = 0.0;
+  o.bulk_modulus = 5e11;
+  o.thermal_expansivity = 0.0;
+  return eos::make(o);
+}
+
+eos::any named(const char* name) {
+  eos::material_options o;
+  o.name = name;
+  return eos::make(o);
+}
+
+parameters resolved(const std::string& text, problem_kind kind, options& o) {
+  namelist::schema schema;
+  declare(schema, kind, o);
+  schema.read(namelist::parse_text(text, "test.nml"));
+  return resolve(schema, kind, o);
+}
+
+}  // namespace
+
+// dp/dy = -ρ0 (1 + p/K) g:  1 + p/K = (1 + p_top/K) exp(ρ0 g depth/K), layer upon layer.
+BOOST_AUTO_TEST_CASE(column_of_linear_liquids) {
+  const auto silicate = linear(3000.0), iron = linear(7000.0);
+  const double K = 5e11, g = 10.0, H = 1.5e6, interface = 7.6e5, p_top = 1e9;
+  const column c({&silicate, 0.0, 2500.0, false}, {&iron, p_top, 2500.0, false}, interface, H, g);
+  const auto upper = [&](double y) { return (1.0 + p_top / K) * std::exp(7000.0 * g * (H - y) / K); };
+  const auto lower = [&](double y) { return upper(interface) * std::exp(3000.0 * g * (interface - y) / K); };
+  for (const double y : {0.0, 1e4, 3.3e5, 7.59e5}) {
+    BOOST_TEST(c.at(y).pressure / K + 1.0 == lower(y), tt::tolerance(1e-11));
+    BOOST_TEST(c.at(y).density == 3000.0 * lower(y), tt::tolerance(1e-11));
+  }
+  for (const double y : {7.6e5, 1e6, 1.49e6}) BOOST_TEST(c.at(y).density == 7000.0 * upper(y), tt::tolerance(1e-11));
+}
+
+// On an adiabat d ln T/d ln ρ = γ_th, and over a column dp/dy = -ρ g.
+BOOST_AUTO_TEST_CASE(column_on_adiabats) {
+  const auto silicate = named("liquid_silicate"), iron = named("liquid_iron");
+  const column c({&silicate, 0.0, 2600.0, true}, {&iron, 1e5, 2600.0, true}, 7.5e5, 1.5e6, 10.0);
+  BOOST_TEST(c.at(7.5e5 * (1.0 - 1e-12)).temperature == c.at(7.5e5).temperature, tt::tolerance(1e-9));
+  for (const double y : {1e5, 5e5, 9e5, 1.4e6}) {
+    const double dy = 2e3;
+    const auto low = c.at(y - dy), high = c.at(y + dy), here = c.at(y);
+    const auto& material = y < 7.5e5 ? silicate : iron;
+    const auto e = eos::evaluate(material, here.density, here.temperature);
+    const double gamma = e.alpha * e.K_T / (here.density * e.c_V);
+    BOOST_TEST(std::log(low.temperature / high.temperature) / std::log(low.density / high.density) == gamma,
+               tt::tolerance(1e-4));
+    BOOST_TEST((low.pressure - high.pressure) / (2.0 * dy) == here.density * 10.0, tt::tolerance(1e-5));
+    BOOST_TEST(eos::pressure(material, here.density, here.temperature) == here.pressure, tt::tolerance(1e-9));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(growth_of_an_exponential) {
+  std::vector<double> t, x;
+  for (int k = 0; k <= 100; ++k) {
+    t.push_back(0.1 * k);
+    x.push_back(3.0 * (k < 10 ? 1.0 : std::exp(0.7 * 0.1 * (k - 10))));  // a start that does not grow is left out
+  }
+  const auto fit = fit_growth(t, x, 1.6, 20.0);
+  BOOST_REQUIRE(fit.has_value());
+  BOOST_TEST(fit->rate == 0.7, tt::tolerance(1e-12));
+  BOOST_TEST(fit->uncertainty < 1e-12);
+  BOOST_TEST(!fit_growth({0.0, 1.0, 2.0}, {1.0, 1.1, 1.2}, 1.6, 20.0).has_value());
+}
+
+// The sum's value for a quadratic is exact with the weights of fourth order, and for x⁴ + 2 x²y² + y⁴ = r⁴ it vanishes
+// at 0.
+BOOST_AUTO_TEST_CASE(viscous_weights_by_moments) {
+  for (const auto& name : {"quintic", "wendland_c4", "wendland_c6"}) {
+    const double dx = 0.7;
+    const auto kernel = kernels::make<2>(name, kernels::find(name).default_h_over_dx * dx);
+    const auto w = fourth_order_weights<2>(kernel, dx);
+    double second = 0.0, fourth = 0.0;
+    std::visit(
+        [&](const auto& k) {
+          for (int a = -8; a <= 8; ++a)
+            for (int b = -8; b <= 8; ++b) {
+              const double r2 = dx * dx * (a * a + b * b);
+              if (r2 == 0.0) continue;
+              const double F = dx * dx * k.gradient_over_r(std::sqrt(r2)) * (w.a0 - w.a1 * r2);
+              second -= 2.0 * F * 0.5 * dx * dx * a * a;  // of x²/2
+              fourth += F * r2 * r2;
+            }
+        },
+        kernel);
+    BOOST_TEST(second == 1.0, tt::tolerance(1e-12));
+    BOOST_TEST(std::abs(fourth) < 1e-12);
+    // No wave grows, and none dies faster than what bounds the step.
+    const auto bound = rates_of_lattice<2>(kernel, dx, w);
+    BOOST_TEST(bound.viscous > rates_of_lattice<2>(kernel, dx, {}).viscous);
+    for (int m = 1; m <= 40; ++m)
+      for (int n = 0; n <= m; ++n) {
+        double decay = 0.0;
+        std::visit(
+            [&](const auto& k) {
+              for (int a = -8; a <= 8; ++a)
+                for (int b = -8; b <= 8; ++b) {
+                  const double r2 = dx * dx * (a * a + b * b);
+                  if (r2 == 0.0) continue;
+                  decay -= 2.0 * dx * dx * k.gradient_over_r(std::sqrt(r2)) * (w.a0 - w.a1 * r2) *
+                           (1.0 - std::cos(std::numbers::pi / 40.0 * (m * a + n * b)));
+                }
+            },
+            kernel);
+        BOOST_TEST_REQUIRE(decay > 0.0);
+        BOOST_TEST_REQUIRE(decay * dx * dx < 1.01 * bound.viscous);
+      }
+  }
+}
+
+// Values that two other methods gave (docs/theory/rayleigh_taylor.md), through the input.
+BOOST_AUTO_TEST_CASE(theory_through_the_input) {
+  options o;
+  const auto p = resolved("&rti viscosity_upper = 1e11 viscosity_lower = 1e11 /\n", problem_kind::rayleigh_taylor, o);
+  BOOST_TEST(*p.growth == 0.00344235, tt::tolerance(2e-6));
+  BOOST_TEST(*p.growth_incompressible == 0.00341109486, tt::tolerance(1e-8));
+  options odd;
+  BOOST_TEST(resolved("&domain particles_x = 75 particles_y = 75 /\n", problem_kind::rayleigh_taylor, odd).interface ==
+                 1.5e6 * 38 / 75,
+             tt::tolerance(1e-14));
+}
+
+BOOST_AUTO_TEST_CASE(input_that_makes_no_sense) {
+  for (const char* text :
+       {"&rti wavelength = 4e5 /\n", "&rti interface = 1.5e6 /\n", "&walls sides = 'no_slip' /\n",
+        "&rti delta = 0.1 /\n", "&walls lid = 'free_surface' /\n", "&rti conductivity = 1.0 /\n",
+        "&rti volume_element = 'from_weight' /\n", "&rti eos_upper = 'liquid_iron' density_upper = 7000.0 /\n",
+        "&rti viscous_order = 3 /\n", "&rti wavelength_z = 1e6 /\n", "&domain particles_x = 50 /\n"}) {
+    options o;
+    BOOST_CHECK_EXCEPTION(resolved(text, problem_kind::rayleigh_taylor, o), foundation::error,
+                          [](const auto& e) { return e.status() == foundation::exit_status::bad_input; });
+  }
+  for (const char* text : {"&drop y = 1.4e6 /\n", "&drop measure_at = 0.9 /\n", "&drop radius = 8e5 /\n"}) {
+    options o;
+    BOOST_CHECK_EXCEPTION(resolved(text, problem_kind::drop, o), foundation::error,
+                          [](const auto& e) { return e.status() == foundation::exit_status::bad_input; });
+  }
+}
