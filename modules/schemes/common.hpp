@@ -109,25 +109,28 @@ inline double next_support(double S, double count, double slope, double target) 
   return S * (1.0 + std::fmin(std::fmax(change, -most), most));
 }
 
-// y, f, ∇·v, |∇×v| (1/s) and n.
+// y, f, ∇·v, |∇×v| (1/s), n, and Σ_j m_j W_ij.
 template <int D, class Kernel>
 struct density {
   Kernel unit;
-  const double* weight;
+  const double *weight, *m;
   std::array<const double*, D> v;
   const double* S;
   struct {
-    double *y, *f, *divergence, *curl, *n;
+    double *y, *f, *divergence, *curl, *n, *rho;
   } out;
 
   static constexpr int C = D == 1 ? 0 : D == 2 ? 1 : 3;
   struct me {
-    real S, per_S, y, slope, n, divergence;
+    real S, per_S, y, slope, n, rho, divergence;
     std::array<real, C> curl;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(pairs::of_velocity, v)}; }
+  auto reads() const {
+    return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(of_mass, m),
+                      pairs::read(pairs::of_velocity, v)};
+  }
   me begin(std::size_t i) const {
-    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), {}};
+    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
     for (auto& c : a.curl) c = real(0.0);
     return a;
   }
@@ -136,6 +139,7 @@ struct density {
     const real w = ij(pairs::of_weight), wF = w * s.F;
     a.n += s.W;
     a.y += w * s.W;
+    a.rho += ij(of_mass) * s.W;
     a.slope += wF * s.q * s.q;
     a.divergence += wF * ij.along(pairs::of_velocity);
     const auto v_ij = ij.difference(pairs::of_velocity);
@@ -158,6 +162,7 @@ struct density {
     out.divergence[i] = -factor * pairs::sum(a.divergence);
     out.curl[i] = factor * std::sqrt(curl2);
     out.n[i] = per_volume * (unit.self() + pairs::sum(a.n));
+    out.rho[i] = per_volume * (m[i] * unit.self() + pairs::sum(a.rho));
   }
 };
 
