@@ -1,11 +1,11 @@
 // Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
-//   1. supports: one step of Newton's method from those of the step's start (schemes/common.hpp)
-//   2. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
+//   1. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
 //        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U or Σ m W
-//   3. second order: gradients of p, ρ, v
-//   4. forces and power, artificial viscosity or Riemann problems
-// Integrated: x, v, u, and α where it depends on time. What a scheme conserves it does whatever h and f are, so
-// supports need not be converged; they are those of one Newton step.
+//   2. second order: gradients of p, ρ, v
+//   3. forces and power, artificial viscosity or Riemann problems
+// Integrated: x, v, u, and α where it depends on time. Supports stay during a step; from one to the next they take a
+// step of Newton's method (schemes/common.hpp). What a scheme conserves it does whatever h and f are, so they need not
+// be converged.
 #pragma once
 
 #include <fmt/format.h>
@@ -78,6 +78,13 @@ class flow : public march::problem {
 
   // ---- right-hand side --------------------------------------------------------------------
 
+  bool evaluable() override {
+    const auto& s = w_.s;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
+    return ranks().minimum(least) > 0.0;
+  }
+
   void evaluate(std::span<double* const> rate) override {
     std::visit([&](const auto& unit) { evaluate_with(unit); }, unit_);
     combine(rate);
@@ -95,7 +102,10 @@ class flow : public march::problem {
   }
   double diffusion_radius() override { return 0.0; }
 
-  void keep_memory() override { std::copy_n(S_.begin(), w_.s.fluid, support().begin()); }
+  void keep_memory() override {
+    next_supports();
+    std::copy_n(support().begin(), w_.s.fluid, S_.begin());
+  }
 
   bool complete_step() override {
     const std::int64_t crossings = ranks().sum(images::reflect(images_, w_.s));
@@ -103,14 +113,15 @@ class flow : public march::problem {
     return crossings > 0;
   }
 
-  // Lists hold as long as particles moved, and supports grew, by no more than the skin.
+  // A part of the skin is for supports to grow, the rest for particles to move.
   double moved() override {
     const auto& s = w_.s;
     double growth = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i) growth = std::max(growth, support()[i] - list_support()[i]);
-    return displacement() + 0.5 * ranks().maximum(growth);
+    const bool no_room = ranks().maximum(growth) >= room_to_grow() * (1.0 - 1e-9);
+    return no_room ? std::max(displacement(), allowance()) : displacement();
   }
-  double allowance() const override { return 0.5 * skin_; }
+  double allowance() const override { return 0.5 * (skin_ - room_to_grow()); }
   double speed() override {
     const auto& s = w_.s;
     double v2 = 0.0;
@@ -131,10 +142,7 @@ class flow : public march::problem {
     // The start lattice's supports are those of an endless lattice: next to a jump they are not yet the right ones.
     settled_ = true;
     for (int round = 0; round < 4; ++round) {
-      for (int k = 0; k < 5; ++k) {
-        std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
-        keep_memory();
-      }
+      for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
       make_lists(false);
     }
   }
@@ -247,6 +255,7 @@ class flow : public march::problem {
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
   bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
+  double room_to_grow() const { return 0.25 * skin_; }
   double sound_speed(std::size_t i) const {
     return std::sqrt(o_.shock.gamma * (o_.shock.gamma - 1.0) * std::max(w_.s.u[i], 0.0));
   }
@@ -412,22 +421,28 @@ class flow : public march::problem {
 
   template <class Kernel>
   void find_supports(const Kernel& unit) {
-    const foundation::stage timed(w_.times, "supports");
-    const auto& s = w_.s;
     sum(schemes::number_density<Kernel>{unit, support().data(), count_.data(), count_slope_.data()});
-    const double room = skin_ - 2.0 * displacement();
-    foundation::for_all(s.fluid, [&](std::size_t i) {
-      const double next = schemes::next_support(support()[i], count_[i], count_slope_[i], target_);
-      S_[i] = std::min(next, std::max(list_support()[i] + room, support()[i]));
+    next_supports();
+  }
+
+  // By no more than the lists allow.
+  void next_supports() {
+    foundation::for_all(w_.s.fluid, [&](std::size_t i) {
+      const double S = support()[i], next = schemes::next_support(S, count_[i], count_slope_[i], target_);
+      support()[i] = std::min(next, list_support()[i] + room_to_grow());
     });
   }
 
   template <class Kernel>
   schemes::density<D, Kernel> densities_of(const Kernel& unit) {
     auto& s = w_.s;
-    return {unit,       weight_.data(),
-            s.m.data(), pairs::pointers<D>(s.v),
-            S_.data(),  {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), s.rho.data()}};
+    return {unit,
+            weight_.data(),
+            s.m.data(),
+            pairs::pointers<D>(s.v),
+            S_.data(),
+            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), s.rho.data(), count_.data(),
+             count_slope_.data()}};
   }
 
   template <class Kernel>
@@ -522,7 +537,6 @@ class flow : public march::problem {
   template <class Kernel>
   void evaluate_with(const Kernel& unit) {
     refresh_state();
-    find_supports(unit);
     find_densities(unit);
     if (o_.second_order()) find_gradients(unit);
     find_forces(unit);

@@ -190,8 +190,28 @@ setup sedov(const options& o) {
   };
   const double end = *o.march.time.t_end;
   if (end > 0.0) t.known = {{"shock_radius_exact", blast.shock_radius(s.energy, s.rho_l, end)}};
-  t.measures = [=, dx = o.dx(), half = 0.5 * o.box.length[0]](const view& w, const samples&) {
-    return numbers{{"shock_radius", shock_radius(w, c, dx, half, [&](double) { return s.rho_l; })}};
+  // Two measures of the radius: by the density, and by the momentum along r, which smoothing at the shock does not
+  // change:
+  //   ∫ρ u dV = Ω ρ0 u_s r_s^D ∫ g φ λ^D dλ,   u_s = 2 r_s/((D+2) t)
+  double shape = 0.0;
+  constexpr int intervals = 4000;
+  const auto D = static_cast<double>(o.dimension);
+  for (int k = 0; k < intervals; ++k) {
+    const double lambda = (k + 0.5) / intervals;
+    const auto w = blast.profile(lambda);
+    shape += w.g * w.phi * std::pow(lambda, D) / intervals;
+  }
+  shape *= o.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
+  t.measures = [=, dx = o.dx(), half = 0.5 * o.box.length[0]](const view& w, const samples& all) {
+    foundation::exact_sum momentum;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const point x = w.place(i), v = w.velocity(i);
+      const double r = distance(x, c);
+      for (std::size_t a = 0; a < 3 && r > 0.0; ++a) momentum.add(w.m[i] * v[a] * (x[a] - c[a]) / r);
+    }
+    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (shape * s.rho_l);
+    return numbers{{"shock_radius", std::pow(std::max(power, 0.0), 1.0 / (D + 1.0))},
+                   {"shock_radius_density", shock_radius(w, c, dx, half, [&](double) { return s.rho_l; })}};
   };
   return t;
 }
