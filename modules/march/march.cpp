@@ -72,6 +72,7 @@ struct loop {
                       "step is too large, or the flow has blown up",
                       moved, p.allowance()));
     }
+    if (controls_error() && !p.evaluable()) return 1;
     p.evaluate(rate);
     return 0;
   }

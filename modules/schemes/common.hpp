@@ -79,7 +79,7 @@ two_slopes slopes_of(const Kernel& unit, const auto& ij) {
   return {one(p_i), one(p_j)};
 }
 
-// n_i S_i^D and the same of r² F, by which Newton's method finds S.
+// n_i S_i^D and the same of r² F, by which Newton's method finds S at the start.
 template <class Kernel>
 struct number_density {
   Kernel unit;
@@ -109,34 +109,40 @@ inline double next_support(double S, double count, double slope, double target) 
   return S * (1.0 + std::fmin(std::fmax(change, -most), most));
 }
 
-// y, f, ∇·v, |∇×v| (1/s) and n.
+// y, f, ∇·v, |∇×v| (1/s), n, and Σ_j m_j W_ij.
 template <int D, class Kernel>
 struct density {
   Kernel unit;
-  const double* weight;
+  const double *weight, *m;
   std::array<const double*, D> v;
   const double* S;
   struct {
-    double *y, *f, *divergence, *curl, *n;
+    double *y, *f, *divergence, *curl, *n, *rho;
+    double *count, *slope;  // as of number_density
   } out;
 
   static constexpr int C = D == 1 ? 0 : D == 2 ? 1 : 3;
   struct me {
-    real S, per_S, y, slope, n, divergence;
+    real S, per_S, y, slope, n, n_slope, rho, divergence;
     std::array<real, C> curl;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(pairs::of_velocity, v)}; }
+  auto reads() const {
+    return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(of_mass, m),
+                      pairs::read(pairs::of_velocity, v)};
+  }
   me begin(std::size_t i) const {
-    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), {}};
+    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
     for (auto& c : a.curl) c = real(0.0);
     return a;
   }
   void add(me& a, const auto& ij) const {
     const shape s = shape_of(unit, ij, a.S, a.per_S);
-    const real w = ij(pairs::of_weight), wF = w * s.F;
+    const real w = ij(pairs::of_weight), wF = w * s.F, q2 = s.q * s.q;
     a.n += s.W;
+    a.n_slope += s.F * q2;
     a.y += w * s.W;
-    a.slope += wF * s.q * s.q;
+    a.rho += ij(of_mass) * s.W;
+    a.slope += wF * q2;
     a.divergence += wF * ij.along(pairs::of_velocity);
     const auto v_ij = ij.difference(pairs::of_velocity);
     if constexpr (D == 2) a.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
@@ -157,7 +163,10 @@ struct density {
     out.f[i] = f;
     out.divergence[i] = -factor * pairs::sum(a.divergence);
     out.curl[i] = factor * std::sqrt(curl2);
-    out.n[i] = per_volume * (unit.self() + pairs::sum(a.n));
+    out.count[i] = unit.self() + pairs::sum(a.n);
+    out.slope[i] = pairs::sum(a.n_slope);
+    out.n[i] = per_volume * out.count[i];
+    out.rho[i] = per_volume * (m[i] * unit.self() + pairs::sum(a.rho));
   }
 };
 

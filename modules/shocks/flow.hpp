@@ -1,11 +1,11 @@
 // Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
-//   1. supports: one step of Newton's method from those of the step's start (schemes/common.hpp)
-//   2. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
-//        SSPH, GSPH   ρ = y, P = (γ - 1) ρ u         DISPH, GDISPH   P = (γ - 1) q, ρ = m q/U,   q = y
-//   3. second order: gradients of p, ρ, v
-//   4. forces and power, artificial viscosity or Riemann problems
-// Integrated: x, v, u, and α where it depends on time. What a scheme conserves it does whatever h and f are, so
-// supports need not be converged; they are those of one Newton step.
+//   1. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
+//        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U or Σ m W
+//   2. second order: gradients of p, ρ, v
+//   3. forces and power, artificial viscosity or Riemann problems
+// Integrated: x, v, u, and α where it depends on time. Supports stay during a step; from one to the next they take a
+// step of Newton's method (schemes/common.hpp). What a scheme conserves it does whatever h and f are, so they need not
+// be converged.
 #pragma once
 
 #include <fmt/format.h>
@@ -78,6 +78,13 @@ class flow : public march::problem {
 
   // ---- right-hand side --------------------------------------------------------------------
 
+  bool evaluable() override {
+    const auto& s = w_.s;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
+    return ranks().minimum(least) > 0.0;
+  }
+
   void evaluate(std::span<double* const> rate) override {
     std::visit([&](const auto& unit) { evaluate_with(unit); }, unit_);
     combine(rate);
@@ -95,7 +102,10 @@ class flow : public march::problem {
   }
   double diffusion_radius() override { return 0.0; }
 
-  void keep_memory() override { std::copy_n(S_.begin(), w_.s.fluid, support().begin()); }
+  void keep_memory() override {
+    next_supports();
+    std::copy_n(support().begin(), w_.s.fluid, S_.begin());
+  }
 
   bool complete_step() override {
     const std::int64_t crossings = ranks().sum(images::reflect(images_, w_.s));
@@ -103,14 +113,15 @@ class flow : public march::problem {
     return crossings > 0;
   }
 
-  // Lists hold as long as particles moved, and supports grew, by no more than the skin.
+  // A part of the skin is for supports to grow, the rest for particles to move.
   double moved() override {
     const auto& s = w_.s;
     double growth = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i) growth = std::max(growth, support()[i] - list_support()[i]);
-    return displacement() + 0.5 * ranks().maximum(growth);
+    const bool no_room = ranks().maximum(growth) >= room_to_grow() * (1.0 - 1e-9);
+    return no_room ? std::max(displacement(), allowance()) : displacement();
   }
-  double allowance() const override { return 0.5 * skin_; }
+  double allowance() const override { return 0.5 * (skin_ - room_to_grow()); }
   double speed() override {
     const auto& s = w_.s;
     double v2 = 0.0;
@@ -131,10 +142,7 @@ class flow : public march::problem {
     // The start lattice's supports are those of an endless lattice: next to a jump they are not yet the right ones.
     settled_ = true;
     for (int round = 0; round < 4; ++round) {
-      for (int k = 0; k < 5; ++k) {
-        std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
-        keep_memory();
-      }
+      for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
       make_lists(false);
     }
   }
@@ -142,14 +150,22 @@ class flow : public march::problem {
   // ---- measures ---------------------------------------------------------------------------
 
   std::vector<output::history_column> columns() const override {
-    return {{"kinetic_energy", "J"}, {"internal_energy", "J"}, {"momentum_x", "kg m/s"}, {"density_max", "kg/m^3"}};
+    std::vector<output::history_column> all{
+        {"kinetic_energy", "J"}, {"internal_energy", "J"}, {"momentum_x", "kg m/s"}, {"density_max", "kg/m^3"}};
+    for (const trace& t : setup_.traces) all.push_back({t.name, t.unit});
+    return all;
   }
-  std::vector<double> row(double) override {
+  std::vector<double> row(double time) override {
     const totals now = sum_up();
     if (!first_) first_ = now;
     double densest = 0.0;
     for (std::size_t i = 0; i < w_.s.fluid; ++i) densest = std::max(densest, w_.s.rho[i]);
-    return {now.kinetic, now.internal, now.momentum[0], ranks().maximum(densest)};
+    std::vector<double> all{now.kinetic, now.internal, now.momentum[0], ranks().maximum(densest)};
+    std::vector<double> sample{time};
+    for (const trace& t : setup_.traces) sample.push_back(t.value(particles_seen()));
+    all.insert(all.end(), sample.begin() + 1, sample.end());
+    samples_.push_back(std::move(sample));
+    return all;
   }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
@@ -186,7 +202,9 @@ class flow : public march::problem {
                       {"energy", (now.kinetic + now.internal) / (first_->kinetic + first_->internal) - 1.0}};
     r.metrics["test"] = o_.shock.test;
     r.metrics["scheme"] = o_.shock.scheme;
-    for (const auto& [name, value] : setup_.numbers) r.metrics[name] = value;
+    for (const auto& [name, value] : setup_.known) r.metrics[name] = value;
+    if (setup_.measures)
+      for (const auto& [name, value] : setup_.measures(particles_seen(), samples_)) r.metrics[name] = value;
     r.metrics["wall_crossings"] = crossings_;
     if (setup_.exact) r.errors = errors(t);
     r.stages = w_.times.seconds();
@@ -217,12 +235,17 @@ class flow : public march::problem {
     std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->momentum_scale};
     all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
     g.blobs["first_totals"] = all;
+    std::vector<double>& flat = g.blobs["samples"];
+    for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("crossings");
     const auto& all = g.blobs.at("first_totals");
     first_.emplace(totals{all[0], all[1], all[2], all[3], {}});
     std::copy_n(all.begin() + 4, D, first_->momentum.begin());
+    const auto& flat = g.blobs.at("samples");
+    const auto width = static_cast<std::ptrdiff_t>(1 + setup_.traces.size());
+    for (auto line = flat.begin(); line != flat.end(); line += width) samples_.emplace_back(line, line + width);
   }
 
  private:
@@ -232,6 +255,7 @@ class flow : public march::problem {
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
   bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
+  double room_to_grow() const { return 0.25 * skin_; }
   double sound_speed(std::size_t i) const {
     return std::sqrt(o_.shock.gamma * (o_.shock.gamma - 1.0) * std::max(w_.s.u[i], 0.0));
   }
@@ -397,23 +421,28 @@ class flow : public march::problem {
 
   template <class Kernel>
   void find_supports(const Kernel& unit) {
-    const foundation::stage timed(w_.times, "supports");
-    const auto& s = w_.s;
     sum(schemes::number_density<Kernel>{unit, support().data(), count_.data(), count_slope_.data()});
-    const double room = skin_ - 2.0 * displacement();
-    foundation::for_all(s.fluid, [&](std::size_t i) {
-      const double next = schemes::next_support(support()[i], count_[i], count_slope_[i], target_);
-      S_[i] = std::min(next, std::max(list_support()[i] + room, support()[i]));
+    next_supports();
+  }
+
+  // By no more than the lists allow.
+  void next_supports() {
+    foundation::for_all(w_.s.fluid, [&](std::size_t i) {
+      const double S = support()[i], next = schemes::next_support(S, count_[i], count_slope_[i], target_);
+      support()[i] = std::min(next, list_support()[i] + room_to_grow());
     });
   }
 
   template <class Kernel>
   schemes::density<D, Kernel> densities_of(const Kernel& unit) {
+    auto& s = w_.s;
     return {unit,
             weight_.data(),
-            pairs::pointers<D>(w_.s.v),
+            s.m.data(),
+            pairs::pointers<D>(s.v),
             S_.data(),
-            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data()}};
+            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), s.rho.data(), count_.data(),
+             count_slope_.data()}};
   }
 
   template <class Kernel>
@@ -422,7 +451,8 @@ class flow : public march::problem {
     auto& s = w_.s;
     sum(densities_of(unit));
     const double gamma = o_.shock.gamma;
-    const bool energy = o_.weighs_energy(), own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
+    const bool energy = o_.weighs_energy(), of_weight = energy && o_.shock.density == "weight",
+               own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
     for (std::size_t i = 0; i < s.fluid; ++i)
       if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
@@ -431,7 +461,7 @@ class flow : public march::problem {
       }
     foundation::for_all(s.fluid, [&](std::size_t i) {
       s.c[i] = sound_speed(i);
-      s.rho[i] = energy ? y_[i] / s.u[i] : y_[i];
+      if (of_weight) s.rho[i] = y_[i] / s.u[i];
       s.p[i] = (gamma - 1.0) * (energy ? y_[i] : y_[i] * s.u[i]);
       s.dV[i] = 1.0 / number_[i];
       per_S_[i] = 1.0 / S_[i];
@@ -507,7 +537,6 @@ class flow : public march::problem {
   template <class Kernel>
   void evaluate_with(const Kernel& unit) {
     refresh_state();
-    find_supports(unit);
     find_densities(unit);
     if (o_.second_order()) find_gradients(unit);
     find_forces(unit);
@@ -560,6 +589,16 @@ class flow : public march::problem {
     return t;
   }
 
+  view particles_seen() const {
+    const auto& s = w_.s;
+    view seen{ranks(), s.fluid, {}, {}, s.m.data(), s.rho.data(), s.p.data(), s.dV.data(), s.material.data()};
+    for (std::size_t a = 0; a < D; ++a) {
+      seen.x[a] = s.x[a].data();
+      seen.v[a] = s.v[a].data();
+    }
+    return seen;
+  }
+
   // Means of |value - exact| over the volume of the particles measured.
   nlohmann::ordered_json errors(double t) const {
     const auto& s = w_.s;
@@ -591,6 +630,7 @@ class flow : public march::problem {
   std::int64_t fluid_total_ = 0, crossings_ = 0;
   bool settled_ = false;
   std::optional<totals> first_;
+  samples samples_;
 
   particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
   particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_;

@@ -33,12 +33,18 @@ void declare(namelist::schema& schema, options& o) {
 
   auto& s = o.shock;
   schema.group("shock", "gas with contacts and shocks");
-  schema.add("shock", "test", s.test, {.choices = {"riemann"}, .meaning = "what is at the start"});
+  schema.add("shock", "test", s.test,
+             {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "gresho", "noh", "blasts"},
+              .meaning = "what is at the start; left and right are inside and outside of a square or band"});
   schema.add("shock", "scheme", s.scheme,
              {.choices = {"ssph", "disph", "gsph", "gdisph"},
               .meaning = "standard, density-independent; Godunov's forms of the two"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
+  schema.add("shock", "density", s.density,
+             {.choices = {"weight", "mass"},
+              .meaning = "disph, gdisph, in Riemann problems, viscosity and output: m q/U, sharp at contacts, or the "
+                         "sum of m W, for gas so cold that the pressure at a particle is its neighbours'"});
   const auto side = [&](const std::string& end, const char* where, double& rho, double& u, double& p) {
     schema.add(
         "shock", "rho_" + end, rho,
@@ -56,6 +62,16 @@ void declare(namelist::schema& schema, options& o) {
               .maximum = 1.0,
               .exclusive_minimum = true,
               .meaning = "errors are measured in this part of the box along x, about its middle"});
+  schema.add("shock", "energy", s.energy,
+             {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
+  schema.add("shock", "blast_radius", s.blast_radius,
+             {.minimum = 1.0, .maximum = 100.0, .meaning = "sedov: within so many spacings the energy starts"});
+  schema.add(
+      "shock", "layer", s.layer,
+      {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "kelvin_helmholtz: width of the layers"});
+  schema.add("shock", "perturbation", s.perturbation,
+             {.unit = "m/s", .meaning = "kelvin_helmholtz: velocity along y, a sine along x"});
+  schema.add("shock", "waves", s.waves, {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz: of that sine"});
   schema.add("shock", "solver", s.solver,
              {.choices = {"exact", "hllc"}, .meaning = "of the Riemann problem (gsph, gdisph)"});
   schema.add("shock", "reconstruction", s.reconstruction,
@@ -88,6 +104,9 @@ void resolve(const namelist::schema& schema, options& o) {
                               n == 0 ? length : spacing, dx));
   }
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
+  const auto& test = o.shock.test;
+  if (o.dimension == 1 && (test == "square" || test == "kelvin_helmholtz" || test == "gresho"))
+    schema.fail("domain", "dimension", "the test '" + test + "' has two dimensions at least");
   if (!o.march.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
 }
 

@@ -12,13 +12,14 @@
 namespace tetsuame::shocks {
 
 struct shock_options {
-  std::string test = "riemann", scheme = "gdisph", masses = "equal_mass";
+  std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
   double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
   double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
   double gamma = 1.4;
-  double window = 1.0;        // of the box along x, about its middle: where errors are measured
-  double energy = 1.0;        // J, of 'sedov'
-  double blast_radius = 0.0;  // m
+  double window = 1.0;                        // of the box along x, about its middle: where errors are measured
+  double energy = 1.0, blast_radius = 2.0;    // J; in spacings
+  double layer = 0.025, perturbation = 0.01;  // m, m/s
+  std::int64_t waves = 2;                     // along x
   std::string solver = "hllc", reconstruction = "second", limiter = "minmod";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;

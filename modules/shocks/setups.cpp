@@ -1,5 +1,9 @@
 #include <cmath>
 #include <exact/flows.hpp>
+#include <exact/instability.hpp>
+#include <exact/sedov.hpp>
+#include <foundation/exact_sum.hpp>
+#include <numbers>
 #include <shocks/setups.hpp>
 
 namespace tetsuame::shocks {
@@ -39,12 +43,308 @@ setup riemann_tube(const options& o) {
     return std::abs(x[0] - middle) <= width;
   };
   const auto& b = tube.between();
-  t.numbers = {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}};
+  t.known = {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}};
+  return t;
+}
+
+double distance(const point& a, const point& b) {
+  double r2 = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) r2 += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(r2);
+}
+point middle_of(const options& o) {
+  point c{};
+  for (std::size_t k = 0; k < 3; ++k) c[k] = 0.5 * o.box.length[k];
+  return c;
+}
+block whole_box(const options& o) { return lattice(o, {}, o.box.length, o.dx()); }
+
+// A square (cube) of half the box's edge, denser than what is around it, in pressure balance: [S4] has densities 4 and
+// 1, pressure 2.5, gamma 5/3.
+setup square(const options& o) {
+  const auto& s = o.shock;
+  const auto D = static_cast<std::size_t>(o.dimension);
+  const point end = o.box.length, c = middle_of(o);
+  const auto inside = [=](const point& x) {
+    for (std::size_t a = 0; a < D; ++a)
+      if (std::abs(x[a] - c[a]) > 0.25 * end[a]) return false;
+    return true;
+  };
+  setup t;
+  point low{}, high{};
+  for (std::size_t a = 0; a < D; ++a) {
+    low[a] = 0.25 * end[a];
+    high[a] = 0.75 * end[a];
+  }
+  t.blocks = {whole_box(o), lattice(o, low, high, spacing_of(o, s.rho_l, s.rho_r))};
+  t.blocks[0].holds = [=](const point& x) { return !inside(x); };
+  t.start = [=](const point& x) {
+    return inside(x) ? state{s.rho_l, s.p_l, {s.u_l, 0.0, 0.0}, 1} : state{s.rho_r, s.p_r, {s.u_r, 0.0, 0.0}, 0};
+  };
+  t.traces = {{"square_area", D == 2 ? "m^2" : "m^3",
+               [](const view& w) {
+                 foundation::exact_sum area;
+                 for (std::size_t i = 0; i < w.n; ++i)
+                   if (w.material[i] == 1) area.add(w.volume[i]);
+                 return w.ranks.exact(area);
+               }},
+              // From the centre of mass, mean over the quadrants.
+              {"corner_distance", "m", [=](const view& w) {
+                 point centre{};
+                 foundation::exact_sum mass;
+                 std::array<foundation::exact_sum, 3> moment;
+                 for (std::size_t i = 0; i < w.n; ++i) {
+                   if (w.material[i] != 1) continue;
+                   mass.add(w.m[i]);
+                   for (std::size_t a = 0; a < D; ++a) moment[a].add(w.m[i] * w.x[a][i]);
+                 }
+                 for (std::size_t a = 0; a < D; ++a) centre[a] = w.ranks.exact(moment[a]) / w.ranks.exact(mass);
+                 std::vector<double> farthest(std::size_t{1} << D, 0.0);
+                 for (std::size_t i = 0; i < w.n; ++i) {
+                   if (w.material[i] != 1) continue;
+                   std::size_t quadrant = 0;
+                   for (std::size_t a = 0; a < D; ++a) quadrant |= (w.x[a][i] > centre[a] ? 1U : 0U) << a;
+                   farthest[quadrant] = std::max(farthest[quadrant], distance(w.place(i), centre));
+                 }
+                 w.ranks.maximum(std::span<double>(farthest));
+                 double mean = 0.0;
+                 for (const double r : farthest) mean += r / static_cast<double>(farthest.size());
+                 return mean;
+               }}};
+  // A corner of radius r is nearer to the centre by (sqrt(D) - 1) r.
+  t.measures = [=](const view&, const samples& all) {
+    const double edge = 0.5 * end[0], lost = all.front()[2] - all.back()[2];
+    return numbers{{"square_area_change", all.back()[1] / all.front()[1] - 1.0},
+                   {"square_corner_radius", lost / (std::sqrt(static_cast<double>(D)) - 1.0) / edge}};
+  };
+  return t;
+}
+
+// Where the density, averaged over shells one spacing wide, is half the way from that ahead to the peak, outside of it.
+double shock_radius(const view& w, const point& centre, double dx, double largest,
+                    const std::function<double(double)>& ahead) {
+  const auto shells = static_cast<std::size_t>(largest / dx) + 1;
+  std::vector<foundation::exact_sum> mass(shells), volume(shells);
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const double r = distance(w.place(i), centre);
+    if (!(r < largest)) continue;
+    const auto k = static_cast<std::size_t>(r / dx);
+    mass[k].add(w.m[i]);
+    volume[k].add(w.m[i] / w.rho[i]);
+  }
+  std::vector<double> rho(shells, 0.0);
+  std::size_t peak = 0;
+  for (std::size_t k = 0; k < shells; ++k) {
+    const double V = w.ranks.exact(volume[k]);
+    const double r = (static_cast<double>(k) + 0.5) * dx;
+    if (V > 0.0) rho[k] = w.ranks.exact(mass[k]) / V / ahead(r);
+    if (rho[k] > rho[peak]) peak = k;
+  }
+  const double half = 0.5 * (1.0 + rho[peak]);
+  for (std::size_t k = peak; k + 1 < shells; ++k)
+    if (rho[k] >= half && rho[k + 1] < half)
+      return (static_cast<double>(k) + 0.5 + (rho[k] - half) / (rho[k] - rho[k + 1])) * dx;
+  return 0.0;
+}
+
+setup sedov(const options& o) {
+  const auto& s = o.shock;
+  const point c = middle_of(o);
+  setup t;
+  t.blocks = {whole_box(o)};
+  const double radius = s.blast_radius * o.dx();
+  const auto share = [=](const point& x) {
+    const double q = distance(x, c) / radius;
+    return q < 1.0 ? (1.0 - q * q) * (1.0 - q * q) : 0.0;
+  };
+  // Of the lattice about the centre.
+  const double per_volume = std::pow(o.dx(), static_cast<double>(o.dimension));
+  double all = 0.0;
+  const auto reach = static_cast<std::int64_t>(s.blast_radius) + 2;
+  const auto& n = o.box.particles;
+  std::array<std::int64_t, 3> low{}, high{};
+  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a) {
+    low[a] = std::max<std::int64_t>(0, n[a] / 2 - reach);
+    high[a] = std::min(n[a] - 1, n[a] / 2 + reach);
+  }
+  for (auto i = low[0]; i <= high[0]; ++i)
+    for (auto j = low[1]; j <= high[1]; ++j)
+      for (auto k = low[2]; k <= high[2]; ++k) {
+        point x{};
+        const std::array<std::int64_t, 3> at{i, j, k};
+        for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
+          x[a] = (static_cast<double>(at[a]) + 0.5) * o.dx();
+        all += share(x);
+      }
+  t.start = [=](const point& x) {
+    return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (all * per_volume), {}, 0};
+  };
+  const exact::sedov blast(static_cast<int>(o.dimension), s.gamma);
+  t.exact = [=](const point& x, double time) {
+    const double r = distance(x, c);
+    if (!(time > 0.0)) return state{s.rho_l, s.p_l, {}, 0};
+    const auto w = blast.at(r, time, s.energy, s.rho_l);
+    state e{w.rho, w.p, {}, 0};
+    for (std::size_t a = 0; a < 3; ++a) e.v[a] = r > 0.0 ? w.u * (x[a] - c[a]) / r : 0.0;
+    return e;
+  };
+  const double end = *o.march.time.t_end;
+  if (end > 0.0) t.known = {{"shock_radius_exact", blast.shock_radius(s.energy, s.rho_l, end)}};
+  // Two measures of the radius: by the density, and by the momentum along r, which smoothing at the shock does not
+  // change:
+  //   ∫ρ u dV = Ω ρ0 u_s r_s^D ∫ g φ λ^D dλ,   u_s = 2 r_s/((D+2) t)
+  double shape = 0.0;
+  constexpr int intervals = 4000;
+  const auto D = static_cast<double>(o.dimension);
+  for (int k = 0; k < intervals; ++k) {
+    const double lambda = (k + 0.5) / intervals;
+    const auto w = blast.profile(lambda);
+    shape += w.g * w.phi * std::pow(lambda, D) / intervals;
+  }
+  shape *= o.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
+  t.measures = [=, dx = o.dx(), half = 0.5 * o.box.length[0]](const view& w, const samples& all) {
+    foundation::exact_sum momentum;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const point x = w.place(i), v = w.velocity(i);
+      const double r = distance(x, c);
+      for (std::size_t a = 0; a < 3 && r > 0.0; ++a) momentum.add(w.m[i] * v[a] * (x[a] - c[a]) / r);
+    }
+    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (shape * s.rho_l);
+    return numbers{{"shock_radius", std::pow(std::max(power, 0.0), 1.0 / (D + 1.0))},
+                   {"shock_radius_density", shock_radius(w, c, dx, half, [&](double) { return s.rho_l; })}};
+  };
+  return t;
+}
+
+// Cold gas that falls on the middle of the box, all of it with the same speed u_l.
+setup noh(const options& o) {
+  const auto& s = o.shock;
+  const point c = middle_of(o);
+  const exact::noh flow{static_cast<int>(o.dimension), s.gamma, s.rho_l, s.u_l};
+  setup t;
+  t.blocks = {whole_box(o)};
+  t.exact = [=](const point& x, double time) {
+    const double r = std::max(distance(x, c), 1e-12 * c[0]);
+    const auto w = flow.at(r, time);
+    state e{w.rho, std::max(w.p, s.p_l), {}, 0};
+    for (std::size_t a = 0; a < 3; ++a) e.v[a] = w.u * (x[a] - c[a]) / r;
+    return e;
+  };
+  t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
+  t.measured = [=](const point& x, double) { return distance(x, c) <= s.window * c[0]; };
+  const double end = *o.march.time.t_end;
+  t.known = {{"shock_radius_exact", flow.shock_radius(end)}};
+  t.measures = [=, dx = o.dx(), most = s.window * c[0]](const view& w, const samples&) {
+    return numbers{{"shock_radius", shock_radius(w, c, dx, most, [&](double r) {
+                      return flow.rho0 * std::pow(1.0 + flow.u0 * end / r, flow.dimension - 1);
+                    })}};
+  };
+  return t;
+}
+
+setup gresho(const options& o) {
+  const auto& s = o.shock;
+  const point c = middle_of(o);
+  const exact::gresho vortex{0.2 * o.box.length[0], s.u_l, s.rho_l, s.p_l};
+  setup t;
+  t.blocks = {whole_box(o)};
+  t.start = [=](const point& x) {
+    const double dx = x[0] - c[0], dy = x[1] - c[1], r = std::sqrt(dx * dx + dy * dy);
+    const double v = r > 0.0 ? vortex.velocity(r) / r : 0.0;
+    return state{s.rho_l, vortex.pressure(r), {-v * dy, v * dx, 0.0}, 0};
+  };
+  t.exact = [start = t.start](const point& x, double) { return start(x); };
+  return t;
+}
+
+// Two blasts that meet [P. Woodward, P. Colella, J. Comput. Phys. 54, 115 (1984)]: pressure p_l in the left tenth of
+// the box, p_r in the right tenth, 0.01 between.
+setup blasts(const options& o) {
+  const auto& s = o.shock;
+  setup t;
+  t.blocks = {whole_box(o)};
+  t.start = [=, L = o.box.length[0]](const point& x) {
+    return state{s.rho_l, x[0] < 0.1 * L ? s.p_l : x[0] < 0.9 * L ? 0.01 : s.p_r, {}, 0};
+  };
+  t.measures = [](const view& w, const samples&) {
+    double densest = 0.0;
+    for (std::size_t i = 0; i < w.n; ++i) densest = std::max(densest, w.rho[i]);
+    densest = w.ranks.maximum(densest);
+    double place = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < w.n; ++i)
+      if (w.rho[i] == densest) place = std::min(place, w.x[0][i]);
+    return numbers{{"density_max", densest}, {"density_max_at", w.ranks.minimum(place)}};
+  };
+  return t;
+}
+
+// A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.
+// 201, 18 (2012)], and the linear theory of just these layers (exact/instability.hpp). The sine along x is the same at
+// both layers, so at the planes of symmetry between them the wave's pressure is zero.
+setup kelvin_helmholtz(const options& o) {
+  const auto& s = o.shock;
+  const double H = o.box.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.box.length[0];
+  const auto profile = [=](double y, double inner, double outer) {
+    const double mean = 0.5 * (inner + outer), jump = 0.5 * (inner - outer), d = 0.25 * H - std::abs(y - 0.5 * H);
+    return mean + (d > 0.0 ? jump * (1.0 - std::exp(-d / s.layer)) : -jump * (1.0 - std::exp(d / s.layer)));
+  };
+  setup t;
+  t.blocks = {whole_box(o)};
+  t.start = [=](const point& x) {
+    return state{profile(x[1], s.rho_l, s.rho_r),
+                 s.p_l,
+                 {profile(x[1], s.u_l, s.u_r), s.perturbation * std::sin(k * x[0]), 0.0},
+                 x[1] > 0.25 * H && x[1] < 0.75 * H};
+  };
+  const exact::layered_flow layers{
+      [=](double y) {
+        return exact::layer_state{profile(y, s.rho_l, s.rho_r), profile(y, s.u_l, s.u_r), s.p_l};
+      },
+      s.gamma,
+      0.0,
+      0.0,
+      0.5 * H,
+      exact::edge::free,
+      exact::edge::free,
+      {}};
+  const double growth = k * exact::fastest_mode(layers, k).imag();
+  t.known = {{"growth_rate_theory", growth}};
+  // Of the wave along x near the layers.
+  t.traces = {{"wave_amplitude", "m/s", [=](const view& w) {
+                 foundation::exact_sum sine, cosine, weight;
+                 for (std::size_t i = 0; i < w.n; ++i) {
+                   const double y = w.x[1][i], near = std::min(std::abs(y - 0.25 * H), std::abs(y - 0.75 * H));
+                   const double here = w.volume[i] * std::exp(-k * near);
+                   sine.add(here * w.v[1][i] * std::sin(k * w.x[0][i]));
+                   cosine.add(here * w.v[1][i] * std::cos(k * w.x[0][i]));
+                   weight.add(here);
+                 }
+                 return 2.0 * std::hypot(w.ranks.exact(sine), w.ranks.exact(cosine)) / w.ranks.exact(weight);
+               }}};
+  // Between one and two growth times, when what else was in the start has died away: least squares of ln amplitude.
+  t.measures = [=](const view&, const samples& all) {
+    double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
+    for (const auto& line : all) {
+      if (line[0] < 1.0 / growth || line[0] > 2.0 / growth) continue;
+      const double a = std::log(line[1]);
+      n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
+    }
+    return numbers{{"growth_rate", n > 2.0 ? (n * ta - t1 * a1) / (n * tt - t1 * t1) : std::nan("")}};
+  };
   return t;
 }
 
 }  // namespace
 
-setup make_setup(const options& o) { return riemann_tube(o); }
+setup make_setup(const options& o) {
+  const auto& test = o.shock.test;
+  if (test == "square") return square(o);
+  if (test == "sedov") return sedov(o);
+  if (test == "noh") return noh(o);
+  if (test == "gresho") return gresho(o);
+  if (test == "blasts") return blasts(o);
+  if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
+  return riemann_tube(o);
+}
 
 }  // namespace tetsuame::shocks

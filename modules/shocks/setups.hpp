@@ -23,12 +23,42 @@ struct block {
   std::function<bool(const point&)> holds = {};  // none: all of it
 };
 
+// The owned particles of a rank, as the measures see them.
+struct view {
+  const domain::communicator& ranks;
+  std::size_t n;
+  std::array<const double*, 3> x, v;  // none beyond the dimension
+  const double *m, *rho, *p, *volume;
+  const std::int32_t* material;
+
+  point place(std::size_t i) const { return of(x, i); }
+  point velocity(std::size_t i) const { return of(v, i); }
+
+ private:
+  static point of(const std::array<const double*, 3>& a, std::size_t i) {
+    point r{};
+    for (std::size_t k = 0; k < 3; ++k)
+      if (a[k] != nullptr) r[k] = a[k][i];
+    return r;
+  }
+};
+
+// A measure over time: a column of history.csv. The values at all its lines are kept for the end.
+struct trace {
+  std::string name, unit;
+  std::function<double(const view&)> value;  // collective
+};
+using samples = std::vector<std::vector<double>>;  // [line]: time, then the traces
+using numbers = std::vector<std::pair<std::string, double>>;
+
 struct setup {
   std::vector<block> blocks;
   std::function<state(const point&)> start;
   std::function<state(const point&, double t)> exact = {};    // none: no errors
   std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere
-  std::vector<std::pair<std::string, double>> numbers = {};   // of the exact solution, for summary.json
+  numbers known = {};                                         // of the exact solution, for summary.json
+  std::vector<trace> traces = {};
+  std::function<numbers(const view&, const samples&)> measures = {};  // for summary.json; collective
 };
 
 setup make_setup(const options& o);

@@ -43,6 +43,29 @@ class Shock(Case):
             with self.subTest(scheme):
                 self.assertLess(self.summary("sod", {**flat, "shock.scheme": scheme})["errors"]["density_l1"], 0.03)
 
+    def test_square(self):
+        """Pressure is continuous across a contact: DISPH and GDISPH hold it, SSPH and GSPH pull it round."""
+        settings = {"domain.particles_x": 16, "time.t_end": 1}
+        for scheme in SCHEMES:
+            with self.subTest(scheme):
+                m = self.summary("square", {**settings, "shock.scheme": scheme})["metrics"]
+                if scheme in ("disph", "gdisph"):
+                    self.assertLess(abs(m["square_area_change"]), 1e-12)
+                    self.assertLess(abs(m["square_corner_radius"]), 1e-12)
+                else:
+                    self.assertGreater(m["square_area_change"], 0.05)
+
+    def test_explosion(self):
+        """The shock's radius to a quarter of a spacing, which is 2.1 % of it; energy as the steps' errors."""
+        settings = {"domain.dimension": 2, "domain.particles_x": 32, "time.t_end": 0.1, "shock.p_l": 1e-3}
+        for scheme in ["ssph", "gsph"]:
+            with self.subTest(scheme):
+                s = self.summary("sedov", {**settings, "shock.scheme": scheme})
+                m = s["metrics"]
+                self.assertLess(abs(m["shock_radius"] / m["shock_radius_exact"] - 1), 0.021)
+                self.assertLess(abs(s["conservation"]["energy"]), 1e-3)
+                self.assertLess(s["conservation"]["momentum"], 1e-12)
+
     def test_ranks_and_restart(self):
         settings = {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
                     "kernel.skin": 0.5, "time.t_end": 0.04}

@@ -217,3 +217,23 @@ BOOST_AUTO_TEST_CASE(hllc_waves) {
     BOOST_TEST(close(h.s_r - t.r.u, speed(t.r), 0.1), t.name);
   }
 }
+
+// The contact alone: acoustics to second order in weak waves, exact where equal cold gases collide, p >= 0 in a vacuum, and
+// the same seen from the other side.
+BOOST_AUTO_TEST_CASE(hllc_contact_alone) {
+  const auto contact = [](const side<double>& l, const side<double>& r) {
+    return tetsuame::riemann::hllc_contact(l, r, sound_speed(l), sound_speed(r));
+  };
+  const side<double> a = ideal_gas(1.0, 1e-3, 1.0, 1.4), b = ideal_gas(2.0, 0.0, 1.0, 1.4);
+  const auto weak = contact(a, b);
+  const auto right = solve(a, b);
+  BOOST_TEST(std::abs(weak.p - right.p) < 1e-3 * std::abs(right.p - 1.0));
+  BOOST_TEST(std::abs(weak.u - right.u) < 1e-3 * std::abs(right.u));
+  const side<double> in = ideal_gas(1.0, 1.0, 1e-9, 5.0 / 3.0), out = ideal_gas(1.0, -1.0, 1e-9, 5.0 / 3.0);
+  BOOST_TEST(std::abs(contact(in, out).p / solve(in, out).p - 1.0) < 1e-3);
+  BOOST_TEST(contact(ideal_gas(1.0, -50.0, 1.0, 1.4), ideal_gas(1.0, 50.0, 1.0, 1.4)).p == 0.0);
+  const side<double> c = ideal_gas(3.0, 0.4, 5.0, 1.4), d = ideal_gas(1.0, -0.3, 0.2, 1.4);
+  const side<double> c_back = ideal_gas(3.0, -0.4, 5.0, 1.4), d_back = ideal_gas(1.0, 0.3, 0.2, 1.4);
+  BOOST_TEST(std::abs(contact(c, d).p - contact(d_back, c_back).p) < 1e-14);
+  BOOST_TEST(std::abs(contact(c, d).u + contact(d_back, c_back).u) < 1e-14);
+}
