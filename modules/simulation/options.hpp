@@ -20,7 +20,7 @@ struct domain_options {
   std::array<double, 3> length{1e5, 1e5, 1e5};  // m
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
-  std::int64_t ranks_x = 0;     // columns of ranks; 0: as the box's shape suggests
+  std::int64_t ranks_x = 0;          // columns of ranks; 0: as the box's shape suggests
   std::string balance = "measured";  // what cuts between ranks follow: measured or counted cost, or off
 };
 

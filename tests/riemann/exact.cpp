@@ -218,8 +218,8 @@ BOOST_AUTO_TEST_CASE(hllc_waves) {
   }
 }
 
-// The contact alone: acoustics to second order in weak waves, exact where equal cold gases collide, p >= 0 in a vacuum, and
-// the same seen from the other side.
+// The contact alone: acoustics to second order in weak waves, exact where equal cold gases collide, p >= 0 in a vacuum,
+// and the same seen from the other side.
 BOOST_AUTO_TEST_CASE(hllc_contact_alone) {
   const auto contact = [](const side<double>& l, const side<double>& r) {
     return tetsuame::riemann::hllc_contact(l, r, sound_speed(l), sound_speed(r));
