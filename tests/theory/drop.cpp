@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(box_arguments) {
 
 // Fourier series against finite differences, which share nothing: walls and periodic sides, off the middle, in two
 // dimensions.
-BOOST_AUTO_TEST_CASE(free_slip_box) {
+BOOST_AUTO_TEST_CASE(fourier_series_and_finite_differences) {
   for (const double y : {0.5, 0.7})
     for (const bool periodic : {false, true}) {
       const theory::drop_among_free_slip series{
@@ -137,7 +137,7 @@ BOOST_AUTO_TEST_CASE(free_slip_box) {
 }
 
 // In three dimensions: Hadamard's and Rybczynski's velocity less the walls' part, which goes as radius over length.
-BOOST_AUTO_TEST_CASE(free_slip_box_of_three_dimensions) {
+BOOST_AUTO_TEST_CASE(fourier_series_of_three_dimensions) {
   const double alone = theory::hadamard_rybczynski({0.1, 1.0, 1.0, 1.0, 1.0});
   const auto lost = [&](double L) {
     const theory::drop_among_free_slip box{
