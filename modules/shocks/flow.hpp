@@ -1,6 +1,6 @@
 // Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
 //   1. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
-//        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U or Σ m W
+//        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
 //   2. second order: gradients of p, ρ, v
 //   3. forces and power, artificial viscosity or Riemann problems
 // Integrated: x, v, u, and α where it depends on time. Supports stay during a step; from one to the next they take a
@@ -159,7 +159,7 @@ class flow : public march::problem {
     const totals now = sum_up();
     if (!first_) first_ = now;
     double densest = 0.0;
-    for (std::size_t i = 0; i < w_.s.fluid; ++i) densest = std::max(densest, w_.s.rho[i]);
+    for (std::size_t i = 0; i < w_.s.fluid; ++i) densest = std::max(densest, told_density()[i]);
     std::vector<double> all{now.kinetic, now.internal, now.momentum[0], ranks().maximum(densest)};
     std::vector<double> sample{time};
     for (const trace& t : setup_.traces) sample.push_back(t.value(particles_seen()));
@@ -184,7 +184,7 @@ class flow : public march::problem {
       g.columns.push_back({name, unit, about, {a.data()}, false});
     };
     scalar("Masses", "kg", "mass", s.m);
-    scalar("Density", "kg/m^3", "mass density", s.rho);
+    scalar("Density", "kg/m^3", "mass density", told_density());
     scalar("Pressure", "Pa", "pressure", s.p);
     scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
     scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
@@ -254,6 +254,7 @@ class flow : public march::problem {
   particles::array& support() { return w_.s.extras[0].values; }
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
+  const particles::array& told_density() const { return o_.shock.density == "mass" ? mass_density_ : w_.s.rho; }
   bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
   double room_to_grow() const { return 0.25 * skin_; }
   double sound_speed(std::size_t i) const {
@@ -356,7 +357,8 @@ class flow : public march::problem {
     make_list<D>(w_, list_support(), skin_, edge);
     if (as_they_were) exchange_positions();
     for (auto* a : {&S_, &per_S_, &weight_, &slope_, &dissipation_}) a->assign(s.total() + 1, 0.0);
-    for (auto* a : {&y_, &f_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_})
+    for (auto* a :
+         {&y_, &f_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
       a->resize(s.fluid);
     for (auto& a : force_) a.resize(s.fluid);
     if (o_.second_order())
@@ -441,8 +443,8 @@ class flow : public march::problem {
             s.m.data(),
             pairs::pointers<D>(s.v),
             S_.data(),
-            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), s.rho.data(), count_.data(),
-             count_slope_.data()}};
+            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), mass_density_.data(),
+             count_.data(), count_slope_.data()}};
   }
 
   template <class Kernel>
@@ -451,8 +453,7 @@ class flow : public march::problem {
     auto& s = w_.s;
     sum(densities_of(unit));
     const double gamma = o_.shock.gamma;
-    const bool energy = o_.weighs_energy(), of_weight = energy && o_.shock.density == "weight",
-               own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
+    const bool energy = o_.weighs_energy(), own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
     for (std::size_t i = 0; i < s.fluid; ++i)
       if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
@@ -461,7 +462,7 @@ class flow : public march::problem {
       }
     foundation::for_all(s.fluid, [&](std::size_t i) {
       s.c[i] = sound_speed(i);
-      if (of_weight) s.rho[i] = y_[i] / s.u[i];
+      s.rho[i] = energy ? y_[i] / s.u[i] : y_[i];
       s.p[i] = (gamma - 1.0) * (energy ? y_[i] : y_[i] * s.u[i]);
       s.dV[i] = 1.0 / number_[i];
       per_S_[i] = 1.0 / S_[i];
@@ -591,7 +592,7 @@ class flow : public march::problem {
 
   view particles_seen() const {
     const auto& s = w_.s;
-    view seen{ranks(), s.fluid, {}, {}, s.m.data(), s.rho.data(), s.p.data(), s.dV.data(), s.material.data()};
+    view seen{ranks(), s.fluid, {}, {}, s.m.data(), told_density().data(), s.p.data(), s.dV.data(), s.material.data()};
     for (std::size_t a = 0; a < D; ++a) {
       seen.x[a] = s.x[a].data();
       seen.v[a] = s.v[a].data();
@@ -611,7 +612,7 @@ class flow : public march::problem {
       for (std::size_t a = 0; a < D; ++a) dv2 += (s.v[a][i] - right.v[a]) * (s.v[a][i] - right.v[a]);
       const double V = 1.0 / number_[i];
       volume.add(V);
-      rho.add(V * std::abs(s.rho[i] - right.rho));
+      rho.add(V * std::abs(told_density()[i] - right.rho));
       v.add(V * std::sqrt(dv2));
       p.add(V * std::abs(s.p[i] - right.p));
     }
@@ -633,7 +634,7 @@ class flow : public march::problem {
   samples samples_;
 
   particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
-  particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_;
+  particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_, mass_density_;
   std::array<particles::array, D> force_;
   std::array<particles::array, G> gradient_;
 };

@@ -41,10 +41,12 @@ void declare(namelist::schema& schema, options& o) {
               .meaning = "standard, density-independent; Godunov's forms of the two"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
-  schema.add("shock", "density", s.density,
-             {.choices = {"weight", "mass"},
-              .meaning = "disph, gdisph, in Riemann problems, viscosity and output: m q/U, sharp at contacts, or the "
-                         "sum of m W, for gas so cold that the pressure at a particle is its neighbours'"});
+  schema.add(
+      "shock", "density", s.density,
+      {.choices = {"weight", "mass"},
+       .meaning =
+           "disph, gdisph, in output and errors: m q/U, sharp at contacts, or the sum of m W, for gas so cold that "
+           "the pressure at a particle is its neighbours'"});
   const auto side = [&](const std::string& end, const char* where, double& rho, double& u, double& p) {
     schema.add(
         "shock", "rho_" + end, rho,

@@ -58,7 +58,7 @@ class Shock(Case):
     def test_explosion(self):
         """The shock's radius to a quarter of a spacing, which is 2.1 % of it; energy as the steps' errors."""
         settings = {"domain.dimension": 2, "domain.particles_x": 32, "time.t_end": 0.1, "shock.p_l": 1e-3}
-        for scheme in ["ssph", "gsph"]:
+        for scheme in ["ssph", "gsph", "gdisph"]:
             with self.subTest(scheme):
                 s = self.summary("sedov", {**settings, "shock.scheme": scheme})
                 m = s["metrics"]
