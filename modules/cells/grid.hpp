@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +15,7 @@
 #include <foundation/threads.hpp>
 #include <limits>
 #include <particles/particles.hpp>
+#include <utility>
 #include <vector>
 
 namespace tetsuame::cells {
@@ -53,11 +53,8 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
 }
 
 // m, edge of the cells for neighbours within `reach`: small enough that a particle's neighbours are for the most part
-// those of the one before it, and few beyond the reach are looked at.
-template <int D>
-double cell_edge(double reach) {
-  return reach / (D == 3 ? 3.0 : 2.0);
-}
+// those of the one before it, large enough that the stretches looked at are long.
+inline double cell_edge(double reach) { return 0.5 * reach; }
 
 // Sorts particles [0, n) into cells of the given edge.
 template <int D>
@@ -113,46 +110,56 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
 template <int D, class F>
 void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
   if (g.members.empty()) return;
-  auto low = point, high = point;
-  for (std::size_t a = 0; a < D; ++a) low[a] -= reach, high[a] += reach;
-  auto from = g.cell(low), to = g.cell(high);
-  for (std::size_t a = 0; a < D; ++a) {
-    from[a] = std::max(from[a], g.first[a]);
-    to[a] = std::min(to[a], g.first[a] + g.extent[a] - 1);
-    if (from[a] > to[a]) return;
-  }
-  // Odometer over all axes but the last, whose cells are one stretch.
-  auto row = from;
-  while (true) {
-    auto row_end = row;
-    row_end[D - 1] = to[D - 1];
-    f(g.start[g.linear(row)], g.start[g.linear(row_end) + 1]);
-    int a = D - 2;
-    for (; a >= 0; --a) {
-      const auto axis = static_cast<std::size_t>(a);
-      if (++row[axis] <= to[axis]) break;
-      row[axis] = from[axis];
-    }
-    if (a < 0) return;
-  }
+  constexpr double rounding = 1.0 + 1e-9;  // of what decides which cells are met: rather one more than one too few
+  const double reach2 = reach * reach * rounding;
+  // Along each axis but the last, the cells met and the squared distance from the point to each of them.
+  const auto cell_at = [&](double x) { return static_cast<std::int64_t>(std::floor(x / g.size)); };
+  const auto gap2 = [&](std::size_t a, std::int64_t c) {
+    const double low = static_cast<double>(c) * g.size, gap = std::max({low - point[a], point[a] - low - g.size, 0.0});
+    return gap * gap;
+  };
+  const auto along = [&](std::size_t a, double half) {
+    return std::pair{std::max(cell_at(point[a] - half), g.first[a]),
+                     std::min(cell_at(point[a] + half), g.first[a] + g.extent[a] - 1)};
+  };
+  // The last axis' cells are one stretch.
+  const auto stretch = [&](index<D> c, double left2) {
+    const auto [from, to] = along(D - 1, std::sqrt(left2) * rounding);
+    if (from > to) return;
+    c[D - 1] = from;
+    const std::size_t n = g.linear(c);
+    f(g.start[n], g.start[n + static_cast<std::size_t>(to - from) + 1]);
+  };
+  const auto descend = [&](const auto& self, std::size_t a, index<D> c, double left2) -> void {
+    if (a + 1 == D) return stretch(c, left2);
+    const auto [from, to] = along(a, std::sqrt(left2) * rounding);
+    for (c[a] = from; c[a] <= to; ++c[a])
+      if (const double left = left2 - gap2(a, c[a]); left > 0.0) self(self, a + 1, c, left);
+  };
+  descend(descend, 0, index<D>{}, reach2);
 }
 
-// f(j) for every particle nearer to `point` than `reach`, in the order of cells, then IDs.
-template <int D, class F>
-void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
+// Particles nearer to one point than `reach`, in the order of cells, then IDs: appended to `out` from `count` on, which
+// has room for more behind them.
+template <int D>
+void append_near(const grid<D>& g, const std::array<double, D>& point, double reach, std::vector<std::int32_t>& out,
+                 std::size_t& count) {
   using foundation::lanes, foundation::real;
-  const double reach2 = reach * reach;
+  const real reach2(reach * reach);
   for_each_stretch<D>(g, point, reach, [&](std::uint32_t first, std::uint32_t last) {
+    if (out.size() < count + (last - first) + lanes) out.resize(2 * (count + (last - first) + lanes));
+    std::int32_t* end = out.data() + count;
     for (std::uint32_t k = first; k < last; k += lanes) {
       real r2(0.0);
       for (std::size_t a = 0; a < D; ++a) {
         const real x_ij = point[a] - real(g.sorted[a].data() + k, std::experimental::element_aligned);
         r2 += x_ij * x_ij;
       }
-      std::uint32_t near = foundation::bits_of_less(r2, real(reach2));
+      std::uint32_t near = foundation::bits_of_less(r2, reach2);
       if (last - k < lanes) near &= (1U << (last - k)) - 1U;
-      for (; near != 0; near &= near - 1U) f(g.members[k + static_cast<std::uint32_t>(std::countr_zero(near))]);
+      end = foundation::append_chosen(end, g.members.data() + k, g.members.size() - k, near);
     }
+    count = static_cast<std::size_t>(end - out.data());
   });
 }
 

@@ -48,6 +48,20 @@ struct neighbour_list {
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
 };
 
+// Accepts all but row r's own particle, r.
+struct others {};
+
+// Moves those of [begin, end) that row r accepts together, in their order; returns their end.
+template <class Accept>
+std::int32_t* keep(std::int32_t* begin, std::int32_t* end, std::size_t r, const Accept& accept) {
+  if constexpr (std::is_same_v<Accept, others>) {
+    std::int32_t* const self = std::find(begin, end, static_cast<std::int32_t>(r));
+    return self == end ? end : std::copy(self + 1, end, self);
+  } else {
+    return std::remove_if(begin, end, [&](std::int32_t j) { return !accept(r, static_cast<std::uint32_t>(j)); });
+  }
+}
+
 // Row r lists the particles j with |centre(r) - x_j| < reach, or reach(r), and accept(r, j). The list's memory serves
 // again.
 //
@@ -55,7 +69,7 @@ struct neighbour_list {
 // those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
 template <int D, class Reach, class Centre, class Accept>
 void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, const Reach& reach, std::size_t null,
-               Centre&& centre, Accept&& accept) {
+               Centre&& centre, const Accept& accept) {
   constexpr std::size_t block = 256;  // rows
   list.null = null;
   list.start.resize(rows + 1);
@@ -76,25 +90,27 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, const R
 #pragma omp for ordered schedule(dynamic, 1)
       for (std::size_t first = 0; first < rows; first += block) {
         const std::size_t last = std::min(rows, first + block);
-        made.clear();
+        std::size_t count = 0;
         for (std::size_t r = first; r < last; ++r) {
-          const std::size_t begin = made.size();
-          for_each_near<D>(g, centre(r), reach_of(r), [&](std::uint32_t j) {
-            if (accept(r, j)) made.push_back(static_cast<std::int32_t>(j));
-          });
-          pairs += made.size() - begin;
-          while (made.size() % neighbour_list::lanes != 0) made.push_back(static_cast<std::int32_t>(null));
-          list.start[r + 1] = made.size();  // from the block's begin
+          const std::size_t row = count;
+          append_near<D>(g, centre(r), reach_of(r), made, count);
+          if (made.size() < count + neighbour_list::lanes) made.resize(count + neighbour_list::lanes);
+          std::int32_t* const begin = made.data() + row;
+          std::int32_t* end_of_row = keep(begin, made.data() + count, r, accept);
+          pairs += static_cast<std::size_t>(end_of_row - begin);
+          while ((end_of_row - begin) % neighbour_list::lanes != 0) *end_of_row++ = static_cast<std::int32_t>(null);
+          count = static_cast<std::size_t>(end_of_row - made.data());
+          list.start[r + 1] = count;  // from the block's begin
         }
         std::size_t begin;
 #pragma omp ordered
         {
           begin = end;
-          end += made.size();
+          end += count;
         }
         for (std::size_t r = first; r < last; ++r) list.start[r + 1] += begin;
-        if (begin + made.size() <= list.neighbours.size())
-          std::copy(made.begin(), made.end(), list.neighbours.begin() + static_cast<std::ptrdiff_t>(begin));
+        if (begin + count <= list.neighbours.size())
+          std::copy_n(made.begin(), count, list.neighbours.begin() + static_cast<std::ptrdiff_t>(begin));
       }
     }
   };

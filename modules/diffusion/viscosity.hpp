@@ -58,7 +58,7 @@ struct uniform_viscosity {
   double eta;                      // Pa s
   const double* dV;                // m^D
   std::array<double*, D> force;    // N, added to
-  double* heat;                    // W, added to
+  double* heat;                    // W, added to; null: not wanted
 
   struct me {
     real factor;
@@ -76,7 +76,7 @@ struct uniform_viscosity {
   }
   void end(std::size_t i, const me& a) const {
     for (std::size_t k = 0; k < D; ++k) force[k][i] += pairs::sum(a.force[k]);
-    heat[i] += 0.5 * pairs::sum(a.dissipation);
+    if (heat != nullptr) heat[i] += 0.5 * pairs::sum(a.dissipation);
   }
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <experimental/simd>
@@ -55,6 +56,39 @@ std::uint32_t bits_of_less(const R& a, const R& b) {
   return all;
 }
 
+// Writes those of the first `lanes` values whose bit is set to `out`, where there is room for all of them; returns
+// the end of what was written. `available`: how many values may be read.
+inline std::int32_t* append_chosen(std::int32_t* out, const std::uint32_t* values, std::size_t available,
+                                   std::uint32_t bits) {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+  if (lanes == 8 && available >= 8) {
+    const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), all));
+    return out + std::popcount(bits);
+  }
+#endif
+#if defined(__AVX__)
+  if (lanes == 4 && available >= 4) {
+    // Row `bits`: the bytes of the chosen values, one value after the other.
+    static constexpr auto bytes = [] {
+      std::array<std::array<std::int8_t, 16>, 16> rows{};
+      for (std::uint32_t chosen = 0; chosen < 16; ++chosen)
+        for (std::uint32_t value = 0, at = 0; value < 4; ++value)
+          if ((chosen >> value & 1U) != 0)
+            for (std::uint32_t b = 0; b < 4; ++b) rows[chosen][at++] = static_cast<std::int8_t>(4 * value + b);
+      return rows;
+    }();
+    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(values));
+    const __m128i row = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes[bits].data()));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_shuffle_epi8(all, row));
+    return out + std::popcount(bits);
+  }
+#endif
+  (void)available;
+  for (; bits != 0; bits &= bits - 1U) *out++ = static_cast<std::int32_t>(values[std::countr_zero(bits)]);
+  return out;
+}
+
 // r and 1/r of r² > 0, to a rounding or two.
 template <class R>
 struct roots {
@@ -65,17 +99,15 @@ template <class R>
 roots<R> both_roots(const R& r2) {
 #if defined(__AVX512F__)
   if constexpr (R::size() == 8) {
-    // The processor's estimate of 1/r to 14 bits, and two of Goldschmidt's steps, each of which doubles
-    // them: the square root's and the division's own instructions take several times as long.
+    // The processor's estimate y of 1/r to 14 bits, and the series of (1 - e)^(-1/2), e = 1 - r² y², to the third
+    // power: the next term is below a rounding. The square root's and the division's own instructions take
+    // several times as long.
     const auto x = static_cast<__m512d>(r2);
-    const __m512d estimate = _mm512_rsqrt14_pd(x), half = _mm512_set1_pd(0.5);
-    __m512d r = _mm512_mul_pd(x, estimate), half_inverse = _mm512_mul_pd(estimate, half);
-    for (int step = 0; step < 2; ++step) {
-      const __m512d error = _mm512_fnmadd_pd(r, half_inverse, half);
-      r = _mm512_fmadd_pd(r, error, r);
-      half_inverse = _mm512_fmadd_pd(half_inverse, error, half_inverse);
-    }
-    return {R(r), R(_mm512_add_pd(half_inverse, half_inverse))};
+    const __m512d y = _mm512_rsqrt14_pd(x), r = _mm512_mul_pd(x, y);
+    const __m512d e = _mm512_fnmadd_pd(r, y, _mm512_set1_pd(1.0));
+    const __m512d cubic = _mm512_fmadd_pd(e, _mm512_set1_pd(0.3125), _mm512_set1_pd(0.375));
+    const __m512d series = _mm512_fmadd_pd(e, cubic, _mm512_set1_pd(0.5));
+    return {R(_mm512_fmadd_pd(_mm512_mul_pd(r, e), series, r)), R(_mm512_fmadd_pd(_mm512_mul_pd(y, e), series, y))};
   }
 #endif
   const R r = stdx::sqrt(r2);

@@ -91,7 +91,7 @@ void rebuild(scene<D>& scene, bool as_they_were) {
   else
     domain::wrap(w.d.region, s);
   domain::migrate(w.d, s);
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge<D>(reach));
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge(reach));
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
   particles::reorder(s, 0, std::span<const std::size_t>(order));
   if (!as_they_were)
@@ -99,10 +99,10 @@ void rebuild(scene<D>& scene, bool as_they_were) {
   domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
                        [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, 0, 0); });
   make(scene.images, s, scene.fluid_total, reach);
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(reach));
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(reach));
   cells::make_list<D>(
       w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
-      [](std::size_t i, std::uint32_t j) { return i != j; });
+      cells::others{});
   if (as_they_were) exchange_positions();
 }
 

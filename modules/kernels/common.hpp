@@ -11,7 +11,7 @@ namespace tetsuame::kernels {
 
 // max(x, 0) for a double and, found through its own namespace, for several lanes.
 template <class R>
-R positive_part(const R& x) {
+[[gnu::always_inline]] inline R positive_part(const R& x) {
   using std::max;
   return max(x, R(0.0));
 }

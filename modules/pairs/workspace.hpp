@@ -9,6 +9,7 @@
 #include <foundation/stages.hpp>
 #include <initializer_list>
 #include <kernels/kernel.hpp>
+#include <optional>
 #include <pairs/pairs.hpp>
 #include <particles/storage.hpp>
 #include <string>
@@ -38,10 +39,11 @@ struct workspace {
   domain::decomposition<D> d;
   std::vector<eos::any> materials;
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
-  double dx = 0.0;             // m, spacing of the start lattice
-  double lattice_sum = 1.0;    // of the kernel over the start lattice, times dx^D
-  cells::neighbour_list list;  // rows: owned fluid; all its neighbours, itself excluded
-  std::array<double, D> g{};   // m/s2
+  double dx = 0.0;                          // m, spacing of the start lattice
+  double lattice_sum = 1.0;                 // of the kernel over the start lattice, times dx^D
+  cells::neighbour_list list;               // rows: owned fluid; all its neighbours, itself excluded
+  std::array<double, D> g{};                // m/s2
+  std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
   fault first_fault;
   mutable foundation::stage_times times;
 

@@ -336,7 +336,7 @@ class flow : public march::problem {
     }
     most = ranks().maximum(most);
     const double mean = ranks().exact(all) / static_cast<double>(fluid_total_);
-    const double edge = cells::cell_edge<D>(mean + skin_);
+    const double edge = cells::cell_edge(mean + skin_);
     const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, edge);
     std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
     particles::reorder(s, 0, std::span<const std::size_t>(order));

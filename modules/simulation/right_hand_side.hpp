@@ -80,9 +80,9 @@ void sum_forces(scene<D>& scene, const state_rates<D>& out, const pairs::stretch
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
   const gradient::continuity<D> continuity{v, s.dV.data(), out.dlnrho()};
-  if (scene.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
+  if (w.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(rows, pressure, continuity,
-          diffusion::uniform_viscosity<D>{v, *scene.uniform_transport, s.dV.data(), out.dv, out.heat()});
+          diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), out.dv, out.heat()});
   else
     w.sum(rows, pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.heat()});

@@ -22,7 +22,6 @@ struct scene {
   std::vector<double> p_exact, rho_exact;  // Pa, kg/m3, of the exact solution, by row along y
   bool density_carried = false;            // ρ is part of the state
   bool weight_carried = false;             // Y is
-  std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
 };
 
 // Where the particle of that ID stood at the start: its place on the lattice along each axis.
@@ -200,7 +199,7 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
   const double reach = w.support() + scene.skin;
   domain::migrate(w.d, s);
 
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge<D>(reach));
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge(reach));
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
   order_in_layers(w, reach, order);
   particles::reorder(s, 0, std::span<const std::size_t>(order));
@@ -212,10 +211,10 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
                        [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
   w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
 
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(reach));
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(reach));
   cells::make_list<D>(
       w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
-      [](std::size_t i, std::uint32_t j) { return i != j; });
+      cells::others{});
   std::visit(
       [&](auto t) {
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, scene.walls, grid, scene.skin);
@@ -245,7 +244,7 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;
-  if (o.material.conductivity == 0.0) scene.uniform_transport = o.material.viscosity;
+  if (o.material.conductivity == 0.0) w.uniform_transport = o.material.viscosity;
   scene.skin = o.skin * w.dx;
   scene.treatment = walls::make(o.walls.treatment);
   scene.walls.how = o.walls;

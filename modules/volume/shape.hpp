@@ -13,6 +13,7 @@
 
 #include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
+#include <utility>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::volume {
@@ -55,9 +56,11 @@ void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
         auto& s = w.s;
         if constexpr (Treatment::has_markers) {
           particles::array none(around.walls.weight_step.size(), 0.0);
+          const bool due = std::exchange(around.walls.steps_due, false);
           std::swap(none, around.walls.weight_step);
           t.weights(w, around.walls);
           std::swap(none, around.walls.weight_step);
+          around.walls.steps_due = due;
         } else {
           std::fill(s.Y.begin() + static_cast<std::ptrdiff_t>(s.first_wall()),
                     s.Y.begin() + static_cast<std::ptrdiff_t>(s.total()), 0.0);

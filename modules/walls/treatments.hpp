@@ -16,7 +16,6 @@
 
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
-#include <tuple>
 #include <variant>
 #include <walls/interpolation.hpp>
 #include <walls/wall_set.hpp>
@@ -37,6 +36,8 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);
   set.weight_step.assign(s.walls, 0.0);
+  set.mass.assign(s.walls, 0.0);
+  set.steps_due = false;
   for (auto& component : set.f) component.assign(s.total() + 1, 0.0);
 
   double depth = 0.0;
@@ -94,7 +95,8 @@ struct marker_records {
 
 // Σ_j φ_j f_j(x_m) of the fields from number First on, at the marker of row r, in one sweep over its neighbours.
 template <std::size_t First = 0, int D, std::size_t N>
-std::array<double, N - First> at_marker(const wall_set<D>& set, std::size_t r, const marker_records<N>& fields) {
+[[gnu::flatten]] std::array<double, N - First> at_marker(const wall_set<D>& set, std::size_t r,
+                                                         const marker_records<N>& fields) {
   std::array<real, N - First> sums;
   sums.fill(real(0.0));
   const std::size_t end = set.near_marker.start[r + 1];
@@ -108,39 +110,43 @@ std::array<double, N - First> at_marker(const wall_set<D>& set, std::size_t r, c
   return total;
 }
 
-// Shape functions of the marker of row r at the fluid's positions of this evaluation, which lead the records.
-// `near`: scratch.
+// The fluid about the marker of row r, one a lane. Positions lead the records. `flatten`: as in pairs::sum_row.
 template <int D, std::size_t N, class Kernel>
-void shape_marker(wall_set<D>& set, std::size_t r, const marker_records<N>& fields, const Kernel& kernel, int order,
-                  std::vector<seen<D>>& near) {
+[[gnu::flatten]] void see(std::vector<seen<D>>& near, const wall_set<D>& set, std::size_t r,
+                          const marker_records<N>& fields, const Kernel& kernel) {
   const std::size_t begin = set.near_marker.start[r], end = set.near_marker.start[r + 1];
-  const double per_reach = 1.0 / set.reach;
-  const double squeeze = kernel.support() / set.reach;  // the kernel's own radius, stretched to the marker's reach
-  near.clear();
-  for (std::size_t k = begin; k < end; k += lanes) {
+  near.resize((end - begin) / lanes);
+  vec<real, D> x;
+  for (std::size_t a = 0; a < D; ++a) x[a] = real(set.marker[a][r]);
+  const real per_reach(1.0 / set.reach);
+  const real squeeze(kernel.support() / set.reach);  // the kernel's own radius, stretched to the marker's reach
+  const real nearest(kernel.smallest_r() * kernel.smallest_r());
+  auto* j = near.data();
+  for (std::size_t k = begin; k < end; k += lanes, ++j) {
     const auto values = fields.at(k);
-    seen<D> j;
-    for (std::size_t a = 0; a < D; ++a) j.offset[a] = values[a] - set.marker[a][r];
-    j.weight = kernel.value(real(pairs::stdx::sqrt(foundation::dot(j.offset, j.offset)) * squeeze));
+    for (std::size_t a = 0; a < D; ++a) j->offset[a] = values[a] - x[a];
+    const real r2 = foundation::dot(j->offset, j->offset);
+    j->weight = kernel.value(real(foundation::both_roots(real(max(r2, nearest))).r * squeeze));
     for (std::size_t a = 0; a < D; ++a) {
-      j.offset[a] *= per_reach;
+      j->offset[a] *= per_reach;
       // Without weight the place does not matter; the null particle's is too far for powers.
-      pairs::stdx::where(j.weight == 0.0, j.offset[a]) = 0.0;
+      pairs::stdx::where(j->weight == 0.0, j->offset[a]) = 0.0;
     }
-    near.push_back(j);
   }
-  shape_functions<D>(near, order, set.phi.data() + begin);
 }
 
-template <int D>
+// The fluid at the markers, mirrored. Transport: viscosity and conductivity too; without, all particles share them.
+template <bool Transport, int D>
 void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  std::array<const double*, 2 * D + 5> arrays;
+  constexpr std::size_t N = 2 * D + 4 + (Transport ? 2 : 0);
+  std::array<const double*, N> arrays;
   std::copy_n(pairs::pointers<D>(s.x).begin(), D, arrays.begin());
   std::copy_n(pairs::pointers<D>(s.v).begin(), D, arrays.begin() + D);
-  std::copy_n(std::array<const double*, 5>{s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()}.begin(), 5,
-              arrays.begin() + 2 * D);
-  const marker_records<2 * D + 5> fields(set, arrays);
+  const std::array<const double*, 6> scalars{s.T.data(), s.rho.data(), s.dV.data(),
+                                             s.m.data(), s.eta.data(), s.k.data()};
+  std::copy_n(scalars.begin(), N - 2 * D, arrays.begin() + 2 * D);
+  const marker_records<N> fields(set, arrays);
   const int order = polynomial_order(set.how.interpolation);
   std::visit(
       [&](const auto& kernel) {
@@ -149,21 +155,32 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
           std::vector<seen<D>> near;
 #pragma omp for schedule(static)
           for (std::size_t r = 0; r < s.walls; ++r) {
-            shape_marker(set, r, fields, kernel, order, near);
+            see(near, set, r, fields, kernel);
+            shape_functions<D>(near, order, set.phi.data() + set.near_marker.start[r]);
             const std::size_t i = s.first_wall() + r;
             const auto f = at_marker<D>(set, r, fields);
             std::array<double, D> v;
             std::copy_n(f.begin(), D, v.begin());
-            std::tie(s.T[i], s.rho[i], s.eta[i], s.k[i], s.dV[i]) =
-                std::tuple{f[D], f[D + 1], f[D + 2], f[D + 3], f[D + 4]};
             mirror_velocity<D>(set, r, v);
             for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-            s.T[i] = mirror_temperature(set, r, s.T[i]);
+            s.T[i] = mirror_temperature(set, r, f[D]);
+            s.rho[i] = f[D + 1];
+            s.dV[i] = f[D + 2];
+            set.mass[r] = f[D + 3];
+            if constexpr (Transport) s.eta[i] = f[D + 4], s.k[i] = f[D + 5];
           }
         }
       },
       w.kernel);
-  w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+  if constexpr (Transport)
+    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+  else
+    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.dV.data()});
+}
+
+template <int D>
+void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+  w.uniform_transport ? marker_kinematics<false>(w, set) : marker_kinematics<true>(w, set);
 }
 
 // f = ν∇²v + g of the fluid near the walls, ghosts included.
@@ -175,51 +192,61 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
     f[a] = set.f[a].data();
     for (const std::size_t i : set.near_wall.rows) set.f[a][i] = 0.0;
   }
-  w.sum(set.near_wall, diffusion::viscosity<D>{pairs::pointers<D>(s.v), s.eta.data(), s.dV.data(), f, nullptr});
+  const auto v = pairs::pointers<D>(s.v);
+  if (w.uniform_transport)
+    w.sum(set.near_wall, diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), f, nullptr});
+  else
+    w.sum(set.near_wall, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), f, nullptr});
   for (std::size_t a = 0; a < D; ++a)
     for (const std::size_t i : set.near_wall.rows) f[a][i] = f[a][i] / s.m[i] + w.g[a];
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(f));
 }
 
-// Both are linear in the fluid's values: a pressure and a weight that grow from marker to
-// wall particle as the momentum balance asks.
-template <int D>
-void momentum_steps(const pairs::workspace<D>& w, wall_set<D>& set) {
+// set(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's
+// steps are due, the same sweep makes them: a pressure and a weight that grow from marker to wall particle,
+// linear in the fluid's values.
+template <int D, std::size_t N, class Set>
+void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& arrays, Set&& put) {
   const auto& s = w.s;
-  std::array<const double*, D + 1> arrays;
-  std::copy_n(pairs::pointers<D>(set.f).begin(), D, arrays.begin());
-  arrays[D] = s.m.data();
-  const marker_records<D + 1> fields(set, arrays);
+  if (!set.steps_due) {
+    const marker_records<N> fields(set, arrays);
+#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
+    for (std::size_t r = 0; r < s.walls; ++r) put(s.first_wall() + r, at_marker(set, r, fields));
+    return;
+  }
+  set.steps_due = false;
+  std::array<const double*, N + D> all;
+  std::copy_n(arrays.begin(), N, all.begin());
+  std::copy_n(pairs::pointers<D>(set.f).begin(), D, all.begin() + N);
+  const marker_records<N + D> fields(set, all);
 #pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < s.walls; ++r) {
-    const auto f = at_marker(set, r, fields);
+    const std::size_t i = s.first_wall() + r;
+    const auto values = at_marker(set, r, fields);
     double f_dx = 0.0;
-    for (std::size_t a = 0; a < D; ++a) f_dx += f[a] * (s.x[a][s.first_wall() + r] - set.marker[a][r]);
-    set.pressure_step[r] = s.rho[s.first_wall() + r] * f_dx;
-    set.weight_step[r] = f[D] * f_dx;
+    for (std::size_t a = 0; a < D; ++a) f_dx += values[N + a] * (s.x[a][i] - set.marker[a][r]);
+    set.pressure_step[r] = s.rho[i] * f_dx;
+    set.weight_step[r] = set.mass[r] * f_dx;
+    put(i, values);
   }
 }
 
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  const marker_records<1> fields(set, {s.Y.data()});
-#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r) s.Y[s.first_wall() + r] = at_marker(set, r, fields)[0] + set.weight_step[r];
+  at_markers<D, 1>(w, set, {s.Y.data()}, [&](std::size_t i, const auto& values) {
+    s.Y[i] = values[0] + set.weight_step[i - s.first_wall()];
+  });
   w.exchange_walls({s.Y.data()});
 }
 
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  const marker_records<2> fields(set, {s.p.data(), s.dV.data()});
-#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r) {
-    const std::size_t i = s.first_wall() + r;
-    const auto f = at_marker(set, r, fields);
-    s.p[i] = f[0] + set.pressure_step[r];
-    s.dV[i] = f[1];
-  }
+  at_markers<D, 2>(w, set, {s.p.data(), s.dV.data()}, [&](std::size_t i, const auto& values) {
+    s.p[i] = values[0] + set.pressure_step[i - s.first_wall()];
+    s.dV[i] = values[1];
+  });
   w.exchange_walls({s.p.data(), s.dV.data()});
 }
 
@@ -263,7 +290,7 @@ struct virtual_marker : with_markers {
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     detail::marker_kinematics(w, set);
     detail::nonpressure_acceleration(w, set);
-    detail::momentum_steps(w, set);
+    set.steps_due = true;
   }
 };
 

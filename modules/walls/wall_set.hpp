@@ -23,8 +23,11 @@ struct wall_set {
   particles::array records;                // what a sum over them reads of these, one after the other
   double reach = 0.0;                      // m, radius of a marker's interpolation
 
-  // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J).
+  // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J). Due: the next sweep
+  // over the markers makes them.
   particles::array pressure_step, weight_step;
+  bool steps_due = false;
+  particles::array mass;              // kg, of the fluid at each marker
   std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g
 
   particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start

@@ -112,7 +112,7 @@ class rig {
     }
     time_steps(all);
     if constexpr (std::is_same_v<Program, program_c>)
-      if (run_.world.uniform_transport)
+      if (run_.world.w.uniform_transport)
         for (result& r : all) {
           omp_set_num_threads(r.threads);
           compare_with_scalar(r);
@@ -230,7 +230,7 @@ class rig {
                                     s.dV.data(),
                                     s.m.data(),
                                     w.support() / 3.0,
-                                    *world.uniform_transport,
+                                    *w.uniform_transport,
                                     w.g};
     scalar_sums<D> sums(s.fluid);
     std::vector<double> ratios, scalars;
