@@ -390,6 +390,24 @@ balancer_options relaxed(balancer_options o, const experience& so_far) {
   return o;
 }
 
+std::vector<double> lasting_cost::of(const std::vector<double>& seconds, const std::vector<double>& counted) {
+  const double all_seconds = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  const double all_work = std::accumulate(counted.begin(), counted.end(), 0.0);
+  if (!(all_seconds > 0.0) || !(all_work > 0.0)) return seconds;
+  slowness_.resize(seconds.size(), {1.0, 1.0, 1.0, 1.0, 1.0});
+  std::vector<double> cost(seconds.size());
+  for (std::size_t r = 0; r < seconds.size(); ++r) {
+    const double time = seconds[r] / all_seconds, work = counted[r] / all_work;
+    auto& seen = slowness_[r];
+    std::rotate(seen.begin(), seen.begin() + 1, seen.end());
+    seen.back() = work > 0.0 && time > 0.0 ? time / work : 1.0;
+    const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
+    const double lasting = *least > 1.0 ? *least : *most < 1.0 ? *most : 1.0;
+    cost[r] = all_seconds * work * lasting;
+  }
+  return cost;
+}
+
 decision worth_moving(double slowest_now, double slowest_then, double cost, std::int64_t steps, double trust) {
   decision d;
   d.gain = trust * (slowest_now - slowest_then) * static_cast<double>(steps);

@@ -109,6 +109,18 @@ struct experience {
 };
 balancer_options relaxed(balancer_options o, const experience& so_far);
 
+// The clock also tells what else a machine does. What is counted (pairs) does not scatter, but knows nothing of slow
+// processors and of what else there is to do. So: the counted work, times the part of a rank's slowness that lasts:
+// what it was in each of the last five readings, or nothing where these do not agree on slower or faster.
+class lasting_cost {
+ public:
+  // s per step of each rank, as measured now, in the last reading and the one before; counted: any unit.
+  std::vector<double> of(const std::vector<double>& seconds, const std::vector<double>& counted);
+
+ private:
+  std::vector<std::array<double, 5>> slowness_;  // of each rank: its share of the time over its share of the work
+};
+
 // Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step. No
 // rank can become faster than one of its particles: where ranks have few, there is little to gain.
 template <int D>

@@ -1,5 +1,6 @@
-// When the cuts between ranks move in a run, and where to. The cost of a rank is measured (its seconds of
-// computing, without those it waited for others) or counted (pairs of neighbours: the same in every run). What
+// When the cuts between ranks move in a run, and where to. The cost of a rank is counted (pairs of neighbours: the same
+// in every run) or measured (pairs, and what of its seconds of computing, without those it waited for others, they
+// leave unexplained from one decision to the next). What
 // is decided changes who computes a particle, never what is computed.
 #pragma once
 
@@ -43,6 +44,7 @@ struct load_balance {
   std::int64_t interval;  // steps
   balance::balancer_options how;
   balance::experience experience;
+  balance::lasting_cost measured;
 
   // Of this rank, since the last decision.
   double computing = 0.0;  // s
@@ -97,7 +99,7 @@ struct load_balance {
       seconds += v.since.busy();
       return {};
     }
-    const auto& cost = measures() ? seconds_per_step : pairs;
+    const auto cost = measures() ? measured.of(seconds_per_step, pairs) : pairs;
     v.spread = balance::spread_of(cost);
     if (expected) experience.moved(*expected, before, cost);
     expected.reset();
@@ -109,7 +111,7 @@ struct load_balance {
     price.rebuild = lists_are_due ? 0.0 : price.rebuild + v.spread.maximum;
     const auto horizon = std::min(steps, remaining);
     v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
-    // Smaller gains come from a row of particles more or less, or from the clock's scatter: they do not come true.
+    // Smaller gains come from a row of particles more or less: they do not come true.
     constexpr double least_gain = 0.01;  // of the slowest rank's cost
     const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
     v.decision.move = v.decision.move && !too_little;

@@ -246,6 +246,53 @@ BOOST_AUTO_TEST_CASE(decision_weighs_gain_against_cost) {
   BOOST_TEST(!worth_moving(c, then, t, {100.0, 100.0, 50.0, 1.0}, {}, 1000).move);
 }
 
+// The second rank has twice the work. While readings do not agree that one is slower, the counted work is the cost;
+// what they agree on, the least of it.
+BOOST_AUTO_TEST_CASE(cost_that_lasts) {
+  const auto near = boost::test_tools::tolerance(1e-12);
+  lasting_cost all;
+  const std::vector<double> work{10.0, 20.0};
+  const auto share = [&](double first, double second) {
+    const auto cost = all.of({first, second}, work);
+    return cost[1] / cost[0];
+  };
+  BOOST_TEST(share(1.0, 3.0) == 2.0, near);  // one reading
+  BOOST_TEST(share(3.0, 1.0) == 2.0, near);  // they disagree
+  BOOST_TEST(share(2.0, 4.0) == 2.0, near);  // as the work
+  for (int n = 0; n < 4; ++n) BOOST_TEST(share(1.0, 4.0) == 2.0, near);
+  // Five times: of the time a fifth and four fifths, of the work a third and two thirds.
+  BOOST_TEST(share(1.0, 4.0) == 4.0, near);
+  // Of the time a quarter and three quarters: slower still, but less.
+  BOOST_TEST(share(1.0, 3.0) == 3.0, near);
+  BOOST_TEST(share(1.0, 9.0) == 3.0, near);
+  BOOST_TEST(share(1.0, 1.0) == 2.0, near);
+  // Nothing to go by: the times.
+  BOOST_TEST(all.of({1.0, 2.0}, {0.0, 0.0})[1] == 2.0);
+  BOOST_TEST(all.of({0.0, 0.0}, work)[1] == 0.0);
+}
+
+// A lasting slowness is found, less than scatter may have made it. Scatter of 5 % alone puts a rank 1 % above the
+// others where five readings are all above their mean, 4 ranks / 2^5, and by a fifth of sigma at least, 0.84^5: one
+// in 20.
+BOOST_AUTO_TEST_CASE(slowness_is_found_in_scatter) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> scatter(1.0, 0.05);
+  lasting_cost even, slow;
+  int beyond = 0;
+  double found = 0.0;
+  for (int n = 0; n < 1000; ++n) {
+    const std::vector<double> t{scatter(random), scatter(random), scatter(random), scatter(random)};
+    const auto cost = even.of(t, {1.0, 1.0, 1.0, 1.0});
+    beyond += spread_of(cost).maximum > 1.01 * spread_of(cost).mean ? 1 : 0;
+    const auto of_slow = slow.of({t[0], t[1], 1.5 * t[2], t[3]}, {1.0, 1.0, 1.0, 1.0});
+    if (n >= 4) found += of_slow[2] / of_slow[0] / 996.0;
+  }
+  BOOST_TEST_MESSAGE("found " << found << ", times beyond 1 %: " << beyond);
+  BOOST_TEST(beyond < 100);
+  BOOST_TEST(found > 1.3);
+  BOOST_TEST(found < 1.65);
+}
+
 BOOST_AUTO_TEST_CASE(experience_learns) {
   experience e;
   e.moved(1.0, {3.0, 1.0}, {2.5, 1.5});  // half of the gain came true, the imbalance keeps its sign

@@ -221,6 +221,7 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   w.g = {0.5, -9.0};
   for (std::size_t a = 0; a < 2; ++a) randomise<2>(w, s.v[a], 3 + a, -1.0, 1.0);
   randomise<2>(w, s.eta, 5, 1e3, 5e3);
+  w.uniform_transport.reset();
   walls::virtual_marker::kinematics(w, scene.walls);
   std::array<particles::array, 2> f;
   for (auto& component : f) component.assign(s.total() + 1, 0.0);
@@ -239,6 +240,31 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   }
   BOOST_TEST((seen > 0 || s.walls == 0));
   BOOST_TEST(wrong == 0U);
+}
+
+// One viscosity for all: the same, told once or carried by each particle.
+BOOST_AUTO_TEST_CASE(acceleration_of_one_viscosity) {
+  constexpr double eta = 2e3;
+  std::array<std::vector<double>, 2> near;
+  for (const bool told : {true, false}) {
+    auto scene = disorder<2>(closed_box<2>("virtual_marker"));
+    auto& w = scene.w;
+    for (std::size_t a = 0; a < 2; ++a) randomise<2>(w, w.s.v[a], 3 + a, -1.0, 1.0);
+    std::fill(w.s.eta.begin(), w.s.eta.end(), eta);
+    w.uniform_transport.reset();
+    if (told) w.uniform_transport = eta;
+    walls::virtual_marker::kinematics(w, scene.walls);
+    for (const std::size_t i : scene.walls.near_wall.rows)
+      for (const auto& f : scene.walls.f) near[told ? 1 : 0].push_back(f[i]);
+  }
+  BOOST_REQUIRE(near[0].size() == near[1].size());
+  double most = 0.0, apart = 0.0;
+  for (std::size_t k = 0; k < near[0].size(); ++k) {
+    most = std::max(most, std::abs(near[0][k]));
+    apart = std::max(apart, std::abs(near[0][k] - near[1][k]));
+  }
+  BOOST_TEST((most > 0.0 || near[0].empty()));
+  BOOST_TEST(apart <= 1e-12 * most);
 }
 
 BOOST_AUTO_TEST_CASE(treatments_by_name) {
