@@ -57,6 +57,7 @@ struct virtual_run {
   balance::cuts<D> cuts;
   std::vector<course> courses;  // ours first
   balance::experience experience;
+  balance::lasting_cost lasting{o.balancer.readings};
   std::optional<double> expected;  // gain per step of the last move, to be compared with the next reading
   std::vector<double> time_before;
   std::vector<int> first_owner;
@@ -108,14 +109,14 @@ struct virtual_run {
     c.owner = std::move(owner);
   }
 
-  // Our balancer: from measured times alone.
+  // Our balancer: from measured times and counted work.
   void decide(std::int64_t reading) {
     auto& c = courses[0];
-    const auto time = measured(balance::total(c.now.time), o.machine, reading);
+    const auto time = lasting.of(measured(balance::total(c.now.time), o.machine, reading), c.now.work);
     const double slowest = *std::max_element(time.begin(), time.end());
     if (expected) experience.moved(*expected, time_before, time);
     expected.reset();
-    const auto where = extents_of(s, c.owner, slowness.size());
+    const auto where = extents_of(s, c.owner, slowness.size(), o.cost);
     const auto begin = clock::now();
     const auto then = balance::propose(cuts, time, relaxed(o.balancer, experience), where);
     const balance::move_costs moving{o.cost.migrate,

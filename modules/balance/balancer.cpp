@@ -50,6 +50,17 @@ void keep_apart(double* cut, int count, double w) {
   for (int n = count - 1; n > 0; --n) cut[n] = std::min(cut[n], cut[n + 1] - w);
 }
 
+// Sorts what consists of a few sorted runs.
+void merge_runs(std::vector<std::pair<double, double>>& values) {
+  std::vector<std::ptrdiff_t> ends{0};
+  while (values.begin() + ends.back() != values.end())
+    ends.push_back(std::is_sorted_until(values.begin() + ends.back(), values.end()) - values.begin());
+  for (std::size_t stride = 1; stride + 1 < ends.size(); stride *= 2)
+    for (std::size_t k = 0; k + stride + 1 < ends.size(); k += 2 * stride)
+      std::inplace_merge(values.begin() + ends[k], values.begin() + ends[k + stride],
+                         values.begin() + ends[std::min(k + 2 * stride, ends.size() - 1)]);
+}
+
 // Inner cuts at which the integral of the density reaches the wanted amounts, given up to a common factor.
 // The ends of `cut` are set.
 void place(const std::vector<piece>& pieces, const std::vector<double>& wanted, double floor, double* cut) {
@@ -57,18 +68,23 @@ void place(const std::vector<piece>& pieces, const std::vector<double>& wanted, 
   const double first = cut[0], last = cut[count];
   double sum = 0.0;
   for (const auto& p : pieces) sum += p.amount;
-  // The density changes at the pieces' ends: by how much, and where.
+  // The density changes at the pieces' ends: by how much, and where. Pieces come in stretches without gaps, in order.
   std::vector<std::pair<double, double>> changes;
-  changes.reserve(2 * pieces.size() + 2);
+  changes.reserve(pieces.size() + pieces.size() / 4 + 2);
   const double base = (sum > 0.0 ? floor * sum : 1.0) / (last - first);
   changes.emplace_back(first, base);
-  for (const auto& p : pieces) {
-    if (!(p.amount > 0.0)) continue;
-    const double density = p.amount / (p.b - p.a);
-    changes.emplace_back(std::max(p.a, first), density);
-    changes.emplace_back(std::min(p.b, last), -density);
+  for (std::size_t k = 0; k < pieces.size();) {
+    double density = 0.0, at = pieces[k].a;
+    do {
+      const auto& p = pieces[k];
+      const double next = p.amount > 0.0 ? p.amount / (p.b - p.a) : 0.0;
+      if (next != density) changes.emplace_back(std::clamp(p.a, first, last), next - density);
+      density = next;
+      at = p.b;
+    } while (++k < pieces.size() && pieces[k].a == at);
+    if (density != 0.0) changes.emplace_back(std::clamp(at, first, last), -density);
   }
-  std::sort(changes.begin(), changes.end());
+  merge_runs(changes);
   changes.emplace_back(last, 0.0);
   const auto integrate = [&](auto&& at_segment) {
     double density = 0.0, below = 0.0;
@@ -106,14 +122,21 @@ std::array<std::vector<double>, D> level_sums(const cuts<D>& c, const std::vecto
   return level;
 }
 
-// Where the slabs of each level begin and end, as far as they hold particles: [lower, upper] of each slab.
+// Where in a slab its contents are: its parts in equal bins of [lower, upper].
+struct profile {
+  double lower, upper;
+  std::vector<double> part;
+};
+
+// Of the slabs of each level. What several ranks make up is put into as many bins as give a rank's own their width.
 template <int D>
-std::array<std::vector<std::pair<double, double>>, D> level_ranges(const cuts<D>& c, const extents<D>& where) {
-  std::array<std::vector<std::pair<double, double>>, D> level;
+std::array<std::vector<profile>, D> level_profiles(const cuts<D>& c, const std::vector<double>& amount,
+                                                   const extents<D>& where) {
+  std::array<std::vector<profile>, D> level;
   for (std::size_t a = 0; a < D; ++a) {
     const auto count = static_cast<std::size_t>(c.counts[a]);
     for (std::size_t g = 0; g < c.groups(a); ++g)
-      for (std::size_t n = 0; n < count; ++n) level[a].emplace_back(c.group(a, g)[n], c.group(a, g)[n + 1]);
+      for (std::size_t n = 0; n < count; ++n) level[a].push_back({c.group(a, g)[n], c.group(a, g)[n + 1], {1.0}});
     if (where.empty()) continue;
     const std::size_t inner = where.size() / level[a].size();  // ranks in a slab
     for (std::size_t k = 0; k < level[a].size(); ++k) {
@@ -122,9 +145,36 @@ std::array<std::vector<std::pair<double, double>>, D> level_ranges(const cuts<D>
         all.lower[a] = std::min(all.lower[a], where[r].lower[a]);
         all.upper[a] = std::max(all.upper[a], where[r].upper[a]);
       }
-      auto& [lower, upper] = level[a][k];
+      auto& [lower, upper, part] = level[a][k];
       const double low = std::clamp(all.lower[a], lower, upper), high = std::clamp(all.upper[a], lower, upper);
-      if (all.lower[a] <= all.upper[a]) lower = low, upper = high;
+      if (all.lower[a] > all.upper[a]) continue;
+      lower = low, upper = high;
+      if (!(upper > lower)) continue;
+      std::vector<double> sum(extent<D>::bins, 0.0);
+      const double width = (upper - lower) / static_cast<double>(sum.size());
+      for (std::size_t r = k * inner; r < (k + 1) * inner; ++r) {
+        const auto& along = where[r].cost[a];
+        const double whole = std::accumulate(along.begin(), along.end(), 0.0);
+        if (!(where[r].lower[a] <= where[r].upper[a]) || !(whole > 0.0) || !(amount[r] > 0.0)) continue;
+        const double own = (where[r].upper[a] - where[r].lower[a]) / static_cast<double>(along.size());
+        for (std::size_t bin = 0; bin < along.size(); ++bin) {
+          const double share = amount[r] * along[bin] / whole;
+          const double from = (where[r].lower[a] + own * static_cast<double>(bin) - lower) / width;
+          const double to = from + own / width;
+          const auto last = static_cast<double>(sum.size() - 1);
+          const auto first_bin = static_cast<std::size_t>(std::clamp(from, 0.0, last));
+          const auto last_bin = static_cast<std::size_t>(std::clamp(to, 0.0, last));
+          for (std::size_t b = first_bin; b <= last_bin; ++b) {
+            const double below = b == first_bin ? from : static_cast<double>(b);
+            const double above = b == last_bin ? to : static_cast<double>(b + 1);
+            sum[b] += share * (to > from ? (above - below) / (to - from) : 1.0);
+          }
+        }
+      }
+      const double whole = std::accumulate(sum.begin(), sum.end(), 0.0);
+      if (!(whole > 0.0)) continue;
+      for (double& s : sum) s /= whole;
+      part = std::move(sum);
     }
   }
   return level;
@@ -134,13 +184,23 @@ std::array<std::vector<std::pair<double, double>>, D> level_ranges(const cuts<D>
 template <int D>
 struct present {
   const cuts<D>& now;
-  std::array<std::vector<std::pair<double, double>>, D> range;
-  present(const cuts<D>& c, const extents<D>& where) : now(c), range(level_ranges(c, where)) {}
+  std::array<std::vector<profile>, D> contents;
+  present(const cuts<D>& c, const std::vector<double>& amount, const extents<D>& where)
+      : now(c), contents(level_profiles(c, amount, where)) {}
 
-  // The contents of slab m of a group, with this amount.
-  piece slab(std::size_t axis, std::size_t g, int m, double amount) const {
-    const auto& [a, b] = range[axis][g * static_cast<std::size_t>(now.counts[axis]) + static_cast<std::size_t>(m)];
-    return spread_over(a, b, amount, now.group(axis, g)[now.counts[axis]] - now.group(axis, g)[0]);
+  // f(piece) for the contents of slab m of a group, of this amount in all.
+  template <class F>
+  void visit(std::size_t axis, std::size_t g, int m, double amount, const F& f) const {
+    const auto& [lower, upper, part] =
+        contents[axis][g * static_cast<std::size_t>(now.counts[axis]) + static_cast<std::size_t>(m)];
+    const auto whole = spread_over(lower, upper, amount, now.group(axis, g)[now.counts[axis]] - now.group(axis, g)[0]);
+    const double width = (whole.b - whole.a) / static_cast<double>(part.size());
+    double a = whole.a;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const double b = k + 1 == part.size() ? whole.b : whole.a + width * static_cast<double>(k + 1);
+      f(piece{a, b, amount * part[k]});
+      a = b;
+    }
   }
 
   // The sources of the next level's cuts in slab n between new cuts: the old slabs that reach into it.
@@ -153,7 +213,8 @@ struct present {
       // From the last old slab that begins at or below the new one, or touches it within rounding.
       auto m = static_cast<int>(std::upper_bound(old, old + count, cut[n] - near) - old);
       for (m = std::max(0, m - 1); m < count && (n + 1 == count || old[m] <= cut[n + 1] + near); ++m) {
-        const double part = part_in(slab(axis, s.group, m, 0.0), cut, n, count);
+        double part = 0.0;
+        visit(axis, s.group, m, 1.0, [&](const piece& p) { part += p.amount * part_in(p, cut, n, count); });
         if (part > 0.0)
           found.push_back({s.group * static_cast<std::size_t>(count) + static_cast<std::size_t>(m), s.fraction * part});
       }
@@ -188,10 +249,10 @@ struct remapping {
     const int count = at.now.counts[axis];
     double* cut = then.group(axis, g);
     std::vector<piece> pieces;
-    pieces.reserve(from.size() * static_cast<std::size_t>(count));
     for (const auto& s : from) {
       const double* t = time[axis].data() + s.group * static_cast<std::size_t>(count);
-      for (int m = 0; m < count; ++m) pieces.push_back(at.slab(axis, s.group, m, s.fraction * t[m]));
+      for (int m = 0; m < count; ++m)
+        at.visit(axis, s.group, m, s.fraction * t[m], [&](const piece& p) { pieces.push_back(p); });
     }
     place(pieces, wanted(axis, g), o.floor, cut);
     keep_apart(cut, count, o.minimum_width);
@@ -207,7 +268,7 @@ cuts<D> remap(const cuts<D>& now, std::vector<double> time, const balancer_optio
   std::vector<double> speed = o.speed.empty() ? std::vector<double>(time.size(), 1.0) : o.speed;
   // The time of a rank of unit speed, which is a property of the place.
   for (std::size_t r = 0; r < time.size(); ++r) time[r] *= speed[r];
-  const present<D> at(now, where);
+  const present<D> at(now, time, where);
   remapping<D> r{at, level_sums(now, time), level_sums(now, speed), o, now};
   r.cut_group(0, 0, {{0, 1.0}});
   return r.then;
@@ -277,8 +338,9 @@ cuts<D> level_relaxation(const cuts<D>& now, const std::vector<double>& time, co
 
 // visit(old rank, new rank, part of the old cell) for each pair of cells that meet.
 template <int D, class F>
-void visit_overlaps(const cuts<D>& now, const cuts<D>& then, const extents<D>& where, const F& visit) {
-  const present<D> at(now, where);
+void visit_overlaps(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount, const extents<D>& where,
+                    const F& visit) {
+  const present<D> at(now, amount, where);
   const auto within = [&](auto&& self, std::size_t axis, std::size_t g, const std::vector<source>& from) -> void {
     for (int n = 0; n < then.counts[axis]; ++n) {
       const auto found = at.within(from, axis, then.group(axis, g), n);
@@ -326,6 +388,11 @@ void declare(namelist::schema& schema, balancer_options& o) {
               .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
   schema.add("balancer", "levels", o.levels,
              {.minimum = 0, .maximum = 30, .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
+  schema.add("balancer", "readings", o.readings,
+             {.minimum = 1,
+              .maximum = 100,
+              .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
+                         "1: the times as they are"});
 }
 
 template <int D>
@@ -348,7 +415,7 @@ std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const 
                                  const extents<D>& where) {
   check_size(now, amount.size(), "amounts");
   std::vector<double> found(amount.size(), 0.0);
-  visit_overlaps(now, then, where,
+  visit_overlaps(now, then, amount, where,
                  [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
   return found;
 }
@@ -358,7 +425,7 @@ std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std
                               const extents<D>& where) {
   check_size(now, particles.size(), "numbers of particles");
   std::vector<double> found(particles.size(), 0.0);
-  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) {
+  visit_overlaps(now, then, particles, where, [&](std::size_t from, std::size_t to, double part) {
     if (from == to) return;
     found[from] += part * particles[from];
     found[to] += part * particles[from];
@@ -393,8 +460,8 @@ balancer_options relaxed(balancer_options o, const experience& so_far) {
 std::vector<double> lasting_cost::of(const std::vector<double>& seconds, const std::vector<double>& counted) {
   const double all_seconds = std::accumulate(seconds.begin(), seconds.end(), 0.0);
   const double all_work = std::accumulate(counted.begin(), counted.end(), 0.0);
-  if (!(all_seconds > 0.0) || !(all_work > 0.0)) return seconds;
-  slowness_.resize(seconds.size(), {1.0, 1.0, 1.0, 1.0, 1.0});
+  if (readings_ < 2 || !(all_seconds > 0.0) || !(all_work > 0.0)) return seconds;
+  slowness_.resize(seconds.size(), std::vector<double>(readings_, 1.0));
   std::vector<double> cost(seconds.size());
   for (std::size_t r = 0; r < seconds.size(); ++r) {
     const double time = seconds[r] / all_seconds, work = counted[r] / all_work;
@@ -425,7 +492,7 @@ decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector
   check_size(now, time_per_step.size(), "times");
   check_size(now, particles.size(), "numbers of particles");
   std::vector<double> after(particles.size(), 0.0), in_and_out(particles.size(), 0.0);
-  visit_overlaps(now, then, where, [&](std::size_t from, std::size_t to, double part) {
+  visit_overlaps(now, then, time_per_step, where, [&](std::size_t from, std::size_t to, double part) {
     after[to] += part * time_per_step[from];
     if (from == to) return;
     in_and_out[from] += part * particles[from];

@@ -3,8 +3,8 @@
 // comes to the same result.
 //
 // Two methods:
-//   remap             (default) The time of a cell, spread evenly over the part of the cell that holds the
-//                     rank's particles (the whole cell, where that is not told), is a density of cost.
+//   remap             (default) The time of a cell, spread over it as the rank tells (its extent: along each axis
+//                     by itself; evenly over the cell, where that is not told), is a density of cost.
 //                     All cuts of all levels are placed at once where this density's integral over each
 //                     cell is equal: first the cuts along x by the columns' sums, then in each new column
 //                     the cuts along y by the density of all old cells it meets, and so on. It is Newton's
@@ -18,6 +18,7 @@
 //                     so that the cut moves up, into slab I, where slab I takes longer.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <balance/cuts.hpp>
 #include <cstddef>
@@ -41,24 +42,40 @@ struct balancer_options {
   // Density of cost everywhere at least this part of its mean: it decides where cuts stand in empty space.
   double floor = 1e-4;
   std::int64_t levels = 30;   // level_relaxation: coarsest groups have 2^levels slabs, as far as there are so many
+  std::int64_t readings = 5;  // of the clock, which have to agree: lasting_cost
   std::vector<double> speed;  // of each rank, any unit; empty: equal, or not known. Only remap uses it.
 };
 
-// Groups &balancer's keys: method, relaxation, minimum_width, floor, levels.
+// Groups &balancer's keys: method, relaxation, minimum_width, floor, levels, readings.
 void declare(namelist::schema& schema, balancer_options& o);
 
-// Where a rank's particles are: the least box around them, m. lower > upper: it has none.
+// Where a rank's particles are: the least box around them, m (lower > upper: it has none), and what part of their cost
+// lies in each of `bins` equal parts of the box along each axis. Everywhere alike until it is told.
 template <int D>
 struct extent {
+  static constexpr std::size_t bins = 16;
   std::array<double, D> lower, upper;
+  std::array<std::array<double, bins>, D> cost;  // any unit
   extent() {
     lower.fill(std::numeric_limits<double>::infinity());
     upper.fill(-std::numeric_limits<double>::infinity());
+    for (auto& along : cost) along.fill(1.0);
   }
   void include(const std::array<double, D>& x) {
     for (std::size_t a = 0; a < D; ++a) {
       lower[a] = std::min(lower[a], x[a]);
       upper[a] = std::max(upper[a], x[a]);
+    }
+  }
+  // Once all are included: forgets the cost, then takes that of each.
+  void begin_costs() {
+    for (auto& along : cost) along.fill(0.0);
+  }
+  void add_cost(const std::array<double, D>& x, double of_particle) {
+    for (std::size_t a = 0; a < D; ++a) {
+      const double at = (x[a] - lower[a]) / (upper[a] - lower[a]);  // not a number where the box is flat
+      cost[a][at > 0.0 ? static_cast<std::size_t>(std::min(at, 1.0 - 1e-9) * static_cast<double>(bins)) : 0] +=
+          of_particle;
     }
   }
 };
@@ -110,15 +127,18 @@ struct experience {
 balancer_options relaxed(balancer_options o, const experience& so_far);
 
 // The clock also tells what else a machine does. What is counted (pairs) does not scatter, but knows nothing of slow
-// processors and of what else there is to do. So: the counted work, times the part of a rank's slowness that lasts:
-// what it was in each of the last five readings, or nothing where these do not agree on slower or faster.
+// processors and of what else there is to do. So: the counted work, times the part of a rank's slowness that lasts: the
+// least of what it was in each of the last readings, or nothing where these do not agree on slower or faster.
 class lasting_cost {
  public:
-  // s per step of each rank, as measured now, in the last reading and the one before; counted: any unit.
+  explicit lasting_cost(std::int64_t readings) : readings_(static_cast<std::size_t>(readings)) {}
+  // s per step of each rank, as measured now and remembered from the readings before; counted: any unit. With one
+  // reading, or nothing counted: the seconds.
   std::vector<double> of(const std::vector<double>& seconds, const std::vector<double>& counted);
 
  private:
-  std::vector<std::array<double, 5>> slowness_;  // of each rank: its share of the time over its share of the work
+  std::size_t readings_;
+  std::vector<std::vector<double>> slowness_;  // of each rank: its share of the time over its share of the work
 };
 
 // Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step. No

@@ -44,7 +44,7 @@ struct load_balance {
   std::int64_t interval;  // steps
   balance::balancer_options how;
   balance::experience experience;
-  balance::lasting_cost measured;
+  balance::lasting_cost measured{how.readings};
 
   // Of this rank, since the last decision.
   double computing = 0.0;  // s
@@ -75,11 +75,11 @@ struct load_balance {
     v.lists_were_due = lists_are_due;
     const auto& s = scene.w.s;
     const auto& ranks = scene.w.d.ranks;
-    balance::extent<D> mine;
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
+    const auto mine = extent_of(scene);
     std::vector<double> told{computing / static_cast<double>(steps), pairs_of(scene), static_cast<double>(s.fluid)};
     told.insert(told.end(), mine.lower.begin(), mine.lower.end());
     told.insert(told.end(), mine.upper.begin(), mine.upper.end());
+    for (const auto& along : mine.cost) told.insert(told.end(), along.begin(), along.end());
     const auto all = ranks.every(std::span<const double>(told));
     std::vector<double> seconds_per_step, pairs, particles;
     balance::extents<D> where(static_cast<std::size_t>(ranks.size));
@@ -90,6 +90,8 @@ struct load_balance {
       particles.push_back(of_rank[2]);
       std::copy_n(of_rank + 3, D, where[r].lower.begin());
       std::copy_n(of_rank + 3 + D, D, where[r].upper.begin());
+      for (std::size_t a = 0; a < D; ++a)
+        std::copy_n(of_rank + 3 + 2 * D + a * mine.bins, mine.bins, where[r].cost[a].begin());
     }
     const auto times = balance::spread_of(seconds_per_step);
     time_spread = times.over_mean();
@@ -182,6 +184,21 @@ struct load_balance {
   // Neighbours of the fluid, and of the walls' markers.
   static double pairs_of(const scene<D>& scene) {
     return static_cast<double>(scene.w.list.pairs + scene.walls.near_marker.pairs);
+  }
+  // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
+  static balance::extent<D> extent_of(const scene<D>& scene) {
+    const auto& s = scene.w.s;
+    const auto length_of = [](const cells::neighbour_list& list, std::size_t r) {
+      return static_cast<double>(list.start[r + 1] - list.start[r]);
+    };
+    balance::extent<D> mine;
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
+    if (s.fluid == 0) return mine;
+    mine.begin_costs();
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(domain::detail::place_of(s, i), length_of(scene.w.list, i));
+    for (std::size_t r = 0; r < scene.walls.near_marker.rows(); ++r)
+      mine.add_cost(cells::position<D>(scene.walls.marker, r), length_of(scene.walls.near_marker, r));
+    return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
   static balance::move_costs counted_price(const balance::spread& pairs, const std::vector<double>& particles) {

@@ -62,6 +62,7 @@ load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_option
     l.particles[r] += 1.0;
     l.time.computing[r] += seconds[static_cast<std::size_t>(s.kinds[i])];
   }
+  l.work = l.time.computing;
   for (std::size_t r = 0; r < ranks; ++r) l.time.computing[r] *= slowness[r];
 
   constexpr int nobody = -1, several = -2;
@@ -125,9 +126,15 @@ std::vector<int> owners(const scene<D>& s, const balance::cuts<D>& c) {
 }
 
 template <int D>
-balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner, std::size_t ranks) {
+balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner, std::size_t ranks,
+                               const cost_options& cost) {
   balance::extents<D> all(ranks);
   for (std::size_t i = 0; i < s.size(); ++i) all[static_cast<std::size_t>(owner[i])].include(s.x[i]);
+  const auto seconds = by_kind(cost);
+  for (auto& of_rank : all)
+    if (of_rank.lower[0] <= of_rank.upper[0]) of_rank.begin_costs();
+  for (std::size_t i = 0; i < s.size(); ++i)
+    all[static_cast<std::size_t>(owner[i])].add_cost(s.x[i], seconds[static_cast<std::size_t>(s.kinds[i])]);
   return all;
 }
 
@@ -183,8 +190,8 @@ template load load_of(const scene<2>&, const std::vector<int>&, const cost_optio
 template load load_of(const scene<3>&, const std::vector<int>&, const cost_options&, const std::vector<double>&);
 template std::vector<int> owners(const scene<2>&, const balance::cuts<2>&);
 template std::vector<int> owners(const scene<3>&, const balance::cuts<3>&);
-template balance::extents<2> extents_of(const scene<2>&, const std::vector<int>&, std::size_t);
-template balance::extents<3> extents_of(const scene<3>&, const std::vector<int>&, std::size_t);
+template balance::extents<2> extents_of(const scene<2>&, const std::vector<int>&, std::size_t, const cost_options&);
+template balance::extents<3> extents_of(const scene<3>&, const std::vector<int>&, std::size_t, const cost_options&);
 template std::vector<float> weights_of(const scene<2>&, const cost_options&);
 template std::vector<float> weights_of(const scene<3>&, const cost_options&);
 

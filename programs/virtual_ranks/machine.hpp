@@ -14,6 +14,7 @@ namespace tetsuame::virtual_ranks {
 struct load {
   balance::costs time;
   std::vector<double> particles;  // of each rank
+  std::vector<double> work;       // s, computing time of each rank if none were slow: what a run counts by its pairs
 };
 template <int D>
 load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_options& cost,
@@ -22,9 +23,10 @@ load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_option
 template <int D>
 std::vector<int> owners(const scene<D>& s, const balance::cuts<D>& c);
 
-// The box around each rank's particles.
+// The box around each rank's particles, and where in it their computing time goes.
 template <int D>
-balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner, std::size_t ranks);
+balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner, std::size_t ranks,
+                               const cost_options& cost);
 
 std::vector<double> slowness_of(const machine_options& o);
 // As a clock would show it: scattered by machine.noise, the same for the same seed and reading.
