@@ -255,6 +255,7 @@ class convection : public march::problem {
   bool set_time(double t) override {
     const double before = reached_, ramp = o_.convection.viscosity_ramp;
     reached_ = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
+    nu_ = p_.fluid.nu * std::pow(o_.convection.viscosity_start, 1.0 - reached_);
     return reached_ != before;
   }
 
@@ -485,10 +486,10 @@ class convection : public march::problem {
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
   double viscosity(double y, double T) const {  // m2/s
-    if (!varies()) return p_.fluid.nu;
+    if (!varies()) return nu_;
     const auto& c = o_.convection;
-    return p_.fluid.nu * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
-                                              c.depth_exponent * (1.0 - y / p_.fluid.L)));
+    return nu_ * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
+                                      c.depth_exponent * (1.0 - y / p_.fluid.L)));
   }
   double viscosity(std::size_t i) const { return viscosity(world_.w.s.x[1][i], world_.w.s.T[i]); }
   // xi² at the particle.
@@ -496,8 +497,8 @@ class convection : public march::problem {
   double stiffness(std::size_t i) const { return inertia(viscosity(i)); }
   // What the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as shear.
   double largest_viscosity() {
-    if (!varies()) return p_.nu_eff;
-    if (p_.steady) return 3.0 * p_.nu_eff;
+    if (p_.steady) return (varies() ? 3.0 : 1.0) * p_.nu_eff;
+    if (!varies()) return std::max(nu_, p_.fluid.nu) / (p_.slowing.xi * p_.slowing.xi);
     double nu = 0.0;
     for (std::size_t i = 0; i < world_.w.s.fluid; ++i) nu = std::max(nu, viscosity(i));
     return 3.0 * ranks().maximum(nu) / (p_.slowing.xi * p_.slowing.xi);
@@ -961,7 +962,8 @@ class convection : public march::problem {
   std::array<particles::array, K> noise_;
   particles::array W_sum_;
 
-  double reached_ = 1.0;     // of the viscosity's exponents
+  double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
+  double nu_ = p_.fluid.nu;  // m2/s, without the exponents
   bool whole_ = true;        // the next evaluation is one that is kept
   double v_max_ = 0.0;       // m/s, at the start of the step
   double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading

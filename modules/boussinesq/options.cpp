@@ -81,6 +81,11 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
   schema.add(g, "viscosity_ramp", o.viscosity_ramp,
              {.unit = "s", .minimum = 0.0, .meaning = "the exponents grow from zero over this time"});
+  schema.add(g, "viscosity_start", o.viscosity_start,
+             {.minimum = 0.0,
+              .maximum = 1e9,
+              .exclusive_minimum = true,
+              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well"});
   schema.add(g, "viscous_heating", o.viscous_heating, {.meaning = "heat from friction, 2 nu e:e"});
   schema.add(g, "adiabatic_heating", o.adiabatic_heating,
              {.meaning = "cooling of what rises, alpha g v_y T; temperatures are absolute then"});
@@ -235,6 +240,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   };
   follow_law("blankenbach_2a", std::log(1000.0), 0.0);
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
+  if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
+    schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",
                 "coarser particles on the way to a steady state; without a steady_tolerance the history is the aim");

@@ -28,7 +28,8 @@ struct convection_options {
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   double viscosity_ramp = 0.0;  // s
-  double heating = 0.0;         // W/kg
+  double viscosity_start = 1.0;
+  double heating = 0.0;  // W/kg
   bool viscous_heating = false, adiabatic_heating = false;
 };
 

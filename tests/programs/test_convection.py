@@ -175,6 +175,7 @@ class Convection(Case):
                        {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional", "convection.steady_mach": 0.3},
                        {"convection.viscosity_law": "exponential", "convection.temperature_exponent": 1.0}, {"convection.steady_mach": 0.5}, {"convection.scheme": "plain"}, {"convection.remap_diffusion": 0.1},
                        {"convection.viscous_heating": ".true."}, {"convection.adiabatic_heating": ".true."}, {"walls.slip_top": "no_slip"},
+                       {"convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e18},
                        {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
                        {"convection.target": "transient"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
             with self.subTest(**change):
@@ -190,6 +191,20 @@ class Convection(Case):
                 result = self.run_program("convection", MANTLE, {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
+
+    def test_viscosity_that_falls(self):
+        """A tenth of the Rayleigh number at first: the roll is slower; once the viscosity is there, the steady state is that of the input."""
+        settings = {**size(16), "convection.steady_tolerance": 1e-3, "convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e17}
+        result = self.run_program("convection", MANTLE, settings)
+        header, rows = result.rows()
+        t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
+        self.assertLess(max(float(row[v]) for row in rows if float(row[t]) < 2e16), 20)
+        m = result.summary["metrics"]
+        self.assertTrue(m["steady"])
+        self.assertAlmostEqual(m["nusselt_volume"] / 4.884409, 1, delta=0.01)
+        self.assertAlmostEqual(m["v_rms"] / 42.864947, 1, delta=0.01)
+        wrong = self.run_program("convection", MANTLE, {"convection.viscosity_start": 10.0}, expect=BAD_INPUT)
+        self.assertIn("viscosity_ramp", wrong.stderr)
 
     def test_levels_need_a_steady_aim(self):
         result = self.run_program("convection", MANTLE, {"convection.levels": 1, "convection.steady_tolerance": 0}, expect=BAD_INPUT)
