@@ -20,10 +20,13 @@
 // Walls are mirror images (images/images.hpp); p is even but for the step that the momentum balance asks for,
 // p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ)·∇ν]_n + b n_y).
 //
+// Levels: the run may start with coarser lattices; each one's steady flow is interpolated to the next.
+//
 // The deferred correction, the tensor B, w's sum, Q's gradients and no-slip curvatures lag behind: they are those of
 // the state at the start of the step.
 #pragma once
 
+#include <boussinesq/interpolation.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/wall_gradient.hpp>
@@ -179,27 +182,13 @@ class convection : public march::problem {
     if (o.march.time.method == "ab2")
       for (std::size_t k = 0; k < 2 * D + 2; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
 
-    const auto& d = o.physics.domain;
-    const double dx = d.length[1] / static_cast<double>(d.particles[1]);
-    images::set_up(world_, domain::communicator::world(), {d.length, d.particles, d.periodic, o.ranks_x}, o.walls,
-                   o.march.kernel.name, o.march.kernel.h_over_dx, o.march.kernel.skin, 0.0, fit_radius * dx);
-    for (std::size_t i = 0; i < s.fluid; ++i) {
+    lay(o.convection.levels);
+    const auto& length = o.physics.domain.length;
+    for (std::size_t i = 0; i < s.fluid; ++i)
       s.T[i] = reference(s.x[1][i]) +
                o.initial.perturbation * p_.fluid.dT *
-                   std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / d.length[0]) *
-                   std::sin(std::numbers::pi * s.x[1][i] / d.length[1]);
-      for (std::size_t a = 0, k = 0; a < D; ++a)
-        for (std::size_t b = a; b < D; ++b, ++k) s.extras[tensor_ + k].values[i] = a == b ? 1.0 : 0.0;
-    }
-    volume_ = std::pow(dx, D);
-    beta_ = o.convection.operators == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
-    h_ = o.march.kernel.h_over_dx * dx;
-    std::visit(
-        [&](const auto& k) {
-          W_self_ = k.self();
-          per_W_dx_ = 1.0 / k.value(dx);
-        },
-        world_.w.kernel);
+                   std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / length[0]) *
+                   std::sin(std::numbers::pi * s.x[1][i] / length[1]);
   }
 
   const domain::communicator& ranks() const override { return world_.w.d.ranks; }
@@ -266,6 +255,7 @@ class convection : public march::problem {
   bool set_time(double t) override {
     const double before = reached_, ramp = o_.convection.viscosity_ramp;
     reached_ = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
+    nu_ = p_.fluid.nu * std::pow(o_.convection.viscosity_start, 1.0 - reached_);
     return reached_ != before;
   }
 
@@ -366,10 +356,16 @@ class convection : public march::problem {
   }
 
   bool steady() const override {
-    if (o_.convection.steady_tolerance == 0.0 || samples_.size() == 0) return false;
-    if (samples_.last_time() < o_.convection.viscosity_ramp + window()) return false;
-    for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
-      if (!samples_.settled(m, window(), o_.convection.steady_tolerance)) return false;
+    return level_ == 0 && o_.convection.steady_tolerance > 0.0 && settled(o_.convection.steady_tolerance);
+  }
+
+  bool refine(double t) override {
+    const auto& c = o_.convection;
+    const bool late = c.level_time > 0.0 && t - level_began_ >= c.level_time;
+    if (level_ == 0 || !(late || settled(c.level_tolerance))) return false;
+    interpolate_to_next_level();
+    level_began_ = t;
+    samples_ = record(measures.size());
     return true;
   }
 
@@ -407,6 +403,7 @@ class convection : public march::problem {
     }
     j["averaged_over"] = span;
     j["steady"] = steady();
+    j["levels_left"] = level_;
     constexpr std::array<const char*, 3> names{"u_max_at", "v_max_at", "w_max_at"};
     for (std::size_t a = 0; a < D; ++a) {
       auto place = nlohmann::ordered_json::array();
@@ -449,15 +446,20 @@ class convection : public march::problem {
   void save(output::checkpoint_globals& g) const override {
     g.reals["v_max"] = v_max_;
     g.reals["faster"] = faster_;
+    g.reals["v_rms"] = v_rms_;
+    g.reals["level_began"] = level_began_;
+    g.integers["level"] = level_;
     g.integers["wall_crossings"] = crossings_;
     g.blobs["samples"] = samples_.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
+    lay(g.integers.at("level"));
+    level_began_ = g.reals.at("level_began");
     v_max_ = g.reals.at("v_max");
     faster_ = g.reals.at("faster");
     crossings_ = g.integers.at("wall_crossings");
     samples_.restore(g.blobs.at("samples"));
-    v_rms_ = samples_.size() > 0 ? samples_.over(3, 0.0).mean * p_.fluid.kappa / p_.fluid.L : 0.0;
+    v_rms_ = g.reals.at("v_rms");
   }
 
  private:
@@ -484,10 +486,10 @@ class convection : public march::problem {
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
   double viscosity(double y, double T) const {  // m2/s
-    if (!varies()) return p_.fluid.nu;
+    if (!varies()) return nu_;
     const auto& c = o_.convection;
-    return p_.fluid.nu * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
-                                              c.depth_exponent * (1.0 - y / p_.fluid.L)));
+    return nu_ * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
+                                      c.depth_exponent * (1.0 - y / p_.fluid.L)));
   }
   double viscosity(std::size_t i) const { return viscosity(world_.w.s.x[1][i], world_.w.s.T[i]); }
   // xi² at the particle.
@@ -495,8 +497,8 @@ class convection : public march::problem {
   double stiffness(std::size_t i) const { return inertia(viscosity(i)); }
   // What the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as shear.
   double largest_viscosity() {
-    if (!varies()) return p_.nu_eff;
-    if (p_.steady) return 3.0 * p_.nu_eff;
+    if (p_.steady) return (varies() ? 3.0 : 1.0) * p_.nu_eff;
+    if (!varies()) return std::max(nu_, p_.fluid.nu) / (p_.slowing.xi * p_.slowing.xi);
     double nu = 0.0;
     for (std::size_t i = 0; i < world_.w.s.fluid; ++i) nu = std::max(nu, viscosity(i));
     return 3.0 * ranks().maximum(nu) / (p_.slowing.xi * p_.slowing.xi);
@@ -785,11 +787,93 @@ class convection : public march::problem {
 
   double conductivity() const { return o_.physics.material.conductivity; }
 
+  // The lattice of a level, at rest, without temperature, and all that goes with its spacing.
+  void lay(std::int64_t level) {
+    level_ = level;
+    const auto& d = o_.physics.domain;
+    const auto& kernel = o_.march.kernel;
+    auto& s = world_.w.s;
+    particles_ = particles_of_level(o_, level);
+    const double dx = d.length[1] / static_cast<double>(particles_[1]);
+    follow_spacing(p_, dx);
+    images::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
+                   kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
+    for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
+    for (std::size_t a = 0, k = 0; a < D; ++a)
+      for (std::size_t b = a; b < D; ++b, ++k)
+        std::fill_n(s.extras[tensor_ + k].values.begin(), s.fluid, a == b ? 1.0 : 0.0);
+    volume_ = std::pow(dx, D);
+    beta_ = o_.convection.operators == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
+    h_ = kernel.h_over_dx * dx;
+    std::visit(
+        [&](const auto& k) {
+          W_self_ = k.self();
+          per_W_dx_ = 1.0 / k.value(dx);
+        },
+        world_.w.kernel);
+  }
+
+  void interpolate_to_next_level() {
+    auto& s = world_.w.s;
+    // Ghosts and images are those of the state, but T is taken beyond its reference.
+    constexpr std::size_t fields = D + 2;
+    particles::array excess(s.total());
+    for (std::size_t i = 0; i < s.total(); ++i) excess[i] = s.T[i] - reference(s.x[1][i]);
+    std::array<const double*, fields> f;
+    for (std::size_t a = 0; a < D; ++a) f[a] = s.v[a].data();
+    f[D] = excess.data();
+    f[D + 1] = pressure_of().data();
+    const interpolation<D> at(s, world_.w.support());
+    // Each rank where its particles stood; rebuild() hands them on where the finer cells differ.
+    const auto cell = world_.w.d.cell();
+    const auto finer = particles_of_level(o_, level_ - 1);
+    const double dx = 0.5 * world_.w.dx;
+    std::vector<std::int64_t> ids;
+    std::vector<std::array<double, D>> places;
+    std::vector<std::array<double, fields>> values;
+    for (std::int64_t id = 0; id < world_.fluid_total * (1 << D); ++id) {
+      std::array<double, D> x;
+      std::int64_t rest = id;
+      for (std::size_t a = 0; a < D; ++a) {
+        x[a] = (static_cast<double>(rest % finer[a]) + 0.5) * dx;
+        rest /= finer[a];
+      }
+      if (!world_.w.d.within(cell, x)) continue;
+      ids.push_back(id);
+      places.push_back(x);
+      values.emplace_back();
+      if (const auto found = at(x, f))
+        values.back() = *found;
+      else
+        world_.w.first_fault.report(id, "too few particles are near a place of the finer lattice");
+    }
+    world_.w.agree();
+    lay(level_ - 1);
+    particles::allocate(s, ids.size(), 0, 0, 0);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      s.id[i] = ids[i];
+      s.material[i] = 0;
+      for (std::size_t a = 0; a < D; ++a) {
+        s.x[a][i] = places[i][a];
+        s.v[a][i] = values[i][a];
+      }
+      s.T[i] = reference(places[i][1]) + values[i][D];
+      pressure_of()[i] = values[i][D + 1];
+    }
+  }
+
+  bool settled(double tolerance) const {
+    if (samples_.size() == 0 || samples_.last_time() < o_.convection.viscosity_ramp + window()) return false;
+    for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
+      if (!samples_.settled(m, window(), tolerance)) return false;
+    return true;
+  }
+
   // Averages are over some turnovers, and at least a hundredth of the diffusion time.
   double window() const {
     const auto& f = p_.fluid;
     const double turnover = v_rms_ > 0.0 ? f.L / v_rms_ : f.L * f.L / f.kappa;
-    return std::max(6.0 * turnover, 0.01 * f.L * f.L / f.kappa);
+    return std::max(o_.convection.steady_turnovers * turnover, 0.01 * f.L * f.L / f.kappa);
   }
 
   // Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
@@ -827,7 +911,7 @@ class convection : public march::problem {
 
   std::array<double, 3> wall_gradients(const images::side<D>& wall) {
     const auto& s = world_.w.s;
-    const auto& d = o_.physics.domain;
+    const auto& length = o_.physics.domain.length;
     const double dx = world_.w.dx, radius = fit_radius * dx, unit = p_.fluid.L / p_.fluid.dT;
     std::vector<near_wall> near;
     for (std::size_t i = 0; i < s.total(); ++i) {
@@ -846,8 +930,8 @@ class convection : public march::problem {
     };
     foundation::exact_sum sum;
     std::int64_t places = 0;
-    const std::int64_t depth = D == 3 ? d.particles[2] : 1;
-    for (std::int64_t n = 0; n < d.particles[0]; ++n)
+    const std::int64_t depth = D == 3 ? particles_[2] : 1;
+    for (std::int64_t n = 0; n < particles_[0]; ++n)
       for (std::int64_t l = 0; l < depth; ++l) {
         const double x = (static_cast<double>(n) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
         ++places;
@@ -855,14 +939,17 @@ class convection : public march::problem {
       }
     const auto corner = [&](double x) {
       const double lowest = std::numeric_limits<double>::lowest();
-      const double inside = std::min(std::max(x, 1e-6 * dx), d.length[0] - 1e-6 * dx);
+      const double inside = std::min(std::max(x, 1e-6 * dx), length[0] - 1e-6 * dx);
       return ranks().maximum(here(inside, 0.0) ? unit * wall_gradient(near, {x, 0.0}, radius, D) : lowest);
     };
-    return {ranks().exact(sum) / static_cast<double>(places), corner(0.0), corner(d.length[0])};
+    return {ranks().exact(sum) / static_cast<double>(places), corner(0.0), corner(length[0])};
   }
 
   const options& o_;
-  const parameters& p_;
+  parameters p_;              // of the present level
+  std::int64_t level_ = 0;    // so many finer ones come
+  double level_began_ = 0.0;  // s
+  std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
   std::size_t pressure_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
               earlier_ = 0;  // first of each in the extras
@@ -875,7 +962,8 @@ class convection : public march::problem {
   std::array<particles::array, K> noise_;
   particles::array W_sum_;
 
-  double reached_ = 1.0;     // of the viscosity's exponents
+  double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
+  double nu_ = p_.fluid.nu;  // m2/s, without the exponents
   bool whole_ = true;        // the next evaluation is one that is kept
   double v_max_ = 0.0;       // m/s, at the start of the step
   double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading

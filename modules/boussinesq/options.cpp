@@ -25,6 +25,21 @@ void declare(namelist::schema& schema, convection_options& o) {
              {.minimum = 0.0,
               .maximum = 1.0,
               .meaning = "the run ends when Nusselt number and rms velocity change by less; 0: at t_end only"});
+  schema.add(g, "steady_turnovers", o.steady_turnovers,
+             {.minimum = 0.0,
+              .maximum = 1000.0,
+              .exclusive_minimum = true,
+              .meaning = "steadiness and averages are over so many L/v_rms, and at least 0.01 L^2/kappa"});
+  schema.add(
+      g, "levels", o.levels,
+      {.minimum = 0,
+       .maximum = 10,
+       .meaning = "the run starts with twice the particle spacing, so many times twice, and goes on with half of "
+                  "it whenever the flow is steady; needs a steady_tolerance"});
+  schema.add(g, "level_tolerance", o.level_tolerance,
+             {.minimum = 0.0, .maximum = 1.0, .meaning = "a coarser level is steady when it changes by less"});
+  schema.add(g, "level_time", o.level_time,
+             {.unit = "s", .minimum = 0.0, .meaning = "at most, of each coarser level; 0: until it is steady"});
   schema.add(
       g, "target", o.target,
       {.choices = {"auto", "steady", "transient"},
@@ -66,6 +81,11 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
   schema.add(g, "viscosity_ramp", o.viscosity_ramp,
              {.unit = "s", .minimum = 0.0, .meaning = "the exponents grow from zero over this time"});
+  schema.add(g, "viscosity_start", o.viscosity_start,
+             {.minimum = 0.0,
+              .maximum = 1e9,
+              .exclusive_minimum = true,
+              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well"});
   schema.add(g, "viscous_heating", o.viscous_heating, {.meaning = "heat from friction, 2 nu e:e"});
   schema.add(g, "adiabatic_heating", o.adiabatic_heating,
              {.meaning = "cooling of what rises, alpha g v_y T; temperatures are absolute then"});
@@ -113,16 +133,13 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
     // kappa nothing is gained.
     const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
-    p.nu_eff = std::max(share * p.c_eff * dx, f.kappa);
+    p.sonic_share = share;
     p.slowing = relaxation::recommend(f, wanted);
-    p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
-    p.slowing.zeta = c_0 / (p.c_eff * p.slowing.xi);
     p.slowing.how = relaxation::method::rsst_vim;
     p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
     p.slowing.c_eff = p.c_eff;
-    p.slowing.Pr_eff = p.nu_eff / f.kappa;
     p.slowing.mach = p.slowing.speed / p.c_eff;
-    p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
+    follow_spacing(p, dx);
     p.lines.push_back(fmt::format(
         "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
@@ -166,6 +183,22 @@ void declare(namelist::schema& schema, options& o) {
   march::declare(schema, o.march, true);
 }
 
+std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
+  auto n = o.physics.domain.particles;
+  for (auto& along : n) along >>= level;
+  return n;
+}
+
+void follow_spacing(parameters& p, double dx) {
+  if (p.sonic_share == 0.0) return;
+  const auto& f = p.fluid;
+  p.nu_eff = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
+  p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
+  p.slowing.zeta = relaxation::sound_speed(f) / (p.c_eff * p.slowing.xi);
+  p.slowing.Pr_eff = p.nu_eff / f.kappa;
+  p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
+}
+
 parameters resolve(const namelist::schema& schema, options& o) {
   march::resolve(o.march);
   auto& c = o.convection;
@@ -207,6 +240,15 @@ parameters resolve(const namelist::schema& schema, options& o) {
   };
   follow_law("blankenbach_2a", std::log(1000.0), 0.0);
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
+  if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
+    schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
+  if (c.levels > 0 && c.steady_tolerance == 0.0)
+    schema.fail("convection", "levels",
+                "coarser particles on the way to a steady state; without a steady_tolerance the history is the aim");
+  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
+    if (d.particles[a] % (std::int64_t{1} << c.levels) != 0)
+      schema.fail("convection", "levels",
+                  fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
   choose_slowing(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta

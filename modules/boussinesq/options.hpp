@@ -15,6 +15,9 @@ struct convection_options {
   std::optional<double> rayleigh, prandtl;
   double zeta = 0.0, xi = 0.0;  // 0: recommended
   double steady_tolerance = 2e-4;
+  double steady_turnovers = 6.0;
+  std::int64_t levels = 0;  // coarser ones before
+  double level_tolerance = 2e-3, level_time = 0.0;
   std::string target = "auto";
   double steady_mach = 1.5;
   std::string gravity_density = "boussinesq";
@@ -25,7 +28,8 @@ struct convection_options {
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   double viscosity_ramp = 0.0;  // s
-  double heating = 0.0;         // W/kg
+  double viscosity_start = 1.0;
+  double heating = 0.0;  // W/kg
   bool viscous_heating = false, adiabatic_heating = false;
 };
 
@@ -52,6 +56,7 @@ struct parameters {
   relaxation::recommendation slowing;  // by the note's rules, or as given
   bool steady;                         // only the steady state is right: artificial inertia vanishes there
   double c_eff;                        // m/s, slowed sound c_0/(zeta xi)
+  double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
   double compressibility;              // what of p/K_0 gravity feels: 0, 1 or zeta²
   std::vector<std::string> lines;      // what was chosen, and why
@@ -60,5 +65,10 @@ struct parameters {
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.
 parameters resolve(const namelist::schema& schema, options& o);
+
+// Particles along each axis with `level` coarser spacings to come, each twice the one before.
+std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
+// Sets what of the slowing follows the spacing dx (m).
+void follow_spacing(parameters& p, double dx);
 
 }  // namespace tetsuame::boussinesq

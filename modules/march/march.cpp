@@ -42,6 +42,8 @@ struct loop {
   output::series series;
   std::string good_checkpoint;  // the newest; empty: none
   simulation::summary report;
+  double coarser_updates = 0.0;  // of particles, before there were as many as now
+  std::int64_t coarser_evaluations = 0;
   steady_clock::time_point began = steady_clock::now(), last_checkpoint = began;
   double stepping_seconds = 0.0;
 
@@ -115,6 +117,30 @@ struct loop {
     integrator->resize(p.fields(), p.local_particles());
   }
 
+  // With the problem's new particles, at the same time; the integrator's counts go on.
+  void refine() {
+    if (finished() || !p.refine(integrator->time())) return;
+    const auto before = integrator->save();
+    coarser_updates = updates();
+    coarser_evaluations = before.statistics.evaluations;
+    p.rebuild(false);
+    p.set_time(before.t);
+    make_integrator();
+    integrators::explicit_memory fresh;
+    fresh.t = before.t;
+    fresh.statistics = before.statistics;
+    integrator->restore(fresh);
+    count_particles();
+    tell(fmt::format("step {}, t = {:.6g} s: goes on with {} particles, dt = {:.4g} s", step, before.t,
+                     report.fluid_particles, dt));
+    warn_about_step();
+  }
+  void count_particles() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles())); }
+  double updates() const {
+    return coarser_updates + static_cast<double>(report.fluid_particles) *
+                                 static_cast<double>(integrator->statistics().evaluations - coarser_evaluations);
+  }
+
   bool finished() const { return step >= o.time.steps || is_steady || integrator->time() >= t_end() * (1.0 - 1e-12); }
 
   // Where the next step must stop: fixed steps keep their length but for the last one.
@@ -159,7 +185,7 @@ struct loop {
             integrator->time(),
             t_end(),
             statistics.last_dt,
-            static_cast<std::uint64_t>(statistics.evaluations) * static_cast<std::uint64_t>(report.fluid_particles)};
+            static_cast<std::uint64_t>(updates())};
   }
 
   bool must_stop() const {
@@ -180,7 +206,8 @@ struct loop {
   void record() {
     const double t = integrator->time();
     const bool snapshot_due = o.output.interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9);
-    if (step % o.output.history_interval == 0 || finished()) {
+    const bool measured = step % o.output.history_interval == 0 || finished();
+    if (measured) {
       evaluate_here();
       append_history();
       is_steady = p.steady();
@@ -193,6 +220,7 @@ struct loop {
     // Rank 0's clock decides for all.
     const double age =
         o.run.checkpoint_seconds > 0.0 ? ranks.maximum(ranks.rank == 0 ? since(last_checkpoint) : 0.0) : 0.0;
+    if (measured) refine();
     if (by_steps || (o.run.checkpoint_seconds > 0.0 && age >= o.run.checkpoint_seconds)) write_checkpoint();
   }
 
@@ -230,6 +258,8 @@ struct loop {
     g.reals["next_snapshot"] = next_snapshot;
     g.reals["stepping_seconds"] = stepping_seconds;
     g.reals["fixed_dt"] = dt;
+    g.reals["coarser_updates"] = coarser_updates;
+    g.integers["coarser_evaluations"] = coarser_evaluations;
     g.integers["step"] = step;
     g.integers["simd_lanes"] = simd_lanes;
     g.integers["snapshots"] = snapshots;
@@ -273,12 +303,15 @@ struct loop {
           "the checkpoint was written with {} SIMD lanes, this run has {}: the last digits will differ from "
           "the uninterrupted run's",
           before, simd_lanes));
-    p.read_particles(saved.state.tables.at("fluid"));
     p.restore(g);
+    p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
+    count_particles();
     make_integrator();
     integrator->restore(simulation::integrator_memory(g));
     p.set_time(integrator->time());
+    coarser_updates = g.reals.at("coarser_updates");
+    coarser_evaluations = g.integers.at("coarser_evaluations");
     step = g.integers.at("step");
     snapshots = g.integers.at("snapshots");
     next_snapshot = g.reals.at("next_snapshot");
@@ -288,6 +321,8 @@ struct loop {
     series = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots));
     is_steady = p.steady();
     evaluate_here();
+    // An interrupted run may have ended before it went on finer.
+    if (step % o.output.history_interval == 0) refine();
   }
 
   void fill_report() {
@@ -297,6 +332,7 @@ struct loop {
     if (!integrator) return;
     report.time = integrator->time();
     report.statistics = integrator->statistics();
+    report.particle_updates = updates();
   }
 
   std::optional<output::latest_checkpoint> prepare() {
@@ -308,7 +344,7 @@ struct loop {
           "Set TETSUAME_SIMD=avx2 in the environment of all ranks");
     report.program = line.program;
     report.dimension = p.header().dimension;
-    report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles()));
+    count_particles();
     report.ranks = ranks.size;
     report.threads = omp_get_max_threads();
     report.simd_lanes = simd_lanes;

@@ -52,14 +52,16 @@ class problem {
   virtual std::vector<output::history_column> columns() const = 0;  // beside time and dt
   virtual std::vector<double> row(double t) = 0;
   virtual bool steady() const { return false; }  // after row(): nothing more will happen
+  // After row(). Returns whether the problem goes on, at the same time, with other particles in other arrays.
+  virtual bool refine(double) { return false; }
   virtual std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) = 0;
   virtual void report(double t, simulation::summary& s) = 0;
   virtual std::string hash() = 0;
 
   virtual output::table_view particles_table(std::vector<std::int64_t>& materials) = 0;
-  virtual void read_particles(const output::table& t) = 0;
   virtual void save(output::checkpoint_globals&) const {}
   virtual void restore(const output::checkpoint_globals&) {}
+  virtual void read_particles(const output::table& t) = 0;  // after restore()
 };
 
 }  // namespace tetsuame::march

@@ -36,7 +36,9 @@ void summary::write(const domain::communicator& where, const std::string& direct
   j["wall_seconds"] = wall_seconds;
   j["stepping_seconds"] = stepping_seconds;
   j["rhs_evaluations"] = statistics.evaluations;
-  const double updates = static_cast<double>(fluid_particles) * static_cast<double>(statistics.evaluations);
+  const double updates =
+      particle_updates.value_or(static_cast<double>(fluid_particles) * static_cast<double>(statistics.evaluations));
+  j["particle_updates"] = updates;
   j["particle_updates_per_second"] = stepping_seconds > 0.0 ? updates / stepping_seconds : 0.0;
   j["attempts"] = statistics.attempts;
   j["rejections"] = statistics.rejections;

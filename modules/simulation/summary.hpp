@@ -20,6 +20,7 @@ struct summary {
   int ranks = 1, threads = 1, simd_lanes = 1;
   double wall_seconds = 0.0, stepping_seconds = 0.0;
   integrators::explicit_statistics statistics;
+  std::optional<double> particle_updates;  // where the number of particles changed on the way
   std::optional<std::int64_t> diverged_step, diverged_iteration;
   std::map<std::string, double> stages;  // s
   nlohmann::ordered_json errors = nullptr, conservation = nullptr, metrics = nlohmann::ordered_json::object();

@@ -1,6 +1,7 @@
 // Measures of convection: gradients at a wall, time averages, when a flow is steady; and the input's overrides.
 #define BOOST_TEST_MODULE boussinesq
 #include <boost/test/unit_test.hpp>
+#include <boussinesq/interpolation.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/wall_gradient.hpp>
@@ -52,6 +53,29 @@ BOOST_AUTO_TEST_CASE(gradient_at_a_wall_is_exact_for_its_polynomial) {
   });
   BOOST_TEST(wall_gradient(deep, {6.0, 4.5}, 3.5, 3) == 2.0, tt::tolerance(1e-10));
   BOOST_TEST(std::isnan(wall_gradient({}, {6.0, 0.0}, 3.5, 2)));
+}
+
+BOOST_AUTO_TEST_CASE(interpolation_is_exact_for_polynomials_of_second_degree) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> jitter(-0.2, 0.2);
+  const auto first = [](double x, double y) { return 1.0 + 2.0 * x - y + 0.3 * x * x - 0.1 * x * y + 0.2 * y * y; };
+  const auto second = [](double x, double y) { return y * y - 4.0 * x; };
+  particles::particles<2> s;
+  particles::allocate(s, 100, 0, 0, 0);
+  particles::array f(s.total()), g(s.total());
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    s.id[i] = static_cast<std::int64_t>(i);
+    s.x[0][i] = static_cast<double>(i % 10) + jitter(random);
+    s.x[1][i] = static_cast<double>(i / 10) + jitter(random);
+    f[i] = first(s.x[0][i], s.x[1][i]);
+    g[i] = second(s.x[0][i], s.x[1][i]);
+  }
+  const interpolation<2> at(s, 2.6);
+  const auto inside = at({4.3, 5.1}, std::array<const double*, 2>{f.data(), g.data()});
+  BOOST_REQUIRE(inside.has_value());
+  BOOST_TEST((*inside)[0] == first(4.3, 5.1), tt::tolerance(1e-10));
+  BOOST_TEST((*inside)[1] == second(4.3, 5.1), tt::tolerance(1e-10));
+  BOOST_TEST(!at({30.0, 5.0}, std::array<const double*, 1>{f.data()}).has_value());
 }
 
 BOOST_AUTO_TEST_CASE(averages) {

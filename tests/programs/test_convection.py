@@ -64,6 +64,53 @@ class Convection(Case):
         self.assertGreater(rates[1], 0)
         self.assertAlmostEqual((1600 - 200 * rates[0] / (rates[1] - rates[0])) / 1707.8, 1, delta=0.02)
 
+    def test_onset_between_plates_that_slip(self):
+        """Periodic sides, free slip: with Pr = 1 disturbances grow as s = k (Ra/K)^(1/2) - K, K = pi^2 + k^2 [Chandrasekhar (1961), ch. II],
+        once the other mode, exp(-2 K t), is gone: 657.54 for this box, 27 pi^4/4 = 657.51 at best."""
+        k = 2 * math.pi / 2.8125
+        K = math.pi**2 + k * k
+        settings = {"domain.length_x": 0.28125, "domain.particles_x": 45, "domain.particles_y": 16, "walls.slip": "free_slip",
+                    "convection.steady_tolerance": 0, "time.t_end": 600}
+        for Ra in [624, 690]:
+            result = self.run_program("convection", "rayleigh_benard", {**settings, "convection.rayleigh": Ra})
+            header, rows = result.rows()
+            t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
+            rows = [(float(row[t]) * 1e-3, float(row[v])) for row in rows if float(row[t]) > 400]
+            rate = math.log(rows[-1][1] / rows[0][1]) / (rows[-1][0] - rows[0][0])
+            with self.subTest(rayleigh=Ra):
+                critical = Ra * (K / (K + rate))**2
+                self.assertAlmostEqual(critical / (K**3 / k**2), 1, delta=0.002)
+
+    def test_nested_start(self):
+        """Coarser lattices first: the same steady state as from the lattice itself, for fewer updates; levels are told apart in the history."""
+        settings = {**size(24), "convection.steady_tolerance": 1e-3}
+        alone = self.run_program("convection", MANTLE, settings).summary
+        result = self.run_program("convection", MANTLE, {**settings, "convection.levels": 1})
+        s = result.summary
+        self.assertTrue(s["metrics"]["steady"])
+        self.assertEqual((s["fluid_particles"], s["metrics"]["levels_left"]), (576, 0))
+        for name, delta in [("nusselt_volume", 1e-3), ("nusselt_top", 1e-3), ("v_rms", 1e-3)]:
+            self.assertAlmostEqual(s["metrics"][name] / alone["metrics"][name], 1, delta=delta)
+        self.assertLess(s["particle_updates"], 0.8 * alone["particle_updates"])
+        header, rows = result.rows()
+        times = [float(row[header.index("time [s]")]) for row in rows]
+        self.assertEqual(times, sorted(times))
+
+    def test_nested_start_ranks_restart(self):
+        settings = {**size(40), "convection.levels": 2, "convection.level_time": 2e16, "time.steps": 300}
+        for name, more in [("walls", {}), ("periodic", {"domain.periodic_x": ".true.", "walls.slip": "no_slip", "time.method": "ab2", "convection.level_time": 2e15})]:
+            with self.subTest(name):
+                settings.update(more)
+                whole = self.run_program("convection", MANTLE, settings).summary
+                self.assertEqual((whole["fluid_particles"], whole["metrics"]["levels_left"]), (1600, 0))
+                s = self.run_program("convection", MANTLE, settings, ranks=3).summary
+                self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+                for steps in [100, 140]:
+                    part = {**settings, "time.steps": steps, "run.checkpoint_interval": 20}
+                    self.run_program("convection", MANTLE, part, output=f"part_{name}_{steps}")
+                    s = self.run_program("convection", MANTLE, settings, output=f"part_{name}_{steps}", options=["--restart", "latest"], ranks=2).summary
+                    self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+
     def test_contrast_of_viscosity(self):
         """Case 2a's law at full contrast from the start: the first plume reaches the lid, and temperatures stay between those of the walls
         (nearly: nothing cuts them off)."""
@@ -128,6 +175,7 @@ class Convection(Case):
                        {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional", "convection.steady_mach": 0.3},
                        {"convection.viscosity_law": "exponential", "convection.temperature_exponent": 1.0}, {"convection.steady_mach": 0.5}, {"convection.scheme": "plain"}, {"convection.remap_diffusion": 0.1},
                        {"convection.viscous_heating": ".true."}, {"convection.adiabatic_heating": ".true."}, {"walls.slip_top": "no_slip"},
+                       {"convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e18},
                        {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
                        {"convection.target": "transient"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
             with self.subTest(**change):
@@ -137,11 +185,30 @@ class Convection(Case):
 
     def test_wrong_input(self):
         for key, value, word in [("domain.periodic_y", ".true.", "periodic_y"), ("walls.temperature_bottom", -1, "temperature_bottom"),
-                                 ("convection.rayleigh", -1, "rayleigh"), ("convection.temperature_exponent", 1, "viscosity_law")]:
+                                 ("convection.rayleigh", -1, "rayleigh"), ("convection.temperature_exponent", 1, "viscosity_law"),
+                                 ("convection.levels", 7, "levels")]:
             with self.subTest(key):
                 result = self.run_program("convection", MANTLE, {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
+
+    def test_viscosity_that_falls(self):
+        """A tenth of the Rayleigh number at first: the roll is slower; once the viscosity is there, the steady state is that of the input."""
+        settings = {**size(16), "convection.steady_tolerance": 1e-3, "convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e17}
+        result = self.run_program("convection", MANTLE, settings)
+        header, rows = result.rows()
+        t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
+        self.assertLess(max(float(row[v]) for row in rows if float(row[t]) < 2e16), 20)
+        m = result.summary["metrics"]
+        self.assertTrue(m["steady"])
+        self.assertAlmostEqual(m["nusselt_volume"] / 4.884409, 1, delta=0.01)
+        self.assertAlmostEqual(m["v_rms"] / 42.864947, 1, delta=0.01)
+        wrong = self.run_program("convection", MANTLE, {"convection.viscosity_start": 10.0}, expect=BAD_INPUT)
+        self.assertIn("viscosity_ramp", wrong.stderr)
+
+    def test_levels_need_a_steady_aim(self):
+        result = self.run_program("convection", MANTLE, {"convection.levels": 1, "convection.steady_tolerance": 0}, expect=BAD_INPUT)
+        self.assertIn("levels", result.stderr)
 
     def test_too_large_a_step_is_told(self):
         result = self.run_program("convection", MANTLE, {**size(12), "time.dt": 1e16}, expect=CALCULATION_FAILED)
