@@ -27,14 +27,14 @@ CONVERGENCE = ("nusselt_volume", "v_rms")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--particles", nargs="+", type=int, metavar="N",
-                        help="particles along the height, one run each (default: 16 24 32; with --quick 12 16 24)")
+                        help="particles along the height, one run each (default: 16 24 32; with --quick 16 20 24)")
     parser.add_argument("--inputs", metavar="NAME,…",
                         help=f"names in inputs/, or paths of namelists (default: {','.join(INPUTS)}; with --quick {','.join(QUICK)})")
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
     names = [name.strip() for name in given.inputs.split(",")] if given.inputs else QUICK if given.quick else INPUTS
-    particles = sorted(set(given.particles or ((12, 16, 24) if given.quick else (16, 24, 32))))
+    particles = sorted(set(given.particles or ((16, 20, 24) if given.quick else (16, 24, 32))))
     if particles[0] < 8:
         parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
     inputs = [find_input(name, root, parser, "", tuple(references.STEADY)) for name in names if name]
