@@ -8,7 +8,7 @@ namespace tetsuame::boussinesq {
 
 namespace {
 
-// Catmull and Rom's cubic: weights of the four values around a place at s in the cell between the middle two.
+// The cubic through the four nodes around a place: their weights.
 struct place_between {
   std::size_t first;
   std::array<double, 4> weight;
@@ -16,7 +16,6 @@ struct place_between {
 
 place_between find(double y, double L, int nodes) {
   const double at = std::clamp(y / L, 0.0, 1.0) * nodes;
-  // At the ends the cubic through the four outermost values.
   const int first = std::clamp(static_cast<int>(at) - 1, 0, nodes - 3);
   const double s = at - first;
   return {static_cast<std::size_t>(first),
@@ -27,7 +26,7 @@ place_between find(double y, double L, int nodes) {
 }  // namespace
 
 gravity_density::gravity_density(const eos::any& material, const layer& l) : l_(l) {
-  const double beyond = 0.5 * std::abs(l.T_bottom - l.T_top);
+  const double beyond = 0.1 * std::abs(l.T_bottom - l.T_top);
   low_ = std::max(std::min(l.T_bottom, l.T_top) - beyond, 0.0);
   high_ = std::max(l.T_bottom, l.T_top) + beyond;
   const overturn::barotropic adiabat{&material, l.p_top, l.T_top, true};

@@ -21,7 +21,7 @@ class gravity_density {
     double T_top, T_bottom;  // K
   };
   // fail_calculation where the equation of state has no density at a pressure of the column and a temperature between
-  // T_top and T_bottom, or half their difference beyond.
+  // T_top and T_bottom, or a tenth of their difference beyond: outside the density goes on straight.
   gravity_density(const eos::any& material, const layer& l);
 
   // m/s2, upwards; q: what of p gravity feels.

@@ -37,8 +37,14 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25"});
   schema.add(g, "gravity_density", o.gravity_density,
-             {.choices = {"boussinesq", "separated", "conventional"},
-              .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
+             {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
+              .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
+                         "density of an equation of state at the pressure of a column at rest, and p'/K"});
+  std::vector<std::string> materials(eos::names().begin(), eos::names().end());
+  schema.add(g, "eos", o.eos,
+             {.choices = materials,
+              .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
+  schema.add(g, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
   schema.add(g, "scheme", o.scheme,
@@ -85,6 +91,50 @@ void make_consistent(const options& o, relaxation::material_options& m, double d
   } else if (c.rayleigh) {
     m.viscosity = m.expansivity * drive / Ra * m.density;
   }
+}
+
+// The density that gravity weighs, if it is that of an equation of state.
+void weigh(const namelist::schema& schema, const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const auto& f = p.fluid;
+  const double c_p = o.physics.material.heat_capacity;
+  p.dissipation_number = f.alpha * f.g * f.L / c_p;
+  if (c.gravity_density != "equation_of_state") {
+    for (const char* key : {"eos", "p_top"})
+      if (schema.given("convection", key))
+        schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
+    return;
+  }
+  const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  if (!(T_top > 0.0))
+    schema.fail("convection", "gravity_density",
+                "an equation of state needs absolute temperatures: that of the top must be above 0 K");
+  eos::material_options wanted;
+  wanted.name = c.eos;
+  if (c.eos == "linear") {
+    wanted.reference_pressure = c.p_top;
+    wanted.reference_density = f.rho;
+    wanted.reference_temperature = T_top;
+    wanted.bulk_modulus = f.K;
+    wanted.thermal_expansivity = f.alpha;
+    wanted.heat_capacity = c_p;
+  }
+  const auto material = eos::make(wanted);
+  p.weighed =
+      std::make_shared<gravity_density>(material, gravity_density::layer{f.L, f.g, f.rho, c.p_top, T_top, T_bottom});
+  const auto& w = *p.weighed;
+  constexpr int n = 100;
+  double mean = 0.0;
+  for (int k = 0; k < n; ++k) {
+    const double y = f.L * (k + 0.5) / n;
+    mean += w.slope(y, w.temperature(y)) / n;
+  }
+  p.dissipation_number = mean * f.L / c_p;
+  p.lines.push_back(fmt::format(
+      "gravity feels the density of {}: at rest {:.4g} to {:.4g} kg/m3, {:.4g} to {:.4g} Pa, adiabat {:.4g} to {:.4g} "
+      "K, expansivity {:.3g} to {:.3g} 1/K from top to bottom; dissipation number {:.4g}",
+      eos::about(material).name, w.density(f.L), w.density(0.0), w.pressure(f.L), w.pressure(0.0), w.temperature(f.L),
+      w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), p.dissipation_number));
 }
 
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
@@ -208,9 +258,10 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_law("blankenbach_2a", std::log(1000.0), 0.0);
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
   choose_slowing(schema, o, p);
-  p.compressibility = c.gravity_density == "separated"      ? 1.0
-                      : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
-                                                            : 0.0;
+  weigh(schema, o, p);
+  p.compressibility = c.gravity_density == "separated" || p.weighed ? 1.0
+                      : c.gravity_density == "conventional"         ? p.slowing.zeta * p.slowing.zeta
+                                                                    : 0.0;
   if (!o.march.time.t_end) o.march.time.t_end = p.fluid.L * p.fluid.L / p.fluid.kappa;
   return p;
 }

@@ -119,7 +119,7 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             "<h2>Who survives</h2>", outcome_table(measured, names),
             "<h2>Overturn</h2>",
             report.drawn(figures.states, outcomes, folder / "states.png",
-                         "The last state on disk: metal dark, silicate light. Of a run that stopped, that is the last good one."),
+                         "The last state on disk: metal dark, silicate light, at each place the particle nearest to it."),
             report.drawn(figures.courses, outcomes, folder / "courses.png",
                          "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
                          "over their start values. ×: the run stopped."),

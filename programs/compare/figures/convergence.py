@@ -40,7 +40,7 @@ def draw(panels: list[tuple[str, list[Curve]]], ylabel: str, path: Path) -> bool
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel(ylabel)
         low, high = ax.get_ylim()
-        plain = FuncFormatter(lambda value, _: f"{value:.0e}".replace("e-0", "e-").replace("e+00", "").replace("e+0", "e"))
+        plain = FuncFormatter(lambda value, _: f"{value:.2g}")
         ax.yaxis.set_major_formatter(plain)
         ax.yaxis.set_minor_formatter(plain if high < 12 * low else NullFormatter())
         ax.tick_params(axis="y", which="minor", labelsize=7.5)

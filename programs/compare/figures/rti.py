@@ -2,13 +2,14 @@
 from pathlib import Path
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 
 from ..results import fluid, history, last_time, number, resolved
 from ..runner import COMPLETED, Outcome
 from . import convergence as orders
 from . import style
 
-METAL, SILICATE = "#5b3a29", "#e8c9a0"
+MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
 NUMBER = "#111111"   # number density
 DASHES = {"": "-", "δ": (0, (5, 1.5)), "δ, ΔV own": (0, (1, 1)), "smoothed": (0, (5, 1.5)), "smoothed, Y/p": (0, (1, 1))}
 
@@ -21,6 +22,13 @@ def look(name: str) -> dict:
     return {"color": colour(name), "linestyle": DASHES.get(name.partition(", ")[2], "-"), "linewidth": 1.4}
 
 
+def nearest(x, y, values, points: int = 160) -> np.ndarray:
+    """The value of the particle nearest to each point of an even lattice over the unit square."""
+    at = (np.arange(points) + 0.5) / points
+    rows = [values[np.argmin((x[None, :] - at[:, None]) ** 2 + (y[None, :] - height) ** 2, axis=1)] for height in at]
+    return np.array(rows, float)
+
+
 def states(outcomes: list[Outcome], path: Path) -> bool:
     runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Metal" in fields]
     if not runs:
@@ -30,11 +38,9 @@ def states(outcomes: list[Outcome], path: Path) -> bool:
     for ax, (o, fields) in zip(axes, runs):
         length = resolved(o.folder, "domain", "length_x")
         x, y = fields["Coordinates"][:, :2].T / length
-        size = (72 * 0.9 * style.WIDTH / columns / o.case.n) ** 2
-        metal = fields["Metal"] > 0.5
-        ax.scatter(x[~metal], y[~metal], s=1.1 * size, marker="s", color=SILICATE, linewidths=0)
-        ax.scatter(x[metal], y[metal], s=1.1 * size, marker="s", color=METAL, linewidths=0)
-        ax.set_title(f"{o.case.variant}\n", pad=1)
+        ax.imshow(nearest(x, y, fields["Metal"] > 0.5), origin="lower", extent=(0, 1, 0, 1), cmap=MATERIALS, vmin=0, vmax=1,
+                  interpolation="nearest")
+        ax.set_title(o.case.variant, pad=15)
         until = number(o.summary, "time")
         said = "complete" if o.kind == COMPLETED else "stopped" if until is None else f"stopped at {until:.0f} s"
         ax.text(0, 1.02, f"t = {last_time(o.folder):.0f} s, {said}", transform=ax.transAxes, fontsize=8,

@@ -58,7 +58,7 @@ def maps(runs, path: Path) -> bool:
         x, y = fields["Coordinates"][:, :2].T
         length = resolved(o.folder, "domain", "length_x")
         size = (0.86 * 72 * style.WIDTH / 4 * 0.88 / o.case.n) ** 2
-        points = ax.scatter(x, y, c=fields["Density"], s=size * 0.8, vmin=low, vmax=high, cmap=colormaps["cividis"], linewidths=0)
+        points = ax.scatter(x, y, c=fields["Density"], s=size * 1.1, vmin=low, vmax=high, cmap=colormaps["cividis"], linewidths=0)
         ax.set_title(style.SCHEME[o.case.variant][0])
         ax.set_aspect("equal")
         ax.set_xlim(0, length)
