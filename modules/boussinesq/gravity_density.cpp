@@ -37,7 +37,7 @@ gravity_density::gravity_density(const eos::any& material, const layer& l) : l_(
     auto& n = nodes_[static_cast<std::size_t>(k)];
     const auto here = at_rest.at(l.L * k / nodes);
     const auto e = eos::evaluate(material, here.density, here.temperature);
-    n = {here.pressure, here.density, here.temperature, e.alpha, e.K_T, {}};
+    n = {here.pressure, here.density, here.temperature, e.alpha, e.K_T, {}, {}};
     // Values at the zeros of the next polynomial.
     std::array<double, terms> weighed{};
     for (int j = 0; j < terms; ++j) {
@@ -52,6 +52,26 @@ gravity_density::gravity_density(const eos::any& material, const layer& l) : l_(
       n.series[static_cast<std::size_t>(m)] = (m == 0 ? 1.0 : 2.0) / terms * sum;
     }
   }
+  for (std::size_t k = nodes; k-- > 0;)
+    for (std::size_t m = 0; m <= degree; ++m)
+      nodes_[k].above[m] = nodes_[k + 1].above[m] + 0.5 * l.L / nodes * (nodes_[k].series[m] + nodes_[k + 1].series[m]);
+}
+
+double gravity_density::heat_capacity_change(double y, double T) const {
+  const auto at = find(y, l_.L, nodes);
+  std::array<double, degree + 1> c{};
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t m = 0; m <= degree; ++m) c[m] += at.weight[k] * nodes_[at.first + k].above[m];
+  const double per_T = 2.0 / (high_ - low_);
+  const double s = std::clamp((T - 0.5 * (low_ + high_)) * per_T, -1.0, 1.0);
+  // d²T_m/ds² = m dU_(m-1)/ds, and dU_(n+1) = 2 U_n + 2 s dU_n - dU_(n-1).
+  double u_before = 1.0, u = 2.0 * s, du_before = 0.0, du = 2.0, sum = 0.0;
+  for (std::size_t m = 2; m <= degree; ++m) {
+    sum += c[m] * static_cast<double>(m) * du;
+    const double du_next = 2.0 * u + 2.0 * s * du - du_before, u_next = 2.0 * s * u - u_before;
+    du_before = du, du = du_next, u_before = u, u = u_next;
+  }
+  return -T * sum * per_T * per_T;
 }
 
 double gravity_density::value(double node::*member, double y) const {

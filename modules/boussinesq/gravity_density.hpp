@@ -5,6 +5,10 @@
 //
 // p is the pressure beyond what carries T_c, so that conduction is at rest. With the linear equation of state of
 // ρ_0, α and K_0 this is b = α g (T - T_c) - g q p/K_0, to the last digits [S1 (64)].
+//
+// Energy: friction takes the work of b, and what rises cools by T ∂b/∂T v_y. For their difference to be a flux of heat,
+// the heat capacity must follow ∂c_p/∂y = T ∂²b/∂T², which is (∂c_p/∂p)_T = -T (∂²(1/ρ)/∂T²)_p of thermodynamics in a
+// flow of constant ρ_0: enthalpy h(T, y), ∂h/∂T = c_p, ∂h/∂y = -(b - T ∂b/∂T), is then conserved.
 #pragma once
 
 #include <eos/eos.hpp>
@@ -27,6 +31,8 @@ class gravity_density {
   // m/s2, upwards; q: what of p gravity feels.
   double buoyancy(double y, double T, double p, double q) const;
   double slope(double y, double T) const;  // ∂b/∂T = g α ρ/ρ_0, m/(s2 K)
+  // c_p(y, T) less that at the top, J/(kg K): -T ∫_y^L ∂²b/∂T² dy.
+  double heat_capacity_change(double y, double T) const;
 
   // Of the column at rest.
   double pressure(double y) const { return value(&node::p, y); }         // Pa
@@ -40,6 +46,7 @@ class gravity_density {
   struct node {
     double p, rho, T, alpha, K;
     std::array<double, degree + 1> series;  // of -g ρ̂/ρ_0 by s, -1 <= s <= 1
+    std::array<double, degree + 1> above;   // of its integral from y to L
   };
   double value(double node::*member, double y) const;
   std::pair<double, double> series(double y, double T) const;  // -g ρ̂/ρ_0 and its slope in T

@@ -44,6 +44,8 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "eos", o.eos,
              {.choices = materials,
               .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
+  schema.add(g, "eos_dynamic_pressure", o.eos_dynamic_pressure,
+             {.meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
   schema.add(g, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
@@ -100,7 +102,7 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
   const double c_p = o.physics.material.heat_capacity;
   p.dissipation_number = f.alpha * f.g * f.L / c_p;
   if (c.gravity_density != "equation_of_state") {
-    for (const char* key : {"eos", "p_top"})
+    for (const char* key : {"eos", "eos_dynamic_pressure", "p_top"})
       if (schema.given("convection", key))
         schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
     return;
@@ -130,11 +132,24 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
     mean += w.slope(y, w.temperature(y)) / n;
   }
   p.dissipation_number = mean * f.L / c_p;
+  double least = c_p, most = c_p;  // of the heat capacity
+  for (int k = 0; k <= n && c.adiabatic_heating; ++k)
+    for (const double T : {T_top, 0.5 * (T_top + T_bottom), T_bottom}) {
+      const double here = c_p + w.heat_capacity_change(f.L * k / n, T);
+      least = std::min(least, here), most = std::max(most, here);
+    }
+  if (!(least > 0.0))
+    schema.fail(
+        "convection", "eos",
+        fmt::format("with this equation of state the heat capacity would fall to {:.4g} J/(kg K): give a larger "
+                    "heat_capacity, or leave adiabatic_heating",
+                    least));
   p.lines.push_back(fmt::format(
       "gravity feels the density of {}: at rest {:.4g} to {:.4g} kg/m3, {:.4g} to {:.4g} Pa, adiabat {:.4g} to {:.4g} "
-      "K, expansivity {:.3g} to {:.3g} 1/K from top to bottom; dissipation number {:.4g}",
+      "K, expansivity {:.3g} to {:.3g} 1/K from top to bottom; heat capacity {:.4g} to {:.4g} J/(kg K); dissipation "
+      "number {:.4g}",
       eos::about(material).name, w.density(f.L), w.density(0.0), w.pressure(f.L), w.pressure(0.0), w.temperature(f.L),
-      w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), p.dissipation_number));
+      w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), least, most, p.dissipation_number));
 }
 
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
@@ -259,9 +274,10 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
   choose_slowing(schema, o, p);
   weigh(schema, o, p);
-  p.compressibility = c.gravity_density == "separated" || p.weighed ? 1.0
-                      : c.gravity_density == "conventional"         ? p.slowing.zeta * p.slowing.zeta
-                                                                    : 0.0;
+  p.compressibility = c.gravity_density == "separated"      ? 1.0
+                      : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
+                      : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
+                                                            : 0.0;
   if (!o.march.time.t_end) o.march.time.t_end = p.fluid.L * p.fluid.L / p.fluid.kappa;
   return p;
 }

@@ -22,6 +22,7 @@ struct convection_options {
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
   double p_top = 0.0;          // Pa
+  bool eos_dynamic_pressure = true;
   std::string pressure = "eulerian";
   std::string scheme = "consistent";
   std::string operators = "corrected";

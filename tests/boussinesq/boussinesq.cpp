@@ -124,6 +124,7 @@ BOOST_AUTO_TEST_CASE(linear_equation_of_state_weighs_as_the_boussinesq_law) {
     BOOST_TEST(weighed.buoyancy(y, T, p, 1.0) == right, tt::tolerance(1e-9));
     BOOST_TEST(weighed.slope(y, T) == alpha * g, tt::tolerance(1e-9));
     BOOST_TEST(weighed.buoyancy(y, conductive, 0.0, 1.0) == 0.0);
+    BOOST_TEST(std::abs(weighed.heat_capacity_change(y, T)) < 1e-6 * 1250.0);
   }
 }
 
@@ -156,6 +157,23 @@ BOOST_AUTO_TEST_CASE(column_at_rest_and_its_density) {
       }
     }
   }
+}
+
+// What makes enthalpy a function of T and y: dc_p/dy = T d²b/dT², here by differences of b itself.
+BOOST_AUTO_TEST_CASE(heat_capacity_follows_the_pressure) {
+  eos::material_options m;
+  m.name = "liquid_silicate";
+  const double L = 2e6;
+  const gravity_density weighed(eos::make(m), {L, 20.0, 4000.0, 1e10, 1500.0, 5000.0});
+  BOOST_TEST(weighed.heat_capacity_change(L, 3000.0) == 0.0);
+  for (const double y : {0.1 * L, 0.5 * L, 0.9 * L})
+    for (const double T : {1800.0, 3000.0, 4500.0}) {
+      const double d = 1e-2 * L, e = 50.0;
+      const double grows =
+          (weighed.heat_capacity_change(y + d, T) - weighed.heat_capacity_change(y - d, T)) / (2.0 * d);
+      const double bends = (weighed.slope(y, T + e) - weighed.slope(y, T - e)) / (2.0 * e);
+      BOOST_TEST(grows == T * bends, tt::tolerance(5e-3) << "y = " << y << ", T = " << T);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(input_of_gravity_by_an_equation_of_state) {
