@@ -174,7 +174,7 @@ class EquationOfState(Case):
             m = s["metrics"]
             nusselt[heated] = 0.5 * (m["nusselt_top"] + m["nusselt_bottom"])
             self.assertTrue(m["steady"])
-            # Few particles: with n = 24 these are 1 % and 0.3 %. Without the heat capacity's change the first stays at 4 %.
+            # Few particles: with n = 24 these are 1 % and 0.3 %. With a constant heat capacity the first does not fall with n.
             self.assertLess(abs(m["heat_imbalance"]), 0.06)
             self.assertLess(abs(m["work_imbalance"]), 0.03)
         self.assertLess(nusselt["T"], 0.5 * nusselt["F"])
