@@ -121,33 +121,30 @@ def glance(measured: dict, cases: list[str]) -> str:
         done = [one for one in runs if one["outcome"] == COMPLETED]
         best = done[-1] if done else runs[-1]
         cells = "".join(f"<td class=\"number\">{text}</td>" for name in CONVERGENCE
-                        for text in (shown(best, name), right(best, name), error(best, name)))
+                        for text in (shown(best, name), error(best, name)))
         rows.append(f"<tr><td class=\"name\">{escape(case)}</td><td class=\"number\">{best['n']}</td>{state(best)}{cells}"
                     f"<td class=\"number\">{percent(best['heat_imbalance'])}</td>"
                     f"<td class=\"number\">{count(best['right_hand_sides'])}</td></tr>")
-    return report.table(["Case", "n", "Outcome", "Nu", "known", "error", "v_rms (κ/L)", "known", "error", "heat in − out",
-                         "right-hand sides"], rows, numbers=frozenset({1, *range(3, 11)}))
+    return report.table(["Case", "n", "Outcome", "Nu", "error", "v_rms (κ/L)", "error", "heat in − out", "right-hand sides"], rows,
+                        numbers=frozenset({1, *range(3, 9)}))
 
 
 def case_table(measured: dict, case: str) -> str:
+    """Quantities down, resolutions across, the known value last."""
     runs = [one for one in measured["runs"] if one["case"] == case]
     names = [name for name in SYMBOL if any(name in one["values"] for one in runs)]
-    if not names:
-        rows = [f"<tr><td class=\"number\">{one['n']}</td>{state(one)}<td>{escape(one['reason'] or '')}</td></tr>" for one in runs]
-        return f"<h3>{escape(case)}</h3>\n" + report.table(["n", "Outcome", "Reason"], rows, numbers=frozenset({0}))
-    rows = []
-    for one in runs:
-        cells = "".join(f"<td class=\"number\">{shown(one, name)}</td><td class=\"number\">{error(one, name)}</td>" for name in names)
-        rows.append(f"<tr><td class=\"number\">{one['n']}</td>{state(one)}{cells}<td class=\"number\">{count(one['right_hand_sides'])}</td>"
-                    f"<td class=\"number\">{seconds(one['seconds'])}</td></tr>")
-    known = [one for one in runs if one["source"]]
-    if known:
-        cells = "".join(f"<td class=\"number\"><b>{right(known[0], name)}</b></td><td></td>" for name in names)
-        rows.append(f"<tr class=\"first\"><td></td><td><b>known</b></td>{cells}<td></td><td></td></tr>")
-    head = ["n", "Outcome", *(text for name in names for text in (SYMBOL[name], "error")), "right-hand sides", "seconds"]
-    source = f"<p class=\"small\">Known: {escape(known[0]['source'])}.</p>" if known else \
+    known = next((one for one in runs if one["source"]), None)
+    rows = ["<tr><td>outcome</td>" + "".join(state(one, 2) for one in runs) + "<td></td></tr>"]
+    for name in names:
+        cells = "".join(f"<td class=\"number\">{shown(one, name)}</td><td class=\"number small\">{error(one, name)}</td>" for one in runs)
+        rows.append(f"<tr><td class=\"name\">{SYMBOL[name]}</td>{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
+    for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
+                        ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: seconds(one["seconds"]))):
+        rows.append(f"<tr><td class=\"name\">{label}</td>" + "".join(f"<td class=\"number\">{text(one)}</td><td></td>" for one in runs) + "<td></td></tr>")
+    head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
+    source = f"<p class=\"small\">Known: {escape(known['source'])}.</p>" if known else \
         "<p class=\"small\">No value known for this case as run.</p>"
-    return f"<h3>{escape(case)}</h3>\n" + report.table(head, rows, "wide", frozenset({0, *range(2, len(head))})) + source
+    return f"<h3>{escape(case)}</h3>\n" + report.table(head, rows, "", frozenset(range(1, len(head)))) + source
 
 
 def orders_table(measured: dict) -> str:
@@ -161,10 +158,11 @@ def orders_table(measured: dict) -> str:
          "passes through zero on the way looks small by chance.</p>")
 
 
-def state(one: dict) -> str:
+def state(one: dict, columns: int = 1) -> str:
+    wide = f" colspan=\"{columns}\"" if columns > 1 else ""
     if one["outcome"] != COMPLETED:
-        return f"<td class=\"{'bad' if one['outcome'] == 'crashed' else 'stop'}\">{escape(one['outcome'])}</td>"
-    return "<td class=\"good\">steady</td>" if one["steady"] else "<td class=\"stop\">not steady yet</td>"
+        return f"<td{wide} class=\"{'bad' if one['outcome'] == 'crashed' else 'stop'}\">{escape(one['outcome'])}</td>"
+    return f"<td{wide} class=\"good\">steady</td>" if one["steady"] else f"<td{wide} class=\"stop\">not steady yet</td>"
 
 
 def shown(one: dict, name: str) -> str:

@@ -91,15 +91,17 @@ def row(outcome: Outcome) -> dict:
     metrics = outcome.summary.get("metrics") or {}
     growth, theory = number(metrics, "growth_rate"), number(metrics, "growth_rate_theory")
     is_growth = outcome.case.file == GROWTH
+    last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
     # Of a run that stopped, what it measured before is no growth rate of the whole window.
     measured = growth if is_growth and outcome.kind == COMPLETED else None
     return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
             "reason": outcome.reason or None, "stopped_step": stopped_step(outcome), "time": stopped_time(outcome),
             "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
             "growth_error": measured / theory - 1 if measured is not None and theory else None,
-            "metal_centroid": number(metrics, "metal_centroid"),
-            "density_ratio": [number(metrics, "density_ratio_min"), number(metrics, "density_ratio_max")],
-            "pressure_min": number(metrics, "pressure_min"), "energy_residual": number(metrics, "energy_residual"), **cost(outcome)}
+            "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
+            "density_ratio": [number(metrics, f"density_ratio_{end}") or last.get(f"density_ratio_{end}") for end in ("min", "max")],
+            "pressure_min": number(metrics, "pressure_min") or last.get("pressure_min"),
+            "energy_residual": number(metrics, "energy_residual") or last.get("energy_residual"), **cost(outcome)}
 
 
 def stopped_time(outcome: Outcome) -> float | None:
@@ -142,7 +144,8 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         cells += outcome_cells(over)
         rows.append(f"<tr>{cells}</tr>")
     return report.table(["Variant", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
-                         "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8}))
+                         "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8})) + \
+        "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
 
 
 def growth_text(one: dict | None) -> str:
@@ -158,11 +161,19 @@ def outcome_cells(one: dict | None) -> str:
     low, high = one["density_ratio"]
     ratio = f"{low:.2f} to {high:.2f}" if low is not None and high is not None else "–"
     values = [f"{one['time']:.0f} s" if one["time"] is not None else "–"]
-    reason = f"<td>{escape(short(one['reason']))}</td>"
+    reason = f"<td>{escape(cause(one['reason']))}</td>"
     rest = [f"{one['metal_centroid']:.3f}" if one["metal_centroid"] is not None else "–", ratio,
             f"{one['energy_residual']:.1e}" if one["energy_residual"] is not None else "–", seconds(one["seconds"])]
     return (f"<td class=\"{kind}\">{escape(one['outcome'])}</td><td class=\"number\">{values[0]}</td>{reason}"
             + "".join(f"<td class=\"number\">{text}</td>" for text in rest))
+
+
+def cause(reason: str | None) -> str:
+    """What stopped a run, in a few words: the message itself stands at the end of the page."""
+    text = reason or ""
+    if "pressure" in text and "not positive" in text:
+        return "p ≤ 0"
+    return "blew up" if "particles moved" in text or "not finite" in text else short(text)
 
 
 def short(reason: str | None) -> str:

@@ -177,7 +177,7 @@ def glance(measured: dict, tests: list[str]) -> str:
             elif one["outcome"] != COMPLETED:
                 cells += f"<td class=\"stop\">{escape(one['outcome'])}{', ' + one['place'] if one['place'] else ''}</td>"
             else:
-                best = values[scheme] is not None and least is not None and values[scheme] <= 1.001 * least
+                best = values[scheme] is not None and least is not None and values[scheme] <= max(1.001 * least, 1e-9)
                 cells += f"<td class=\"number{' good' if best else ''}\">{headline_text(one, name)}</td>"
         rows.append(f"<tr><td class=\"name\">{escape(test)}</td><td class=\"number\">{finest}</td><td>{headline_name(name)}</td>{cells}</tr>")
     return report.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows,
