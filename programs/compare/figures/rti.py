@@ -34,7 +34,7 @@ def states(outcomes: list[Outcome], path: Path) -> bool:
     if not runs:
         return False
     columns = min(5, len(runs))
-    figure, axes = style.panels(len(runs), columns, style.WIDTH / columns * 1.12, sharex=True, sharey=True)
+    figure, axes = style.panels(len(runs), columns, style.WIDTH / columns * 1.24, sharex=True, sharey=True)
     for ax, (o, fields) in zip(axes, runs):
         length = resolved(o.folder, "domain", "length_x")
         x, y = fields["Coordinates"][:, :2].T / length
