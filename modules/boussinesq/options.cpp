@@ -102,9 +102,13 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
   const double c_p = o.physics.material.heat_capacity;
   p.dissipation_number = f.alpha * f.g * f.L / c_p;
   if (c.gravity_density != "equation_of_state") {
-    for (const char* key : {"eos", "eos_dynamic_pressure", "p_top"})
-      if (schema.given("convection", key))
-        schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
+    // As written by --describe and in resolved.nml they say nothing.
+    const auto refuse = [&](const char* key, bool differs) {
+      if (differs) schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
+    };
+    refuse("eos", c.eos != "linear");
+    refuse("eos_dynamic_pressure", !c.eos_dynamic_pressure);
+    refuse("p_top", c.p_top != 0.0);
     return;
   }
   const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
