@@ -13,6 +13,7 @@
 //   Then ξ may
 //          differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff
 //   q      0, 1 (separated gravity density), ζ² (conventional density)
+// or b from any equation of state, gravity_density.hpp; α g is then ∂b/∂T.
 // w spreads the particles evenly: w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
 // Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q(f) = Σ V F [2 (f_i - f_j) -
 // (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)].
@@ -304,7 +305,7 @@ class convection : public march::problem {
     const auto& s = world_.w.s;
     const auto& f = p_.fluid;
     const double unit = f.kappa / f.L;
-    foundation::exact_sum weight, squares, carried, drift, dissipated;
+    foundation::exact_sum weight, squares, carried, drift, dissipated, cooling, work;
     std::array<foundation::exact_sum, D> momentum;
     foundation::exact_sum speeds;
     peaks_ = {};
@@ -327,6 +328,8 @@ class convection : public march::problem {
       speeds.add(std::sqrt(v2));
       carried.add(V * s.v[1][i] * (s.T[i] - reference(s.x[1][i])));
       dissipated.add(V * dissipation(i, viscosity(i)));
+      work.add(V * buoyancy(s.x[1][i], s.T[i], p[i]) * s.v[1][i]);
+      cooling.add(V * buoyancy_slope(s.x[1][i], s.T[i]) * s.v[1][i] * s.T[i]);
       drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
     }
     const double total = ranks().exact(weight);
@@ -348,6 +351,10 @@ class convection : public march::problem {
     for (const double q : walls.corners) m.push_back(q);
     // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
     m.push_back(1.0 + ranks().exact(dissipated) / total / (f.alpha * f.g * unit * f.dT));
+    const double heat_unit = heat_capacity() * unit / f.L * f.dT;
+    m.push_back(ranks().exact(dissipated) / total / heat_unit);
+    m.push_back(ranks().exact(cooling) / total / heat_unit);
+    m.push_back(ranks().exact(work) / total / heat_unit);
     samples_.add(t, m);
     m.push_back(v_rms_);
     m.push_back(mach_);
@@ -416,6 +423,10 @@ class convection : public march::problem {
     j["wall_crossings"] = crossings_;
     j["rayleigh"] = relaxation::rayleigh(f);
     j["prandtl"] = relaxation::prandtl(f);
+    j["dissipation_number"] = p_.dissipation_number;
+    // Where the flow is steady, friction takes the work of buoyancy.
+    const double friction = j["viscous_heating"], work = j["buoyancy_work"];
+    j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
     j["prandtl_effective"] = p_.nu_eff / f.kappa;
     j["zeta"] = p_.slowing.zeta;
     j["xi"] = p_.slowing.xi;
@@ -466,9 +477,22 @@ class convection : public march::problem {
   static constexpr int K = D + 2;  // fields of the operators: v, T, p
   static constexpr std::size_t S = operators::symmetric_terms(D);
   static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
-  static constexpr std::array<const char*, 11> measures{
-      "nusselt_volume",     "nusselt_top", "nusselt_bottom", "v_rms", "u_max", "v_max", "q1", "q2", "q3", "q4",
-      "nusselt_dissipation"};
+  // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
+  // not they heat.
+  static constexpr std::array<const char*, 14> measures{"nusselt_volume",
+                                                        "nusselt_top",
+                                                        "nusselt_bottom",
+                                                        "v_rms",
+                                                        "u_max",
+                                                        "v_max",
+                                                        "q1",
+                                                        "q2",
+                                                        "q3",
+                                                        "q4",
+                                                        "nusselt_dissipation",
+                                                        "viscous_heating",
+                                                        "adiabatic_cooling",
+                                                        "buoyancy_work"};
 
   struct peak {
     double value = 0.0;  // m/s
@@ -481,7 +505,12 @@ class convection : public march::problem {
   double reference(double y) const { return o_.temperature_bottom() - p_.fluid.dT * y / p_.fluid.L; }
   double buoyancy(double y, double T, double p) const {  // m/s2, upwards
     const auto& f = p_.fluid;
+    if (p_.weighed) return p_.weighed->buoyancy(y, T, p, p_.compressibility);
     return f.alpha * f.g * (T - reference(y)) - f.g * p_.compressibility * p / f.K;
+  }
+  // ∂b/∂T, m/(s2 K): what rises cools by it, times T v_y/c_p.
+  double buoyancy_slope(double y, double T) const {
+    return p_.weighed ? p_.weighed->slope(y, T) : p_.fluid.alpha * p_.fluid.g;
   }
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
@@ -708,6 +737,7 @@ class convection : public march::problem {
     const double heating = c.heating * f.kappa / conductivity() * f.rho;
     const auto& p = pressure_of();
     const bool graded = varies();
+    const bool follows_pressure = p_.weighed && c.adiabatic_heating;  // c_p, gravity_density.hpp
     bool finite = true;
     double displacing = 0.0;  // m2/s2
 #pragma omp parallel for schedule(static) reduction(&& : finite) reduction(max : displacing) if (s.fluid > foundation::rows_worth_threads)
@@ -743,8 +773,16 @@ class convection : public march::problem {
         finite = finite && std::isfinite(rate[D + a][i]);
       }
       displacing = std::max(displacing, moving2);
-      if (c.viscous_heating) dT += dissipation(i, nu) / heat_capacity();
-      if (c.adiabatic_heating) dT -= f.alpha * f.g * v_i[1] * s.T[i] / heat_capacity();
+      const double per_c_p = 1.0 / heat_capacity();
+      double released = 0.0;  // W/kg
+      if (c.viscous_heating) released += dissipation(i, nu);
+      if (c.adiabatic_heating) released -= buoyancy_slope(s.x[1][i], s.T[i]) * v_i[1] * s.T[i];
+      if (follows_pressure)
+        dT += (f.kappa * laplacian_[D][i] + heating + released * per_c_p) *
+                  (heat_capacity() / (heat_capacity() + p_.weighed->heat_capacity_change(s.x[1][i], s.T[i]))) -
+              f.kappa * laplacian_[D][i] - heating;
+      else
+        dT += released * per_c_p;
       rate[2 * D][i] = dT;
       rate[2 * D + 1][i] = dp - f.rho * p_.c_eff * p_.c_eff * xi2 * divergence;
       finite = finite && std::isfinite(rate[2 * D][i]) && std::isfinite(rate[2 * D + 1][i]);

@@ -52,8 +52,16 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25"});
   schema.add(g, "gravity_density", o.gravity_density,
-             {.choices = {"boussinesq", "separated", "conventional"},
-              .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0"});
+             {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
+              .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
+                         "density of an equation of state at the pressure of a column at rest, and p'/K"});
+  std::vector<std::string> materials(eos::names().begin(), eos::names().end());
+  schema.add(g, "eos", o.eos,
+             {.choices = materials,
+              .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
+  schema.add(g, "eos_dynamic_pressure", o.eos_dynamic_pressure,
+             {.meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
+  schema.add(g, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
   schema.add(g, "scheme", o.scheme,
@@ -105,6 +113,67 @@ void make_consistent(const options& o, relaxation::material_options& m, double d
   } else if (c.rayleigh) {
     m.viscosity = m.expansivity * drive / Ra * m.density;
   }
+}
+
+// The density that gravity weighs, if it is that of an equation of state.
+void weigh(const namelist::schema& schema, const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const auto& f = p.fluid;
+  const double c_p = o.physics.material.heat_capacity;
+  p.dissipation_number = f.alpha * f.g * f.L / c_p;
+  if (c.gravity_density != "equation_of_state") {
+    // As written by --describe and in resolved.nml they say nothing.
+    const auto refuse = [&](const char* key, bool differs) {
+      if (differs) schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
+    };
+    refuse("eos", c.eos != "linear");
+    refuse("eos_dynamic_pressure", !c.eos_dynamic_pressure);
+    refuse("p_top", c.p_top != 0.0);
+    return;
+  }
+  const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  if (!(T_top > 0.0))
+    schema.fail("convection", "gravity_density",
+                "an equation of state needs absolute temperatures: that of the top must be above 0 K");
+  eos::material_options wanted;
+  wanted.name = c.eos;
+  if (c.eos == "linear") {
+    wanted.reference_pressure = c.p_top;
+    wanted.reference_density = f.rho;
+    wanted.reference_temperature = T_top;
+    wanted.bulk_modulus = f.K;
+    wanted.thermal_expansivity = f.alpha;
+    wanted.heat_capacity = c_p;
+  }
+  const auto material = eos::make(wanted);
+  p.weighed =
+      std::make_shared<gravity_density>(material, gravity_density::layer{f.L, f.g, f.rho, c.p_top, T_top, T_bottom});
+  const auto& w = *p.weighed;
+  constexpr int n = 100;
+  double mean = 0.0;
+  for (int k = 0; k < n; ++k) {
+    const double y = f.L * (k + 0.5) / n;
+    mean += w.slope(y, w.temperature(y)) / n;
+  }
+  p.dissipation_number = mean * f.L / c_p;
+  double least = c_p, most = c_p;  // of the heat capacity
+  for (int k = 0; k <= n && c.adiabatic_heating; ++k)
+    for (const double T : {T_top, 0.5 * (T_top + T_bottom), T_bottom}) {
+      const double here = c_p + w.heat_capacity_change(f.L * k / n, T);
+      least = std::min(least, here), most = std::max(most, here);
+    }
+  if (!(least > 0.0))
+    schema.fail(
+        "convection", "eos",
+        fmt::format("with this equation of state the heat capacity would fall to {:.4g} J/(kg K): give a larger "
+                    "heat_capacity, or leave adiabatic_heating",
+                    least));
+  p.lines.push_back(fmt::format(
+      "gravity feels the density of {}: at rest {:.4g} to {:.4g} kg/m3, {:.4g} to {:.4g} Pa, adiabat {:.4g} to {:.4g} "
+      "K, expansivity {:.3g} to {:.3g} 1/K from top to bottom; heat capacity {:.4g} to {:.4g} J/(kg K); dissipation "
+      "number {:.4g}",
+      eos::about(material).name, w.density(f.L), w.density(0.0), w.pressure(f.L), w.pressure(0.0), w.temperature(f.L),
+      w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), least, most, p.dissipation_number));
 }
 
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
@@ -250,7 +319,9 @@ parameters resolve(const namelist::schema& schema, options& o) {
       schema.fail("convection", "levels",
                   fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
   choose_slowing(schema, o, p);
+  weigh(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
+                      : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
   if (!o.march.time.t_end) o.march.time.t_end = p.fluid.L * p.fluid.L / p.fluid.kappa;

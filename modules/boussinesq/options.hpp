@@ -5,8 +5,10 @@
 //   &time, &kernel, &output, &run   march/options.hpp
 #pragma once
 
+#include <boussinesq/gravity_density.hpp>
 #include <images/scene.hpp>
 #include <march/options.hpp>
+#include <memory>
 #include <relaxation/options.hpp>
 
 namespace tetsuame::boussinesq {
@@ -21,6 +23,9 @@ struct convection_options {
   std::string target = "auto";
   double steady_mach = 1.5;
   std::string gravity_density = "boussinesq";
+  std::string eos = "linear";  // of gravity_density = 'equation_of_state'
+  double p_top = 0.0;          // Pa
+  bool eos_dynamic_pressure = true;
   std::string pressure = "eulerian";
   std::string scheme = "consistent";
   std::string operators = "corrected";
@@ -59,7 +64,9 @@ struct parameters {
   double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
   double compressibility;              // what of p/K_0 gravity feels: 0, 1 or zeta²
-  std::vector<std::string> lines;      // what was chosen, and why
+  std::shared_ptr<const gravity_density> weighed;  // by an equation of state; null: by the Boussinesq law
+  double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
+  std::vector<std::string> lines;  // what was chosen, and why
 };
 
 void declare(namelist::schema& schema, options& o);

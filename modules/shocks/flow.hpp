@@ -168,6 +168,11 @@ class flow : public march::problem {
     return all;
   }
 
+  bool set_time(double t) override {
+    time_ = t;
+    return false;
+  }
+
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = w_.s;
     output::particle_group g{0, s.fluid, s.id.data(), {}};
@@ -178,7 +183,7 @@ class flow : public march::problem {
     };
     vector("Coordinates", "m", "position", s.x);
     vector("Velocities", "m/s", "velocity", s.v);
-    extra.assign(1, particles::array(s.fluid));
+    extra.assign(setup_.exact ? 3 + D : 1, particles::array(s.fluid));
     for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = S_[i] / support_over_h_;
     const auto scalar = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
       g.columns.push_back({name, unit, about, {a.data()}, false});
@@ -189,6 +194,17 @@ class flow : public march::problem {
     scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
     scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
     if (has_alpha()) scalar("ArtificialViscosity", "1", "alpha", alpha());
+    if (setup_.exact) {
+      for (std::size_t i = 0; i < s.fluid; ++i) {
+        const state right = setup_.exact(place(i), time_);
+        extra[1][i] = right.rho;
+        extra[2][i] = right.p;
+        for (std::size_t a = 0; a < D; ++a) extra[3 + a][i] = right.v[a];
+      }
+      scalar("DensityReference", "kg/m^3", "exact mass density at this place", extra[1]);
+      scalar("PressureReference", "Pa", "exact pressure at this place", extra[2]);
+      vector("VelocitiesReference", "m/s", "exact velocity at this place", std::span(extra).subspan(3));
+    }
     return {g};
   }
 
@@ -629,6 +645,7 @@ class flow : public march::problem {
   kernel_choice<D> unit_ = kernels::quintic_spline<D>(1.0);  // support 1
   double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0;
   std::int64_t fluid_total_ = 0, crossings_ = 0;
+  double time_ = 0.0;  // s, of the state
   bool settled_ = false;
   std::optional<totals> first_;
   samples samples_;

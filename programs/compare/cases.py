@@ -1,4 +1,5 @@
 """Which program runs on which input with which settings."""
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,10 @@ class Case:
     settings: tuple[str, ...] = ()
 
     @property
+    def binary(self) -> str:
+        return f"disph_{self.program.lower()}"
+
+    @property
     def file(self) -> str:
         """The input's short name: '11', 'column', …"""
         return self.input.stem.removeprefix("hydrostatic_")
@@ -35,8 +40,32 @@ class Case:
 
     @property
     def folder(self) -> str:
-        name = f"disph_{self.program.lower()}"
+        name = self.binary
         return f"{self.file}/{name}_{self.variant.replace(', ', '_')}" if self.variant else f"{self.file}/{name}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of one of the other comparisons: a program, an input, a variant of it, a resolution."""
+    binary: str
+    input: Path
+    variant: str                 # in words; '' as the input has it
+    n: int                       # particles along the box
+    settings: tuple[str, ...] = ()
+    case: str = ""               # what the runs of one problem share; '': the input's name
+
+    @property
+    def file(self) -> str:
+        return self.case or self.input.stem
+
+    @property
+    def label(self) -> str:
+        return f"{self.variant}, n = {self.n}" if self.variant else f"n = {self.n}"
+
+    @property
+    def folder(self) -> str:
+        name = re.sub(r"[^A-Za-z0-9]+", "_", self.variant.replace("δ", "delta")).strip("_")
+        return f"{self.file}/{name}_{self.n}" if name else f"{self.file}/{self.n}"
 
 
 def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[str, ...]) -> list[Case]:

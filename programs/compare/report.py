@@ -14,7 +14,6 @@ from .table import agreement, cell, error, files, labels, note_says, place, verd
 
 
 def page(outcomes: list[Outcome], drawn: list[Figure], settings: tuple[str, ...]) -> str:
-    style = (Path(__file__).parent / "report.css").read_text()
     parts = [head(outcomes, settings), crashes(outcomes), overview(outcomes), beside_the_note(outcomes),
              section("Why the plain iteration diverges", prose.iteration(outcomes)),
              images(drawn, "residual", "Residual of the iteration by pass. Plain runs are shown in the evaluation that "
@@ -30,9 +29,14 @@ def page(outcomes: list[Outcome], drawn: list[Figure], settings: tuple[str, ...]
              section("What it costs", prose.cost(outcomes)),
              images(drawn, "cost", "Time a step by stage; A and B with the first solver that completes."),
              all_runs(outcomes), how_to(settings)]
+    return document("programs A to F compared", parts)
+
+
+def document(title: str, parts: list[str]) -> str:
+    style = (Path(__file__).parent / "report.css").read_text()
     return ("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-            f"<title>Tetsuame: programs A to F compared</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+            f"<title>Tetsuame: {escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
             + "\n".join(part for part in parts if part) + "\n</body>\n</html>\n")
 
 
@@ -51,27 +55,39 @@ def images(drawn: list[Figure], kind: str, caption: str) -> str:
 
 
 def image(figure: Figure, caption: str, folded: bool) -> str:
-    data = base64.b64encode(figure.path.read_bytes()).decode()
-    text = caption.format(file=escape(figure.file))
-    block = (f"<figure><img alt=\"{escape(text)}\" src=\"data:image/png;base64,{data}\">"
-             f"<figcaption>{text}</figcaption></figure>")
+    block = picture(figure.path, caption.format(file=escape(figure.file)))
     if not folded:
         return block
     return f"<details><summary>Displacement, file {escape(figure.file)}</summary>\n{block}</details>"
 
 
+def picture(path: Path, text: str) -> str:
+    data = base64.b64encode(path.read_bytes()).decode()
+    return (f"<figure><img alt=\"{escape(text)}\" src=\"data:image/png;base64,{data}\">"
+            f"<figcaption>{text}</figcaption></figure>")
+
+
+def drawn(draw, data, path: Path, text: str) -> str:
+    """The figure that draw(data, path) makes, as a block of the page; nothing where there are no data for it."""
+    return picture(path, text) if draw(data, path) else ""
+
+
 def head(outcomes: list[Outcome], settings: tuple[str, ...]) -> str:
+    return ("<h1>Programs A to F on hydrostatic states</h1>\n"
+            f"{facts(outcomes, settings)}"
+            "<p>Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should "
+            "move. What moves, or departs from the known pressure, is error.</p>")
+
+
+def facts(outcomes: list[Outcome], settings: tuple[str, ...]) -> str:
     versions = sorted({str(o.summary["version"]) for o in outcomes if o.summary.get("version")})
     counts = [f"{sum(o.kind == kind for o in outcomes)} {word}" for kind, word in
               ((COMPLETED, "completed"), ("stopped", "stopped by their own checks"), (CRASHED, "crashed"))
               if any(o.kind == kind for o in outcomes)]
-    facts = [time.strftime("%Y-%m-%d %H:%M"), f"version {', '.join(versions)}" if versions else "",
+    said = [time.strftime("%Y-%m-%d %H:%M"), f"version {', '.join(versions)}" if versions else "",
              f"{len(outcomes)} runs: {', '.join(counts)}", platform.machine(),
              f"settings: {escape(', '.join(settings))}" if settings else ""]
-    return ("<h1>Programs A to F on hydrostatic states</h1>\n"
-            f"<p class=\"facts\">{' · '.join(fact for fact in facts if fact)}</p>\n"
-            "<p>Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should "
-            "move. What moves, or departs from the known pressure, is error.</p>")
+    return f"<p class=\"facts\">{' · '.join(one for one in said if one)}</p>\n"
 
 
 def crashes(outcomes: list[Outcome]) -> str:

@@ -76,6 +76,33 @@ class Snapshot:
     spacing: float                 # of the start lattice
 
 
+def fluid(folder: Path) -> dict[str, np.ndarray] | None:
+    """All fields of the fluid in the last state on disk; None if there is none."""
+    names = sorted(folder.glob("snapshot_*.h5"))
+    if not names:
+        return None
+    with h5py.File(names[-1]) as file:
+        return {name: values[:] for name, values in file["PartType0"].items()}
+
+
+def last_time(folder: Path) -> float:
+    """Of the last state on disk (s)."""
+    with h5py.File(sorted(folder.glob("snapshot_*.h5"))[-1]) as file:
+        return float(file["Header"].attrs["Time"])
+
+
+def history(folder: Path) -> dict[str, np.ndarray]:
+    """The columns of history.csv by name, without their units; empty if there is no such file, or no line in it."""
+    path = folder / "history.csv"
+    if not path.is_file():
+        return {}
+    with open(path, newline="") as file:
+        rows = csv.reader(file)
+        names = [column.partition(" [")[0] for column in next(rows, [])]
+        values = [[float(value) for value in row] for row in rows if len(row) == len(names)]
+    return dict(zip(names, np.array(values).T)) if values else {}
+
+
 def last_snapshot(folder: Path) -> Snapshot | None:
     names = sorted(folder.glob("snapshot_*.h5"))
     if not names:
@@ -112,3 +139,9 @@ def representatives(outcomes: list[Outcome], file: str) -> list[Outcome]:
         if outcome.case.file == file and outcome.kind == "completed":
             chosen.setdefault(outcome.case.program, outcome)
     return list(chosen.values())
+
+
+def cost(outcome: Outcome) -> dict[str, float | None]:
+    return {"right_hand_sides": number(outcome.summary, "rhs_evaluations"),
+            "seconds": number(outcome.summary, "stepping_seconds") or number(outcome.summary, "wall_seconds"),
+            "updates_per_second": number(outcome.summary, "particle_updates_per_second")}

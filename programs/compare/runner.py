@@ -11,8 +11,8 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from .cases import Case
-from .options import Options
+from .cases import Case, Run
+from .options import Common
 
 COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
 CALCULATION_FAILED = 3  # the exit status by which a program says so itself
@@ -20,7 +20,7 @@ CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 @dataclass(frozen=True)
 class Outcome:
-    case: Case
+    case: Case | Run
     kind: str        # COMPLETED, STOPPED (exit 3: a result), CRASHED
     reason: str      # in words, unless completed
     folder: Path
@@ -28,7 +28,7 @@ class Outcome:
     reused: bool     # the last report's run: nothing it depends on has changed
 
 
-def run_all(cases: list[Case], options: Options) -> list[Outcome]:
+def run_all(cases: list[Case] | list[Run], options: Common) -> list[Outcome]:
     """The outcomes in the order of the cases."""
     progress = Progress(len(cases))
     outcomes: dict[Case, Outcome] = {}
@@ -42,9 +42,9 @@ def run_all(cases: list[Case], options: Options) -> list[Outcome]:
     return [outcomes[case] for case in cases]
 
 
-def run_one(case: Case, options: Options, progress: "Progress") -> Outcome:
+def run_one(case: Case | Run, options: Common, progress: "Progress") -> Outcome:
     folder = options.output.resolve() / "runs" / case.folder
-    program = options.binaries.resolve() / f"disph_{case.program.lower()}"
+    program = options.binaries.resolve() / case.binary
     if not program.is_file():
         return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
 
@@ -76,7 +76,7 @@ def run_one(case: Case, options: Options, progress: "Progress") -> Outcome:
     return judge(case, folder, status, False)
 
 
-def judge(case: Case, folder: Path, status: int, reused: bool) -> Outcome:
+def judge(case: Case | Run, folder: Path, status: int, reused: bool) -> Outcome:
     """What the exit status and summary.json together say."""
     try:
         summary = json.loads((folder / "summary.json").read_text())
@@ -115,7 +115,7 @@ def terminal_of(folder: Path) -> Path:
     return folder.with_name(folder.name + ".log")
 
 
-def fingerprint(program: Path, case: Case) -> str:
+def fingerprint(program: Path, case: Case | Run) -> str:
     """Changes with everything the result of a run depends on."""
     digest = hashlib.sha256()
     for part in (program.read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode()):
@@ -140,7 +140,7 @@ class Progress:
         self.terminal = sys.stderr.isatty()
         self.running: list[str] = []
 
-    def started(self, case: Case) -> None:
+    def started(self, case: Case | Run) -> None:
         self.running.append(f"{case.label} on {case.file}")
         self.draw()
 

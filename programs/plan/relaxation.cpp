@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <foundation/error.hpp>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <plan/shared.hpp>
@@ -224,6 +225,73 @@ void answer_backwards(const question& q, const fluid_layer& f, const recommendat
   t.print();
 }
 
+// The part of a wide range in which a turnover fits into the budget at this n, as others are.
+struct span {
+  double low, high;          // 0, 0: nowhere
+  bool low_open, high_open;  // as far as was looked
+};
+span affordable_span(const std::function<bool(double)>& fits, double value) {
+  constexpr int a_decade = 20, decades = 4;
+  span found{0.0, 0.0, false, false};
+  for (int k = -decades * a_decade; k <= decades * a_decade; ++k) {
+    const double x = value * std::pow(10.0, static_cast<double>(k) / a_decade);
+    if (!fits(x)) continue;
+    if (found.high == 0.0) {
+      found.low = x;
+      found.low_open = k == -decades * a_decade;
+    }
+    found.high = x;
+    found.high_open = k == decades * a_decade;
+  }
+  return found;
+}
+
+// L and the viscosity, where the note's rules choose the slowing: with them its steps depend on n far more than on
+// these.
+void answer_others(const question& q, const fluid_layer& f, const choice& w, const case_data& c, const machine& m,
+                   json& all) {
+  const auto& d = c.values.domain;
+  const auto plan_of = [&](const fluid_layer& g) {
+    return plan_convection(g, recommend(g, w), d.particles[1], static_cast<int>(d.dimension), volume_ratio(d),
+                           q.fraction, m.cost);
+  };
+  const auto fits = [&](const fluid_layer& g) {
+    const auto p = plan_of(g);
+    return p.steps <= q.shared.steps.value_or(HUGE_VAL) && p.seconds <= q.shared.seconds.value_or(HUGE_VAL);
+  };
+  table t{fmt::format("Backwards: at n = {}, each with all else as given", d.particles[1]),
+          {{"", "from", "to", "unit", "given", ""}},
+          {false, true, true, false, true, false},
+          true};
+  const auto add = [&](const char* name, const char* key, const char* unit, double value, auto change) {
+    const span s = affordable_span(
+        [&](double x) {
+          fluid_layer g = f;
+          change(g, x);
+          return fits(g);
+        },
+        value);
+    if (s.high == 0.0) {
+      fluid_layer less = f, more = f;
+      change(less, 0.1 * value);
+      change(more, 10.0 * value);
+      const double fewest = plan_of(less).steps, most = plan_of(more).steps;
+      const bool same = std::abs(most / fewest - 1.0) < 1e-9;
+      t.rows.push_back({name, "none", "none", unit, number(value),
+                        same ? "does not change the steps: n does" : "none within 4 decades of what is given"});
+      all["backwards"][key] = nullptr;
+      return;
+    }
+    t.rows.push_back({name, s.low_open ? "any" : number(s.low), s.high_open ? "any" : number(s.high), unit,
+                      number(value), s.low_open && s.high_open ? "does not decide" : ""});
+    all["backwards"][key] = {{"from", s.low_open ? json(nullptr) : json(s.low)},
+                             {"to", s.high_open ? json(nullptr) : json(s.high)}};
+  };
+  add("L", "L_m", "m", f.L, [](fluid_layer& g, double x) { g.L = x; });
+  add("nu", "nu_m2_s", "m^2/s", f.nu, [](fluid_layer& g, double x) { g.nu = x; });
+  t.print();
+}
+
 void run(const question& q) {
   case_data c;
   namelist::schema schema;
@@ -238,7 +306,9 @@ void run(const question& q) {
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
   const auto& groups = document.groups();
-  if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; })) {
+  const bool programs_own =
+      std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; });
+  if (programs_own) {
     const auto p = boussinesq::resolve(schema, c.all);
     f = p.fluid;
     r = p.slowing;
@@ -261,7 +331,11 @@ void run(const question& q) {
   print_rules(rules, r);
   print_choice(f, r, w);
   print_steps(f, p, q.fraction, m);
-  if (q.shared.steps || q.shared.seconds) answer_backwards(q, f, r, c, m, all);
+  if (q.shared.steps || q.shared.seconds) {
+    answer_backwards(q, f, r, c, m, all);
+    // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.
+    if (!programs_own) answer_others(q, f, w, c, m, all);
+  }
   fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
   if (!q.shared.json.empty()) write_json(q.shared.json, all);
 }

@@ -16,7 +16,8 @@ const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"or
 
 void add_shared(CLI::App& app, shared_options& o) {
   app.add_option("--steps", o.steps, "backwards: what can be afforded in so many steps")->check(CLI::PositiveNumber);
-  app.add_option("--run-time", o.seconds, "backwards: what can be afforded in so long a run (s, or 90s, 20min, 8h, 3d)")
+  app.add_option("--run-time,--seconds", o.seconds,
+                 "backwards: what can be afforded in so long a run (s, or 90s, 20min, 8h, 3d)")
       ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}, {"d", 86400}},
                                         CLI::AsNumberWithUnit::CASE_SENSITIVE, "TIME"))
       ->check(CLI::PositiveNumber);

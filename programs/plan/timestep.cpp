@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <plan/measured.hpp>
 #include <plan/shared.hpp>
 #include <relaxation/overturn.hpp>
 
@@ -16,7 +17,51 @@ struct question {
   two_layers system;
   std::int64_t n = 75;
   int dimension = 2;
+  std::string run;  // folder of a run; empty: none
+  CLI::App* app = nullptr;
+  bool given(const char* option) const { return app->get_option(option)->count() > 0; }
 };
+
+// What the note prints for its example, n = 75 in 1500 km: rounded at each step on the way [S0, section 2].
+struct printed {
+  double V = 20.0, tau = 7e4, dt = 2.0, steps = 5e3;
+};
+
+// The system that was run, but for what the command line says.
+void take_over(question& q, const measured_overturn& m) {
+  auto& s = q.system;
+  if (!q.given("--L")) s.L = m.system.L;
+  if (!q.given("--g")) s.g = m.system.g;
+  if (!q.given("--rho-min")) s.rho_min = m.system.rho_min;
+  if (!q.given("--delta-rho")) s.delta_rho = m.system.delta_rho;
+  if (!q.given("--c")) s.c = m.system.c;
+  if (!q.given("--eta")) s.eta = m.system.eta;
+  if (!q.given("--n")) q.n = m.n;
+  if (!q.given("--dimension")) q.dimension = m.dimension;
+}
+
+void print_beside(const overturn_plan& p, const measured_overturn& m) {
+  const printed note;
+  const auto or_not = [](const std::optional<double>& x) { return x ? number(*x) : std::string("not reached"); };
+  const auto times = [](const std::optional<double>& x, double estimate) {
+    return x && estimate > 0.0 ? fmt::format("{:.3g}", *x / estimate) : std::string();
+  };
+  table{fmt::format("Beside the run {} ({}, {}, n = {})", m.folder, m.program, m.status, m.n),
+        {{"", "note", "estimate", "measured", "measured/estimate", "unit", "measured as"},
+         {"V", number(note.V), number(p.V), number(m.V), times(m.V, p.V), "m/s", "largest mean velocity of the metal"},
+         {"tau", number(note.tau), number(p.tau), or_not(m.tau), times(m.tau, p.tau), "s",
+          "until the metal's centroid has fallen by 0.3 L"},
+         {"dt", number(note.dt), number(p.dt), number(m.dt), times(m.dt, p.dt), "s", "mean of the run"},
+         {"steps", number(note.steps), number(p.steps), or_not(m.steps_to_tau), times(m.steps_to_tau, p.steps), "",
+          fmt::format("until then; the whole run {} ({} right-hand sides)", number(m.steps), number(m.evaluations))}},
+        {false, true, true, true, true, false, false},
+        true}
+      .print();
+  if (!m.sound_known) fmt::print("The run's equations of state are not linear: c as given, or the note's.\n");
+  fmt::print(
+      "note: as printed there, for n = 75 and L = 1.5e6 m; estimate: its formulas for what was run, c = {} m/s\n\n",
+      number(m.sound_known ? m.system.c : p.dx / p.dt_sound));
+}
 
 void print_plan(const question& q, const overturn_plan& p, const machine& m) {
   const auto& s = q.system;
@@ -100,11 +145,22 @@ void answer_backwards(const question& q, const machine& m, json& all) {
   all["backwards"] = {{"n", a.n}, {"L_m", a.L}, {"eta_Pa_s", a.eta}, {"eta_over_damping", a.eta_over_damping}};
 }
 
-void run(const question& q) {
+void run(question q) {
+  std::optional<measured_overturn> measured;
+  if (!q.run.empty()) {
+    measured = read_run(q.run);
+    take_over(q, *measured);
+  }
   const machine m = this_machine(q.shared, q.dimension, std::pow(static_cast<double>(q.n), q.dimension));
   const auto p = plan_overturn(q.system, q.n, q.dimension, m.cost);
   json all = as_json(q, p, m);
   print_plan(q, p, m);
+  if (measured) {
+    const printed note;
+    print_beside(p, *measured);
+    all["note"] = {{"V_m_s", note.V}, {"tau_s", note.tau}, {"dt_s", note.dt}, {"steps", note.steps}};
+    all["measured"] = plan::as_json(*measured);
+  }
   if (q.shared.steps || q.shared.seconds) answer_backwards(q, m, all);
   fmt::print("S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)\n");
   if (!q.shared.json.empty()) write_json(q.shared.json, all);
@@ -133,6 +189,10 @@ std::function<void()> timestep_question(CLI::App& app) {
   app.add_option("--k", s.conductivity, "thermal conductivity (W/(m K)); 0: no limit from it")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--run", q->run,
+                 "output folder of a run of rti or drop: its system, and what it measured beside the estimates")
+      ->type_name("DIR");
+  q->app = &app;
   app.add_option("--dimension", q->dimension, "of space")->check(CLI::IsMember({2, 3}))->capture_default_str();
   add_shared(app, q->shared);
   return [q] { run(*q); };

@@ -126,3 +126,87 @@ BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
   BOOST_CHECK_THROW(resolved("&convection zeta = 2.0 / &relaxation zeta = 3.0 /", o), foundation::error);
   BOOST_CHECK_THROW(resolved("&walls temperature_bottom = -1.0 /", o), foundation::error);
 }
+
+// ---- gravity by an equation of state --------------------------------------------------------
+
+BOOST_AUTO_TEST_CASE(linear_equation_of_state_weighs_as_the_boussinesq_law) {
+  const double rho = 4000.0, alpha = 2.5e-5, K = 1e11, g = 10.0, L = 1e6, T_top = 500.0, T_bottom = 1500.0;
+  eos::material_options m;
+  m.name = "linear";
+  m.reference_density = rho, m.bulk_modulus = K, m.thermal_expansivity = alpha, m.reference_temperature = T_top;
+  m.reference_pressure = 0.0, m.heat_capacity = 1250.0;
+  const gravity_density weighed(eos::make(m), {L, g, rho, 0.0, T_top, T_bottom});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  for (int k = 0; k < 200; ++k) {
+    // Images of the fluid stand behind the walls, and are hotter than the bottom.
+    const double y = L * (1.2 * part(random) - 0.1), T = T_top + (T_bottom - T_top) * (1.6 * part(random) - 0.3);
+    const double p = 1e8 * part(random), conductive = T_bottom - (T_bottom - T_top) * y / L;
+    const double right = alpha * g * (T - conductive) - g * p / K;
+    BOOST_TEST(weighed.buoyancy(y, T, p, 0.0) == alpha * g * (T - conductive), tt::tolerance(1e-9) << "at y = " << y);
+    // K and rho both grow by 1 + p/K with depth, and with T by the adiabat: their ratio stays.
+    BOOST_TEST(weighed.buoyancy(y, T, p, 1.0) == right, tt::tolerance(1e-9));
+    BOOST_TEST(weighed.slope(y, T) == alpha * g, tt::tolerance(1e-9));
+    BOOST_TEST(weighed.buoyancy(y, conductive, 0.0, 1.0) == 0.0);
+    BOOST_TEST(std::abs(weighed.heat_capacity_change(y, T)) < 1e-6 * 1250.0);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(column_at_rest_and_its_density) {
+  for (const char* name : {"liquid_iron", "liquid_silicate", "isentrope"}) {
+    BOOST_TEST_CONTEXT(name) {
+      eos::material_options m;
+      m.name = std::string(name) == "isentrope" ? "liquid_iron_isentrope" : name;
+      const auto material = eos::make(m);
+      const double L = 3e6, g = 15.0, rho = 5000.0, T_top = 2000.0, T_bottom = 5000.0, p_top = 3e10;
+      const gravity_density weighed(material, {L, g, rho, p_top, T_top, T_bottom});
+      BOOST_TEST(weighed.pressure(L) == p_top, tt::tolerance(1e-12));
+      BOOST_TEST(weighed.temperature(L) == T_top, tt::tolerance(1e-12));
+      for (const double y : {0.03 * L, 0.31 * L, 0.77 * L}) {
+        const double d = 1e-3 * L, weight = (weighed.pressure(y - d) - weighed.pressure(y + d)) / (2.0 * d);
+        BOOST_TEST(weight == g * weighed.density(y), tt::tolerance(1e-5));
+        // On an adiabat d ln T/d ln rho is the Grueneisen parameter alpha K_T/(rho c_V).
+        const auto e = eos::evaluate(material, weighed.density(y), weighed.temperature(y));
+        const double of_T = std::log(weighed.temperature(y - d) / weighed.temperature(y + d));
+        const double of_rho = std::log(weighed.density(y - d) / weighed.density(y + d));
+        BOOST_TEST(of_T / of_rho == e.alpha * e.K_T / (weighed.density(y) * e.c_V), tt::tolerance(1e-4));
+        // The table against the equation of state itself.
+        const double conductive = T_bottom - (T_bottom - T_top) * y / L, p = weighed.pressure(y);
+        for (const double T : {1800.0, 3100.0, 5200.0}) {
+          const double hot = eos::density(material, p, T), cold = eos::density(material, p, conductive);
+          BOOST_TEST(weighed.buoyancy(y, T, 0.0, 0.0) == -g * (hot - cold) / rho, tt::tolerance(1e-5));
+          const auto there = eos::evaluate(material, hot, T);
+          BOOST_TEST(weighed.slope(y, T) == g * there.alpha * hot / rho, tt::tolerance(1e-4));
+        }
+      }
+    }
+  }
+}
+
+// What makes enthalpy a function of T and y: dc_p/dy = T d²b/dT², here by differences of b itself.
+BOOST_AUTO_TEST_CASE(heat_capacity_follows_the_pressure) {
+  eos::material_options m;
+  m.name = "liquid_silicate";
+  const double L = 2e6;
+  const gravity_density weighed(eos::make(m), {L, 20.0, 4000.0, 1e10, 1500.0, 5000.0});
+  BOOST_TEST(weighed.heat_capacity_change(L, 3000.0) == 0.0);
+  for (const double y : {0.1 * L, 0.5 * L, 0.9 * L})
+    for (const double T : {1800.0, 3000.0, 4500.0}) {
+      const double d = 1e-2 * L, e = 50.0;
+      const double grows =
+          (weighed.heat_capacity_change(y + d, T) - weighed.heat_capacity_change(y - d, T)) / (2.0 * d);
+      const double bends = (weighed.slope(y, T + e) - weighed.slope(y, T - e)) / (2.0 * e);
+      BOOST_TEST(grows == T * bends, tt::tolerance(5e-3) << "y = " << y << ", T = " << T);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(input_of_gravity_by_an_equation_of_state) {
+  options o;
+  const std::string walls = "&walls temperature_bottom = 4000 temperature_top = 1500 /\n";
+  const auto p = resolved(walls + "&convection gravity_density = 'equation_of_state' eos = 'liquid_silicate' /\n", o);
+  BOOST_TEST_REQUIRE(p.weighed != nullptr);
+  BOOST_TEST(p.weighed->temperature(o.physics.domain.length[1]) == 1500.0, tt::tolerance(1e-12));
+  options cold, plain;
+  BOOST_CHECK_THROW(resolved("&convection gravity_density = 'equation_of_state' /\n", cold), foundation::error);
+  BOOST_CHECK_THROW(resolved("&convection eos = 'liquid_iron' /\n", plain), foundation::error);
+}

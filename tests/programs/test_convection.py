@@ -5,7 +5,7 @@ import unittest
 
 import h5py
 
-from running import BAD_INPUT, CALCULATION_FAILED, Case
+from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, Case
 
 MANTLE, AIR = "blankenbach_1a", "air_1e4"
 SHORT = {"time.steps": 60, "output.history_interval": 20}
@@ -213,6 +213,43 @@ class Convection(Case):
     def test_too_large_a_step_is_told(self):
         result = self.run_program("convection", MANTLE, {**size(12), "time.dt": 1e16}, expect=CALCULATION_FAILED)
         self.assertIn("above the", result.stderr)
+
+
+class EquationOfState(Case):
+    """Gravity feels the density of an equation of state; what rises cools."""
+
+    def test_linear_is_the_separated_density(self):
+        same = {**size(12), **SHORT, "convection.eos": "linear", "convection.p_top": 0, "convection.eos_dynamic_pressure": "T"}
+        one = self.run_program("convection", "super_earth", same).rows()[1][-1]
+        boussinesq = (self.here / "separated.nml")
+        boussinesq.write_text("".join(line for line in (INPUTS / "super_earth.nml").read_text().splitlines(True) if "eos" not in line))
+        other = self.run_program("convection", boussinesq, {**size(12), **SHORT, "convection.gravity_density": "separated"}).rows()[1][-1]
+        self.assertGreater(float(one[6]), 1)  # it flows
+        for a, b in zip(map(float, one[:10]), map(float, other[:10])):
+            self.assertAlmostEqual(a, b, delta=1e-6 * abs(b) + 1e-12)
+
+    def test_conduction_stays_at_rest(self):
+        s = self.run_program("convection", "super_earth", {**size(12), **SHORT, "initial.perturbation": 0}).summary
+        self.assertLess(s["metrics"]["v_rms"], 1e-6)
+        self.assertAlmostEqual(s["metrics"]["nusselt_top"], 1, delta=1e-6)
+
+    def test_compression_weakens_convection(self):
+        nusselt = {}
+        for heated, n in [("F", 12), ("T", 16)]:
+            m = self.run_program("convection", "super_earth", {**size(n), "convection.adiabatic_heating": heated,
+                                                               "convection.viscous_heating": heated}).summary["metrics"]
+            nusselt[heated] = 0.5 * (m["nusselt_top"] + m["nusselt_bottom"])
+            self.assertTrue(m["steady"])
+        # Friction takes the work of buoyancy, and what comes in goes out: the budgets close as n grows.
+        self.assertLess(abs(m["work_imbalance"]), 0.03)
+        self.assertLess(abs(m["heat_imbalance"]), 0.03)
+        self.assertLess(nusselt["T"], 0.5 * nusselt["F"])
+
+    def test_refusals(self):
+        cold = self.call("convection", *self.arguments("super_earth", {"walls.temperature_top": 0}, "cold"))
+        self.assert_says(cold, BAD_INPUT, "0 K")
+        self.assert_says(self.call("convection", *self.arguments(MANTLE, {"convection.eos": "liquid_iron"}, "eos")), BAD_INPUT,
+                         "equation_of_state")
 
 
 if __name__ == "__main__":

@@ -116,6 +116,21 @@ class Relaxation(Plan):
         given, _ = self.plan("relaxation", "--rate", 5e6)
         self.assertEqual(given["machine"]["updates_per_second"], 5e6)
 
+    def test_length_and_viscosity_backwards(self):
+        # Slowed by the rules a turnover takes 2 n^2/(C phi_xi^2) steps, whatever L and the viscosity.
+        found, said = self.plan("relaxation", "--steps", 1e5, "--rate", 1e6, "--seconds", 3600)
+        self.assertIsNone(found["backwards"]["L_m"])
+        self.assertIn("does not change the steps", said)
+        # Not slowed, N = (L/V)/dt: what is given as the limit is just affordable, and a tenth less steps are not.
+        free = ["relaxation", *AIR[2:], "--dT", 1, "--set", "relaxation.zeta=1", "--set", "relaxation.xi=1"]
+        steps = self.plan(*free, "--L", 0.1)[0]["plan"]["steps"]
+        span = self.plan(*free, "--L", 0.1, "--steps", 1.001 * steps)[0]["backwards"]["L_m"]
+        edge = span["from"] if span["from"] is not None else span["to"]
+        inside, _ = self.plan(*free, "--L", edge)
+        self.assertLessEqual(inside["plan"]["steps"], 1.001 * steps)
+        beyond, _ = self.plan(*free, "--L", edge / 10**0.05 if edge == span["from"] else edge * 10**0.05)
+        self.assertGreater(beyond["plan"]["steps"], 1.001 * steps)
+
     def test_without_bench_no_run_time_is_invented(self):
         found, said = self.plan("relaxation")
         self.assertIsNone(found["plan"]["run_time_s"])
@@ -169,6 +184,28 @@ class Timestep(Plan):
         n = timed["backwards"]["n"]
         self.assertLessEqual(2.25e6 / 70 * (n / 75)**2 * n**2 / 1e6, 60)
         self.assertGreater(2.25e6 / 70 * ((n + 1) / 75)**2 * (n + 1)**2 / 1e6, 60)
+
+    def test_beside_a_run(self):
+        ran = self.run_program("rti", "rti_linear", {"domain.particles_x": 16, "domain.particles_y": 16, "time.steps": 20,
+                                                      "output.history_interval": 5})
+        found, said = self.plan("timestep", "--run", ran.directory)
+        plan, measured = found["plan"], found["measured"]
+        self.assertEqual((found["given"]["n"], found["given"]["eta_Pa_s"], found["given"]["delta_rho_kg_m3"]), (16, 6e11, 4000))
+        self.assertAlmostEqual(found["given"]["c_m_s"], math.sqrt(5e11 / 3000), delta=1e-6)
+        self.assertAlmostEqual(plan["dt_sound_s"], 1.5e6 / 16 / math.sqrt(5e11 / 3000), delta=1e-9)
+        header, rows = ran.rows()
+        fall = [float(row[header.index("fall_velocity [m/s]")]) for row in rows]
+        self.assertEqual(measured["V_m_s"], max(fall))
+        self.assertEqual(measured["steps"], 20)
+        self.assertAlmostEqual(measured["dt_s"], ran.summary["time"] / 20, delta=1e-9)
+        self.assertIsNone(measured["tau_s"])  # the linear stage does not get that far
+        self.assertEqual(found["note"], {"V_m_s": 20, "tau_s": 7e4, "dt_s": 2, "steps": 5e3})
+        self.assertIn("not reached", said)
+        other, _ = self.plan("timestep", "--run", ran.directory, "--c", 1e4)
+        self.assertEqual(other["given"]["c_m_s"], 1e4)
+        (ran.directory / "history.csv").write_text("step [1],time [s]\n0\n")
+        self.assert_says(self.call("plan", "timestep", "--run", ran.directory), FILE_FAILED, "history.csv:2")
+        self.assert_says(self.call("plan", "timestep", "--run", self.here), FILE_FAILED, "summary.json")
 
     def test_refusals(self):
         self.assert_says(self.call("plan", "timestep", "--n", 0), BAD_INPUT, "--n")

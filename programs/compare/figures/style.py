@@ -11,6 +11,10 @@ COLOUR = {"A": "#E69F00", "B": "#CC79A7", "C": "#0072B2", "D": "#D55E00", "E": "
 MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
 DASHED = {"E"}
 
+# The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
+SCHEME = {"ssph": ("SSPH", "#E69F00"), "disph": ("DISPH", "#56B4E9"), "gsph": ("GSPH", "#D55E00"),
+          "gdisph": ("Godunov DISPH", "#0072B2")}
+
 INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
 WIDTH = 10.4  # inches: the report's column
 
@@ -47,4 +51,8 @@ def panels(count: int, columns: int, height: float, **options):
 
 def save(figure, path) -> None:
     figure.savefig(path)
+    plt.close(figure)
+
+
+def discard(figure) -> None:
     plt.close(figure)

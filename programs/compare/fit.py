@@ -1,0 +1,43 @@
+"""Least squares of powers and exponentials."""
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Slope:
+    value: float
+    error: float | None          # standard error of the fit, None for two points
+    intercept: float
+    points: int
+
+
+def line(x: np.ndarray, y: np.ndarray) -> Slope | None:
+    """y = intercept + value x; None for fewer than two different x."""
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    good = np.isfinite(x) & np.isfinite(y)
+    x, y = x[good], y[good]
+    if len(set(x.tolist())) < 2:
+        return None
+    spread = ((x - x.mean()) ** 2).sum()
+    slope = ((x - x.mean()) * (y - y.mean())).sum() / spread
+    intercept = y.mean() - slope * x.mean()
+    left = y - intercept - slope * x
+    error = float(np.sqrt((left**2).sum() / (len(x) - 2) / spread)) if len(x) > 2 else None
+    return Slope(float(slope), error, float(intercept), len(x))
+
+
+def order(n: list[int], errors: list[float], uncertainties: list[float] | None = None) -> Slope | None:
+    """p of |error| = C n^-p. An error within the uncertainty of its measurement says nothing of p and is left out."""
+    within = uncertainties or [0.0] * len(n)
+    used = [(np.log(k), np.log(abs(e))) for k, e, u in zip(n, errors, within)
+            if e is not None and np.isfinite(e) and abs(e) > (u or 0.0)]
+    found = line(*zip(*used)) if len(used) > 1 else None
+    return Slope(-found.value, found.error, found.intercept, found.points) if found else None
+
+
+def said(slope: Slope | None) -> str:
+    """'1.92 ± 0.05', or a dash."""
+    if slope is None:
+        return "–"
+    return f"{slope.value:.2f}" if slope.error is None else f"{slope.value:.2f} ± {slope.error:.2f}"

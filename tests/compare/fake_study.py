@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""Stands in for convection, shock and rti: writes what they write, made up but of the right shape, with errors that are powers
+of n, so that the orders are known.
+
+FAKE_FAIL in the environment, 'CASE:WORD': runs of that case whose n or settings hold the word stop as diverged.
+"""
+import json
+import os
+import re
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+def main() -> int:
+    program, source, folder = Path(sys.argv[0]).name, Path(sys.argv[1]), Path(sys.argv[sys.argv.index("--output") + 1])
+    settings = dict(sys.argv[i + 1].split("=", 1) for i, word in enumerate(sys.argv) if word == "--set")
+    folder.mkdir(parents=True)
+    n = int(settings["domain.particles_x"])
+    case, _, word = os.environ.get("FAKE_FAIL", "").partition(":")
+    stopped = bool(word) and folder.parent.name == case and (word == str(n) or word in settings.values())
+    message = "step 53: the smoothed pressure is not positive, or the flow has blown up" if stopped else ""
+    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock, "rti": rti}[program](n, source, settings, stopped)
+    with open(folder / "resolved.nml", "w") as file:
+        for name, keys in groups.items():
+            file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
+    with h5py.File(folder / "snapshot_0001.h5", "w") as file:
+        file.create_group("Header").attrs["Time"] = 500.0
+        for name, values in fields.items():
+            file[f"PartType0/{name}"] = values
+    with open(folder / "history.csv", "w") as file:
+        file.write(",".join(f"{name} [1]" for name in columns) + "\n")
+        for row in zip(*columns.values()):
+            file.write(",".join(f"{value:.9g}" for value in row) + "\n")
+    (folder / "summary.json").write_text(json.dumps({
+        "program": program, "status": "diverged" if stopped else "completed", "message": message, "steps": 53, "time": 531.0 if stopped else 5000.0,
+        "rhs_evaluations": 100 * n, "stepping_seconds": 0.01 * n, "particle_updates_per_second": 1e6, "diverged_step": 53 if stopped else None,
+        "diverged_iteration": None, "errors": errors, "conservation": {"mass": 0.0, "momentum": 0.0, "energy": 1e-6},
+        "metrics": metrics, "version": "0000000"}))
+    return 3 if stopped else 0
+
+
+def square(n: int) -> np.ndarray:
+    axis = (np.arange(n) + 0.5) / n
+    x, y = (a.ravel() for a in np.meshgrid(axis, axis))
+    return np.column_stack([x, y, np.zeros_like(x)])
+
+
+def convection(n, source, settings, stopped):
+    right = {"blankenbach_1a": (4.884409, 42.864947, 1e4, 1e25), "air_1e4": (2.158076, 14.21954, 1e4, 0.71)}[source.stem]
+    x = square(n)
+    swirl = np.column_stack([-np.cos(np.pi * x[:, 1]) * np.sin(np.pi * x[:, 0]), np.sin(np.pi * x[:, 1]) * np.cos(np.pi * x[:, 0]), 0 * x[:, 0]])
+    t = np.linspace(0, 1, 30)
+    nusselt = right[0] * (1 + n**-2.0)
+    metrics = {"nusselt_volume": nusselt, "nusselt_volume_uncertainty": 1e-5, "nusselt_top": nusselt, "nusselt_bottom": nusselt,
+               "v_rms": right[1] * (1 - n**-2.0), "v_rms_uncertainty": 1e-4, "steady": True, "heat_imbalance": 1e-4,
+               "rayleigh": float(settings.get("convection.rayleigh", right[2])), "prandtl": right[3]}
+    columns = {"time": t, "nusselt_volume": nusselt + 0 * t, "v_rms": right[1] + 0 * t, "v_rms_si": right[1] + 0 * t}
+    groups = {"domain": {"length_x": 1.0, "length_y": 1.0, "particles_y": n}, "walls": {"temperature_top": 0.0, "temperature_bottom": 1.0}}
+    return None, metrics, {"Coordinates": x, "Velocities": swirl, "Temperature": 1 - x[:, 1]}, columns, groups
+
+
+def shock(n, source, settings, stopped):
+    flat = source.stem == "square"
+    x = square(n) if flat else np.column_stack([(np.arange(n) + 0.5) / n, np.zeros(n), np.zeros(n)])
+    exact = 1.0 + x[:, 0]
+    # The fine run of the blasts has the exact density, the others are half above.
+    off = 0.0 if n > 40 else 0.5 if source.stem == "blasts" else 1.0 / n
+    fields = {"Coordinates": x, "Velocities": 0.1 * x, "Density": exact + off, "Pressure": np.ones(len(x)), "Masses": (exact + off) / len(x)}
+    errors, metrics = None, {"scheme": settings["shock.scheme"]}
+    if source.stem == "sod":
+        errors = {"density_l1": 1.0 / n, "velocity_l1": 0.5 / n, "pressure_l1": 2.0 / n}
+        fields |= {"DensityReference": exact, "PressureReference": np.ones(len(x)), "VelocitiesReference": 0.1 * x}
+    if flat:
+        metrics |= {"square_area_change": 0.04, "square_corner_radius": 0.3}
+    groups = {"domain": {"dimension": 2 if flat else 1, "length_x": 1.0, "length_y": 1.0}}
+    return errors, metrics, fields, {"time": [0.0, 1.0]}, groups
+
+
+def rti(n, source, settings, stopped):
+    theory = 2.29e-3
+    x = square(n)
+    t = np.linspace(0, 1400, 20)
+    metrics = {"growth_rate": theory * (1 + n**-2.0), "growth_rate_theory": theory, "growth_rate_uncertainty": 1e-7,
+               "metal_centroid": 0.3, "density_ratio_min": 0.9, "density_ratio_max": 1.15, "pressure_min": 1e9, "energy_residual": 1e-4}
+    columns = {"time": t, "centroid": 0.75 - 1e-4 * t, "density_ratio_min": 1 - 1e-5 * t, "density_ratio_max": 1 + 1e-5 * t,
+               "mode_amplitude": 750 * np.exp(theory * t)}
+    fields = {"Coordinates": 1.5e6 * x, "Metal": (x[:, 1] > 0.5).astype(float)}
+    return None, metrics, fields, columns, {"domain": {"length_x": 1.5e6, "length_y": 1.5e6}}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

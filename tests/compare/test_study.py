@@ -1,0 +1,195 @@
+"""compare convection, shock, rti: the pure parts, and each once on programs that only pretend to calculate."""
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from compare import convection, fit, references, rti, shock, study
+from compare.figures.convection import level_means, with_walls
+from compare.figures.rti import nearest
+from test_compare import Balance
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+
+class Fits(unittest.TestCase):
+    def test_order_of_a_power(self):
+        n = [16, 24, 32, 48]
+        found = fit.order(n, [3.0 * k**-2.5 for k in n])
+        self.assertAlmostEqual(found.value, 2.5, places=12)
+        self.assertAlmostEqual(found.error, 0.0, places=10)
+        self.assertAlmostEqual(math.exp(found.intercept), 3.0, places=10)
+        # Signs do not matter: |error| is fitted.
+        self.assertAlmostEqual(fit.order(n, [-3.0 * k**-2.5 for k in n]).value, 2.5, places=12)
+
+    def test_errors_within_their_uncertainty_are_left_out(self):
+        n, errors = [10, 20, 40], [1e-2, 1e-3, 5e-5]
+        self.assertEqual(fit.order(n, errors, [0.0, 0.0, 1e-4]).points, 2)
+        self.assertAlmostEqual(fit.order(n, errors, [0.0, 0.0, 1e-4]).value, math.log2(10))
+        self.assertIsNone(fit.order(n, errors, [0.0, 2e-3, 1e-4]))
+        self.assertIsNone(fit.order([10], [1.0]))
+        self.assertEqual(fit.order(n, [1e-2, None, 1e-4]).points, 2)
+
+    def test_standard_error_of_a_line(self):
+        # By hand: y = 0, 1, 1 over x = 0, 1, 2; slope 1/2, residuals -1/6, 1/3, -1/6, error (1/6/2)^1/2.
+        found = fit.line([0, 1, 2], [0, 1, 1])
+        self.assertAlmostEqual(found.value, 0.5)
+        self.assertAlmostEqual(found.error, math.sqrt(1 / 12))
+        self.assertEqual(fit.said(found), "0.50 ± 0.29")
+        self.assertEqual(fit.said(None), "–")
+
+
+class Parts(unittest.TestCase):
+    def test_a_reference_holds_at_its_own_numbers_only(self):
+        self.assertEqual(references.of("air_1e4", {"rayleigh": 1e4, "prandtl": 0.71}).values["nusselt_volume"], 2.158076)
+        self.assertIsNone(references.of("air_1e4", {"rayleigh": 2e4, "prandtl": 0.71}))
+        self.assertIsNone(references.of("air_1e4", {"rayleigh": 1e4, "prandtl": 1.0}))
+        self.assertIsNotNone(references.of("blankenbach_1a", {"rayleigh": 1e4, "prandtl": 2.5e25}))
+        self.assertIsNone(references.of("mine", {"rayleigh": 1e4}))
+
+    def test_the_references_are_those_of_the_inputs(self):
+        for name, known in references.STEADY.items():
+            text = (ROOT / "inputs" / f"{name}.nml").read_text()
+            for key in ("nusselt_volume", "v_rms"):
+                said = re.sub(r"0+$", "", f"{known.values[key]:.6f}")
+                self.assertIn(said[:6], text, f"{name}: {key}")
+
+    def test_width_of_a_box(self):
+        self.assertEqual(convection.aspect(ROOT / "inputs" / "blankenbach_2b.nml"), 2.5)
+        self.assertEqual(convection.aspect(ROOT / "inputs" / "blankenbach_1a.nml"), 1.0)
+
+    def test_l1_against_another_run(self):
+        def run(n, density):
+            x = (np.arange(n) + 0.5) / n
+            zero = np.zeros(n)
+            return {"Coordinates": np.column_stack([x, zero, zero]), "Velocities": np.column_stack([2 * x, zero, zero]),
+                    "Density": density(x), "Masses": density(x) / n, "Pressure": np.ones(n)}
+        fine, coarse = run(200, lambda x: 1 + x), run(50, lambda x: 1.25 + x)
+        errors = shock.l1(coarse, {name: values[::-1] for name, values in fine.items()})  # in any order
+        self.assertAlmostEqual(errors["density_l1"], 0.25, places=12)
+        self.assertAlmostEqual(errors["velocity_l1"], 0.0, places=12)
+        self.assertEqual(errors["pressure_l1"], 0.0)
+
+    def test_means_along_lines(self):
+        random = np.random.default_rng(1)
+        x, y = random.random(400), random.random(400)
+        x, y = np.clip(x, 0.02, 0.98), np.clip(y, 0.02, 0.98)
+        px, py, T = with_walls(x, y, 1 - y, 0.05, 1.0)
+        heights, means = level_means(px, py, T, 1.0, np.array([0.0, 0.3, 0.8, 1.0]))
+        np.testing.assert_allclose(means[1:3], [0.7, 0.2], atol=5e-3)
+        np.testing.assert_allclose(means[[0, 3]], [1.0, 0.0], atol=1e-9)
+
+    def test_nearest_particle(self):
+        picture = nearest(np.array([0.25, 0.75]), np.array([0.5, 0.5]), np.array([0.0, 1.0]), 8)
+        np.testing.assert_array_equal(picture, np.tile([0, 0, 0, 0, 1, 1, 1, 1], (8, 1)))
+
+    def test_json_has_no_nan(self):
+        self.assertEqual(study.finite({"a": [1.0, math.nan], "b": {"c": math.inf}}), {"a": [1.0, None], "b": {"c": None}})
+
+
+class Pages(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.output = Path(scratch.name) / "compare"
+        self.binaries = Path(scratch.name) / "programs"
+        self.binaries.mkdir()
+        for name in ("convection", "shock", "rti"):
+            program = self.binaries / name
+            program.write_bytes((HERE / "fake_study.py").read_bytes())
+            program.chmod(0o755)
+
+    def compare(self, *arguments, fail=""):
+        command = [sys.executable, "-m", "compare", *arguments, "--binaries", self.binaries, "--output", self.output]
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs"), "FAKE_FAIL": fail}
+        return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=environment, cwd=ROOT)
+
+    def results(self):
+        return json.loads((self.output / "results.json").read_text())
+
+    def check_page(self, figures):
+        page = (self.output / "report.html").read_text()
+        self.assertEqual(re.findall(r'(?:src|href)\s*=\s*"(?!data:)[^"]*"|url\(|<script|<link|@import|https?://', page), [])
+        self.assertEqual(page.count("data:image/png;base64,iVBOR"), figures)
+        balance = Balance()
+        balance.feed(page)
+        self.assertEqual((balance.open, balance.wrong), ([], []))
+        return page
+
+    def test_convection(self):
+        done = self.compare("convection", "--inputs", "blankenbach_1a,air_1e4", "--particles", "16", "24", "32", fail="air_1e4:16")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = self.results()
+        runs = {(one["case"], one["n"]): one for one in found["runs"]}
+        self.assertEqual(len(runs), 6)
+        nusselt = runs["blankenbach_1a", 24]["values"]["nusselt_volume"]
+        # The pretended error is 1/n², exactly.
+        self.assertAlmostEqual(nusselt["error"], 24**-2, places=9)
+        orders = {(one["case"], one["quantity"]): one for one in found["orders"]}
+        self.assertAlmostEqual(orders["blankenbach_1a", "nusselt_volume"]["order"], 2.0, places=6)
+        self.assertEqual(orders["air_1e4", "nusselt_volume"]["points"], 2)
+        broken = runs["air_1e4", 16]
+        self.assertEqual((broken["outcome"], broken["values"]), ("diverged", {}))
+        self.assertIn("blown up", broken["reason"])
+        page = self.check_page(5)
+        self.assertIn("blown up", page)
+        self.assertIn("+0.17 %", page)
+        self.assertIn("Nothing has changed", self.compare("convection", "--inputs", "blankenbach_1a,air_1e4", "--particles", "16", "24", "32",
+                                                          fail="air_1e4:16").stdout)
+
+    def test_another_rayleigh_number_has_no_reference(self):
+        done = self.compare("convection", "--inputs", "air_1e4", "--particles", "16", "--set", "convection.rayleigh=2e4")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        value = self.results()["runs"][0]["values"]["nusselt_volume"]
+        self.assertEqual((value["reference"], value["error"]), (None, None))
+        self.assertIn("No value known", (self.output / "report.html").read_text())
+
+    def test_shock(self):
+        done = self.compare("shock", "--tests", "sod,blasts,square", "--schemes", "disph,gsph", "--particles", "20", "40",
+                            fail="sod:disph")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = self.results()
+        runs = {(one["test"], one["scheme"], one["n"]): one for one in found["runs"]}
+        self.assertEqual(len(runs), 3 * 2 * 2)  # the reference run of the blasts is none of them
+        self.assertEqual(runs["sod", "disph", 40]["outcome"], "diverged")
+        order = next(one for one in found["orders"] if (one["test"], one["scheme"]) == ("sod", "gsph"))
+        self.assertAlmostEqual(order["order"], 1.0, places=9)
+        self.assertIn("80 particles", runs["blasts", "gsph", 40]["errors_against"])
+        self.assertAlmostEqual(runs["blasts", "gsph", 40]["errors"]["density_l1"], 0.5, places=6)
+        self.check_page(5)  # convergence, three tests, cost
+        self.assertRegex(done.stdout, r"sod +40 .*diverged")
+
+    def test_rti(self):
+        done = self.compare("rti", "--variants", "C; N", "--particles", "16", "32", "--overturn", "16", fail="overturn:our_method")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = self.results()
+        runs = {(one["variant"], one["case"], one["n"]): one for one in found["runs"]}
+        self.assertEqual(len(runs), 6)
+        self.assertEqual(runs["C", "overturn", 16]["outcome"], "diverged")
+        self.assertEqual(runs["C", "overturn", 16]["time"], 531.0)
+        self.assertAlmostEqual(runs["N", "growth", 32]["growth_error"], 32**-2, places=9)
+        self.assertAlmostEqual(next(one for one in found["orders"] if one["variant"] == "N")["order"], 2.0, places=6)
+        page = self.check_page(4)
+        self.assertIn("smoothed pressure", page)
+
+    def test_usage_errors_run_nothing(self):
+        for arguments, word in ((("convection", "--particles", "4"), "at least 8"), (("convection", "--inputs", "none"), "'none'"),
+                                (("shock", "--tests", "soot"), "no test 'soot'"), (("shock", "--schemes", "sph"), "no scheme 'sph'"),
+                                (("rti", "--variants", "Z"), "no variant 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
+            with self.subTest(word):
+                done = self.compare(*arguments)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(word, done.stderr)
+        self.assertFalse(self.output.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
