@@ -32,10 +32,12 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "steadiness and averages are over so many L/v_rms, and at least 0.01 L^2/kappa"});
   schema.add(
       g, "levels", o.levels,
-      {.minimum = 0,
+      {.minimum = -1,
        .maximum = 10,
-       .meaning = "the run starts with twice the particle spacing, so many times twice, and goes on with half of "
-                  "it whenever the flow is steady; needs a steady_tolerance"});
+       .meaning =
+           "the run starts with twice the particle spacing, so many times twice, and goes on with half of "
+           "it whenever the flow is steady; needs a steady_tolerance. -1: as many as resolve the flow where only "
+           "the steady state is the aim and the viscosity is constant, else none"});
   schema.add(g, "level_tolerance", o.level_tolerance,
              {.minimum = 0.0, .maximum = 1.0, .meaning = "a coarser level is steady when it changes by less"});
   schema.add(g, "level_time", o.level_time,
@@ -227,6 +229,21 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
   }
 }
 
+// Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
+// Nu = 0.25 Ra^(1/3) of free slip, and 24 particles in any case.
+std::int64_t levels_that_resolve(const options& o, const parameters& p) {
+  const auto& c = o.convection;
+  if (!p.steady || c.viscosity_law != "constant" || c.steady_tolerance == 0.0) return 0;
+  const double least = std::max(24.0, 2.0 * 0.25 * std::cbrt(relaxation::rayleigh(p.fluid)));
+  const auto& d = o.physics.domain;
+  for (std::int64_t level = 0;; ++level) {
+    const std::int64_t halved = std::int64_t{2} << level;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
+      if (d.particles[a] % halved != 0) return level;
+    if (static_cast<double>(d.particles[1] / halved) < least) return level;
+  }
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
@@ -311,6 +328,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
   if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
+  choose_slowing(schema, o, p);
+  if (c.levels < 0) c.levels = levels_that_resolve(o, p);
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",
                 "coarser particles on the way to a steady state; without a steady_tolerance the history is the aim");
@@ -318,7 +337,6 @@ parameters resolve(const namelist::schema& schema, options& o) {
     if (d.particles[a] % (std::int64_t{1} << c.levels) != 0)
       schema.fail("convection", "levels",
                   fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
-  choose_slowing(schema, o, p);
   weigh(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)

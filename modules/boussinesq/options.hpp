@@ -18,7 +18,7 @@ struct convection_options {
   double zeta = 0.0, xi = 0.0;  // 0: recommended
   double steady_tolerance = 2e-4;
   double steady_turnovers = 6.0;
-  std::int64_t levels = 0;  // coarser ones before
+  std::int64_t levels = -1;  // coarser ones before; -1: chosen
   double level_tolerance = 2e-3, level_time = 0.0;
   std::string target = "auto";
   double steady_mach = 1.5;

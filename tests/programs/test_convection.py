@@ -96,6 +96,16 @@ class Convection(Case):
         times = [float(row[header.index("time [s]")]) for row in rows]
         self.assertEqual(times, sorted(times))
 
+    def test_levels_are_chosen(self):
+        """As many as resolve the flow, where the steady state is the aim."""
+        for settings, levels in [(size(48), 1), (size(100), 2), (size(46), 0), ({**size(48), "domain.particles_x": 50}, 1), (size(49), 0),
+                                 ({**size(48), "convection.steady_tolerance": 0}, 0), ({**size(48), "convection.levels": 0}, 0),
+                                 ({**size(48), "convection.target": "'transient'"}, 0),
+                                 ({**size(100), "convection.rayleigh": 1e6}, 1)]:
+            with self.subTest(settings):
+                s = self.run_program("convection", MANTLE, {**settings, "time.steps": 1}).summary
+                self.assertEqual(s["metrics"]["levels_left"], levels)
+
     def test_nested_start_ranks_restart(self):
         settings = {**size(40), "convection.levels": 2, "convection.level_time": 2e16, "time.steps": 300}
         for name, more in [("walls", {}), ("periodic", {"domain.periodic_x": ".true.", "walls.slip": "no_slip", "time.method": "ab2", "convection.level_time": 2e15})]:
