@@ -13,6 +13,7 @@
 
 namespace tetsuame::schemes {
 
+using foundation::greater, foundation::lesser;
 using pairs::real, pairs::vec;
 
 struct mass_tag {};
@@ -66,15 +67,17 @@ struct two_slopes {
 template <int D, class Kernel>
 two_slopes slopes_of(const Kernel& unit, const auto& ij) {
   const real p_i = ij.own(of_per_support), p_j = ij(of_per_support);
-  // A spline's F̂ has 1/q: its own S instead of 1/(1/S), which the null particle does not have.
+  // A spline's F̂ is W'(q)/q: 1/q = S/r with the pair's 1/r saves a division. The null particle has 1/S = 0.
   const auto one = [&](const real& per_S) {
     real W, F;
     const real q = ij.r * per_S;
-    if constexpr (requires { Kernel::shape(q, q, W, F); })
+    if constexpr (requires { Kernel::shape(q, q, W, F); }) {
       unit.both(q, q, W, F);
-    else
-      unit.both(q, real(1.0 / max(q, real(1e-9))), W, F);
-    return real(power<D>(per_S) * per_S * per_S * F);
+      return real(power<D>(per_S) * per_S * per_S * F);
+    } else {
+      unit.both(q, real(1.0), W, F);
+      return real(power<D>(per_S) * per_S * ij.per_r * F);
+    }
   };
   return {one(p_i), one(p_j)};
 }
@@ -148,8 +151,8 @@ struct density {
     if constexpr (D == 2) a.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
     if constexpr (D == 3)
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-        a.curl[k] += wF * (v_ij[l] * ij.x_ij[m] - v_ij[m] * ij.x_ij[l]);
+        const std::size_t b = (k + 1) % 3, c = (k + 2) % 3;
+        a.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
       }
   }
   void end(std::size_t i, const me& a) const {

@@ -29,7 +29,7 @@ struct disph {
   me begin(std::size_t) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
-    const real v_x = ij.along(pairs::of_velocity), closing = min(v_x * ij.per_r, real(0.0));
+    const real v_x = ij.along(pairs::of_velocity), closing = lesser(real(v_x * ij.per_r), real(0.0));
     const real signal = ij.own(of_sound) + ij(of_sound) - 3.0 * closing;
     const real UU = ij.own(pairs::of_weight) * ij(pairs::of_weight);
     const real from_i = UU * ij.own(of_slope) * F.i, from_j = UU * ij(of_slope) * F.j;

@@ -42,7 +42,7 @@ template <int D>
 void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
   real seen = signal;
   where(F.i + F.j == 0.0, seen) = 0.0;
-  a.signal = max(a.signal, seen);
+  a.signal = greater(a.signal, seen);
 }
 
 template <int D>

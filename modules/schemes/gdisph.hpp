@@ -27,7 +27,7 @@ struct gdisph {
     const real from_i = UUP * ij.own(of_slope) * F.i, from_j = UUP * ij(of_slope) * F.j;
     a.force -= (from_i + from_j) * ij.x_ij;
     a.power += from_i * star.closing * ij.r;
-    keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * min(star.closing, real(0.0))));
+    keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * lesser(star.closing, real(0.0))));
   }
   void end(std::size_t i, const me& a) const { write(out, i, a); }
 };

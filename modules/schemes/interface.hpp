@@ -25,7 +25,7 @@ inline constexpr grad_v_tag of_grad_v;
 
 inline real limited(const real& difference, const real& slope, double theta) {
   const real behind = 2.0 * slope - difference;
-  real size = min(abs(slope), theta * min(abs(difference), abs(behind)));
+  real size = lesser(real(abs(slope)), real(theta * lesser(real(abs(difference)), real(abs(behind)))));
   where(difference * behind <= 0.0, size) = 0.0;
   return copysign(size, difference);
 }

@@ -64,6 +64,17 @@ BOOST_AUTO_TEST_CASE(bits_of_comparison) {
   BOOST_TEST(bits_of_less(real(std::numeric_limits<double>::quiet_NaN()), real(2.0)) == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(greater_and_lesser) {
+  const real a = filled([](std::size_t k) { return k % 2 == 0 ? 1.0 : -2.0; }), zero(0.0);
+  const real nan(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < lanes; ++k) {
+    BOOST_TEST(greater(a, zero)[k] == std::max(a[k], 0.0));
+    BOOST_TEST(lesser(a, zero)[k] == std::min(a[k], 0.0));
+    BOOST_TEST((std::isnan(greater(zero, nan)[k]) && std::isnan(lesser(zero, nan)[k])));
+    BOOST_TEST((greater(nan, zero)[k] == 0.0 && lesser(nan, zero)[k] == 0.0));
+  }
+}
+
 // libmvec promises 4 units in the last place; and a value gives the same in every lane.
 BOOST_AUTO_TEST_CASE(exp_and_log) {
   std::mt19937 random(5);
