@@ -6,7 +6,7 @@
 //
 // The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice,
 // so that h is smooth where m and u jump. f belongs to supports that follow y. Those that follow n have, in the place
-// of f_i w_i w_j in DISPH's forces, w_i (w_j + z_i) [P. F. Hopkins, MNRAS 428, 2840 (2013), eq. (12)]:
+// of f_i w_i w_j in DISPH's forces, w_i (w_j + z_i) [P. F. Hopkins, MNRAS 428, 2840 (2013)]:
 //   z_i = -(D y_i + Σ_j w_j r W'(h_i))/Σ_j r W'(h_i)
 // both are one where all weights are the same.
 #pragma once
