@@ -16,7 +16,7 @@ using pairs::real;
 
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon(), gamma = 1.4;
+constexpr double epsilon = std::numeric_limits<double>::epsilon(), adiabatic = 1.4;
 using array = particles::array;
 
 // Of n particles and the null particle, which is the last.
@@ -40,7 +40,7 @@ struct cloud {
       for (auto& a : *all) a.assign(n + 1, 0.0);
     for (auto& a : gradient) a.assign(n + 1, 0.0);
     for (auto& a : x) a[n] = 1e60;
-    gamma_of.assign(n + 1, gamma);
+    gamma_of.assign(n + 1, adiabatic);
     for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
     list.null = n;
     for (std::size_t i = 0; i < n; ++i) {
@@ -135,8 +135,8 @@ void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool 
   g.find_densities(unit);
   for (std::size_t i = 0; i < g.n; ++i) {
     g.rho[i] = by == weigh::energy ? g.y[i] / g.u[i] : g.y[i];
-    g.p[i] = (gamma - 1.0) * g.rho[i] * g.u[i];
-    g.c[i] = std::sqrt(gamma * g.p[i] / g.rho[i]);
+    g.p[i] = (adiabatic - 1.0) * g.rho[i] * g.u[i];
+    g.c[i] = std::sqrt(adiabatic * g.p[i] / g.rho[i]);
     g.slope[i] = (number ? 1.0 : g.f[i]) * (own_pressure ? g.p[i] : 1.0) / (g.y[i] * g.y[i]);
     g.correction[i] = number ? g.z[i] : 0.0;
     g.per_S[i] = 1.0 / g.S[i];
@@ -199,6 +199,19 @@ double limited(double difference, double slope, double theta) {
   return schemes::limited(real(difference), real(slope), theta)[0];
 }
 
+// The star pressure that particle i sees.
+struct star_pressure {
+  schemes::gas<1> s;
+  double* star;
+  struct me {
+    real p;
+  };
+  auto reads() const { return schemes::interface_reads<1, true>(s); }
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const { a.p = schemes::interface<1, true>(s, ij).p; }
+  void end(std::size_t i, const me& a) const { star[i] = a.p[0]; }  // the other particle is in the first lane
+};
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(conservation_on_a_line) { all_schemes_conserve<1>(kernels::quintic_spline<1>(1.0)); }
@@ -246,6 +259,42 @@ BOOST_AUTO_TEST_CASE(gradients_of_linear_fields) {
   const std::array<double, 8> want{0.5, -0.25, -0.3, 0.1, 0.2, -0.4, 0.7, 0.1};
   for (std::size_t k = 0; k < want.size(); ++k)
     for (std::size_t i = 0; i < g.n; ++i) BOOST_TEST(std::abs(g.gradient[k][i] - want[k]) < 1e-11);
+}
+
+// Of two particles on a line with the slope of their difference, times `steep`, in p and ρ: the star pressure. With a
+// linear field both sides meet in the middle, where there is no jump; without slopes, or with slopes against the
+// difference, the Riemann problem is that of the particles.
+BOOST_AUTO_TEST_CASE(interface_states) {
+  const auto star = [](double steep, double gamma_l, double stiffness_l, bool exact) {
+    cloud<1> g(2);
+    g.x[0] = {0.0, 0.1, 1e60};
+    g.p = {1.0, 1.5, 1.0};
+    g.rho = {1.0, 1.2, 1.0};
+    g.gamma_of[0] = gamma_l;
+    g.stiffness[0] = stiffness_l;
+    for (std::size_t i = 0; i < 2; ++i) {
+      g.c[i] = std::sqrt(g.gamma_of[i] * (g.p[i] + g.stiffness[i]) / g.rho[i]);
+      g.gradient[0][i] = steep * 0.5 / 0.1;
+      g.gradient[1][i] = steep * 0.2 / 0.1;
+    }
+    array is(2);
+    g.sum(star_pressure{g.gas(exact), is.data()});
+    BOOST_TEST(std::abs(is[0] - is[1]) <= 4.0 * epsilon);  // seen from either end
+    return is[0];
+  };
+  const auto of_ends = [](double gamma_l, double stiffness_l) {
+    return riemann::solve(riemann::side<double>{1.0, 0.0, 1.0, gamma_l, stiffness_l},
+                          riemann::side<double>{1.2, 0.0, 1.5, adiabatic, 0.0})
+        .p;
+  };
+  for (const bool exact : {false, true}) {
+    BOOST_TEST(std::abs(star(1.0, adiabatic, 0.0, exact) - 1.25) <= 4.0 * epsilon);
+    for (const auto& [gamma_l, stiffness_l] : {std::pair{adiabatic, 0.0}, std::pair{4.0, 3.0}})
+      for (const double steep : {0.0, -1.0}) {
+        const double miss = std::abs(star(steep, gamma_l, stiffness_l, exact) - of_ends(gamma_l, stiffness_l));
+        BOOST_TEST(miss <= (exact ? 1e-9 : 0.05 * 0.5));  // HLLC is approximate: a twentieth of the jump
+      }
+  }
 }
 
 // Artificial viscosity: nothing between particles that part, and antisymmetric heating that is never cooling.
