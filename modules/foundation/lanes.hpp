@@ -40,6 +40,34 @@ double sum(const R& a) {
   return part[0];
 }
 
+// The greater and the lesser, lane by lane; b where one is not a number. Instead of std::experimental's max and min:
+// those are compiled with an option of their own (finite-math-only), which g++ hands on to a small function that
+// calls them, and does not inline that one into others any more, whatever is asked for.
+template <class R>
+[[gnu::always_inline]] inline R greater(const R& a, const R& b) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) return R(_mm512_max_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+#endif
+#if defined(__AVX__)
+  if constexpr (R::size() == 4) return R(_mm256_max_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
+#endif
+  R c = b;
+  where(b < a, c) = a;
+  return c;
+}
+template <class R>
+[[gnu::always_inline]] inline R lesser(const R& a, const R& b) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) return R(_mm512_min_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+#endif
+#if defined(__AVX__)
+  if constexpr (R::size() == 4) return R(_mm256_min_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
+#endif
+  R c = b;
+  where(a < b, c) = a;
+  return c;
+}
+
 // Bit n: whether a < b in lane n.
 template <class R>
 std::uint32_t bits_of_less(const R& a, const R& b) {

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <experimental/simd>
+#include <foundation/lanes.hpp>
 #include <numbers>
 
 namespace tetsuame::kernels {
 
-// max(x, 0) for a double and, found through its own namespace, for several lanes.
+// max(x, 0) for a double or lanes.
+inline double positive_part(double x) { return std::max(x, 0.0); }
 template <class R>
 [[gnu::always_inline]] inline R positive_part(const R& x) {
-  using std::max;
-  return max(x, R(0.0));
+  return foundation::greater(R(0.0), x);
 }
 
 // The constant of dimension D out of one for each of D = 1, 2, 3.

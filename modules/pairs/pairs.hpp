@@ -160,7 +160,7 @@ template <int D, class Source, class Kernel, class... Terms>
     ij.j = j;
     ij.x_ij = x_i - source.neighbour(ij);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
-    const auto root = foundation::both_roots(max(ij.r2, nearest));
+    const auto root = foundation::both_roots(foundation::greater(ij.r2, nearest));
     ij.r = root.r;
     ij.per_r = root.inverse;
     kernel.both(root.r, root.inverse, ij.W, ij.F);

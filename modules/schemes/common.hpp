@@ -5,7 +5,10 @@
 // by h ∂W/∂h = -(D W + r W'). Kernels are evaluated at q = r/S with support 1: W = Ŵ/S^D, W'/r = F̂/S^(D+2).
 //
 // The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice,
-// so that h is smooth where m and u jump.
+// so that h is smooth where m and u jump. f belongs to supports that follow y. Those that follow n have, in the place
+// of f_i w_i w_j in DISPH's forces, w_i (w_j + z_i) [P. F. Hopkins, MNRAS 428, 2840 (2013)]:
+//   z_i = -(D y_i + Σ_j w_j r W'(h_i))/Σ_j r W'(h_i)
+// both are one where all weights are the same.
 #pragma once
 
 #include <cmath>
@@ -13,6 +16,7 @@
 
 namespace tetsuame::schemes {
 
+using foundation::greater, foundation::lesser;
 using pairs::real, pairs::vec;
 
 struct mass_tag {};
@@ -21,12 +25,18 @@ struct density_tag {};
 struct sound_tag {};
 struct slope_tag {};
 struct dissipation_tag {};
+struct correction_tag {};
+struct gamma_tag {};
+struct stiffness_tag {};
 inline constexpr mass_tag of_mass;
 inline constexpr per_support_tag of_per_support;  // 1/S; 0 for the null particle
 inline constexpr density_tag of_density;
 inline constexpr sound_tag of_sound;
 inline constexpr slope_tag of_slope;              // f_i/y_i², with the pressure where the scheme has one of its own
-inline constexpr dissipation_tag of_dissipation;  // α_i and Balsara's factor
+inline constexpr dissipation_tag of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
+inline constexpr correction_tag of_correction;    // z_i
+inline constexpr gamma_tag of_gamma;
+inline constexpr stiffness_tag of_stiffness;  // p_inf, Pa
 
 // In place of a kernel in pairs::sum_over: the terms evaluate their own.
 struct distances_only {
@@ -66,15 +76,17 @@ struct two_slopes {
 template <int D, class Kernel>
 two_slopes slopes_of(const Kernel& unit, const auto& ij) {
   const real p_i = ij.own(of_per_support), p_j = ij(of_per_support);
-  // A spline's F̂ has 1/q: its own S instead of 1/(1/S), which the null particle does not have.
+  // A spline's F̂ is W'(q)/q: 1/q = S/r with the pair's 1/r saves a division. The null particle has 1/S = 0.
   const auto one = [&](const real& per_S) {
     real W, F;
     const real q = ij.r * per_S;
-    if constexpr (requires { Kernel::shape(q, q, W, F); })
+    if constexpr (requires { Kernel::shape(q, q, W, F); }) {
       unit.both(q, q, W, F);
-    else
-      unit.both(q, real(1.0 / max(q, real(1e-9))), W, F);
-    return real(power<D>(per_S) * per_S * per_S * F);
+      return real(power<D>(per_S) * per_S * per_S * F);
+    } else {
+      unit.both(q, real(1.0), W, F);
+      return real(power<D>(per_S) * per_S * ij.per_r * F);
+    }
   };
   return {one(p_i), one(p_j)};
 }
@@ -109,7 +121,7 @@ inline double next_support(double S, double count, double slope, double target) 
   return S * (1.0 + std::fmin(std::fmax(change, -most), most));
 }
 
-// y, f, ∇·v, |∇×v| (1/s), n, and Σ_j m_j W_ij.
+// y, f, z, ∇·v, |∇×v| (1/s), n, and Σ_j m_j W_ij.
 template <int D, class Kernel>
 struct density {
   Kernel unit;
@@ -117,7 +129,7 @@ struct density {
   std::array<const double*, D> v;
   const double* S;
   struct {
-    double *y, *f, *divergence, *curl, *n, *rho;
+    double *y, *f, *z, *divergence, *curl, *n, *rho;
     double *count, *slope;  // as of number_density
   } out;
 
@@ -148,8 +160,8 @@ struct density {
     if constexpr (D == 2) a.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
     if constexpr (D == 3)
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-        a.curl[k] += wF * (v_ij[l] * ij.x_ij[m] - v_ij[m] * ij.x_ij[l]);
+        const std::size_t b = (k + 1) % 3, c = (k + 2) % 3;
+        a.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
       }
   }
   void end(std::size_t i, const me& a) const {
@@ -161,10 +173,12 @@ struct density {
     for (const real& c : a.curl) curl2 += pairs::sum(c) * pairs::sum(c);
     out.y[i] = per_volume * y;
     out.f[i] = f;
+    const double n_slope = pairs::sum(a.n_slope);
+    out.z[i] = n_slope < 0.0 ? -(D * y + slope) / n_slope : 0.0;
     out.divergence[i] = -factor * pairs::sum(a.divergence);
     out.curl[i] = factor * std::sqrt(curl2);
     out.count[i] = unit.self() + pairs::sum(a.n);
-    out.slope[i] = pairs::sum(a.n_slope);
+    out.slope[i] = n_slope;
     out.n[i] = per_volume * out.count[i];
     out.rho[i] = per_volume * (m[i] * unit.self() + pairs::sum(a.rho));
   }

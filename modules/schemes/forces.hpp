@@ -11,11 +11,12 @@ template <int D>
 struct gas {
   std::array<const double*, D> v;
   const double *m, *weight, *rho, *p, *c;
-  const double *slope, *per_S;
+  const double *slope, *correction, *per_S;
   const double* dissipation;
+  const double *gamma, *stiffness;
   std::array<const double*, D> grad_p, grad_rho;                      // limited in the pair
   std::array<const double*, static_cast<std::size_t>(D) * D> grad_v;  // [D a + b]: ∂v_a/∂x_b
-  double gamma, theta;                                                // theta: of the limiter, 1 to 2
+  double theta;                                                       // of the limiter, 1 to 2
   bool exact;
 };
 
@@ -42,7 +43,7 @@ template <int D>
 void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
   real seen = signal;
   where(F.i + F.j == 0.0, seen) = 0.0;
-  a.signal = max(a.signal, seen);
+  a.signal = greater(a.signal, seen);
 }
 
 template <int D>

@@ -28,7 +28,7 @@ struct gsph {
     const real own = foundation::dot(ij.own(pairs::of_velocity), ij.x_ij);
     a.force -= both * ij.x_ij;
     a.power -= both * (star.u * ij.r - own);
-    keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * min(star.closing, real(0.0))));
+    keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * lesser(star.closing, real(0.0))));
   }
   void end(std::size_t i, const me& a) const { write(out, i, a); }
 };

@@ -25,7 +25,7 @@ inline constexpr grad_v_tag of_grad_v;
 
 inline real limited(const real& difference, const real& slope, double theta) {
   const real behind = 2.0 * slope - difference;
-  real size = min(abs(slope), theta * min(abs(difference), abs(behind)));
+  real size = lesser(real(abs(slope)), real(theta * lesser(real(abs(difference)), real(abs(behind)))));
   where(difference * behind <= 0.0, size) = 0.0;
   return copysign(size, difference);
 }
@@ -34,7 +34,8 @@ inline real limited(const real& difference, const real& slope, double theta) {
 template <int D, bool Second>
 auto interface_reads(const gas<D>& s) {
   const auto first = std::tuple{pairs::read(pairs::of_velocity, s.v), pairs::read(of_density, s.rho),
-                                pairs::read(pairs::of_pressure, s.p), pairs::read(of_sound, s.c)};
+                                pairs::read(pairs::of_pressure, s.p), pairs::read(of_sound, s.c),
+                                pairs::read(of_gamma, s.gamma),       pairs::read(of_stiffness, s.stiffness)};
   if constexpr (Second)
     return std::tuple_cat(first, std::tuple{pairs::read(of_grad_p, s.grad_p), pairs::read(of_grad_rho, s.grad_rho),
                                             pairs::read(of_grad_v, s.grad_v)});
@@ -46,11 +47,10 @@ template <int D, bool Second>
 star_state interface(const gas<D>& s, const auto& ij) {
   using foundation::dot;
   const auto e = ij.per_r * ij.x_ij;
-  const real gamma(s.gamma);
-  riemann::side<real> l = riemann::ideal_gas(real(ij(of_density)), real(dot(ij(pairs::of_velocity), e)),
-                                             real(ij(pairs::of_pressure)), gamma);
-  riemann::side<real> r = riemann::ideal_gas(real(ij.own(of_density)), real(dot(ij.own(pairs::of_velocity), e)),
-                                             real(ij.own(pairs::of_pressure)), gamma);
+  riemann::side<real> l{ij(of_density), dot(ij(pairs::of_velocity), e), ij(pairs::of_pressure), ij(of_gamma),
+                        ij(of_stiffness)};
+  riemann::side<real> r{ij.own(of_density), dot(ij.own(pairs::of_velocity), e), ij.own(pairs::of_pressure),
+                        ij.own(of_gamma), ij.own(of_stiffness)};
   const real closing = r.u - l.u;
   if constexpr (Second) {
     const auto along = [&](const vec<real, D>& gradient) { return dot(gradient, ij.x_ij); };

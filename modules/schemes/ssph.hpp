@@ -27,7 +27,7 @@ struct ssph {
   me begin(std::size_t) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
-    const real v_x = ij.along(pairs::of_velocity), closing = min(v_x * ij.per_r, real(0.0));
+    const real v_x = ij.along(pairs::of_velocity), closing = lesser(real(v_x * ij.per_r), real(0.0));
     const real signal = ij.own(of_sound) + ij(of_sound) - 3.0 * closing;
     const real mm = ij.own(of_mass) * ij(of_mass);
     const real from_i = mm * ij.own(of_slope) * F.i, from_j = mm * ij(of_slope) * F.j;

@@ -34,6 +34,8 @@ class flow : public march::problem {
     s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
     s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
     s.extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
+    s.extras.push_back({"StartVolume", "m^D", "mass over density at the start", role::memory, {}});
+    s.extras.push_back({"StartSum", "1", "sum of StartVolume W at the start", role::memory, {}});
     const auto& line = kernels::find(o.march.kernel.name);
     support_over_dx_ = line.support_over_h * o.march.kernel.h_over_dx;
     support_over_h_ = line.support_over_h;
@@ -145,6 +147,10 @@ class flow : public march::problem {
       for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(unit); }, unit_);
       make_lists(false);
     }
+    if (!o_.weighs_volume()) return;
+    // With the sums of the start a particle's density is at first what the input says, at contacts too.
+    std::visit([&](const auto& unit) { find_densities(unit); }, unit_);
+    std::copy_n(y_.begin(), w_.s.fluid, start_sum().begin());
   }
 
   // ---- measures ---------------------------------------------------------------------------
@@ -212,10 +218,11 @@ class flow : public march::problem {
     const totals now = sum_up();
     double momentum = 0.0;
     for (std::size_t a = 0; a < D; ++a)
-      momentum = std::max(momentum, std::abs(now.momentum[a] - first_->momentum[a]) / now.momentum_scale);
+      if (a != 1 || o_.shock.gravity == 0.0)
+        momentum = std::max(momentum, std::abs(now.momentum[a] - first_->momentum[a]) / now.momentum_scale);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum},
-                      {"energy", (now.kinetic + now.internal) / (first_->kinetic + first_->internal) - 1.0}};
+                      {"energy", now.energy() / first_->energy() - 1.0}};
     r.metrics["test"] = o_.shock.test;
     r.metrics["scheme"] = o_.shock.scheme;
     for (const auto& [name, value] : setup_.known) r.metrics[name] = value;
@@ -248,7 +255,7 @@ class flow : public march::problem {
   void save(output::checkpoint_globals& g) const override {
     g.integers["crossings"] = crossings_;
     if (!first_) return;
-    std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->momentum_scale};
+    std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->potential, first_->momentum_scale};
     all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
     g.blobs["first_totals"] = all;
     std::vector<double>& flat = g.blobs["samples"];
@@ -257,8 +264,8 @@ class flow : public march::problem {
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("crossings");
     const auto& all = g.blobs.at("first_totals");
-    first_.emplace(totals{all[0], all[1], all[2], all[3], {}});
-    std::copy_n(all.begin() + 4, D, first_->momentum.begin());
+    first_.emplace(totals{all[0], all[1], all[2], all[3], all[4], {}});
+    std::copy_n(all.begin() + 5, D, first_->momentum.begin());
     const auto& flat = g.blobs.at("samples");
     const auto width = static_cast<std::ptrdiff_t>(1 + setup_.traces.size());
     for (auto line = flat.begin(); line != flat.end(); line += width) samples_.emplace_back(line, line + width);
@@ -270,11 +277,15 @@ class flow : public march::problem {
   particles::array& support() { return w_.s.extras[0].values; }
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
+  particles::array& start_volume() { return w_.s.extras[3].values; }
+  particles::array& start_sum() { return w_.s.extras[4].values; }
   const particles::array& told_density() const { return o_.shock.density == "mass" ? mass_density_ : w_.s.rho; }
   bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
   double room_to_grow() const { return 0.25 * skin_; }
+  // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
-    return std::sqrt(o_.shock.gamma * (o_.shock.gamma - 1.0) * std::max(w_.s.u[i], 0.0));
+    const double thermal = stiffness_[i] > 0.0 ? w_.s.u[i] - stiffness_[i] / w_.s.rho[i] : w_.s.u[i];
+    return std::sqrt(gamma_[i] * (gamma_[i] - 1.0) * std::max(thermal, 0.0));
   }
 
   void choose_kernel(const std::string& name) {
@@ -302,7 +313,8 @@ class flow : public march::problem {
     double fastest = 0.0;
     for_each_start<D>(setup_, [&](const point& x, double volume) {
       const state now = setup_.start(x);
-      double v2 = o_.shock.gamma * now.p / now.rho;
+      const auto [gamma, stiffness] = gas_of(now.material);
+      double v2 = gamma * (now.p + stiffness) / now.rho;
       for (const double v : now.v) v2 += v * v;
       fastest = std::max(fastest, v2);
       std::array<double, D> place;
@@ -319,7 +331,10 @@ class flow : public march::problem {
       s.id[i] = p.id;
       s.material[i] = now.material;
       s.m[i] = now.rho * p.volume;
-      s.u[i] = now.p / ((o_.shock.gamma - 1.0) * now.rho);
+      const auto [gamma, stiffness] = gas_of(now.material);
+      s.u[i] = (now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho);
+      start_volume()[i] = p.volume;
+      start_sum()[i] = 1.0;
       for (std::size_t a = 0; a < D; ++a) {
         s.x[a][i] = p.x[a];
         s.v[a][i] = now.v[a];
@@ -365,16 +380,20 @@ class flow : public march::problem {
     domain::make_halo<D>(w_.d, s, 0, s.fluid, s.fluid, w_.d.fluid_halo,
                          [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, 0, 0); });
     images::make(images_, s, fluid_total_, most + skin_);
-    w_.exchange_fluid({s.m.data(), list_support().data()});
+    for (auto* a : {&gamma_, &stiffness_}) a->assign(s.total() + 1, 0.0);
+    for (std::size_t i = 0; i < s.fluid; ++i) std::tie(gamma_[i], stiffness_[i]) = gas_of(s.material[i]);
+    gamma_[s.null()] = o_.shock.gamma;
+    const std::array<double*, 5> fixed{s.m.data(), list_support().data(), start_volume().data(), gamma_.data(),
+                                       stiffness_.data()};
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(fixed));
     foundation::for_all(images_.source.size(), [&](std::size_t r) {
-      s.m[s.first_wall() + r] = s.m[images_.source[r]];
-      list_support()[s.first_wall() + r] = list_support()[images_.source[r]];
+      for (double* a : fixed) a[s.first_wall() + r] = a[images_.source[r]];
     });
     make_list<D>(w_, list_support(), skin_, edge);
     if (as_they_were) exchange_positions();
-    for (auto* a : {&S_, &per_S_, &weight_, &slope_, &dissipation_}) a->assign(s.total() + 1, 0.0);
+    for (auto* a : {&S_, &per_S_, &weight_, &slope_, &correction_, &dissipation_}) a->assign(s.total() + 1, 0.0);
     for (auto* a :
-         {&y_, &f_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
+         {&y_, &f_, &z_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
       a->resize(s.fluid);
     for (auto& a : force_) a.resize(s.fluid);
     if (o_.second_order())
@@ -434,7 +453,9 @@ class flow : public march::problem {
       for (std::size_t a = 0; a < D; ++a) s.v[a][i] = sign[a] * s.v[a][j];
       s.u[i] = s.u[j];
     });
-    foundation::for_all(s.total(), [&](std::size_t i) { weight_[i] = o_.weighs_energy() ? s.m[i] * s.u[i] : s.m[i]; });
+    foundation::for_all(s.total(), [&](std::size_t i) {
+      weight_[i] = o_.weighs_energy() ? s.m[i] * s.u[i] : o_.weighs_volume() ? start_volume()[i] : s.m[i];
+    });
   }
 
   template <class Kernel>
@@ -459,7 +480,7 @@ class flow : public march::problem {
             s.m.data(),
             pairs::pointers<D>(s.v),
             S_.data(),
-            {y_.data(), f_.data(), divergence_.data(), curl_.data(), number_.data(), mass_density_.data(),
+            {y_.data(), f_.data(), z_.data(), divergence_.data(), curl_.data(), number_.data(), mass_density_.data(),
              count_.data(), count_slope_.data()}};
   }
 
@@ -468,8 +489,10 @@ class flow : public march::problem {
     const foundation::stage timed(w_.times, "densities");
     auto& s = w_.s;
     sum(densities_of(unit));
-    const double gamma = o_.shock.gamma;
-    const bool energy = o_.weighs_energy(), own_pressure = !o_.godunov(), star_of_mass = o_.shock.scheme == "gsph";
+    const bool energy = o_.weighs_energy(), volume = o_.weighs_volume(), own_pressure = !o_.godunov();
+    const bool with_f = o_.shock.scheme != "gsph" && !(o_.density_independent() && o_.shock.support_terms == "number");
+    const bool with_z = o_.density_independent() && !with_f;
+    const bool part_of_star = o_.shock.star_pressure == "balsara";
     for (std::size_t i = 0; i < s.fluid; ++i)
       if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
@@ -477,19 +500,23 @@ class flow : public march::problem {
         break;
       }
     foundation::for_all(s.fluid, [&](std::size_t i) {
+      // dU = -p dV with V = k w/y
+      const double k = volume ? start_sum()[i] : 1.0;
+      s.rho[i] = energy ? y_[i] / s.u[i] : volume ? s.m[i] * y_[i] / (k * weight_[i]) : y_[i];
+      s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
       s.c[i] = sound_speed(i);
-      s.rho[i] = energy ? y_[i] / s.u[i] : y_[i];
-      s.p[i] = (gamma - 1.0) * (energy ? y_[i] : y_[i] * s.u[i]);
       s.dV[i] = 1.0 / number_[i];
       per_S_[i] = 1.0 / S_[i];
-      slope_[i] = (star_of_mass ? 1.0 : f_[i]) * (own_pressure ? s.p[i] : 1.0) / (y_[i] * y_[i]);
+      slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
+      correction_[i] = with_z ? z_[i] : 0.0;
       const double closing = std::abs(divergence_[i]), h = S_[i] / support_over_h_;
-      const double balsara = o_.shock.balsara ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
-      dissipation_[i] = alpha()[i] * balsara;
+      const double balsara =
+          o_.shock.balsara || part_of_star ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
+      dissipation_[i] = own_pressure ? alpha()[i] * balsara : part_of_star ? balsara : 1.0;
     });
     per_S_[s.null()] = slope_[s.null()] = 0.0;
-    const std::array<double*, 7> all{s.rho.data(),  s.p.data(),    s.c.data(),         s.dV.data(),
-                                     per_S_.data(), slope_.data(), dissipation_.data()};
+    const std::array<double*, 8> all{correction_.data(), s.rho.data(),  s.p.data(),    s.c.data(),
+                                     s.dV.data(),        per_S_.data(), slope_.data(), dissipation_.data()};
     domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
     for_each_image([&](std::size_t i, std::size_t j, const auto&) {
       for (double* a : all) a[i] = a[j];
@@ -526,12 +553,14 @@ class flow : public march::problem {
                         s.p.data(),
                         s.c.data(),
                         slope_.data(),
+                        correction_.data(),
                         per_S_.data(),
                         dissipation_.data(),
+                        gamma_.data(),
+                        stiffness_.data(),
                         {},
                         {},
                         {},
-                        o_.shock.gamma,
                         o_.shock.limiter == "minmod" ? 1.0 : 2.0,
                         o_.shock.solver == "exact"};
     for (std::size_t b = 0; b < D; ++b) {
@@ -566,6 +595,7 @@ class flow : public march::problem {
         rate[a][i] = s.v[a][i];
         rate[D + a][i] = force_[a][i] / s.m[i];
       }
+      if constexpr (D > 1) rate[D + 1][i] -= o_.shock.gravity;
       rate[2 * D][i] = power_[i] / s.m[i];
       if (!has_alpha()) return;
       const double h = S_[i] / support_over_h_, decay = 0.2 * s.c[i] / h;
@@ -583,12 +613,13 @@ class flow : public march::problem {
   // ---- measures ---------------------------------------------------------------------------
 
   struct totals {
-    double mass, kinetic, internal, momentum_scale;
+    double mass, kinetic, internal, potential, momentum_scale;
     std::array<double, D> momentum;
+    double energy() const { return kinetic + internal + potential; }
   };
   totals sum_up() const {
     const auto& s = w_.s;
-    foundation::exact_sum mass, kinetic, internal, scale;
+    foundation::exact_sum mass, kinetic, internal, potential, scale;
     std::array<foundation::exact_sum, D> momentum;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       double v2 = 0.0;
@@ -599,9 +630,11 @@ class flow : public march::problem {
       mass.add(s.m[i]);
       kinetic.add(0.5 * s.m[i] * v2);
       internal.add(s.m[i] * s.u[i]);
+      if constexpr (D > 1) potential.add(s.m[i] * o_.shock.gravity * s.x[1][i]);
       scale.add(s.m[i] * (std::sqrt(v2) + sound_speed(i)));
     }
-    totals t{ranks().exact(mass), ranks().exact(kinetic), ranks().exact(internal), ranks().exact(scale), {}};
+    totals t{ranks().exact(mass),      ranks().exact(kinetic), ranks().exact(internal),
+             ranks().exact(potential), ranks().exact(scale),   {}};
     for (std::size_t a = 0; a < D; ++a) t.momentum[a] = ranks().exact(momentum[a]);
     return t;
   }
@@ -638,6 +671,13 @@ class flow : public march::problem {
             {"pressure_l1", ranks().exact(p) / all}};
   }
 
+  // gamma and p_infinity
+  std::pair<double, double> gas_of(std::int32_t material) const {
+    const auto& q = o_.shock;
+    return material == setup_.material_l ? std::pair{*q.gamma_l, q.p_infinity_l}
+                                         : std::pair{*q.gamma_r, q.p_infinity_r};
+  }
+
   const options& o_;
   const setup setup_;
   pairs::workspace<D> w_;
@@ -652,6 +692,7 @@ class flow : public march::problem {
 
   particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
   particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_, mass_density_;
+  particles::array z_, correction_, gamma_, stiffness_;  // correction_, gamma_, stiffness_: of all particles
   std::array<particles::array, D> force_;
   std::array<particles::array, G> gradient_;
 };

@@ -33,14 +33,23 @@ void declare(namelist::schema& schema, options& o) {
 
   auto& s = o.shock;
   schema.group("shock", "gas with contacts and shocks");
-  schema.add("shock", "test", s.test,
-             {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "gresho", "noh", "blasts"},
-              .meaning = "what is at the start; left and right are inside and outside of a square or band"});
+  schema.add(
+      "shock", "test", s.test,
+      {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts"},
+       .meaning = "what is at the start; left and right are inside and outside of a square or band"});
   schema.add("shock", "scheme", s.scheme,
              {.choices = {"ssph", "disph", "gsph", "gdisph"},
               .meaning = "standard, density-independent; Godunov's forms of the two"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
+  schema.add("shock", "weight", s.weight,
+             {.choices = {"energy", "volume"},
+              .meaning = "disph, gdisph, what is smoothed: m u; or the volume at the start, for any equation of state, "
+                         "with densities as given at the start"});
+  schema.add("shock", "support_terms", s.support_terms,
+             {.choices = {"weight", "number"},
+              .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
+                         "density [S4], or the number density, as it does [Hopkins 2013]"});
   schema.add(
       "shock", "density", s.density,
       {.choices = {"weight", "mass"},
@@ -58,7 +67,19 @@ void declare(namelist::schema& schema, options& o) {
   side("l", "on the left", s.rho_l, s.u_l, s.p_l);
   side("r", "on the right", s.rho_r, s.u_r, s.p_r);
   schema.add("shock", "gamma", s.gamma,
-             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the ideal gas"});
+             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the gas"});
+  const auto stiffened = [&](const std::string& end, const char* where, std::optional<double>& gamma, double& p) {
+    schema.add("shock", "gamma_" + end, gamma,
+               {.minimum = 1.0,
+                .exclusive_minimum = true,
+                .meaning = std::string("riemann, square: of the gas ") + where + "; empty: gamma"});
+    schema.add("shock", "p_infinity_" + end, p,
+               {.unit = "Pa",
+                .minimum = 0.0,
+                .meaning = std::string("riemann, square: of the stiffened gas ") + where + "; 0: an ideal gas"});
+  };
+  stiffened("l", "on the left", s.gamma_l, s.p_infinity_l);
+  stiffened("r", "on the right", s.gamma_r, s.p_infinity_r);
   schema.add("shock", "window", s.window,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -68,18 +89,30 @@ void declare(namelist::schema& schema, options& o) {
              {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
   schema.add("shock", "blast_radius", s.blast_radius,
              {.minimum = 1.0, .maximum = 100.0, .meaning = "sedov: within so many spacings the energy starts"});
-  schema.add(
-      "shock", "layer", s.layer,
-      {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "kelvin_helmholtz: width of the layers"});
+  schema.add("shock", "corner", s.corner,
+             {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
+                         "octant; the energy is that of the whole explosion"});
+  schema.add("shock", "layer", s.layer,
+             {.unit = "m",
+              .minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "kelvin_helmholtz, rayleigh_taylor: width of the layers"});
   schema.add("shock", "perturbation", s.perturbation,
-             {.unit = "m/s", .meaning = "kelvin_helmholtz: velocity along y, a sine along x"});
-  schema.add("shock", "waves", s.waves, {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz: of that sine"});
+             {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
+  schema.add("shock", "waves", s.waves,
+             {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz, rayleigh_taylor: of that sine"});
+  schema.add("shock", "gravity", s.gravity,
+             {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
   schema.add("shock", "solver", s.solver,
              {.choices = {"exact", "hllc"}, .meaning = "of the Riemann problem (gsph, gdisph)"});
   schema.add("shock", "reconstruction", s.reconstruction,
              {.choices = {"first", "second"}, .meaning = "order of the states at the interface (gsph, gdisph)"});
   schema.add("shock", "limiter", s.limiter,
              {.choices = {"minmod", "monotonised"}, .meaning = "of the second order's slopes"});
+  schema.add("shock", "star_pressure", s.star_pressure,
+             {.choices = {"full", "balsara"},
+              .meaning = "gdisph: the Riemann problem's throughout, or in the part that Balsara's factor gives, and "
+                         "the particles' own in the rest"});
   schema.add("shock", "alpha", s.alpha,
              {.minimum = 0.0,
               .maximum = 10.0,
@@ -107,7 +140,25 @@ void resolve(const namelist::schema& schema, options& o) {
   }
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
   const auto& test = o.shock.test;
-  if (o.dimension == 1 && (test == "square" || test == "kelvin_helmholtz" || test == "gresho"))
+  if (!o.shock.gamma_l) o.shock.gamma_l = o.shock.gamma;
+  if (!o.shock.gamma_r) o.shock.gamma_r = o.shock.gamma;
+  const auto& s = o.shock;
+  if (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma) {
+    if (test != "riemann" && test != "square")
+      schema.fail("shock", "gamma_l", "the test '" + test + "' is of an ideal gas with one gamma");
+    if (o.weighs_energy())
+      schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
+  }
+  if (test == "rayleigh_taylor" ? s.gravity <= 0.0 : s.gravity != 0.0)
+    schema.fail("shock", "gravity", "gravity is for the test 'rayleigh_taylor', which needs it");
+  if (test == "rayleigh_taylor" && o.box.periodic[1])
+    schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
+  if (s.corner)
+    for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
+      if (test != "sedov" || o.box.periodic[a])
+        schema.fail("shock", "corner", "the centre is in a corner only in the test 'sedov' and between walls");
+  if (o.dimension == 1 &&
+      (test == "square" || test == "kelvin_helmholtz" || test == "rayleigh_taylor" || test == "gresho"))
     schema.fail("domain", "dimension", "the test '" + test + "' has two dimensions at least");
   if (!o.march.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
 }

@@ -13,14 +13,19 @@ namespace tetsuame::shocks {
 
 struct shock_options {
   std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
+  std::string weight = "energy", support_terms = "number";
   double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
   double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
   double gamma = 1.4;
-  double window = 1.0;                        // of the box along x, about its middle: where errors are measured
-  double energy = 1.0, blast_radius = 2.0;    // J; in spacings
-  double layer = 0.025, perturbation = 0.01;  // m, m/s
-  std::int64_t waves = 2;                     // along x
-  std::string solver = "hllc", reconstruction = "second", limiter = "minmod";
+  std::optional<double> gamma_l, gamma_r;         // none: gamma
+  double p_infinity_l = 0.0, p_infinity_r = 0.0;  // Pa; stiffened gas
+  double window = 1.0;                            // of the box along x, about its middle: where errors are measured
+  double energy = 1.0, blast_radius = 2.0;        // J; in spacings
+  bool corner = false;                            // sedov: the centre is in a corner
+  double gravity = 0.0;                           // m/s2, towards -y
+  double layer = 0.025, perturbation = 0.01;      // m, m/s
+  std::int64_t waves = 2;                         // along x
+  std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;
 };
@@ -32,7 +37,9 @@ struct options {
   march::options march;
 
   double dx() const { return box.length[0] / static_cast<double>(box.particles[0]); }
-  bool weighs_energy() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
+  bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
+  bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
+  bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
 };

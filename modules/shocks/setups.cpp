@@ -32,8 +32,8 @@ setup riemann_tube(const options& o) {
   setup t;
   t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.rho_l, mean)),
               lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.rho_r, mean))};
-  const exact::shock_tube tube(riemann::ideal_gas(s.rho_l, s.u_l, s.p_l, s.gamma),
-                               riemann::ideal_gas(s.rho_r, s.u_r, s.p_r, s.gamma));
+  const exact::shock_tube tube({s.rho_l, s.u_l, s.p_l, *s.gamma_l, s.p_infinity_l},
+                               {s.rho_r, s.u_r, s.p_r, *s.gamma_r, s.p_infinity_r});
   t.exact = [=](const point& x, double time) {
     const auto w = tube.at(x[0] - middle, time);
     return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
@@ -71,6 +71,7 @@ setup square(const options& o) {
     return true;
   };
   setup t;
+  t.material_l = 1;
   point low{}, high{};
   for (std::size_t a = 0; a < D; ++a) {
     low[a] = 0.25 * end[a];
@@ -149,7 +150,8 @@ double shock_radius(const view& w, const point& centre, double dx, double larges
 
 setup sedov(const options& o) {
   const auto& s = o.shock;
-  const point c = middle_of(o);
+  const point c = s.corner ? point{} : middle_of(o);
+  const double in_box = s.corner ? std::pow(0.5, static_cast<double>(o.dimension)) : 1.0;
   setup t;
   t.blocks = {whole_box(o)};
   const double radius = s.blast_radius * o.dx();
@@ -159,13 +161,14 @@ setup sedov(const options& o) {
   };
   // Of the lattice about the centre.
   const double per_volume = std::pow(o.dx(), static_cast<double>(o.dimension));
-  double all = 0.0;
+  double shares = 0.0;
   const auto reach = static_cast<std::int64_t>(s.blast_radius) + 2;
   const auto& n = o.box.particles;
   std::array<std::int64_t, 3> low{}, high{};
   for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a) {
-    low[a] = std::max<std::int64_t>(0, n[a] / 2 - reach);
-    high[a] = std::min(n[a] - 1, n[a] / 2 + reach);
+    const std::int64_t middle = s.corner ? 0 : n[a] / 2;
+    low[a] = std::max<std::int64_t>(0, middle - reach);
+    high[a] = std::min(n[a] - 1, middle + reach);
   }
   for (auto i = low[0]; i <= high[0]; ++i)
     for (auto j = low[1]; j <= high[1]; ++j)
@@ -174,10 +177,10 @@ setup sedov(const options& o) {
         const std::array<std::int64_t, 3> at{i, j, k};
         for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
           x[a] = (static_cast<double>(at[a]) + 0.5) * o.dx();
-        all += share(x);
+        shares += share(x) / in_box;
       }
   t.start = [=](const point& x) {
-    return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (all * per_volume), {}, 0};
+    return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (shares * per_volume), {}, 0};
   };
   const exact::sedov blast(static_cast<int>(o.dimension), s.gamma);
   t.exact = [=](const point& x, double time) {
@@ -202,14 +205,14 @@ setup sedov(const options& o) {
     shape += w.g * w.phi * std::pow(lambda, D) / intervals;
   }
   shape *= o.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
-  t.measures = [=, dx = o.dx(), half = 0.5 * o.box.length[0]](const view& w, const samples& all) {
+  t.measures = [=, dx = o.dx(), half = (s.corner ? 1.0 : 0.5) * o.box.length[0]](const view& w, const samples& all) {
     foundation::exact_sum momentum;
     for (std::size_t i = 0; i < w.n; ++i) {
       const point x = w.place(i), v = w.velocity(i);
       const double r = distance(x, c);
       for (std::size_t a = 0; a < 3 && r > 0.0; ++a) momentum.add(w.m[i] * v[a] * (x[a] - c[a]) / r);
     }
-    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (shape * s.rho_l);
+    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (in_box * shape * s.rho_l);
     return numbers{{"shock_radius", std::pow(std::max(power, 0.0), 1.0 / (D + 1.0))},
                    {"shock_radius_density", shock_radius(w, c, dx, half, [&](double) { return s.rho_l; })}};
   };
@@ -278,6 +281,33 @@ setup blasts(const options& o) {
   return t;
 }
 
+// Of vy, the wave k along x near the layers at these heights.
+trace wave_amplitude(double k, std::vector<double> heights) {
+  return {"wave_amplitude", "m/s", [=](const view& w) {
+            foundation::exact_sum sine, cosine, weight;
+            for (std::size_t i = 0; i < w.n; ++i) {
+              double near = std::numeric_limits<double>::infinity();
+              for (const double y : heights) near = std::min(near, std::abs(w.x[1][i] - y));
+              const double here = w.volume[i] * std::exp(-k * near);
+              sine.add(here * w.v[1][i] * std::sin(k * w.x[0][i]));
+              cosine.add(here * w.v[1][i] * std::cos(k * w.x[0][i]));
+              weight.add(here);
+            }
+            return 2.0 * std::hypot(w.ranks.exact(sine), w.ranks.exact(cosine)) / w.ranks.exact(weight);
+          }};
+}
+
+// Least squares of ln amplitude between one and two growth times, when what else was in the start has died away.
+double measured_growth(const samples& all, double expected) {
+  double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
+  for (const auto& line : all) {
+    if (line[0] < 1.0 / expected || line[0] > 2.0 / expected) continue;
+    const double a = std::log(line[1]);
+    n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
+  }
+  return n > 2.0 ? (n * ta - t1 * a1) / (n * tt - t1 * t1) : std::nan("");
+}
+
 // A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.
 // 201, 18 (2012)], and the linear theory of just these layers (exact/instability.hpp). The sine along x is the same at
 // both layers, so at the planes of symmetry between them the wave's pressure is zero.
@@ -309,28 +339,40 @@ setup kelvin_helmholtz(const options& o) {
       {}};
   const double growth = k * exact::fastest_mode(layers, k).imag();
   t.known = {{"growth_rate_theory", growth}};
-  // Of the wave along x near the layers.
-  t.traces = {{"wave_amplitude", "m/s", [=](const view& w) {
-                 foundation::exact_sum sine, cosine, weight;
-                 for (std::size_t i = 0; i < w.n; ++i) {
-                   const double y = w.x[1][i], near = std::min(std::abs(y - 0.25 * H), std::abs(y - 0.75 * H));
-                   const double here = w.volume[i] * std::exp(-k * near);
-                   sine.add(here * w.v[1][i] * std::sin(k * w.x[0][i]));
-                   cosine.add(here * w.v[1][i] * std::cos(k * w.x[0][i]));
-                   weight.add(here);
-                 }
-                 return 2.0 * std::hypot(w.ranks.exact(sine), w.ranks.exact(cosine)) / w.ranks.exact(weight);
-               }}};
-  // Between one and two growth times, when what else was in the start has died away: least squares of ln amplitude.
-  t.measures = [=](const view&, const samples& all) {
-    double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
-    for (const auto& line : all) {
-      if (line[0] < 1.0 / growth || line[0] > 2.0 / growth) continue;
-      const double a = std::log(line[1]);
-      n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
-    }
-    return numbers{{"growth_rate", n > 2.0 ? (n * ta - t1 * a1) / (n * tt - t1 * t1) : std::nan("")}};
+  t.traces = {wave_amplitude(k, {0.25 * H, 0.75 * H})};
+  t.measures = [=](const view&, const samples& all) { return numbers{{"growth_rate", measured_growth(all, growth)}}; };
+  return t;
+}
+
+// Heavy gas over light gas between walls [T. Abel, MNRAS 413, 271 (2011), whose layer this is], rho_r over rho_l, in
+// hydrostatic balance with p_l in the middle, against the linear theory of just this layer. The start is the growing
+// wave of an incompressible sharp interface: displacement η and velocity σ η, η = (perturbation/σ) cos kx S(d),
+// S = sinh k(H/2 - |d|)/sinh kH/2, with the σ of the theory.
+setup rayleigh_taylor(const options& o) {
+  const auto& s = o.shock;
+  const double H = o.box.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.box.length[0];
+  const auto profile = [=](double y) {
+    const double d = 2.0 * (y - 0.5 * H) / s.layer, jump = s.rho_r - s.rho_l;
+    // ln(1 + e^d) without overflow
+    const double log = std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
+    const double column = s.rho_l * (y - 0.5 * H) + 0.5 * s.layer * jump * (log - std::numbers::ln2);
+    return exact::layer_state{s.rho_l + jump / (1.0 + std::exp(-d)), 0.0, s.p_l - s.gravity * column};
   };
+  const exact::layered_flow layers{profile, s.gamma, s.gravity, 0.0, H, exact::edge::wall, exact::edge::wall, {}};
+  const double growth = k * exact::fastest_mode(layers, k).imag();
+  setup t;
+  t.known = {{"growth_rate_theory", growth},
+             {"growth_rate_sharp", exact::rayleigh_taylor_growth(k, s.gravity, s.rho_r, s.rho_l, 0.5 * H, 0.5 * H)}};
+  t.blocks = {whole_box(o)};
+  t.start = [=](const point& x) {
+    const double d = x[1] - 0.5 * H, left = k * (0.5 * H - std::abs(d)), size = s.perturbation / std::sinh(0.5 * k * H);
+    const double v = size * std::cos(k * x[0]) * std::sinh(left);
+    const double u = std::copysign(size, d) * std::sin(k * x[0]) * std::cosh(left);
+    const double eta = growth > 0.0 ? v / growth : 0.0;
+    return state{profile(x[1] - eta).rho, profile(x[1]).p, {u, v, 0.0}, d - eta > 0.0};
+  };
+  t.traces = {wave_amplitude(k, {0.5 * H})};
+  t.measures = [=](const view&, const samples& all) { return numbers{{"growth_rate", measured_growth(all, growth)}}; };
   return t;
 }
 
@@ -344,6 +386,7 @@ setup make_setup(const options& o) {
   if (test == "gresho") return gresho(o);
   if (test == "blasts") return blasts(o);
   if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
+  if (test == "rayleigh_taylor") return rayleigh_taylor(o);
   return riemann_tube(o);
 }
 

@@ -53,6 +53,7 @@ using numbers = std::vector<std::pair<std::string, double>>;
 
 struct setup {
   std::vector<block> blocks;
+  std::int32_t material_l = 0;  // of the gas on the left or inside, with its gamma and p_infinity
   std::function<state(const point&)> start;
   std::function<state(const point&, double t)> exact = {};    // none: no errors
   std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere

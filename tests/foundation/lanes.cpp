@@ -64,6 +64,20 @@ BOOST_AUTO_TEST_CASE(bits_of_comparison) {
   BOOST_TEST(bits_of_less(real(std::numeric_limits<double>::quiet_NaN()), real(2.0)) == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(greater_and_lesser) {
+  const real a = filled([](std::size_t k) { return k % 2 == 0 ? 1.0 : -2.0; }), zero(0.0);
+  const real nan(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const auto both = [&](const real& x, const real& y) {
+      return std::array<double, 2>{greater(x, y)[k], lesser(x, y)[k]};
+    };
+    const double is = a[k];
+    BOOST_TEST((both(a, zero) == std::array{std::max(is, 0.0), std::min(is, 0.0)}));
+    BOOST_TEST((std::isnan(both(zero, nan)[0]) && std::isnan(both(zero, nan)[1])));
+    BOOST_TEST((both(nan, zero) == std::array{0.0, 0.0}));
+  }
+}
+
 // libmvec promises 4 units in the last place; and a value gives the same in every lane.
 BOOST_AUTO_TEST_CASE(exp_and_log) {
   std::mt19937 random(5);

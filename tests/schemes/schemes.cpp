@@ -1,0 +1,387 @@
+// The parts of SSPH, DISPH, GSPH and Godunov DISPH: limiter, interface, viscosity, gradients, supports, and what a
+// right-hand side of random particles conserves. No box and no lists of a run: every particle lists all others.
+#define BOOST_TEST_MODULE schemes
+#include <boost/test/unit_test.hpp>
+#include <kernels/kernel.hpp>
+#include <numeric>
+#include <random>
+#include <schemes/disph.hpp>
+#include <schemes/gdisph.hpp>
+#include <schemes/gradients.hpp>
+#include <schemes/gsph.hpp>
+#include <schemes/ssph.hpp>
+
+using namespace tetsuame;
+using pairs::real;
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon(), adiabatic = 1.4;
+using array = particles::array;
+
+// Of n particles and the null particle, which is the last.
+template <int D>
+struct cloud {
+  std::size_t n;
+  std::array<array, D> x, v;
+  array m, u, S, weight, y, f, z, divergence, curl, number, rho_of_mass, count, count_slope;
+  array rho, p, c, slope, correction, per_S, dissipation, gamma_of, stiffness, volume;
+  std::array<array, static_cast<std::size_t>(D) * (D + 2)> gradient;
+  std::array<array, D> force;
+  array power, signal;
+  cells::neighbour_list list;
+
+  explicit cloud(std::size_t count_) : n(count_) {
+    for (auto* a : {&m,      &u,           &S,        &weight,      &y,      &f,     &z,     &divergence, &curl,
+                    &number, &rho_of_mass, &count,    &count_slope, &rho,    &p,     &c,     &slope,      &correction,
+                    &per_S,  &dissipation, &gamma_of, &stiffness,   &volume, &power, &signal})
+      a->assign(n + 1, 0.0);
+    for (auto* all : {&x, &v, &force})
+      for (auto& a : *all) a.assign(n + 1, 0.0);
+    for (auto& a : gradient) a.assign(n + 1, 0.0);
+    for (auto& a : x) a[n] = 1e60;
+    gamma_of.assign(n + 1, adiabatic);
+    for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
+    list.null = n;
+    for (std::size_t i = 0; i < n; ++i) {
+      list.start.push_back(list.neighbours.size());
+      for (std::size_t j = 0; j < n; ++j)
+        if (j != i) list.neighbours.push_back(static_cast<std::int32_t>(j));
+      while (list.neighbours.size() % list.lanes != 0) list.neighbours.push_back(static_cast<std::int32_t>(n));
+    }
+    list.start.push_back(list.neighbours.size());
+  }
+
+  template <class... Terms>
+  void sum(const Terms&... terms) {
+    pairs::sum_over<D>(pairs::stretch{0, n, 0, n + 1}, list, pairs::pointers<D>(x), schemes::distances_only{1e-9},
+                       terms...);
+  }
+
+  template <class Kernel>
+  void find_densities(const Kernel& unit) {
+    sum(schemes::density<D, Kernel>{unit,
+                                    weight.data(),
+                                    m.data(),
+                                    pairs::pointers<D>(v),
+                                    S.data(),
+                                    {y.data(), f.data(), z.data(), divergence.data(), curl.data(), number.data(),
+                                     rho_of_mass.data(), count.data(), count_slope.data()}});
+  }
+
+  template <class Kernel>
+  void find_gradients(const Kernel& unit) {
+    schemes::gradients<D, Kernel> term{unit, volume.data(), p.data(), rho.data(), pairs::pointers<D>(v), S.data(), {}};
+    for (std::size_t k = 0; k < gradient.size(); ++k) term.out[k] = gradient[k].data();
+    sum(term);
+  }
+
+  schemes::gas<D> gas(bool exact) const {
+    schemes::gas<D> g{pairs::pointers<D>(v),
+                      m.data(),
+                      weight.data(),
+                      rho.data(),
+                      p.data(),
+                      c.data(),
+                      slope.data(),
+                      correction.data(),
+                      per_S.data(),
+                      dissipation.data(),
+                      gamma_of.data(),
+                      stiffness.data(),
+                      {},
+                      {},
+                      {},
+                      2.0,
+                      exact};
+    for (std::size_t b = 0; b < D; ++b) {
+      g.grad_p[b] = gradient[b].data();
+      g.grad_rho[b] = gradient[D + b].data();
+    }
+    for (std::size_t k = 0; k < g.grad_v.size(); ++k) g.grad_v[k] = gradient[2 * D + k].data();
+    return g;
+  }
+  schemes::rates<D> rates() {
+    schemes::rates<D> r{{}, power.data(), signal.data()};
+    for (std::size_t a = 0; a < D; ++a) r.force[a] = force[a].data();
+    return r;
+  }
+};
+
+// Particles without order in a box of edge 1, with jumps of mass, energy and support by factors.
+template <int D>
+cloud<D> disorder(std::uint32_t seed) {
+  cloud<D> g(60);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (std::size_t i = 0; i < g.n; ++i) {
+    for (std::size_t a = 0; a < D; ++a) {
+      g.x[a][i] = uniform(random);
+      g.v[a][i] = 2.0 * uniform(random) - 1.0;
+    }
+    g.m[i] = uniform(random) < 0.5 ? 1.0 : 0.1 + uniform(random);
+    g.u[i] = 0.2 + 5.0 * uniform(random);
+    g.S[i] = 0.2 + 0.4 * uniform(random);
+  }
+  return g;
+}
+
+enum class weigh { mass, energy };
+
+// Densities, state, gradients as in a run (shocks/flow.hpp).
+template <int D, class Kernel>
+void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool number) {
+  for (std::size_t i = 0; i < g.n; ++i) g.weight[i] = by == weigh::energy ? g.m[i] * g.u[i] : g.m[i];
+  g.find_densities(unit);
+  for (std::size_t i = 0; i < g.n; ++i) {
+    g.rho[i] = by == weigh::energy ? g.y[i] / g.u[i] : g.y[i];
+    g.p[i] = (adiabatic - 1.0) * g.rho[i] * g.u[i];
+    g.c[i] = std::sqrt(adiabatic * g.p[i] / g.rho[i]);
+    g.slope[i] = (number ? 1.0 : g.f[i]) * (own_pressure ? g.p[i] : 1.0) / (g.y[i] * g.y[i]);
+    g.correction[i] = number ? g.z[i] : 0.0;
+    g.per_S[i] = 1.0 / g.S[i];
+    g.dissipation[i] = own_pressure ? 1.0 : 0.1 + 0.9 * static_cast<double>(i % 7) / 6.0;
+    g.volume[i] = 1.0 / g.number[i];
+  }
+  g.find_gradients(unit);
+}
+
+// Forces sum to zero, and their power with that of the internal energies. Sizes for comparison are sums of absolute
+// values.
+template <int D>
+void check_conservation(const cloud<D>& g, const char* name) {
+  BOOST_TEST_CONTEXT(name << " in " << D << "-D") {
+    double energy = 0.0, energy_size = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      double momentum = 0.0, size = 0.0;
+      for (std::size_t i = 0; i < g.n; ++i) {
+        momentum += g.force[a][i];
+        size += std::abs(g.force[a][i]);
+        energy += g.force[a][i] * g.v[a][i];
+        energy_size += std::abs(g.force[a][i] * g.v[a][i]);
+      }
+      BOOST_TEST(size > 0.0);
+      // 60 forces of 59 terms each, all of them rounded: random signs make this 100 ε at most.
+      BOOST_TEST(std::abs(momentum) <= 100.0 * epsilon * size);
+    }
+    for (std::size_t i = 0; i < g.n; ++i) {
+      energy += g.power[i];
+      energy_size += std::abs(g.power[i]);
+    }
+    BOOST_TEST(std::abs(energy) <= 100.0 * epsilon * energy_size);
+  }
+}
+
+template <int D, class Kernel>
+void all_schemes_conserve(const Kernel& unit) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    cloud<D> g = disorder<D>(seed);
+    prepare(g, unit, weigh::mass, true, false);
+    g.sum(schemes::ssph<D, Kernel>{unit, g.gas(false), g.rates()});
+    check_conservation(g, "ssph");
+    prepare(g, unit, weigh::mass, false, false);
+    g.sum(schemes::gsph<D, Kernel, true>{unit, g.gas(false), g.rates()});
+    check_conservation(g, "gsph");
+    for (const bool number : {false, true}) {
+      prepare(g, unit, weigh::energy, true, number);
+      g.sum(schemes::disph<D, Kernel>{unit, g.gas(false), g.rates()});
+      check_conservation(g, "disph");
+      prepare(g, unit, weigh::energy, false, number);
+      g.sum(schemes::gdisph<D, Kernel, true>{unit, g.gas(false), g.rates()});
+      check_conservation(g, "gdisph");
+      g.sum(schemes::gdisph<D, Kernel, false>{unit, g.gas(true), g.rates()});
+      check_conservation(g, "gdisph, first order, exact");
+    }
+  }
+}
+
+double limited(double difference, double slope, double theta) {
+  return schemes::limited(real(difference), real(slope), theta)[0];
+}
+
+// The star pressure that particle i sees.
+struct star_pressure {
+  schemes::gas<1> s;
+  double* star;
+  struct me {
+    real p;
+  };
+  auto reads() const { return schemes::interface_reads<1, true>(s); }
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const { a.p = schemes::interface<1, true>(s, ij).p; }
+  void end(std::size_t i, const me& a) const { star[i] = a.p[0]; }  // the other particle is in the first lane
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(conservation_on_a_line) { all_schemes_conserve<1>(kernels::quintic_spline<1>(1.0)); }
+BOOST_AUTO_TEST_CASE(conservation_in_the_plane) {
+  all_schemes_conserve<2>(kernels::quintic_spline<2>(1.0));
+  all_schemes_conserve<2>(kernels::wendland_c4<2>(1.0));
+}
+
+// By its definition: minmod(θΔ, d, θ(2d - Δ)), and never further than either neighbour's value.
+BOOST_AUTO_TEST_CASE(limiter) {
+  const auto minmod = [](double a, double b, double c) {
+    if (a > 0.0 && b > 0.0 && c > 0.0) return std::min({a, b, c});
+    if (a < 0.0 && b < 0.0 && c < 0.0) return std::max({a, b, c});
+    return 0.0;
+  };
+  for (const double theta : {1.0, 2.0})
+    for (int i = -12; i <= 12; ++i)
+      for (int k = -12; k <= 12; ++k) {
+        const double difference = 0.25 * i, d = 0.5 * k, is = limited(difference, d, theta);
+        BOOST_TEST(is == minmod(theta * difference, d, theta * (2.0 * d - difference)));
+        BOOST_TEST((0.5 * is * difference >= 0.0 && std::abs(0.5 * is) <= std::abs(difference)));
+      }
+  BOOST_TEST(limited(1.0, 1.0, 1.0) == 1.0);  // a linear field's slope is kept
+}
+
+// Exact on any arrangement.
+BOOST_AUTO_TEST_CASE(gradients_of_linear_fields) {
+  const kernels::quintic_spline<2> unit(1.0);
+  cloud<2> g = disorder<2>(5);
+  for (std::size_t i = 0; i < g.n; ++i) {
+    g.S[i] = 0.8;
+    g.weight[i] = g.m[i];
+  }
+  g.find_densities(unit);
+  const auto p_at = [](double x, double y) { return 3.0 + 0.5 * x - 0.25 * y; };
+  for (std::size_t i = 0; i < g.n; ++i) {
+    const double x = g.x[0][i], y = g.x[1][i];
+    g.volume[i] = 1.0 / g.number[i];
+    g.p[i] = p_at(x, y);
+    g.rho[i] = 2.0 - 0.3 * x + 0.1 * y;
+    g.v[0][i] = 0.2 * x - 0.4 * y;
+    g.v[1][i] = 0.7 * x + 0.1 * y;
+  }
+  g.find_gradients(unit);
+  const std::array<double, 8> want{0.5, -0.25, -0.3, 0.1, 0.2, -0.4, 0.7, 0.1};
+  for (std::size_t k = 0; k < want.size(); ++k)
+    for (std::size_t i = 0; i < g.n; ++i) BOOST_TEST(std::abs(g.gradient[k][i] - want[k]) < 1e-11);
+}
+
+// Of two particles on a line with the slope of their difference, times `steep`, in p and ρ: the star pressure. With a
+// linear field both sides meet in the middle, where there is no jump; without slopes, or with slopes against the
+// difference, the Riemann problem is that of the particles.
+BOOST_AUTO_TEST_CASE(interface_states) {
+  const auto star = [](double steep, double gamma_l, double stiffness_l, bool exact) {
+    cloud<1> g(2);
+    g.x[0] = {0.0, 0.1, 1e60};
+    g.p = {1.0, 1.5, 1.0};
+    g.rho = {1.0, 1.2, 1.0};
+    g.gamma_of[0] = gamma_l;
+    g.stiffness[0] = stiffness_l;
+    for (std::size_t i = 0; i < 2; ++i) {
+      g.c[i] = std::sqrt(g.gamma_of[i] * (g.p[i] + g.stiffness[i]) / g.rho[i]);
+      g.gradient[0][i] = steep * 0.5 / 0.1;
+      g.gradient[1][i] = steep * 0.2 / 0.1;
+    }
+    array is(2);
+    g.sum(star_pressure{g.gas(exact), is.data()});
+    BOOST_TEST(std::abs(is[0] - is[1]) <= 4.0 * epsilon);  // seen from either end
+    return is[0];
+  };
+  const auto of_ends = [](double gamma_l, double stiffness_l) {
+    return riemann::solve(riemann::side<double>{1.0, 0.0, 1.0, gamma_l, stiffness_l},
+                          riemann::side<double>{1.2, 0.0, 1.5, adiabatic, 0.0})
+        .p;
+  };
+  for (const bool exact : {false, true}) {
+    BOOST_TEST(std::abs(star(1.0, adiabatic, 0.0, exact) - 1.25) <= 4.0 * epsilon);
+    for (const auto& [gamma_l, stiffness_l] : {std::pair{adiabatic, 0.0}, std::pair{4.0, 3.0}})
+      for (const double steep : {0.0, -1.0}) {
+        const double miss = std::abs(star(steep, gamma_l, stiffness_l, exact) - of_ends(gamma_l, stiffness_l));
+        BOOST_TEST(miss <= (exact ? 1e-9 : 0.05 * 0.5));  // HLLC is approximate: a twentieth of the jump
+      }
+  }
+}
+
+// Artificial viscosity: nothing between particles that part, and antisymmetric heating that is never cooling.
+BOOST_AUTO_TEST_CASE(viscosity_of_closing_pairs) {
+  const kernels::quintic_spline<1> unit(1.0);
+  for (const double w : {-1.0, 1.0}) {
+    cloud<1> g(2);
+    g.x[0] = {0.0, 0.1, 1e60};
+    g.v[0] = {-0.5 * w, 0.5 * w, 0.0};
+    for (std::size_t i = 0; i < 2; ++i) {
+      g.m[i] = g.u[i] = 1.0;
+      g.S[i] = 0.36;
+    }
+    prepare(g, unit, weigh::mass, true, false);
+    const auto rate = [&](double alpha) {
+      for (std::size_t i = 0; i < 2; ++i) g.dissipation[i] = alpha;
+      g.sum(schemes::ssph<1, kernels::quintic_spline<1>>{unit, g.gas(false), g.rates()});
+      return std::array{g.force[0][0], g.power[0]};
+    };
+    const auto without = rate(0.0), with = rate(1.0);
+    if (w > 0.0) {
+      BOOST_TEST((with == without));
+    } else {
+      // Π = -½ α v_sig w/ρ, force m² Π W' [J. J. Monaghan, J. Comput. Phys. 136, 298 (1997)], half the work on either
+      // end
+      const double r = 0.1, signal = 2.0 * g.c[0] + 3.0,
+                   W_slope = unit.gradient_over_r(r / 0.36) * r / std::pow(0.36, 3);
+      const double force = 0.5 * signal / g.rho[0] * W_slope;  // towards -x, as W' < 0
+      BOOST_TEST(std::abs(with[0] - without[0] - force) <= 1e-13 * std::abs(force));
+      BOOST_TEST(std::abs(with[1] - without[1] + 0.5 * force) <= 1e-13 * std::abs(force));
+      BOOST_TEST(with[1] > without[1]);
+    }
+  }
+}
+
+// f is for supports with y S^D fixed, z for n S^D fixed: the change of y that a small motion makes, supports following,
+// is f times that at fixed supports, or that of the sum with w_j + z. Supports by bisection, changes by central
+// differences.
+BOOST_AUTO_TEST_CASE(terms_of_supports_that_vary) {
+  const kernels::quintic_spline<2> unit(1.0);
+  cloud<2> g = disorder<2>(8);
+  for (std::size_t i = 0; i < g.n; ++i) g.weight[i] = g.m[i];
+  const std::size_t at = 7;
+  const auto sums = [&](double S, double time) {  // y, n of particle `at`
+    double y = g.weight[at] * unit.self(), n = unit.self();
+    for (std::size_t j = 0; j < g.n; ++j) {
+      if (j == at) continue;
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < 2; ++a) {
+        const double d = g.x[a][at] - g.x[a][j] + time * (g.v[a][at] - g.v[a][j]);
+        r2 += d * d;
+      }
+      const double W = unit.value(std::sqrt(r2) / S);
+      y += g.weight[j] * W;
+      n += W;
+    }
+    return std::array{y / (S * S), n / (S * S)};
+  };
+  const double S0 = g.S[at], step = 1e-5;
+  const auto following = [&](std::size_t which, double time) {
+    const double target = sums(S0, 0.0)[which] * S0 * S0;
+    double low = 0.8 * S0, high = 1.25 * S0;
+    for (int k = 0; k < 200; ++k) {
+      const double S = 0.5 * (low + high);
+      (sums(S, time)[which] * S * S < target ? low : high) = S;
+    }
+    return sums(0.5 * (low + high), time)[0];
+  };
+  g.find_densities(unit);
+  double fixed = 0.0, of_number = 0.0;  // rates of y: sums of (w_j and 1) v·∇W
+  for (std::size_t j = 0; j < g.n; ++j) {
+    if (j == at) continue;
+    double r2 = 0.0, vx = 0.0;
+    for (std::size_t a = 0; a < 2; ++a) {
+      const double d = g.x[a][at] - g.x[a][j];
+      r2 += d * d;
+      vx += d * (g.v[a][at] - g.v[a][j]);
+    }
+    const double slope = unit.gradient_over_r(std::sqrt(r2) / S0) / std::pow(S0, 4) * vx;
+    fixed += g.weight[j] * slope;
+    of_number += slope;
+  }
+  const auto rate = [&](std::size_t which) {
+    return (following(which, step) - following(which, -step)) / (2.0 * step);
+  };
+  const double by_weight = rate(0), by_number = rate(1), size = std::abs(fixed);
+  BOOST_TEST(std::abs(g.f[at] * fixed - by_weight) <= 1e-6 * size);
+  BOOST_TEST(std::abs(fixed + g.z[at] * of_number - by_number) <= 1e-6 * size);
+  BOOST_TEST(std::abs(by_weight - by_number) > 1e-3 * size);  // the two differ here
+}
