@@ -72,7 +72,7 @@ struct noise {
       if constexpr (graded)
         if (k + 1 == K) {
           const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
-          steps *= mine / max(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
+          steps *= mine / foundation::greater(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
         }
       a.sum[k] += ij.F * steps;
     }
@@ -113,7 +113,7 @@ struct graded_viscosity {
   void add(me& a, const auto& ij) const {
     const auto& r = ij.x_ij;
     const auto v = ij.difference(operators::of_fields), P = ij.difference(operators::of_laplacians);
-    const real per_r2 = ij.F / max(ij.r2, real(1e-300));
+    const real per_r2 = ij.F / foundation::greater(ij.r2, real(1e-300));
     real along(0.0);
     for (std::size_t b = 0; b < D; ++b) along += (v[b] - beta * P[b]) * r[b];
     a.sum += (per_r2 * ij(of_viscosity_root) * along) * r;

@@ -10,7 +10,6 @@
 namespace tetsuame::kernels {
 
 // max(x, 0) for a double or lanes.
-inline double positive_part(double x) { return std::max(x, 0.0); }
 template <class R>
 [[gnu::always_inline]] inline R positive_part(const R& x) {
   return foundation::greater(R(0.0), x);
@@ -77,8 +76,7 @@ class functions_of_distance {
 
   template <class R>
   void both_of(const R& r, R& w, R& f) const {
-    using std::max;
-    kernel().both(r, R(1.0 / max(r, R(smallest_r()))), w, f);
+    kernel().both(r, R(1.0 / foundation::greater(r, R(smallest_r()))), w, f);
   }
 };
 

@@ -87,7 +87,7 @@ struct consistent {
       for (std::size_t q = p; q < D; ++q) rr[n++] = r[p] * r[q];
     real Fs = F;
     if (B[0] != nullptr) {
-      const real inverse_r2 = real(1.0) / max(ij.r2, real(1e-300));
+      const real inverse_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300));
       real s(0.0);
       n = 0;
       for (std::size_t p = 0; p < D; ++p)

@@ -94,7 +94,7 @@ struct forces {
                           (ij(of_volume) * ij.F) * (a0 - a1 * ij.r2);
     const auto v_ij = ij.difference(of_velocity);
     const real along = foundation::dot(v_ij, ij.x_ij);
-    const real parallel = b != 0.0 ? real(b * friction * along / max(ij.r2, real(1e-200))) : real(0.0);
+    const real parallel = b != 0.0 ? real(b * friction * along / foundation::greater(ij.r2, real(1e-200))) : real(0.0);
     sums.force += (a * friction) * v_ij;
     sums.force += (parallel - slope) * ij.x_ij;
     sums.compression += B_j * ij.F * along;

@@ -126,7 +126,7 @@ template <int D, std::size_t N, class Kernel>
     const auto values = fields.at(k);
     for (std::size_t a = 0; a < D; ++a) j->offset[a] = values[a] - x[a];
     const real r2 = foundation::dot(j->offset, j->offset);
-    j->weight = kernel.value(real(foundation::both_roots(real(max(r2, nearest))).r * squeeze));
+    j->weight = kernel.value(real(foundation::both_roots(foundation::greater(r2, nearest)).r * squeeze));
     for (std::size_t a = 0; a < D; ++a) {
       j->offset[a] *= per_reach;
       // Without weight the place does not matter; the null particle's is too far for powers.
