@@ -6,7 +6,10 @@
 //     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
-//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V)
+//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
+//   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
+//     flow is the same, and viscosity asks for the steps of η_x.
 //
 // Walls are mirror images (images/images.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
 // images have the reversed velocity. The mirror in two sides stands behind a corner.
@@ -41,6 +44,13 @@ class two_fluids : public march::problem {
         {"Dissipated", "J/kg", "specific heat of friction since the start", particles::role::integrated, {}});
     s.extras.push_back({"StartDensity", "kg/m^3", "density at the start, at rest", particles::role::constant, {}});
     s.extras.push_back({"StartTemperature", "K", "temperature at the start", particles::role::constant, {}});
+    enthalpy_ = o.temperature_law == "enthalpy";
+    melts_ = o.melting.curve != "none";
+    if (enthalpy_) {
+      heat_at_ = s.extras.size();
+      s.extras.push_back({"Enthalpy", "J/kg", "heat content, c T and latent", particles::role::integrated, {}});
+      s.extras.push_back({"StartEnthalpy", "J/kg", "that of the start", particles::role::constant, {}});
+    }
     s.keeps_start = true;
     const auto& d = o.domain;
     images::options walls;
@@ -81,6 +91,7 @@ class two_fluids : public march::problem {
     all.push_back({"q", dissipated().data(), 0.0, fast * fast});
     if (carried_) all.push_back({"rho", s.rho.data(), 0.0, p_.base->at(0.0).density});
     if (warms_) all.push_back({"T", s.T.data(), 0.0, o_.temperature});
+    if (enthalpy_) all.push_back({"h", content().data(), 0.0, 1e3 * o_.temperature});
     return all;
   }
 
@@ -89,6 +100,7 @@ class two_fluids : public march::problem {
   void evaluate(std::span<double* const> rate) override {
     refresh_motion();
     find_volumes();
+    if (enthalpy_) find_phases();
     find_pressures();
     sum_over_neighbours();
     combine(rate);
@@ -132,30 +144,39 @@ class two_fluids : public march::problem {
 
   std::vector<output::history_column> columns() const override {
     const std::string J = D == 2 ? "J/m" : "J";
-    return {{"centroid", "1"},
-            {"v_rms", "m/s"},
-            {"kinetic", J},
-            {"potential", J},
-            {"elastic", J},
-            {"dissipated", J},
-            {"thermal", J},
-            {"energy_residual", "1"},
-            {"mode_amplitude", "m"},
-            {"fall_velocity", "m/s"},
-            {"density_ratio_min", "1"},
-            {"density_ratio_max", "1"},
-            {"pressure_min", "Pa"}};
+    std::vector<output::history_column> all{{"centroid", "1"},
+                                            {"v_rms", "m/s"},
+                                            {"kinetic", J},
+                                            {"potential", J},
+                                            {"elastic", J},
+                                            {"dissipated", J},
+                                            {"thermal", J},
+                                            {"energy_residual", "1"},
+                                            {"mode_amplitude", "m"},
+                                            {"fall_velocity", "m/s"},
+                                            {"density_ratio_min", "1"},
+                                            {"density_ratio_max", "1"},
+                                            {"pressure_min", "Pa"}};
+    if (enthalpy_)
+      for (const auto& [name, unit] : {std::pair{"heat", J.c_str()},
+                                       {"heat_residual", "1"},
+                                       {"melt_fraction", "1"},
+                                       {"metal_depth", "m"},
+                                       {"metal_below", "1"}})
+        all.push_back({name, unit});
+    return all;
   }
 
   std::vector<double> row(double t) override {
     const auto& s = world_.w.s;
     foundation::exact_sum kinetic, mass, potential, elastic, heat, thermal, volume, squares, metal_mass, metal_y,
-        metal_volume, metal_v, shape, shape2;
+        metal_volume, metal_v, shape, shape2, content_gain, exchanged, melt, lower_mass, metal_below;
+    double metal_low = o_.domain.length[1];
     double low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double v2 = speed2(i), V = s.m[i] / s.rho[i];
       mass.add(s.m[i]);
-      kinetic.add(0.5 * s.m[i] * v2);
+      kinetic.add(0.5 * s.m[i] * inertia_of(i) * v2);
       potential.add(s.m[i] * o_.gravity * s.x[1][i]);
       elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)));
       heat.add(s.m[i] * dissipated()[i]);
@@ -167,6 +188,18 @@ class two_fluids : public march::problem {
         metal_y.add(s.m[i] * s.x[1][i]);
         metal_volume.add(V);
         metal_v.add(-V * s.v[1][i]);
+        metal_low = std::min(metal_low, s.x[1][i]);
+        metal_below.add(s.x[1][i] < p_.interface ? s.m[i] : 0.0);
+      }
+      if (enthalpy_) {
+        // What the temperature and the melt that the run shows hold, not what was integrated.
+        const double gain = s.m[i] * (s.c_V[i] * s.T[i] + latent(i) * melt_[i] - content_start()[i]);
+        content_gain.add(gain);
+        exchanged.add(std::abs(gain));
+        if (!is_metal(i)) {
+          lower_mass.add(s.m[i]);
+          melt.add(s.m[i] * melt_[i]);
+        }
       }
       low = std::min(low, s.rho[i] / rho_start()[i]);
       high = std::max(high, s.rho[i] / rho_start()[i]);
@@ -206,19 +239,28 @@ class two_fluids : public march::problem {
     record_.mode.push_back(amplitude);
     record_.centroid.push_back(y);
     record_.fall.push_back(fall);
-    return {y / o_.domain.length[1],
-            v_rms_,
-            E[0],
-            E[1],
-            E[2],
-            E[3],
-            total(thermal),
-            residual,
-            amplitude,
-            fall,
-            ranks().minimum(low),
-            ranks().maximum(high),
-            ranks().minimum(p_low)};
+    std::vector<double> values{y / o_.domain.length[1],
+                               v_rms_,
+                               E[0],
+                               E[1],
+                               E[2],
+                               E[3],
+                               total(thermal),
+                               residual,
+                               amplitude,
+                               fall,
+                               ranks().minimum(low),
+                               ranks().maximum(high),
+                               ranks().minimum(p_low)};
+    if (enthalpy_) {
+      const double gain = total(content_gain), moved = total(exchanged);
+      heat_residual_ = moved > 0.0 ? (gain - E[3]) / moved : 0.0;
+      melt_fraction_ = total(melt) / total(lower_mass);
+      metal_depth_ = p_.interface - ranks().minimum(metal_low);
+      metal_below_ = total(metal_below) / total(metal_mass);
+      for (const double v : {gain, heat_residual_, melt_fraction_, metal_depth_, metal_below_}) values.push_back(v);
+    }
+    return values;
   }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
@@ -243,6 +285,10 @@ class two_fluids : public march::problem {
     add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
     add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
     add("DensityReference", "kg/m^3", "density at the start, at rest", rho_start());
+    if (enthalpy_) {
+      add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
+      add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", melt_);
+    }
     return {g};
   }
 
@@ -276,6 +322,13 @@ class two_fluids : public march::problem {
     j["density_ratio_min"] = density_min_;
     j["density_ratio_max"] = density_max_;
     j["pressure_min"] = pressure_min_;
+    if (enthalpy_) {
+      j["melt_fraction"] = melt_fraction_;
+      j["melt_fraction_conducted"] = or_null(p_.melt_conducted);
+      j["heat_residual"] = heat_residual_;
+      j["metal_depth"] = metal_depth_;
+      j["metal_below"] = metal_below_;
+    }
     j["wall_crossings"] = crossings_;
     j["particles_lost"] = world_.fluid_total - ranks().sum(static_cast<std::int64_t>(world_.w.s.fluid));
     j["neighbours"] = static_cast<double>(ranks().sum(static_cast<std::int64_t>(world_.w.list.pairs))) /
@@ -295,6 +348,7 @@ class two_fluids : public march::problem {
     add(dissipated());
     add(s.m);
     if (carried_) add(s.rho);
+    if (enthalpy_) add(content());
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -318,15 +372,20 @@ class two_fluids : public march::problem {
                            density_max_,
                            pressure_min_,
                            mass_start_,
-                           mass_drift_};
+                           mass_drift_,
+                           heat_residual_,
+                           melt_fraction_,
+                           metal_depth_,
+                           metal_below_};
   }
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("wall_crossings");
     record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall")};
     const auto& m = g.blobs.at("measures");
     energy_start_ = m[0];
-    std::array<double*, 10> to{&residual_,    &residual_max_, &v_rms_,        &v_rms_max_,  &v_rms_max_time_,
-                               &density_min_, &density_max_,  &pressure_min_, &mass_start_, &mass_drift_};
+    std::array<double*, 14> to{&residual_,      &residual_max_,  &v_rms_,        &v_rms_max_,  &v_rms_max_time_,
+                               &density_min_,   &density_max_,   &pressure_min_, &mass_start_, &mass_drift_,
+                               &heat_residual_, &melt_fraction_, &metal_depth_,  &metal_below_};
     for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
   }
 
@@ -342,6 +401,17 @@ class two_fluids : public march::problem {
   particles::array& rho_start() { return world_.w.s.extras[1].values; }
   const particles::array& rho_start() const { return world_.w.s.extras[1].values; }
   double T_start(std::size_t i) const { return world_.w.s.extras[2].values[i]; }
+  particles::array& content() { return world_.w.s.extras[heat_at_].values; }
+  const particles::array& content() const { return world_.w.s.extras[heat_at_].values; }
+  particles::array& content_start() { return world_.w.s.extras[heat_at_ + 1].values; }
+  const particles::array& content_start() const { return world_.w.s.extras[heat_at_ + 1].values; }
+  double inertia_of(std::size_t i) const { return enthalpy_ ? inertia_[i] : 1.0; }
+  double latent(std::size_t i) const { return melts_ && !is_metal(i) ? o_.melting.latent_heat : 0.0; }
+  melting::heat_content contents(std::size_t i, double p) const {
+    if (!melts_ || is_metal(i)) return {world_.w.s.c_V[i], 0.0};
+    const auto [T_s, T_l] = melting_range(o_.melting, p);
+    return {world_.w.s.c_V[i], o_.melting.latent_heat, T_s, T_l};
+  }
 
   // ---- start ------------------------------------------------------------------------------
 
@@ -367,7 +437,7 @@ class two_fluids : public march::problem {
     double height = p_.interface;
     if (o_.start == "coloured")
       height = *o_.interface + o_.amplitude * std::cos(p_.k_x * x[0]) * std::cos(p_.k_z * (D == 3 ? x[2 % D] : 0.0));
-    return x[1] > height ? 1 : 0;
+    return x[1] > height && x[1] < p_.pond_top ? 1 : 0;
   }
 
   void place_fluid() {
@@ -392,6 +462,13 @@ class two_fluids : public march::problem {
       s.rho[i] = rho_start()[i] = state.density;
       s.T[i] = s.extras[2].values[i] = state.temperature;
       s.u[i] = dissipated()[i] = 0.0;
+      if (enthalpy_) {
+        const auto n = static_cast<std::size_t>(s.material[i]);
+        s.T[i] = s.extras[2].values[i] = n == 0 && x[1] > p_.pond_top ? p_.cover_temperature : p_.temperature[n];
+        s.c_V[i] = eos::evaluate((*p_.material)[n], s.rho[i], s.T[i]).c_V;
+        content()[i] = content_start()[i] =
+            contents(i, eos::pressure((*p_.material)[n], s.rho[i], s.T[i])).enthalpy(s.T[i]);
+      }
       if (!p_.mode || o_.start == "coloured") continue;
       const auto u = mode_at(x);
       const double rate = o_.start == "eigenmode" ? p_.mode->growth_rate : 0.0;
@@ -415,7 +492,7 @@ class two_fluids : public march::problem {
     const double dx = world_.w.dx;
     if (o_.scheme.viscous_order == 4) viscous_ = fourth_order_weights<D>(world_.w.kernel, dx);
     const auto stiff = rates_of_lattice<D>(world_.w.kernel, dx, viscous_, p_.stress_a, p_.stress_b);
-    double nu = 0.0;
+    double nu = 0.0, kappa = 0.0;
     const double p_floor = p_.base->at(0.0).pressure;
     for (const std::size_t n : {0, 1})
       for (const double p : {o_.p_top, p_floor}) {
@@ -423,20 +500,30 @@ class two_fluids : public march::problem {
         const auto state = at_pressure({&material, o_.p_top, o_.temperature, warms_}, p);
         fastest_sound_ =
             std::max(fastest_sound_, eos::evaluate(material, state.density, state.temperature).sound_speed);
-        nu = std::max(nu, o_.material[n].viscosity / state.density);
+        const bool law = n == 0 && o_.melting.viscosity_law != "constant";
+        const double most = law ? o_.melting.viscosity_max : o_.material[n].viscosity;
+        const double eta =
+            n == 0 && o_.melting.inertia_viscosity > 0.0 ? std::min(most, o_.melting.inertia_viscosity) : most;
+        // Beside something far stiffer a pair's mean, 4 η η'/(η + η'), is twice that of equals.
+        nu = std::max(nu, (law ? 2.0 : 1.0) * eta / state.density);
+        kappa = std::max(
+            kappa, o_.conductivity / (state.density * eos::evaluate(material, state.density, state.temperature).c_V));
       }
-    radius_ = 1.2 * stiff.viscous * nu / (dx * dx);
+    const double conduction = rates_of_lattice<D>(world_.w.kernel, dx, {}).viscous * kappa;
+    const double diffusive = std::max(stiff.viscous * nu, conduction);
+    radius_ = 1.2 * diffusive / (dx * dx);
     // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
     const double sound = *o_.march.time.cfl * 2.2 / stiff.sound * dx / fastest_sound_;
-    const double viscous = *o_.march.time.diffusive * 4.0 * D / stiff.viscous * dx * dx / nu;
+    const double viscous = *o_.march.time.diffusive * 4.0 * D * dx * dx / diffusive;
     const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous);
-    return {both, sound < viscous ? "sound" : "viscosity"};
+    return {both, sound < viscous ? "sound" : conduction < diffusive ? "viscosity" : "conduction"};
   }
 
   // ---- right-hand side --------------------------------------------------------------------
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&stress_, &factor_, &W_sum_, &compression_, &heat_, &rho_rate_, &conducted_};
+    std::vector<particles::array*> all{&stress_,   &factor_,    &W_sum_, &compression_, &heat_,
+                                       &rho_rate_, &conducted_, &melt_,  &inertia_};
     for (auto& f : force_) all.push_back(&f);
     return all;
   }
@@ -448,7 +535,7 @@ class two_fluids : public march::problem {
     const foundation::stage timed(w.times, "halo");
     std::vector<double*> fields;
     for (auto& v : s.v) fields.push_back(v.data());
-    if (o_.conductivity > 0.0) fields.push_back(s.T.data());
+    if (o_.conductivity > 0.0 && !enthalpy_) fields.push_back(s.T.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
     images::move(world_.images, s);
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
@@ -492,6 +579,29 @@ class two_fluids : public march::problem {
                           [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
     }
     mirror(s.p_eos);
+  }
+
+  // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
+  // them.
+  void find_phases() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "phases");
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      const auto here = contents(i, s.p_eos[i]).at(content()[i]);
+      s.T[i] = here.temperature;
+      melt_[i] = is_metal(i) || !melts_ ? 0.0 : here.melt_fraction;
+      inertia_[i] = 1.0;
+      if (is_metal(i)) return;
+      if (o_.melting.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(o_.melting, s.T[i], melt_[i]);
+      if (const double x = o_.melting.inertia_viscosity; x > 0.0) inertia_[i] = std::max(1.0, s.eta[i] / x);
+    });
+    w.exchange_fluid({s.T.data(), s.eta.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      s.T[i] = s.T[j];
+      s.eta[i] = s.eta[j];
+    });
   }
 
   // The source's ΔV and ρ, and p + ρ g (y_source - y_image).
@@ -571,7 +681,7 @@ class two_fluids : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "rates");
-    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0);
+    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_h = at_T + (warms_ ? 1 : 0);
     const bool first = o_.scheme.gradient == "pattern_1";
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
@@ -579,7 +689,7 @@ class two_fluids : public march::problem {
       const double per_m = 1.0 / s.m[i];
       for (std::size_t a = 0; a < D; ++a) {
         rate[a][i] = s.v[a][i];
-        rate[D + a][i] = per_m * force_[a][i] + w.g[a];
+        rate[D + a][i] = (per_m * force_[a][i] + w.g[a]) / inertia_of(i);
         finite = finite && std::isfinite(rate[D + a][i]);
       }
       rate[2 * D][i] = per_m * stress_[i] * compression_[i];
@@ -595,6 +705,10 @@ class two_fluids : public march::problem {
         rate[at_T][i] =
             gamma * s.T[i] * dlnrho + per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0)) / s.c_V[i];
         finite = finite && std::isfinite(rate[at_T][i]);
+      }
+      if (enthalpy_) {
+        rate[at_h][i] = per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0));
+        finite = finite && std::isfinite(rate[at_h][i]);
       }
     }
     if (finite) return;
@@ -657,12 +771,15 @@ class two_fluids : public march::problem {
   const parameters& p_;
   images::scene<D> world_;
   bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
+  bool enthalpy_ = false, melts_ = false;
+  std::size_t heat_at_ = 0;  // of the extras
   double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
   integrators::step_limit limit_;
   viscous_weights viscous_;
 
   std::array<particles::array, D> force_;
   particles::array stress_, factor_, W_sum_, compression_, heat_, rho_rate_, conducted_;
+  particles::array melt_, inertia_;  // melt fraction; ξ²
 
   std::int64_t crossings_ = 0;
   record record_;
@@ -670,6 +787,7 @@ class two_fluids : public march::problem {
   double mass_start_ = 0.0, mass_drift_ = 0.0;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
+  double heat_residual_ = 0.0, melt_fraction_ = 0.0, metal_depth_ = 0.0, metal_below_ = 0.0;
 };
 
 }  // namespace tetsuame::overturn

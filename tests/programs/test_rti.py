@@ -5,6 +5,7 @@ import unittest
 from running import BAD_INPUT, CALCULATION_FAILED, Case
 
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
+POND = "pond_on_mantle"
 
 
 def size(n, dimension=2):
@@ -105,6 +106,45 @@ class RayleighTaylor(Case):
                              ({"rti.volume": "number_densty"}, "number_density")]:
             with self.subTest(**change):
                 result = self.call("rti", *self.arguments(LINEAR, change, self.here / "none"))
+                self.assert_says(result, BAD_INPUT, word)
+
+
+class Melting(Case):
+    def test_stefan(self):
+        """A hot layer on a cold one that melts, at rest: the melt is that of conduction between two half spaces, with latent heat."""
+        source = self.here / "stefan.nml"
+        source.write_text("""
+            &domain  length_x = 0.25  length_y = 1.0  periodic_x = .true. /
+            &rti  density_upper = 7000.0  density_lower = 3000.0  bulk_modulus = 7e3  viscosity_upper = 1.0  viscosity_lower = 1.0
+              heat_capacity_upper = 800.0  heat_capacity_lower = 1200.0  conductivity = 1e4  gravity = 1e-9  p_top = 0.0
+              temperature_law = 'enthalpy'  temperature_upper = 4000.0  temperature_lower = 1500.0  start = 'coloured'  amplitude = 0.0 /
+            &melting  curve = 'constant'  viscosity_law = 'constant' /
+            &time  t_end = 4.0 /""")
+        errors = []
+        for n in (24, 48):
+            run = self.run_program("rti", source, {"domain.particles_x": n // 4, "domain.particles_y": n})
+            m = run.summary["metrics"]
+            errors.append(abs(m["melt_fraction"] / m["melt_fraction_conducted"] - 1))
+            self.assertLess(abs(m["heat_residual"]), 1e-12)
+        self.assertLess(errors[1], 0.015)
+        self.assertLess(errors[1], 0.7 * errors[0])
+
+    def test_pond(self):
+        """Liquid metal, liquid and solid silicate: the metal goes down as it melts its floor, and heat and energy are accounted for."""
+        settings = {**size(20), "output.interval": 0, "time.t_end": 2500}
+        m = self.run_program("rti", POND, settings).summary["metrics"]
+        cold = self.run_program("rti", POND, {**settings, "rti.conductivity": 0}).summary["metrics"]
+        self.assertLess(abs(m["heat_residual"]), 1e-10)
+        self.assertLess(m["energy_residual_max"], 1e-3)
+        self.assertGreater(m["melt_fraction"], cold["melt_fraction"] + 0.05)
+        self.assertGreater(m["metal_depth"], 2 * cold["metal_depth"])
+
+    def test_bad_input(self):
+        for change, word in [({"rti.viscous_order": 4}, "viscous_order"), ({"rti.temperature_law": "isothermal"}, "enthalpy"),
+                             ({"melting.solidus": 1500}, "mantle"), ({"rti.eos_upper": "liquid_iron"}, "linear"),
+                             ({"rti.pond_top": 4e5}, "pond_top")]:
+            with self.subTest(**change):
+                result = self.call("rti", *self.arguments(POND, change, self.here / "none"))
                 self.assert_says(result, BAD_INPUT, word)
 
 
