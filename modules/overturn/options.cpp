@@ -4,6 +4,7 @@
 #include <numbers>
 #include <overturn/options.hpp>
 #include <theory/free_slip_box.hpp>
+#include <theory/sphere_uptake.hpp>
 #include <theory/stefan.hpp>
 #include <theory/stokes_box.hpp>
 
@@ -103,6 +104,24 @@ void declare(namelist::schema& schema, melting_options& o) {
               .minimum = 0.0,
               .meaning = "what is more viscous gets its inertia raised by the ratio, so that steps need not follow it "
                          "(0: inertia as it is)"});
+}
+
+void declare(namelist::schema& schema, element_options& o) {
+  schema.group("element", "dissolved in metal and silicate, exchanged at their contact");
+  schema.add("element", "name", o.name,
+             {.choices = {"none", "constant", "nickel", "cobalt"},
+              .meaning = "whose partition coefficient: none, a constant one, or by pressure and temperature (Rubie et "
+                         "al. 2015)"});
+  schema.add("element", "partition_coefficient", o.partition_coefficient,
+             positive("1", "'constant': metal over silicate at equilibrium"));
+  schema.add("element", "iron_ratio", o.iron_ratio,
+             positive("1", "nickel, cobalt: mole fraction of Fe in the metal over that of FeO in the silicate"));
+  schema.add("element", "diffusivity_silicate", o.diffusivity_silicate, positive("m^2/s", "of the element"));
+  schema.add("element", "diffusivity_metal", o.diffusivity_metal, positive("m^2/s", "of the element"));
+  schema.add("element", "concentration_silicate", o.concentration_silicate,
+             {.minimum = 0.0, .meaning = "at the start, amount per mass, in a unit of choice"});
+  schema.add("element", "concentration_metal", o.concentration_metal,
+             {.minimum = 0.0, .meaning = "at the start, in the same unit"});
 }
 
 eos::any make(const options& o, std::size_t n) {
@@ -217,6 +236,20 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   p.mode = theory::eigenmode(layers(o, p, true), k);
   p.growth = p.mode->growth_rate;
   p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+}
+
+void check_element(const namelist::schema& schema, const element_options& o) {
+  const auto refuse = [&](std::initializer_list<const char*> keys, const char* why) {
+    for (const char* key : keys)
+      if (schema.given("element", key)) schema.fail("element", key, why);
+  };
+  if (o.name == "none")
+    refuse({"diffusivity_silicate", "diffusivity_metal", "concentration_silicate", "concentration_metal"},
+           "there is no element: name is 'none'");
+  else if (!(o.concentration_silicate + o.concentration_metal > 0.0))
+    schema.fail("element", "concentration_silicate", "there is nothing of the element in either material");
+  if (o.name != "constant") refuse({"partition_coefficient"}, "belongs to name = 'constant'");
+  if (o.name == "none" || o.name == "constant") refuse({"iron_ratio"}, "belongs to a named element");
 }
 
 // Temperatures at the start of the enthalpy law, and what else belongs to it alone.
@@ -340,6 +373,11 @@ std::array<double, 2> melting_range(const melting_options& o, double p) {
                                                      above)};
 }
 
+double partition_coefficient(const element_options& o, double p, double T) {
+  if (o.name == "constant") return o.partition_coefficient;
+  return theory::partition_coefficient(o.name == "nickel" ? theory::nickel : theory::cobalt, p, T, o.iron_ratio);
+}
+
 double viscosity_by_melt(const melting_options& o, double T, double melt_fraction) {
   // The laws' liquid has a pole at 1000 K, far below every solidus: there all is solid.
   const double eta = T < 1100.0                     ? melting::solid_viscosity(T)
@@ -406,6 +444,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   }
   declare(schema, group, o.scheme);
   declare(schema, o.melting);
+  declare(schema, o.element);
   schema.group("walls", "sides of the box that are not periodic");
   schema.add("walls", "floor", o.walls.floor,
              {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the floor"});
@@ -427,6 +466,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   check_domain(schema, o, p);
   find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);
+  check_element(schema, o.element);
   if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
     schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
   const double height = o.domain.length[1];

@@ -3,6 +3,7 @@
 //   &rti or &drop   shape, materials, start, formulation
 //   &walls    floor, lid, sides
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
+//   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   march/options.hpp
 #pragma once
 
@@ -58,6 +59,15 @@ struct melting_options {
   double inertia_viscosity = 0.0;                     // Pa s; 0: inertia as it is
 };
 
+// An element dissolved in both materials.
+struct element_options {
+  std::string name = "none";
+  double partition_coefficient = 10.0;
+  double iron_ratio = 14.0;                                    // X_Fe in the metal over X_FeO in the silicate
+  double diffusivity_silicate = 1e7, diffusivity_metal = 1e7;  // m2/s
+  double concentration_silicate = 1.0, concentration_metal = 0.0;
+};
+
 struct options {
   domain_options domain;
   wall_options walls;
@@ -70,6 +80,7 @@ struct options {
   double conductivity = 0.0;                          // W/(m K)
   std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
   melting_options melting;
+  element_options element;
   // of rti
   std::optional<double> interface, wavelength;  // m
   double wavelength_z = 0.0;                    // m; 0: no change along z
@@ -107,6 +118,8 @@ struct parameters {
 
 // Solidus and liquidus, K, at a pressure (Pa) of the input's choice.
 std::array<double, 2> melting_range(const melting_options& o, double p);
+// Metal over silicate, at a pressure and temperature (Pa, K).
+double partition_coefficient(const element_options& o, double p, double T);
 // Pa s, by temperature and melt fraction, within the input's bounds.
 double viscosity_by_melt(const melting_options& o, double T, double melt_fraction);
 

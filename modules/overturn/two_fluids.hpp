@@ -25,13 +25,15 @@
 #include <overturn/options.hpp>
 #include <overturn/terms.hpp>
 #include <simulation/state.hpp>
+#include <theory/radial_exchange.hpp>
 #include <volume/shape.hpp>
 
 namespace tetsuame::overturn {
 
 // A measure over time: lines of history that the summary looks back on.
 struct record {
-  std::vector<double> time, mode, centroid, fall;  // s; m; m; m/s
+  std::vector<double> time, mode, centroid, fall;          // s; m; m; m/s
+  std::vector<double> in_metal, partition, equilibration;  // of an element: means over the metal; 0 to 1
 };
 
 template <int D>
@@ -50,6 +52,11 @@ class two_fluids : public march::problem {
       heat_at_ = s.extras.size();
       s.extras.push_back({"Enthalpy", "J/kg", "heat content, c T and latent", particles::role::integrated, {}});
       s.extras.push_back({"StartEnthalpy", "J/kg", "that of the start", particles::role::constant, {}});
+    }
+    if (o.element.name != "none") {
+      dissolved_ = true;
+      element_at_ = s.extras.size();
+      s.extras.push_back({"Concentration", "1", "of the element, amount per mass", particles::role::integrated, {}});
     }
     s.keeps_start = true;
     const auto& d = o.domain;
@@ -91,6 +98,9 @@ class two_fluids : public march::problem {
     all.push_back({"q", dissipated().data(), 0.0, fast * fast});
     if (carried_) all.push_back({"rho", s.rho.data(), 0.0, p_.base->at(0.0).density});
     if (warms_) all.push_back({"T", s.T.data(), 0.0, o_.temperature});
+    if (dissolved_)
+      all.push_back(
+          {"c", element().data(), 0.0, std::max(o_.element.concentration_silicate, o_.element.concentration_metal)});
     if (enthalpy_) all.push_back({"h", content().data(), 0.0, 1e3 * o_.temperature});
     return all;
   }
@@ -101,6 +111,7 @@ class two_fluids : public march::problem {
     refresh_motion();
     find_volumes();
     if (enthalpy_) find_phases();
+    if (dissolved_) find_partition();
     find_pressures();
     sum_over_neighbours();
     combine(rate);
@@ -138,6 +149,7 @@ class two_fluids : public march::problem {
     for (auto* all : scratch())
       if (all->size() < s.total() + 1) all->resize(s.total() + 1);
     stress_[s.null()] = factor_[s.null()] = 0.0;
+    partition_[s.null()] = 1.0;
   }
 
   // ---- measures ---------------------------------------------------------------------------
@@ -157,6 +169,9 @@ class two_fluids : public march::problem {
                                             {"density_ratio_min", "1"},
                                             {"density_ratio_max", "1"},
                                             {"pressure_min", "Pa"}};
+    if (dissolved_)
+      for (const char* name : {"element", "concentration_metal", "partition_coefficient", "equilibration"})
+        all.push_back({name, name == std::string("element") ? (D == 2 ? "kg/m" : "kg") : "1"});
     if (enthalpy_)
       for (const auto& [name, unit] : {std::pair{"heat", J.c_str()},
                                        {"heat_residual", "1"},
@@ -170,7 +185,8 @@ class two_fluids : public march::problem {
   std::vector<double> row(double t) override {
     const auto& s = world_.w.s;
     foundation::exact_sum kinetic, mass, potential, elastic, heat, thermal, volume, squares, metal_mass, metal_y,
-        metal_volume, metal_v, shape, shape2, content_gain, exchanged, melt, lower_mass, metal_below;
+        metal_volume, metal_v, shape, shape2, amount, in_metal, partition, content_gain, exchanged, melt, lower_mass,
+        metal_below;
     double metal_low = o_.domain.length[1];
     double low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -183,6 +199,13 @@ class two_fluids : public march::problem {
       thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - T_start(i)));
       volume.add(V);
       squares.add(V * v2);
+      if (dissolved_) {
+        amount.add(s.m[i] * element()[i]);
+        if (is_metal(i)) {
+          in_metal.add(s.m[i] * element()[i]);
+          partition.add(s.m[i] * partition_[i]);
+        }
+      }
       if (is_metal(i)) {
         metal_mass.add(s.m[i]);
         metal_y.add(s.m[i] * s.x[1][i]);
@@ -239,6 +262,7 @@ class two_fluids : public march::problem {
     record_.mode.push_back(amplitude);
     record_.centroid.push_back(y);
     record_.fall.push_back(fall);
+    const double all_mass = total(mass), metal = total(metal_mass);
     std::vector<double> values{y / o_.domain.length[1],
                                v_rms_,
                                E[0],
@@ -252,6 +276,18 @@ class two_fluids : public march::problem {
                                ranks().minimum(low),
                                ranks().maximum(high),
                                ranks().minimum(p_low)};
+    if (dissolved_) {
+      const double there = total(amount), c = total(in_metal) / metal, P = total(partition) / metal;
+      if (!element_start_) {
+        element_start_ = there;
+        metal_start_ = {metal, total(metal_volume), all_mass, total(volume)};
+      }
+      element_error_ = std::max(element_error_, std::abs(there / *element_start_ - 1.0));
+      for (const auto& [a, value] :
+           {std::pair{&record_.in_metal, c}, {&record_.partition, P}, {&record_.equilibration, equilibration(c, P)}})
+        a->push_back(value);
+      for (const double v : {there, c, P, record_.equilibration.back()}) values.push_back(v);
+    }
     if (enthalpy_) {
       const double gain = total(content_gain), moved = total(exchanged);
       heat_residual_ = moved > 0.0 ? (gain - E[3]) / moved : 0.0;
@@ -285,6 +321,7 @@ class two_fluids : public march::problem {
     add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
     add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
     add("DensityReference", "kg/m^3", "density at the start, at rest", rho_start());
+    if (dissolved_) add("Concentration", "1", "of the element, amount per mass", element());
     if (enthalpy_) {
       add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
       add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", melt_);
@@ -322,6 +359,18 @@ class two_fluids : public march::problem {
     j["density_ratio_min"] = density_min_;
     j["density_ratio_max"] = density_max_;
     j["pressure_min"] = pressure_min_;
+    if (dissolved_) {
+      j["element_mass_error"] = element_error_;
+      j["concentration_metal"] = record_.in_metal.back();
+      j["partition_coefficient"] = record_.partition.back();
+      j["equilibration"] = record_.equilibration.back();
+      j["equilibration_time"] = or_null(when_equilibrated(record_.equilibration));
+      if (kind_ == problem_kind::drop && metal_start_[0] > 0.0) {
+        const auto reference = equilibration_at_rest();
+        j["equilibration_reference"] = reference.back();
+        j["equilibration_time_reference"] = or_null(when_equilibrated(reference));
+      }
+    }
     if (enthalpy_) {
       j["melt_fraction"] = melt_fraction_;
       j["melt_fraction_conducted"] = or_null(p_.melt_conducted);
@@ -349,6 +398,7 @@ class two_fluids : public march::problem {
     add(s.m);
     if (carried_) add(s.rho);
     if (enthalpy_) add(content());
+    if (dissolved_) add(element());
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -362,6 +412,17 @@ class two_fluids : public march::problem {
     g.blobs["mode"] = record_.mode;
     g.blobs["centroid"] = record_.centroid;
     g.blobs["fall"] = record_.fall;
+    if (dissolved_) {
+      g.blobs["in_metal"] = record_.in_metal;
+      g.blobs["partition"] = record_.partition;
+      g.blobs["equilibration"] = record_.equilibration;
+      g.blobs["element"] = {element_start_.value_or(0.0),
+                            element_error_,
+                            metal_start_[0],
+                            metal_start_[1],
+                            metal_start_[2],
+                            metal_start_[3]};
+    }
     g.blobs["measures"] = {energy_start_.value_or(0.0),
                            residual_,
                            residual_max_,
@@ -380,7 +441,16 @@ class two_fluids : public march::problem {
   }
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("wall_crossings");
-    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall")};
+    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall"), {}, {}, {}};
+    if (dissolved_) {
+      record_.in_metal = g.blobs.at("in_metal");
+      record_.partition = g.blobs.at("partition");
+      record_.equilibration = g.blobs.at("equilibration");
+      const auto& e = g.blobs.at("element");
+      element_start_ = e[0];
+      element_error_ = e[1];
+      metal_start_ = {e[2], e[3], e[4], e[5]};
+    }
     const auto& m = g.blobs.at("measures");
     energy_start_ = m[0];
     std::array<double*, 14> to{&residual_,      &residual_max_,  &v_rms_,        &v_rms_max_,  &v_rms_max_time_,
@@ -405,6 +475,8 @@ class two_fluids : public march::problem {
   const particles::array& content() const { return world_.w.s.extras[heat_at_].values; }
   particles::array& content_start() { return world_.w.s.extras[heat_at_ + 1].values; }
   const particles::array& content_start() const { return world_.w.s.extras[heat_at_ + 1].values; }
+  particles::array& element() { return world_.w.s.extras[element_at_].values; }
+  const particles::array& element() const { return world_.w.s.extras[element_at_].values; }
   double inertia_of(std::size_t i) const { return enthalpy_ ? inertia_[i] : 1.0; }
   double latent(std::size_t i) const { return melts_ && !is_metal(i) ? o_.melting.latent_heat : 0.0; }
   melting::heat_content contents(std::size_t i, double p) const {
@@ -462,6 +534,7 @@ class two_fluids : public march::problem {
       s.rho[i] = rho_start()[i] = state.density;
       s.T[i] = s.extras[2].values[i] = state.temperature;
       s.u[i] = dissipated()[i] = 0.0;
+      if (dissolved_) element()[i] = is_metal(i) ? o_.element.concentration_metal : o_.element.concentration_silicate;
       if (enthalpy_) {
         const auto n = static_cast<std::size_t>(s.material[i]);
         s.T[i] = s.extras[2].values[i] = n == 0 && x[1] > p_.pond_top ? p_.cover_temperature : p_.temperature[n];
@@ -509,6 +582,9 @@ class two_fluids : public march::problem {
         kappa = std::max(
             kappa, o_.conductivity / (state.density * eos::evaluate(material, state.density, state.temperature).c_V));
       }
+    // Twice, as for viscosities: a partition coefficient makes a contrast.
+    if (dissolved_)
+      kappa = std::max(kappa, 2.0 * std::max(o_.element.diffusivity_silicate, o_.element.diffusivity_metal));
     const double conduction = rates_of_lattice<D>(world_.w.kernel, dx, {}).viscous * kappa;
     const double diffusive = std::max(stiff.viscous * nu, conduction);
     radius_ = 1.2 * diffusive / (dx * dx);
@@ -523,7 +599,8 @@ class two_fluids : public march::problem {
 
   std::vector<particles::array*> scratch() {
     std::vector<particles::array*> all{&stress_,   &factor_,    &W_sum_, &compression_, &heat_,
-                                       &rho_rate_, &conducted_, &melt_,  &inertia_};
+                                       &rho_rate_, &conducted_, &melt_,  &inertia_,     &partition_,
+                                       &mobility_, &metal_,     &gain_};
     for (auto& f : force_) all.push_back(&f);
     return all;
   }
@@ -579,6 +656,23 @@ class two_fluids : public march::problem {
                           [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
     }
     mirror(s.p_eos);
+  }
+
+  // Of fluid, ghosts and images: concentration, partition coefficient, ρ times diffusivity, material.
+  void find_partition() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const auto& e = o_.element;
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      metal_[i] = is_metal(i) ? 1.0 : 0.0;
+      partition_[i] = is_metal(i) ? partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
+      mobility_[i] = s.rho[i] * (is_metal(i) ? e.diffusivity_metal : e.diffusivity_silicate);
+    });
+    w.exchange_fluid({element().data(), metal_.data(), partition_.data(), mobility_.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      for (auto* a : {&element(), &metal_, &partition_, &mobility_}) (*a)[i] = (*a)[j];
+    });
   }
 
   // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
@@ -675,13 +769,19 @@ class two_fluids : public march::problem {
       std::fill_n(conducted_.begin(), s.fluid, 0.0);
       w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), conducted_.data()});
     }
+    if (dissolved_) {
+      const foundation::stage timed(w.times, "element");
+      w.sum(w.fluid(), element_exchange<D>{element().data(), partition_.data(), mobility_.data(), metal_.data(),
+                                           s.dV.data(), gain_.data()});
+    }
   }
 
   void combine(std::span<double* const> rate) {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "rates");
-    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_h = at_T + (warms_ ? 1 : 0);
+    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_c = at_T + (warms_ ? 1 : 0),
+                      at_h = at_c + (dissolved_ ? 1 : 0);
     const bool first = o_.scheme.gradient == "pattern_1";
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
@@ -705,6 +805,10 @@ class two_fluids : public march::problem {
         rate[at_T][i] =
             gamma * s.T[i] * dlnrho + per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0)) / s.c_V[i];
         finite = finite && std::isfinite(rate[at_T][i]);
+      }
+      if (dissolved_) {
+        rate[at_c][i] = per_m * gain_[i];
+        finite = finite && std::isfinite(rate[at_c][i]);
       }
       if (enthalpy_) {
         rate[at_h][i] = per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0));
@@ -748,6 +852,46 @@ class two_fluids : public march::problem {
     return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
   }
 
+  // ---- element ----------------------------------------------------------------------------
+
+  // Of what the metal would take up, P being what it is, from its start to equilibrium with all silicate: the part
+  // taken.
+  double equilibration(double c, double P) const {
+    const auto& [metal, metal_volume, mass, volume] = metal_start_;
+    const double there = *element_start_ / (metal + (mass - metal) / P);
+    return (c - o_.element.concentration_metal) / (there - o_.element.concentration_metal);
+  }
+  // s, of the part 1 - 1/e.
+  std::optional<double> when_equilibrated(const std::vector<double>& part) const {
+    const double wanted = 1.0 - std::exp(-1.0);
+    for (std::size_t k = 1; k < part.size(); ++k)
+      if (part[k] >= wanted && part[k - 1] < wanted)
+        return record_.time[k - 1] +
+               (record_.time[k] - record_.time[k - 1]) * (wanted - part[k - 1]) / (part[k] - part[k - 1]);
+    return std::nullopt;
+  }
+  // At the times of the record, the same of a round drop at rest in the middle of as much silicate, with the partition
+  // coefficient that the drop had: diffusion along the radius alone.
+  std::vector<double> equilibration_at_rest() const {
+    const auto& [metal, metal_volume, mass, volume] = metal_start_;
+    const double unit = D == 2 ? std::numbers::pi : 4.0 / 3.0 * std::numbers::pi;
+    const auto radius_of = [&](double V) { return D == 2 ? std::sqrt(V / unit) : std::cbrt(V / unit); };
+    const auto P_at = [&](double t) {
+      const auto k = static_cast<std::size_t>(std::lower_bound(record_.time.begin(), record_.time.end(), t) -
+                                              record_.time.begin());
+      if (k == 0 || k == record_.time.size()) return k == 0 ? record_.partition.front() : record_.partition.back();
+      const double share = (t - record_.time[k - 1]) / (record_.time[k] - record_.time[k - 1]);
+      return (1.0 - share) * record_.partition[k - 1] + share * record_.partition[k];
+    };
+    const auto& e = o_.element;
+    auto part = theory::mean_inside(
+        {D, radius_of(metal_volume), radius_of(volume), metal / metal_volume, (mass - metal) / (volume - metal_volume),
+         e.diffusivity_metal, e.diffusivity_silicate, e.concentration_metal, e.concentration_silicate, P_at},
+        record_.time);
+    for (std::size_t k = 0; k < part.size(); ++k) part[k] = equilibration(part[k], record_.partition[k]);
+    return part;
+  }
+
   // s, of the first line where the metal's centroid has fallen that far, by straight lines between.
   std::optional<double> time_of_fall(double fall) const { return when_below(record_.centroid.front() - fall); }
   std::optional<double> when_below(double y) const {
@@ -772,14 +916,16 @@ class two_fluids : public march::problem {
   images::scene<D> world_;
   bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
   bool enthalpy_ = false, melts_ = false;
-  std::size_t heat_at_ = 0;  // of the extras
+  bool dissolved_ = false;
+  std::size_t heat_at_ = 0, element_at_ = 0;  // of the extras
   double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
   integrators::step_limit limit_;
   viscous_weights viscous_;
 
   std::array<particles::array, D> force_;
   particles::array stress_, factor_, W_sum_, compression_, heat_, rho_rate_, conducted_;
-  particles::array melt_, inertia_;  // melt fraction; ξ²
+  particles::array melt_, inertia_;                       // melt fraction; ξ²
+  particles::array partition_, mobility_, metal_, gain_;  // of an element: P, ρ D; 1 in metal; kg/s
 
   std::int64_t crossings_ = 0;
   record record_;
@@ -787,6 +933,9 @@ class two_fluids : public march::problem {
   double mass_start_ = 0.0, mass_drift_ = 0.0;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
+  std::optional<double> element_start_;  // kg (2-D: kg/m)
+  std::array<double, 4> metal_start_{};  // mass and volume of the metal, of all
+  double element_error_ = 0.0;
   double heat_residual_ = 0.0, melt_fraction_ = 0.0, metal_depth_ = 0.0, metal_below_ = 0.0;
 };
 
