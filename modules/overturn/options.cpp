@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <kernels/lattice.hpp>
 #include <numbers>
 #include <overturn/options.hpp>
 #include <theory/free_slip_box.hpp>
@@ -238,6 +239,21 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
 }
 
+// A lattice under pressure resists shear, as no fluid does (kernels/lattice.hpp).
+void find_elasticity(const options& o, parameters& p) {
+  const auto& k = o.march.kernel;
+  const double h = k.h_over_dx * p.dx;
+  const auto mu = o.domain.dimension == 3 ? kernels::spurious_shear_moduli<3>(kernels::make<3>(k.name, h), p.dx)
+                                          : kernels::spurious_shear_moduli<2>(kernels::make<2>(k.name, h), p.dx);
+  p.spurious_modulus = mu.largest();
+  if (p.spurious_modulus > 5e-4)
+    p.lines.push_back(fmt::format(
+        "warning: a lattice with kernel '{}' at h = {:.4g} dx has the shear modulus {:.2g} p along its rows and {:.2g} "
+        "p "
+        "along its diagonals; slow flow will be stiff, or the lattice break up: 'wendland_c6' stays below 5e-4",
+        k.name, k.h_over_dx, mu.simple, mu.pure));
+}
+
 void check_element(const namelist::schema& schema, const element_options& o) {
   const auto refuse = [&](std::initializer_list<const char*> keys, const char* why) {
     for (const char* key : keys)
@@ -467,6 +483,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);
   check_element(schema, o.element);
+  find_elasticity(o, p);
   if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
     schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
   const double height = o.domain.length[1];

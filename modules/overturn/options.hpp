@@ -107,6 +107,7 @@ struct parameters {
   std::optional<double> melt_conducted;               // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
   double k_x = 0.0, k_z = 0.0;                        // 1/m
   double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
+  double spurious_modulus;                            // largest |mu/p| of the start lattice
   double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
   std::optional<double> growth, growth_incompressible;

@@ -380,6 +380,7 @@ class two_fluids : public march::problem {
     }
     j["wall_crossings"] = crossings_;
     j["particles_lost"] = world_.fluid_total - ranks().sum(static_cast<std::int64_t>(world_.w.s.fluid));
+    j["spurious_shear_modulus"] = p_.spurious_modulus;
     j["neighbours"] = static_cast<double>(ranks().sum(static_cast<std::int64_t>(world_.w.list.pairs))) /
                       static_cast<double>(world_.fluid_total);
     r.conservation = {{"mass", mass_drift_}, {"momentum", nullptr}, {"energy", residual_}};
