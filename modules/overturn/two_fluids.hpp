@@ -501,6 +501,25 @@ class two_fluids : public march::problem {
     return u;
   }
 
+  // Where the growing mode takes what rests at x, followed along its field in four Runge-Kutta steps: a displacement by
+  // amplitude times field at once would change volumes in second order, by some 2 % at 0.02 of the height, and start
+  // with a bang.
+  std::array<double, D> carried_along(const std::array<double, D>& x) const {
+    constexpr int steps = 4;
+    const double ds = o_.amplitude / steps;
+    const auto beyond = [](std::array<double, D> at, double s, const std::array<double, D>& u) {
+      for (std::size_t a = 0; a < D; ++a) at[a] += s * u[a];
+      return at;
+    };
+    auto to = x;
+    for (int k = 0; k < steps; ++k) {
+      const auto k1 = mode_at(to), k2 = mode_at(beyond(to, 0.5 * ds, k1)), k3 = mode_at(beyond(to, 0.5 * ds, k2)),
+                 k4 = mode_at(beyond(to, ds, k3));
+      for (std::size_t a = 0; a < D; ++a) to[a] += ds * (k1[a] + 2.0 * k2[a] + 2.0 * k3[a] + k4[a]) / 6.0;
+    }
+    return to;
+  }
+
   std::int32_t material_at(const std::array<double, D>& x) const {
     if (kind_ == problem_kind::drop) {
       double r2 = 0.0;
@@ -544,10 +563,11 @@ class two_fluids : public march::problem {
             contents(i, eos::pressure((*p_.material)[n], s.rho[i], s.T[i])).enthalpy(s.T[i]);
       }
       if (!p_.mode || o_.start == "coloured") continue;
-      const auto u = mode_at(x);
+      const auto to = carried_along(x);
+      const auto u = mode_at(to);
       const double rate = o_.start == "eigenmode" ? p_.mode->growth_rate : 0.0;
       for (std::size_t a = 0; a < D; ++a) {
-        s.x[a][i] += o_.amplitude * u[a];
+        s.x[a][i] = to[a];
         s.v[a][i] = rate * o_.amplitude * u[a];
       }
       if (carried_) {
