@@ -110,6 +110,28 @@ transfer_extremum transfer_minimum(const Kernel& kernel, double dx) {
   return best;
 }
 
+template <class Kernel>
+shear_moduli spurious_shear_moduli(const Kernel& kernel, double dx) {
+  constexpr int D = Kernel::dimension;
+  const int n = static_cast<int>(std::ceil(1.1 * kernel.support() / dx)), depth = D == 3 ? n : 0;
+  // s of the lattice with (x, y) -> (a x + b y, y/a).
+  const auto sum = [&](double a, double b) {
+    double s = 0.0;
+    for (int x = -n; x <= n; ++x)
+      for (int y = -n; y <= n; ++y)
+        for (int z = -depth; z <= depth; ++z) {
+          const double X = a * x + b * y, Y = y / a;
+          s += kernel.value(dx * std::sqrt(X * X + Y * Y + z * z));
+        }
+    return s;
+  };
+  const auto second = [&](const auto& f) {
+    constexpr double e = 0.01;
+    return (16.0 * (f(e) + f(-e)) - f(2.0 * e) - f(-2.0 * e) - 30.0 * f(0.0)) / (12.0 * e * e * f(0.0));
+  };
+  return {second([&](double g) { return sum(1.0, g); }), second([&](double g) { return sum(std::exp(0.5 * g), 0.0); })};
+}
+
 #define TETSUAME_INSTANTIATE(K, D)                                               \
   template double lattice_sum(const K<D>&, double);                              \
   template double transfer(const K<D>&, double, const std::array<double, (D)>&); \
@@ -124,6 +146,15 @@ TETSUAME_INSTANTIATE_ALL(1)
 TETSUAME_INSTANTIATE_ALL(2)
 TETSUAME_INSTANTIATE_ALL(3)
 #undef TETSUAME_INSTANTIATE_ALL
+#define TETSUAME_INSTANTIATE_SHEAR(D)                                            \
+  template shear_moduli spurious_shear_moduli(const quintic_spline<D>&, double); \
+  template shear_moduli spurious_shear_moduli(const cubic_spline<D>&, double);   \
+  template shear_moduli spurious_shear_moduli(const wendland_c2<D>&, double);    \
+  template shear_moduli spurious_shear_moduli(const wendland_c4<D>&, double);    \
+  template shear_moduli spurious_shear_moduli(const wendland_c6<D>&, double);
+TETSUAME_INSTANTIATE_SHEAR(2)
+TETSUAME_INSTANTIATE_SHEAR(3)
+#undef TETSUAME_INSTANTIATE_SHEAR
 #undef TETSUAME_INSTANTIATE
 
 }  // namespace tetsuame::kernels

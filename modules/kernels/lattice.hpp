@@ -6,7 +6,9 @@
 // kappa = K_T/p: it converges if |kappa - 1| (1 - S_min) < 1 (docs/theory/kernels.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <kernels/kernel.hpp>
 
 namespace tetsuame::kernels {
@@ -29,7 +31,26 @@ struct transfer_extremum {
 template <class Kernel>
 transfer_extremum transfer_minimum(const Kernel& kernel, double dx);
 
+// The elasticity that a fluid does not have. With volumes from the number density, dV_i = s/sum_j W_ij, a lattice under
+// uniform pressure p has the energy -p dV per particle, which a shear at fixed area (volume) changes in second order:
+//   mu/p = 1/s d^2 s/d gamma^2,  gamma the angle of shear,  s the lattice sum of the sheared lattice.
+// The same follows from the force -sum (p_i dV_i^2 + p_j dV_j^2) grad W, however dV comes about. Negative: the lattice
+// yields by itself.
+struct shear_moduli {
+  double simple;  // mu/p where rows glide along each other, x += gamma y
+  double pure;    // along the diagonals: x stretched and y compressed by exp(+-gamma/2)
+  double largest() const { return std::max(std::abs(simple), std::abs(pure)); }
+};
+
+// Of the square or cubic lattice, D = 2, 3; in 3-D of shear in a plane of its axes. Fourth-order differences in gamma.
+template <class Kernel>
+shear_moduli spurious_shear_moduli(const Kernel& kernel, double dx);
+
 // Of a kernel chosen at run time.
+template <int D>
+shear_moduli spurious_shear_moduli(const any<D>& kernel, double dx) {
+  return std::visit([&](const auto& k) { return spurious_shear_moduli(k, dx); }, kernel);
+}
 template <int D>
 double lattice_sum(const any<D>& kernel, double dx) {
   return std::visit([&](const auto& k) { return lattice_sum(k, dx); }, kernel);

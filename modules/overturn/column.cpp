@@ -38,10 +38,20 @@ theory::barotrope curve(const barotropic& b) {
 }
 
 column::column(const barotropic& lower, const barotropic& upper, double interface, double top, double g)
-    : lower_(lower), upper_(upper), interface_(interface), g_(g) {
+    : lower_(lower), upper_(upper), cover_(upper), interface_(interface), cover_from_(top), g_(g) {
   descend(upper_, top, interface, upper.pressure, above_);
   lower_.pressure = above_.back().state.pressure;
   if (lower_.adiabatic) lower_.temperature = above_.back().state.temperature;
+  descend(lower_, interface, 0.0, lower_.pressure, below_);
+}
+
+column::column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface,
+               double cover_from, double top, double g)
+    : lower_(lower), upper_(upper), cover_(cover), interface_(interface), cover_from_(cover_from), g_(g) {
+  descend(cover_, top, cover_from, cover.pressure, covering_);
+  upper_.pressure = covering_.back().state.pressure;
+  descend(upper_, cover_from, interface, upper_.pressure, above_);
+  lower_.pressure = above_.back().state.pressure;
   descend(lower_, interface, 0.0, lower_.pressure, below_);
 }
 
@@ -81,6 +91,9 @@ place column::between(const barotropic& b, const std::vector<node>& nodes, doubl
   return at_pressure(on, p);
 }
 
-place column::at(double y) const { return y >= interface_ ? between(upper_, above_, y) : between(lower_, below_, y); }
+place column::at(double y) const {
+  if (!covering_.empty() && y >= cover_from_) return between(cover_, covering_, y);
+  return y >= interface_ ? between(upper_, above_, y) : between(lower_, below_, y);
+}
 
 }  // namespace tetsuame::overturn

@@ -31,7 +31,12 @@ class column {
   // layer starts at the temperature that the upper one has at the interface.
   column(const barotropic& lower, const barotropic& upper, double interface, double top, double g);
 
-  place at(double y) const;  // y == interface: of the upper layer
+  // The same with a third layer, from `cover_from` to the top, whose pressure cover.pressure is; upper.pressure counts
+  // for nothing. All on isotherms.
+  column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface, double cover_from,
+         double top, double g);
+
+  place at(double y) const;  // y == interface: of the layer above
   const barotropic& lower() const { return lower_; }
   const barotropic& upper() const { return upper_; }
 
@@ -43,9 +48,9 @@ class column {
   void descend(const barotropic& b, double from, double to, double p, std::vector<node>& nodes) const;
   static place between(const barotropic& b, const std::vector<node>& nodes, double y);
 
-  barotropic lower_, upper_;
-  double interface_, g_;
-  std::vector<node> below_, above_;  // descending
+  barotropic lower_, upper_, cover_;
+  double interface_, cover_from_, g_;
+  std::vector<node> below_, above_, covering_;  // descending
 };
 
 }  // namespace tetsuame::overturn

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <kernels/lattice.hpp>
 #include <numbers>
 #include <overturn/options.hpp>
 #include <theory/free_slip_box.hpp>
+#include <theory/sphere_uptake.hpp>
+#include <theory/stefan.hpp>
 #include <theory/stokes_box.hpp>
 
 namespace tetsuame::overturn {
@@ -74,10 +77,52 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(group, "viscous_order", o.viscous_order,
              {.minimum = 2,
               .maximum = 4,
-              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth"});
+              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth (with a "
+                         "viscosity by melt fraction always 2)"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
+}
+
+void declare(namelist::schema& schema, melting_options& o) {
+  schema.group("melting", "of the lower (outer) material, where temperature_law is 'enthalpy'");
+  schema.add("melting", "curve", o.curve,
+             {.choices = {"none", "mantle", "constant"},
+              .meaning = "solidus and liquidus: it never melts, fits for the mantle by pressure, or two temperatures"});
+  schema.add("melting", "composition", o.composition,
+             {.choices = {"peridotitic", "chondritic"}, .meaning = "curve 'mantle': of the liquidus above 20 GPa"});
+  schema.add("melting", "solidus", o.solidus, positive("K", "curve 'constant'"));
+  schema.add("melting", "liquidus", o.liquidus, positive("K", "curve 'constant'"));
+  schema.add("melting", "latent_heat", o.latent_heat, {.unit = "J/kg", .minimum = 0.0, .meaning = "of fusion"});
+  schema.add("melting", "viscosity_law", o.viscosity_law,
+             {.choices = {"constant", "blended", "suspension"},
+              .meaning = "the material's one viscosity; or by temperature and melt fraction, smooth or with the "
+                         "crystals' sudden lock at 0.4"});
+  schema.add("melting", "viscosity_min", o.viscosity_min, positive("Pa s", "the law's viscosity is not below this"));
+  schema.add("melting", "viscosity_max", o.viscosity_max, positive("Pa s", "nor above this"));
+  schema.add("melting", "inertia_viscosity", o.inertia_viscosity,
+             {.unit = "Pa s",
+              .minimum = 0.0,
+              .meaning = "what is more viscous gets its inertia raised by the ratio, so that steps need not follow it "
+                         "(0: inertia as it is)"});
+}
+
+void declare(namelist::schema& schema, element_options& o) {
+  schema.group("element", "dissolved in metal and silicate, exchanged at their contact");
+  schema.add("element", "name", o.name,
+             {.choices = {"none", "constant", "nickel", "cobalt"},
+              .meaning = "whose partition coefficient: none, a constant one, or by pressure and temperature (Rubie et "
+                         "al. 2015)"});
+  schema.add("element", "partition_coefficient", o.partition_coefficient,
+             positive("1", "'constant': metal over silicate at equilibrium"));
+  schema.add("element", "iron_ratio", o.iron_ratio,
+             positive("1", "nickel, cobalt: mole fraction of Fe in the metal over that of FeO in the silicate"));
+  schema.add("element", "diffusivity_silicate", o.diffusivity_silicate, positive("m^2/s", "of the element"));
+  schema.add("element", "diffusivity_metal", o.diffusivity_metal, positive("m^2/s", "of the element"));
+  schema.add("element", "concentration_silicate", o.concentration_silicate,
+             {.minimum = 0.0, .meaning = "at the start, amount per mass, in a unit of choice"});
+  schema.add("element", "concentration_metal", o.concentration_metal,
+             {.minimum = 0.0, .meaning = "at the start, in the same unit"});
 }
 
 eos::any make(const options& o, std::size_t n) {
@@ -146,7 +191,15 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
   if (s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4");
-  const bool equal = o.material[0].viscosity == o.material[1].viscosity && o.walls.lid != "free_surface";
+  if (o.melting.viscosity_law != "constant") {
+    if (schema.given(group, "viscous_order") && s.viscous_order == 4)
+      schema.fail(group, "viscous_order",
+                  "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
+                  "motion instead of friction; choose 2");
+    s.viscous_order = 2;
+  }
+  const bool equal = o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity &&
+                     o.walls.lid != "free_surface";
   if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
   p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;
   p.stress_b = s.stress == "laplacian" ? 0.0 : static_cast<double>(o.domain.dimension + 2);
@@ -170,6 +223,11 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   fits(0, p.k_x, "wavelength");
   if (p.k_z > 0.0) fits(2, p.k_z, "wavelength_z");
   const bool walls = !d.periodic[0] || (d.dimension == 3 && !d.periodic[2]);
+  if (o.temperature_law == "enthalpy") {
+    p.theory_about = "materials that melt, or lie in three layers, have no growth rate";
+    if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
+    return;
+  }
   if (walls && o.walls.sides == "no_slip") {
     p.theory_about = "no-slip sides: there are no separate waves, and no theory to compare with";
     if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
@@ -179,6 +237,87 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   p.mode = theory::eigenmode(layers(o, p, true), k);
   p.growth = p.mode->growth_rate;
   p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+}
+
+// A lattice under pressure resists shear, as no fluid does (kernels/lattice.hpp).
+void find_elasticity(const options& o, parameters& p) {
+  const auto& k = o.march.kernel;
+  const double h = k.h_over_dx * p.dx;
+  const auto mu = o.domain.dimension == 3 ? kernels::spurious_shear_moduli<3>(kernels::make<3>(k.name, h), p.dx)
+                                          : kernels::spurious_shear_moduli<2>(kernels::make<2>(k.name, h), p.dx);
+  p.spurious_modulus = mu.largest();
+  if (p.spurious_modulus > 5e-4)
+    p.lines.push_back(fmt::format(
+        "warning: a lattice with kernel '{}' at h = {:.4g} dx has the shear modulus {:.2g} p along its rows and {:.2g} "
+        "p "
+        "along its diagonals; slow flow will be stiff, or the lattice break up: 'wendland_c6' stays below 5e-4",
+        k.name, k.h_over_dx, mu.simple, mu.pure));
+}
+
+void check_element(const namelist::schema& schema, const element_options& o) {
+  const auto refuse = [&](std::initializer_list<const char*> keys, const char* why) {
+    for (const char* key : keys)
+      if (schema.given("element", key)) schema.fail("element", key, why);
+  };
+  if (o.name == "none")
+    refuse({"diffusivity_silicate", "diffusivity_metal", "concentration_silicate", "concentration_metal"},
+           "there is no element: name is 'none'");
+  else if (!(o.concentration_silicate + o.concentration_metal > 0.0))
+    schema.fail("element", "concentration_silicate", "there is nothing of the element in either material");
+  if (o.name != "constant") refuse({"partition_coefficient"}, "belongs to name = 'constant'");
+  if (o.name == "none" || o.name == "constant") refuse({"iron_ratio"}, "belongs to a named element");
+}
+
+// Temperatures at the start of the enthalpy law, and what else belongs to it alone.
+void find_heat(const namelist::schema& schema, problem_kind kind, options& o, parameters& p) {
+  const char* group = group_of(kind);
+  const auto names = names_of(kind);
+  auto& m = o.melting;
+  const bool enthalpy = o.temperature_law == "enthalpy";
+  for (const std::size_t n : {0, 1}) {
+    const std::string key = std::string("temperature_") + names[n];
+    if (!enthalpy && o.start_heat[n]) schema.fail(group, key, "belongs to temperature_law = 'enthalpy'");
+    if (enthalpy && o.material[n].eos != "linear")
+      schema.fail(group, std::string("eos_") + names[n],
+                  "with temperature_law = 'enthalpy' pressure must not depend on temperature: 'linear' only");
+    p.temperature[n] = o.start_heat[n].value_or(o.temperature);
+  }
+  p.cover_temperature = o.cover_temperature.value_or(o.temperature);
+  if (!enthalpy && (o.pond_top || o.cover_temperature))
+    schema.fail(group, o.pond_top ? "pond_top" : "cover_temperature", "belongs to temperature_law = 'enthalpy'");
+  if (o.cover_temperature && !o.pond_top)
+    schema.fail(group, "cover_temperature", "nothing covers the pond: no pond_top");
+  if (m.curve == "none") {
+    for (const char* key : {"solidus", "liquidus", "latent_heat", "viscosity_law", "viscosity_min", "viscosity_max",
+                            "inertia_viscosity", "composition"})
+      if (schema.given("melting", key)) schema.fail("melting", key, "nothing melts: curve is 'none'");
+    m.viscosity_law = "constant";
+    m.latent_heat = 0.0;
+    return;
+  }
+  if (!enthalpy) schema.fail("melting", "curve", std::string("&") + group + " temperature_law must be 'enthalpy'");
+  if (m.curve == "constant" && !(m.liquidus > m.solidus))
+    schema.fail("melting", "liquidus", "must be above the solidus");
+  if (m.curve == "mantle" && (schema.given("melting", "solidus") || schema.given("melting", "liquidus")))
+    schema.fail("melting", "curve", "'mantle' has a solidus and liquidus of its own");
+  if (m.viscosity_max < m.viscosity_min) schema.fail("melting", "viscosity_max", "is below viscosity_min");
+  if (m.viscosity_law == "constant")
+    for (const char* key : {"viscosity_min", "viscosity_max"})
+      if (schema.given("melting", key)) schema.fail("melting", key, "viscosity_law is 'constant'");
+}
+
+// Heat conducted across a flat contact at rest: two half spaces, as long as the heat has not reached floor and lid.
+void find_melt(const options& o, parameters& p) {
+  if (!(o.conductivity > 0.0 && o.march.time.t_end)) return;
+  const auto [T_s, T_l] = melting_range(o.melting, p.base->at(p.interface).pressure);
+  if (!(p.temperature[1] > p.temperature[0] && p.temperature[0] <= T_s)) return;
+  const auto side = [&](std::size_t n) {
+    const double y = p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0);
+    const auto e = eos::evaluate((*p.material)[n], p.base->at(y).density, o.temperature);
+    return theory::half_space{p.base->at(y).density, e.c_V, o.conductivity, p.temperature[n]};
+  };
+  const auto s = theory::solve({side(1), side(0), T_s, T_l, o.melting.latent_heat});
+  p.melt_conducted = s.melt_thickness(*o.march.time.t_end) / p.interface;
 }
 
 // Difference of density and terminal velocity at the height where it is measured.
@@ -242,6 +381,27 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
 
 }  // namespace
 
+std::array<double, 2> melting_range(const melting_options& o, double p) {
+  if (o.curve == "constant") return {o.solidus, o.liquidus};
+  const double above = std::max(p, 0.0);  // the fits' range; sound may take the top below
+  return {melting::solidus(above), melting::liquidus(o.composition == "chondritic" ? melting::composition::chondritic
+                                                                                   : melting::composition::peridotitic,
+                                                     above)};
+}
+
+double partition_coefficient(const element_options& o, double p, double T) {
+  if (o.name == "constant") return o.partition_coefficient;
+  return theory::partition_coefficient(o.name == "nickel" ? theory::nickel : theory::cobalt, p, T, o.iron_ratio);
+}
+
+double viscosity_by_melt(const melting_options& o, double T, double melt_fraction) {
+  // The laws' liquid has a pole at 1000 K, far below every solidus: there all is solid.
+  const double eta = T < 1100.0                     ? melting::solid_viscosity(T)
+                     : o.viscosity_law == "blended" ? melting::blended_viscosity(T, melt_fraction)
+                                                    : melting::suspension_viscosity(T, melt_fraction);
+  return std::clamp(eta, o.viscosity_min, o.viscosity_max);
+}
+
 void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   const auto names = names_of(kind);
@@ -259,11 +419,14 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.add(group, "temperature", o.temperature, positive("K", "at the top of the start column"));
   schema.add(
       group, "temperature_law", o.temperature_law,
-      {.choices = {"isothermal", "adiabatic"},
-       .meaning =
-           "one temperature for ever; or adiabats at the start and temperature by compression, friction, conduction"});
+      {.choices = {"isothermal", "adiabatic", "enthalpy"},
+       .meaning = "one temperature for ever; adiabats at the start and temperature by compression, friction, "
+                  "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
   schema.add(group, "conductivity", o.conductivity,
-             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, adiabatic law only"});
+             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, not of the isothermal law"});
+  for (const std::size_t n : {1, 0})
+    schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
+               positive("K", "at the start, enthalpy law; not given: temperature"));
   if (kind == problem_kind::drop) {
     schema.add(group, "radius", o.radius, positive("m", "of the drop"));
     for (std::size_t a = 0; a < 3; ++a)
@@ -289,7 +452,15 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                 .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
                            "part at the wave"});
   }
+  if (kind == problem_kind::rayleigh_taylor) {
+    schema.add(group, "pond_top", o.pond_top,
+               positive("m", "enthalpy law: the upper material lies below this height, the lower one once more above"));
+    schema.add(group, "cover_temperature", o.cover_temperature,
+               positive("K", "of what lies above pond_top; not given: temperature"));
+  }
   declare(schema, group, o.scheme);
+  declare(schema, o.melting);
+  declare(schema, o.element);
   schema.group("walls", "sides of the box that are not periodic");
   schema.add("walls", "floor", o.walls.floor,
              {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the floor"});
@@ -309,7 +480,10 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   parameters p{};
   p.material = std::make_unique<std::array<eos::any, 2>>();
   check_domain(schema, o, p);
+  find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);
+  check_element(schema, o.element);
+  find_elasticity(o, p);
   if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
     schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
   const double height = o.domain.length[1];
@@ -332,13 +506,22 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   } else {
     p.interface = height;
   }
+  p.pond_top = height;
+  if (o.pond_top) {
+    p.pond_top = std::floor(*o.pond_top / p.dx + 0.5 + 1e-9) * p.dx;
+    if (!(p.pond_top > p.interface && p.pond_top < height))
+      schema.fail(group, "pond_top", "must leave rows of particles to the pond and to what covers it");
+  }
   const std::size_t top = kind == problem_kind::drop ? 0 : 1;
-  p.base = std::make_unique<column>(barotropic{&(*p.material)[0], o.p_top, o.temperature, adiabatic},
-                                    barotropic{&(*p.material)[top], o.p_top, o.temperature, adiabatic}, p.interface,
-                                    height, o.gravity);
+  const auto at_rest = [&](std::size_t n) { return barotropic{&(*p.material)[n], o.p_top, o.temperature, adiabatic}; };
+  if (o.pond_top)
+    p.base = std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height, o.gravity);
+  else
+    p.base = std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
   if (kind == problem_kind::rayleigh_taylor) {
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
+    if (o.melting.curve != "none" && !o.pond_top) find_melt(o, p);
   } else {
     find_fall(schema, o, p);
   }
@@ -351,6 +534,9 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
                ? fmt::format("{}\ndrop less surroundings {:.6g} kg/m3 at y = {:.6g} m\nfall velocity {:.9g} m/s\n",
                              p.theory_about, p.density_difference, o.measure_at * o.domain.length[1], *p.theory_fall)
                : p.theory_about + "\n";
+  if (p.melt_conducted)
+    return fmt::format("{}\nmelt fraction {:.6g} of the lower material at t = {:.6g} s, by conduction at rest\n",
+                       p.theory_about, *p.melt_conducted, *o.march.time.t_end);
   if (!p.growth) return p.theory_about + "\n";
   return fmt::format(
       "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"

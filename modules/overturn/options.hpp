@@ -2,11 +2,15 @@
 //   &domain   dimension, length_x …, particles_x …, periodic_x, periodic_z
 //   &rti or &drop   shape, materials, start, formulation
 //   &walls    floor, lid, sides
+//   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
+//   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   march/options.hpp
 #pragma once
 
 #include <eos/eos.hpp>
 #include <march/options.hpp>
+#include <melting/enthalpy.hpp>
+#include <melting/melting.hpp>
 #include <memory>
 #include <overturn/column.hpp>
 
@@ -44,6 +48,26 @@ struct scheme_options {
   std::int64_t viscous_order = 4;
 };
 
+// Of the lower (outer) material, where temperature_law is 'enthalpy'.
+struct melting_options {
+  std::string curve = "none";
+  std::string composition = "peridotitic";
+  double solidus = 1661.2, liquidus = 1982.1;  // K, curve 'constant'
+  double latent_heat = 4e5;                    // J/kg
+  std::string viscosity_law = "blended";
+  double viscosity_min = 1e11, viscosity_max = 1e16;  // Pa s
+  double inertia_viscosity = 0.0;                     // Pa s; 0: inertia as it is
+};
+
+// An element dissolved in both materials.
+struct element_options {
+  std::string name = "none";
+  double partition_coefficient = 10.0;
+  double iron_ratio = 14.0;                                    // X_Fe in the metal over X_FeO in the silicate
+  double diffusivity_silicate = 1e7, diffusivity_metal = 1e7;  // m2/s
+  double concentration_silicate = 1.0, concentration_metal = 0.0;
+};
+
 struct options {
   domain_options domain;
   wall_options walls;
@@ -53,12 +77,16 @@ struct options {
   double p_top = 1e5;                        // Pa
   double temperature = 3000.0;               // K, at the top
   std::string temperature_law = "isothermal";
-  double conductivity = 0.0;  // W/(m K)
+  double conductivity = 0.0;                          // W/(m K)
+  std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
+  melting_options melting;
+  element_options element;
   // of rti
   std::optional<double> interface, wavelength;  // m
   double wavelength_z = 0.0;                    // m; 0: no change along z
   double amplitude = 750.0;                     // m
   std::string start = "eigenmode";
+  std::optional<double> pond_top, cover_temperature;  // m, K: above, the lower material again
   // of drop
   double radius = 1.5e5;                          // m
   std::array<std::optional<double>, 3> centre{};  // m
@@ -74,8 +102,12 @@ struct parameters {
   std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
   double interface;                                   // m, on an edge between rows
   std::unique_ptr<column> base;                       // the column at rest
+  std::array<double, 2> temperature{};                // K, at the start, law 'enthalpy'
+  double pond_top, cover_temperature;                 // m, K; pond_top is the lid where nothing covers the pond
+  std::optional<double> melt_conducted;               // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
   double k_x = 0.0, k_z = 0.0;                        // 1/m
   double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
+  double spurious_modulus;                            // largest |mu/p| of the start lattice
   double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
   std::optional<double> growth, growth_incompressible;
@@ -84,6 +116,13 @@ struct parameters {
   std::string theory_about;
   std::vector<std::string> lines;
 };
+
+// Solidus and liquidus, K, at a pressure (Pa) of the input's choice.
+std::array<double, 2> melting_range(const melting_options& o, double p);
+// Metal over silicate, at a pressure and temperature (Pa, K).
+double partition_coefficient(const element_options& o, double p, double T);
+// Pa s, by temperature and melt fraction, within the input's bounds.
+double viscosity_by_melt(const melting_options& o, double T, double melt_fraction);
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);

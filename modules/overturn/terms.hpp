@@ -14,6 +14,13 @@
 // Mech. Eng. 200, 1526 (2011); across materials, since p is continuous where ρ jumps):
 //   dρ_i/dt = ρ_i Σ_j ΔV_j v_ij·∇_i W_ij
 //             + δ (h/c_i) Σ_j 2 [(p̂_i - p̂_j) + ½ (ρ_i + ρ_j) g (y_i - y_j)] F_ij ΔV_j
+//
+// An element dissolved in both materials, c the amount per mass: m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j)
+//   within a material: u = c, K_ij = 4 k_i k_j/(k_i + k_j), k = ρ D, D its diffusivity
+//   across the contact: u = c/P in the metal, P its partition coefficient there, and k = ρ D P, so that the flux
+//   vanishes where c_metal = P c_silicate: conduction of heat between bodies of different heat capacity, with u for
+//   temperature.
+// What i gains j loses to the last bit, but for the order of sums: the element is conserved to rounding.
 #pragma once
 
 #include <diffusion/viscosity.hpp>
@@ -24,9 +31,17 @@ namespace tetsuame::overturn {
 struct stress_tag {};
 struct factor_tag {};
 struct density_tag {};
+struct concentration_tag {};
+struct partition_tag {};
+struct element_tag {};
+struct material_tag {};
 inline constexpr stress_tag of_stress;
 inline constexpr factor_tag of_factor;
 inline constexpr density_tag of_density;
+inline constexpr concentration_tag of_concentration;
+inline constexpr partition_tag of_partition;
+inline constexpr element_tag of_element;
+inline constexpr material_tag of_material;
 
 // Σ_j W_ij, j = i included.
 template <int D>
@@ -132,6 +147,34 @@ struct density_rate {
   void end(std::size_t i, const me& a) const {
     out[i] = rho[i] * pairs::sum(a.divergence) + delta_h / sound_speed[i] * pairs::sum(a.diffusion);
   }
+};
+
+template <int D>
+struct element_exchange {
+  using real = pairs::real;
+  const double *c, *P, *k, *metal, *V;  // 1; 1, 1 in silicate; kg/(m s); 1 or 0; m^D
+  double* gain;                         // kg/s
+
+  struct me {
+    real sum;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_concentration, c), read(of_partition, P), read(of_element, k), read(of_material, metal),
+                      read(of_volume, V)};
+  }
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    using namespace pairs;
+    real P_i = ij.own(of_partition), P_j = ij(of_partition);
+    const auto same = ij.own(of_material) == ij(of_material);
+    stdx::where(same, P_i) = 1.0;
+    stdx::where(same, P_j) = 1.0;
+    const real K = diffusion::harmonic(ij.own(of_element) * P_i, ij(of_element) * P_j);
+    a.sum +=
+        K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
+  }
+  void end(std::size_t i, const me& a) const { gain[i] = pairs::sum(a.sum); }
 };
 
 }  // namespace tetsuame::overturn

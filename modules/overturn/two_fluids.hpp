@@ -6,7 +6,10 @@
 //     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
-//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V)
+//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
+//   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
+//     flow is the same, and viscosity asks for the steps of η_x.
 //
 // Walls are mirror images (images/images.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
 // images have the reversed velocity. The mirror in two sides stands behind a corner.
@@ -22,13 +25,15 @@
 #include <overturn/options.hpp>
 #include <overturn/terms.hpp>
 #include <simulation/state.hpp>
+#include <theory/radial_exchange.hpp>
 #include <volume/shape.hpp>
 
 namespace tetsuame::overturn {
 
 // A measure over time: lines of history that the summary looks back on.
 struct record {
-  std::vector<double> time, mode, centroid, fall;  // s; m; m; m/s
+  std::vector<double> time, mode, centroid, fall;          // s; m; m; m/s
+  std::vector<double> in_metal, partition, equilibration;  // of an element: means over the metal; 0 to 1
 };
 
 template <int D>
@@ -41,6 +46,18 @@ class two_fluids : public march::problem {
         {"Dissipated", "J/kg", "specific heat of friction since the start", particles::role::integrated, {}});
     s.extras.push_back({"StartDensity", "kg/m^3", "density at the start, at rest", particles::role::constant, {}});
     s.extras.push_back({"StartTemperature", "K", "temperature at the start", particles::role::constant, {}});
+    enthalpy_ = o.temperature_law == "enthalpy";
+    melts_ = o.melting.curve != "none";
+    if (enthalpy_) {
+      heat_at_ = s.extras.size();
+      s.extras.push_back({"Enthalpy", "J/kg", "heat content, c T and latent", particles::role::integrated, {}});
+      s.extras.push_back({"StartEnthalpy", "J/kg", "that of the start", particles::role::constant, {}});
+    }
+    if (o.element.name != "none") {
+      dissolved_ = true;
+      element_at_ = s.extras.size();
+      s.extras.push_back({"Concentration", "1", "of the element, amount per mass", particles::role::integrated, {}});
+    }
     s.keeps_start = true;
     const auto& d = o.domain;
     images::options walls;
@@ -81,6 +98,10 @@ class two_fluids : public march::problem {
     all.push_back({"q", dissipated().data(), 0.0, fast * fast});
     if (carried_) all.push_back({"rho", s.rho.data(), 0.0, p_.base->at(0.0).density});
     if (warms_) all.push_back({"T", s.T.data(), 0.0, o_.temperature});
+    if (dissolved_)
+      all.push_back(
+          {"c", element().data(), 0.0, std::max(o_.element.concentration_silicate, o_.element.concentration_metal)});
+    if (enthalpy_) all.push_back({"h", content().data(), 0.0, 1e3 * o_.temperature});
     return all;
   }
 
@@ -89,6 +110,8 @@ class two_fluids : public march::problem {
   void evaluate(std::span<double* const> rate) override {
     refresh_motion();
     find_volumes();
+    if (enthalpy_) find_phases();
+    if (dissolved_) find_partition();
     find_pressures();
     sum_over_neighbours();
     combine(rate);
@@ -126,47 +149,80 @@ class two_fluids : public march::problem {
     for (auto* all : scratch())
       if (all->size() < s.total() + 1) all->resize(s.total() + 1);
     stress_[s.null()] = factor_[s.null()] = 0.0;
+    partition_[s.null()] = 1.0;
   }
 
   // ---- measures ---------------------------------------------------------------------------
 
   std::vector<output::history_column> columns() const override {
     const std::string J = D == 2 ? "J/m" : "J";
-    return {{"centroid", "1"},
-            {"v_rms", "m/s"},
-            {"kinetic", J},
-            {"potential", J},
-            {"elastic", J},
-            {"dissipated", J},
-            {"thermal", J},
-            {"energy_residual", "1"},
-            {"mode_amplitude", "m"},
-            {"fall_velocity", "m/s"},
-            {"density_ratio_min", "1"},
-            {"density_ratio_max", "1"},
-            {"pressure_min", "Pa"}};
+    std::vector<output::history_column> all{{"centroid", "1"},
+                                            {"v_rms", "m/s"},
+                                            {"kinetic", J},
+                                            {"potential", J},
+                                            {"elastic", J},
+                                            {"dissipated", J},
+                                            {"thermal", J},
+                                            {"energy_residual", "1"},
+                                            {"mode_amplitude", "m"},
+                                            {"fall_velocity", "m/s"},
+                                            {"density_ratio_min", "1"},
+                                            {"density_ratio_max", "1"},
+                                            {"pressure_min", "Pa"}};
+    if (dissolved_)
+      for (const char* name : {"element", "concentration_metal", "partition_coefficient", "equilibration"})
+        all.push_back({name, name == std::string("element") ? (D == 2 ? "kg/m" : "kg") : "1"});
+    if (enthalpy_)
+      for (const auto& [name, unit] : {std::pair{"heat", J.c_str()},
+                                       {"heat_residual", "1"},
+                                       {"melt_fraction", "1"},
+                                       {"metal_depth", "m"},
+                                       {"metal_below", "1"}})
+        all.push_back({name, unit});
+    return all;
   }
 
   std::vector<double> row(double t) override {
     const auto& s = world_.w.s;
     foundation::exact_sum kinetic, mass, potential, elastic, heat, thermal, volume, squares, metal_mass, metal_y,
-        metal_volume, metal_v, shape, shape2;
+        metal_volume, metal_v, shape, shape2, amount, in_metal, partition, content_gain, exchanged, melt, lower_mass,
+        metal_below;
+    double metal_low = o_.domain.length[1];
     double low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double v2 = speed2(i), V = s.m[i] / s.rho[i];
       mass.add(s.m[i]);
-      kinetic.add(0.5 * s.m[i] * v2);
+      kinetic.add(0.5 * s.m[i] * inertia_of(i) * v2);
       potential.add(s.m[i] * o_.gravity * s.x[1][i]);
       elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)));
       heat.add(s.m[i] * dissipated()[i]);
       thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - T_start(i)));
       volume.add(V);
       squares.add(V * v2);
+      if (dissolved_) {
+        amount.add(s.m[i] * element()[i]);
+        if (is_metal(i)) {
+          in_metal.add(s.m[i] * element()[i]);
+          partition.add(s.m[i] * partition_[i]);
+        }
+      }
       if (is_metal(i)) {
         metal_mass.add(s.m[i]);
         metal_y.add(s.m[i] * s.x[1][i]);
         metal_volume.add(V);
         metal_v.add(-V * s.v[1][i]);
+        metal_low = std::min(metal_low, s.x[1][i]);
+        metal_below.add(s.x[1][i] < p_.interface ? s.m[i] : 0.0);
+      }
+      if (enthalpy_) {
+        // What the temperature and the melt that the run shows hold, not what was integrated.
+        const double gain = s.m[i] * (s.c_V[i] * s.T[i] + latent(i) * melt_[i] - content_start()[i]);
+        content_gain.add(gain);
+        exchanged.add(std::abs(gain));
+        if (!is_metal(i)) {
+          lower_mass.add(s.m[i]);
+          melt.add(s.m[i] * melt_[i]);
+        }
       }
       low = std::min(low, s.rho[i] / rho_start()[i]);
       high = std::max(high, s.rho[i] / rho_start()[i]);
@@ -206,19 +262,41 @@ class two_fluids : public march::problem {
     record_.mode.push_back(amplitude);
     record_.centroid.push_back(y);
     record_.fall.push_back(fall);
-    return {y / o_.domain.length[1],
-            v_rms_,
-            E[0],
-            E[1],
-            E[2],
-            E[3],
-            total(thermal),
-            residual,
-            amplitude,
-            fall,
-            ranks().minimum(low),
-            ranks().maximum(high),
-            ranks().minimum(p_low)};
+    const double all_mass = total(mass), metal = total(metal_mass);
+    std::vector<double> values{y / o_.domain.length[1],
+                               v_rms_,
+                               E[0],
+                               E[1],
+                               E[2],
+                               E[3],
+                               total(thermal),
+                               residual,
+                               amplitude,
+                               fall,
+                               ranks().minimum(low),
+                               ranks().maximum(high),
+                               ranks().minimum(p_low)};
+    if (dissolved_) {
+      const double there = total(amount), c = total(in_metal) / metal, P = total(partition) / metal;
+      if (!element_start_) {
+        element_start_ = there;
+        metal_start_ = {metal, total(metal_volume), all_mass, total(volume)};
+      }
+      element_error_ = std::max(element_error_, std::abs(there / *element_start_ - 1.0));
+      for (const auto& [a, value] :
+           {std::pair{&record_.in_metal, c}, {&record_.partition, P}, {&record_.equilibration, equilibration(c, P)}})
+        a->push_back(value);
+      for (const double v : {there, c, P, record_.equilibration.back()}) values.push_back(v);
+    }
+    if (enthalpy_) {
+      const double gain = total(content_gain), moved = total(exchanged);
+      heat_residual_ = moved > 0.0 ? (gain - E[3]) / moved : 0.0;
+      melt_fraction_ = total(melt) / total(lower_mass);
+      metal_depth_ = p_.interface - ranks().minimum(metal_low);
+      metal_below_ = total(metal_below) / total(metal_mass);
+      for (const double v : {gain, heat_residual_, melt_fraction_, metal_depth_, metal_below_}) values.push_back(v);
+    }
+    return values;
   }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
@@ -243,6 +321,11 @@ class two_fluids : public march::problem {
     add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
     add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
     add("DensityReference", "kg/m^3", "density at the start, at rest", rho_start());
+    if (dissolved_) add("Concentration", "1", "of the element, amount per mass", element());
+    if (enthalpy_) {
+      add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
+      add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", melt_);
+    }
     return {g};
   }
 
@@ -276,8 +359,28 @@ class two_fluids : public march::problem {
     j["density_ratio_min"] = density_min_;
     j["density_ratio_max"] = density_max_;
     j["pressure_min"] = pressure_min_;
+    if (dissolved_) {
+      j["element_mass_error"] = element_error_;
+      j["concentration_metal"] = record_.in_metal.back();
+      j["partition_coefficient"] = record_.partition.back();
+      j["equilibration"] = record_.equilibration.back();
+      j["equilibration_time"] = or_null(when_equilibrated(record_.equilibration));
+      if (kind_ == problem_kind::drop && metal_start_[0] > 0.0) {
+        const auto reference = equilibration_at_rest();
+        j["equilibration_reference"] = reference.back();
+        j["equilibration_time_reference"] = or_null(when_equilibrated(reference));
+      }
+    }
+    if (enthalpy_) {
+      j["melt_fraction"] = melt_fraction_;
+      j["melt_fraction_conducted"] = or_null(p_.melt_conducted);
+      j["heat_residual"] = heat_residual_;
+      j["metal_depth"] = metal_depth_;
+      j["metal_below"] = metal_below_;
+    }
     j["wall_crossings"] = crossings_;
     j["particles_lost"] = world_.fluid_total - ranks().sum(static_cast<std::int64_t>(world_.w.s.fluid));
+    j["spurious_shear_modulus"] = p_.spurious_modulus;
     j["neighbours"] = static_cast<double>(ranks().sum(static_cast<std::int64_t>(world_.w.list.pairs))) /
                       static_cast<double>(world_.fluid_total);
     r.conservation = {{"mass", mass_drift_}, {"momentum", nullptr}, {"energy", residual_}};
@@ -295,6 +398,8 @@ class two_fluids : public march::problem {
     add(dissipated());
     add(s.m);
     if (carried_) add(s.rho);
+    if (enthalpy_) add(content());
+    if (dissolved_) add(element());
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -308,6 +413,17 @@ class two_fluids : public march::problem {
     g.blobs["mode"] = record_.mode;
     g.blobs["centroid"] = record_.centroid;
     g.blobs["fall"] = record_.fall;
+    if (dissolved_) {
+      g.blobs["in_metal"] = record_.in_metal;
+      g.blobs["partition"] = record_.partition;
+      g.blobs["equilibration"] = record_.equilibration;
+      g.blobs["element"] = {element_start_.value_or(0.0),
+                            element_error_,
+                            metal_start_[0],
+                            metal_start_[1],
+                            metal_start_[2],
+                            metal_start_[3]};
+    }
     g.blobs["measures"] = {energy_start_.value_or(0.0),
                            residual_,
                            residual_max_,
@@ -318,15 +434,29 @@ class two_fluids : public march::problem {
                            density_max_,
                            pressure_min_,
                            mass_start_,
-                           mass_drift_};
+                           mass_drift_,
+                           heat_residual_,
+                           melt_fraction_,
+                           metal_depth_,
+                           metal_below_};
   }
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("wall_crossings");
-    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall")};
+    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall"), {}, {}, {}};
+    if (dissolved_) {
+      record_.in_metal = g.blobs.at("in_metal");
+      record_.partition = g.blobs.at("partition");
+      record_.equilibration = g.blobs.at("equilibration");
+      const auto& e = g.blobs.at("element");
+      element_start_ = e[0];
+      element_error_ = e[1];
+      metal_start_ = {e[2], e[3], e[4], e[5]};
+    }
     const auto& m = g.blobs.at("measures");
     energy_start_ = m[0];
-    std::array<double*, 10> to{&residual_,    &residual_max_, &v_rms_,        &v_rms_max_,  &v_rms_max_time_,
-                               &density_min_, &density_max_,  &pressure_min_, &mass_start_, &mass_drift_};
+    std::array<double*, 14> to{&residual_,      &residual_max_,  &v_rms_,        &v_rms_max_,  &v_rms_max_time_,
+                               &density_min_,   &density_max_,   &pressure_min_, &mass_start_, &mass_drift_,
+                               &heat_residual_, &melt_fraction_, &metal_depth_,  &metal_below_};
     for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
   }
 
@@ -342,6 +472,19 @@ class two_fluids : public march::problem {
   particles::array& rho_start() { return world_.w.s.extras[1].values; }
   const particles::array& rho_start() const { return world_.w.s.extras[1].values; }
   double T_start(std::size_t i) const { return world_.w.s.extras[2].values[i]; }
+  particles::array& content() { return world_.w.s.extras[heat_at_].values; }
+  const particles::array& content() const { return world_.w.s.extras[heat_at_].values; }
+  particles::array& content_start() { return world_.w.s.extras[heat_at_ + 1].values; }
+  const particles::array& content_start() const { return world_.w.s.extras[heat_at_ + 1].values; }
+  particles::array& element() { return world_.w.s.extras[element_at_].values; }
+  const particles::array& element() const { return world_.w.s.extras[element_at_].values; }
+  double inertia_of(std::size_t i) const { return enthalpy_ ? inertia_[i] : 1.0; }
+  double latent(std::size_t i) const { return melts_ && !is_metal(i) ? o_.melting.latent_heat : 0.0; }
+  melting::heat_content contents(std::size_t i, double p) const {
+    if (!melts_ || is_metal(i)) return {world_.w.s.c_V[i], 0.0};
+    const auto [T_s, T_l] = melting_range(o_.melting, p);
+    return {world_.w.s.c_V[i], o_.melting.latent_heat, T_s, T_l};
+  }
 
   // ---- start ------------------------------------------------------------------------------
 
@@ -358,6 +501,25 @@ class two_fluids : public march::problem {
     return u;
   }
 
+  // Where the growing mode takes what rests at x, followed along its field in four Runge-Kutta steps: a displacement by
+  // amplitude times field at once would change volumes in second order, by some 2 % at 0.02 of the height, and start
+  // with a bang.
+  std::array<double, D> carried_along(const std::array<double, D>& x) const {
+    constexpr int steps = 4;
+    const double ds = o_.amplitude / steps;
+    const auto beyond = [](std::array<double, D> at, double s, const std::array<double, D>& u) {
+      for (std::size_t a = 0; a < D; ++a) at[a] += s * u[a];
+      return at;
+    };
+    auto to = x;
+    for (int k = 0; k < steps; ++k) {
+      const auto k1 = mode_at(to), k2 = mode_at(beyond(to, 0.5 * ds, k1)), k3 = mode_at(beyond(to, 0.5 * ds, k2)),
+                 k4 = mode_at(beyond(to, ds, k3));
+      for (std::size_t a = 0; a < D; ++a) to[a] += ds * (k1[a] + 2.0 * k2[a] + 2.0 * k3[a] + k4[a]) / 6.0;
+    }
+    return to;
+  }
+
   std::int32_t material_at(const std::array<double, D>& x) const {
     if (kind_ == problem_kind::drop) {
       double r2 = 0.0;
@@ -367,7 +529,7 @@ class two_fluids : public march::problem {
     double height = p_.interface;
     if (o_.start == "coloured")
       height = *o_.interface + o_.amplitude * std::cos(p_.k_x * x[0]) * std::cos(p_.k_z * (D == 3 ? x[2 % D] : 0.0));
-    return x[1] > height ? 1 : 0;
+    return x[1] > height && x[1] < p_.pond_top ? 1 : 0;
   }
 
   void place_fluid() {
@@ -392,11 +554,20 @@ class two_fluids : public march::problem {
       s.rho[i] = rho_start()[i] = state.density;
       s.T[i] = s.extras[2].values[i] = state.temperature;
       s.u[i] = dissipated()[i] = 0.0;
+      if (dissolved_) element()[i] = is_metal(i) ? o_.element.concentration_metal : o_.element.concentration_silicate;
+      if (enthalpy_) {
+        const auto n = static_cast<std::size_t>(s.material[i]);
+        s.T[i] = s.extras[2].values[i] = n == 0 && x[1] > p_.pond_top ? p_.cover_temperature : p_.temperature[n];
+        s.c_V[i] = eos::evaluate((*p_.material)[n], s.rho[i], s.T[i]).c_V;
+        content()[i] = content_start()[i] =
+            contents(i, eos::pressure((*p_.material)[n], s.rho[i], s.T[i])).enthalpy(s.T[i]);
+      }
       if (!p_.mode || o_.start == "coloured") continue;
-      const auto u = mode_at(x);
+      const auto to = carried_along(x);
+      const auto u = mode_at(to);
       const double rate = o_.start == "eigenmode" ? p_.mode->growth_rate : 0.0;
       for (std::size_t a = 0; a < D; ++a) {
-        s.x[a][i] += o_.amplitude * u[a];
+        s.x[a][i] = to[a];
         s.v[a][i] = rate * o_.amplitude * u[a];
       }
       if (carried_) {
@@ -415,7 +586,7 @@ class two_fluids : public march::problem {
     const double dx = world_.w.dx;
     if (o_.scheme.viscous_order == 4) viscous_ = fourth_order_weights<D>(world_.w.kernel, dx);
     const auto stiff = rates_of_lattice<D>(world_.w.kernel, dx, viscous_, p_.stress_a, p_.stress_b);
-    double nu = 0.0;
+    double nu = 0.0, kappa = 0.0;
     const double p_floor = p_.base->at(0.0).pressure;
     for (const std::size_t n : {0, 1})
       for (const double p : {o_.p_top, p_floor}) {
@@ -423,20 +594,34 @@ class two_fluids : public march::problem {
         const auto state = at_pressure({&material, o_.p_top, o_.temperature, warms_}, p);
         fastest_sound_ =
             std::max(fastest_sound_, eos::evaluate(material, state.density, state.temperature).sound_speed);
-        nu = std::max(nu, o_.material[n].viscosity / state.density);
+        const bool law = n == 0 && o_.melting.viscosity_law != "constant";
+        const double most = law ? o_.melting.viscosity_max : o_.material[n].viscosity;
+        const double eta =
+            n == 0 && o_.melting.inertia_viscosity > 0.0 ? std::min(most, o_.melting.inertia_viscosity) : most;
+        // Beside something far stiffer a pair's mean, 4 η η'/(η + η'), is twice that of equals.
+        nu = std::max(nu, (law ? 2.0 : 1.0) * eta / state.density);
+        kappa = std::max(
+            kappa, o_.conductivity / (state.density * eos::evaluate(material, state.density, state.temperature).c_V));
       }
-    radius_ = 1.2 * stiff.viscous * nu / (dx * dx);
+    // Twice, as for viscosities: a partition coefficient makes a contrast.
+    if (dissolved_)
+      kappa = std::max(kappa, 2.0 * std::max(o_.element.diffusivity_silicate, o_.element.diffusivity_metal));
+    const double conduction = rates_of_lattice<D>(world_.w.kernel, dx, {}).viscous * kappa;
+    const double diffusive = std::max(stiff.viscous * nu, conduction);
+    radius_ = 1.2 * diffusive / (dx * dx);
     // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
     const double sound = *o_.march.time.cfl * 2.2 / stiff.sound * dx / fastest_sound_;
-    const double viscous = *o_.march.time.diffusive * 4.0 * D / stiff.viscous * dx * dx / nu;
+    const double viscous = *o_.march.time.diffusive * 4.0 * D * dx * dx / diffusive;
     const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous);
-    return {both, sound < viscous ? "sound" : "viscosity"};
+    return {both, sound < viscous ? "sound" : conduction < diffusive ? "viscosity" : "conduction"};
   }
 
   // ---- right-hand side --------------------------------------------------------------------
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&stress_, &factor_, &W_sum_, &compression_, &heat_, &rho_rate_, &conducted_};
+    std::vector<particles::array*> all{&stress_,   &factor_,    &W_sum_, &compression_, &heat_,
+                                       &rho_rate_, &conducted_, &melt_,  &inertia_,     &partition_,
+                                       &mobility_, &metal_,     &gain_};
     for (auto& f : force_) all.push_back(&f);
     return all;
   }
@@ -448,7 +633,7 @@ class two_fluids : public march::problem {
     const foundation::stage timed(w.times, "halo");
     std::vector<double*> fields;
     for (auto& v : s.v) fields.push_back(v.data());
-    if (o_.conductivity > 0.0) fields.push_back(s.T.data());
+    if (o_.conductivity > 0.0 && !enthalpy_) fields.push_back(s.T.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
     images::move(world_.images, s);
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
@@ -492,6 +677,46 @@ class two_fluids : public march::problem {
                           [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
     }
     mirror(s.p_eos);
+  }
+
+  // Of fluid, ghosts and images: concentration, partition coefficient, ρ times diffusivity, material.
+  void find_partition() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const auto& e = o_.element;
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      metal_[i] = is_metal(i) ? 1.0 : 0.0;
+      partition_[i] = is_metal(i) ? partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
+      mobility_[i] = s.rho[i] * (is_metal(i) ? e.diffusivity_metal : e.diffusivity_silicate);
+    });
+    w.exchange_fluid({element().data(), metal_.data(), partition_.data(), mobility_.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      for (auto* a : {&element(), &metal_, &partition_, &mobility_}) (*a)[i] = (*a)[j];
+    });
+  }
+
+  // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
+  // them.
+  void find_phases() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "phases");
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      const auto here = contents(i, s.p_eos[i]).at(content()[i]);
+      s.T[i] = here.temperature;
+      melt_[i] = is_metal(i) || !melts_ ? 0.0 : here.melt_fraction;
+      inertia_[i] = 1.0;
+      if (is_metal(i)) return;
+      if (o_.melting.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(o_.melting, s.T[i], melt_[i]);
+      if (const double x = o_.melting.inertia_viscosity; x > 0.0) inertia_[i] = std::max(1.0, s.eta[i] / x);
+    });
+    w.exchange_fluid({s.T.data(), s.eta.data()});
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      s.T[i] = s.T[j];
+      s.eta[i] = s.eta[j];
+    });
   }
 
   // The source's ΔV and ρ, and p + ρ g (y_source - y_image).
@@ -565,13 +790,19 @@ class two_fluids : public march::problem {
       std::fill_n(conducted_.begin(), s.fluid, 0.0);
       w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), conducted_.data()});
     }
+    if (dissolved_) {
+      const foundation::stage timed(w.times, "element");
+      w.sum(w.fluid(), element_exchange<D>{element().data(), partition_.data(), mobility_.data(), metal_.data(),
+                                           s.dV.data(), gain_.data()});
+    }
   }
 
   void combine(std::span<double* const> rate) {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "rates");
-    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0);
+    const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_c = at_T + (warms_ ? 1 : 0),
+                      at_h = at_c + (dissolved_ ? 1 : 0);
     const bool first = o_.scheme.gradient == "pattern_1";
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
@@ -579,7 +810,7 @@ class two_fluids : public march::problem {
       const double per_m = 1.0 / s.m[i];
       for (std::size_t a = 0; a < D; ++a) {
         rate[a][i] = s.v[a][i];
-        rate[D + a][i] = per_m * force_[a][i] + w.g[a];
+        rate[D + a][i] = (per_m * force_[a][i] + w.g[a]) / inertia_of(i);
         finite = finite && std::isfinite(rate[D + a][i]);
       }
       rate[2 * D][i] = per_m * stress_[i] * compression_[i];
@@ -595,6 +826,14 @@ class two_fluids : public march::problem {
         rate[at_T][i] =
             gamma * s.T[i] * dlnrho + per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0)) / s.c_V[i];
         finite = finite && std::isfinite(rate[at_T][i]);
+      }
+      if (dissolved_) {
+        rate[at_c][i] = per_m * gain_[i];
+        finite = finite && std::isfinite(rate[at_c][i]);
+      }
+      if (enthalpy_) {
+        rate[at_h][i] = per_m * (heat_[i] + (o_.conductivity > 0.0 ? conducted_[i] : 0.0));
+        finite = finite && std::isfinite(rate[at_h][i]);
       }
     }
     if (finite) return;
@@ -634,6 +873,46 @@ class two_fluids : public march::problem {
     return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
   }
 
+  // ---- element ----------------------------------------------------------------------------
+
+  // Of what the metal would take up, P being what it is, from its start to equilibrium with all silicate: the part
+  // taken.
+  double equilibration(double c, double P) const {
+    const auto& [metal, metal_volume, mass, volume] = metal_start_;
+    const double there = *element_start_ / (metal + (mass - metal) / P);
+    return (c - o_.element.concentration_metal) / (there - o_.element.concentration_metal);
+  }
+  // s, of the part 1 - 1/e.
+  std::optional<double> when_equilibrated(const std::vector<double>& part) const {
+    const double wanted = 1.0 - std::exp(-1.0);
+    for (std::size_t k = 1; k < part.size(); ++k)
+      if (part[k] >= wanted && part[k - 1] < wanted)
+        return record_.time[k - 1] +
+               (record_.time[k] - record_.time[k - 1]) * (wanted - part[k - 1]) / (part[k] - part[k - 1]);
+    return std::nullopt;
+  }
+  // At the times of the record, the same of a round drop at rest in the middle of as much silicate, with the partition
+  // coefficient that the drop had: diffusion along the radius alone.
+  std::vector<double> equilibration_at_rest() const {
+    const auto& [metal, metal_volume, mass, volume] = metal_start_;
+    const double unit = D == 2 ? std::numbers::pi : 4.0 / 3.0 * std::numbers::pi;
+    const auto radius_of = [&](double V) { return D == 2 ? std::sqrt(V / unit) : std::cbrt(V / unit); };
+    const auto P_at = [&](double t) {
+      const auto k = static_cast<std::size_t>(std::lower_bound(record_.time.begin(), record_.time.end(), t) -
+                                              record_.time.begin());
+      if (k == 0 || k == record_.time.size()) return k == 0 ? record_.partition.front() : record_.partition.back();
+      const double share = (t - record_.time[k - 1]) / (record_.time[k] - record_.time[k - 1]);
+      return (1.0 - share) * record_.partition[k - 1] + share * record_.partition[k];
+    };
+    const auto& e = o_.element;
+    auto part = theory::mean_inside(
+        {D, radius_of(metal_volume), radius_of(volume), metal / metal_volume, (mass - metal) / (volume - metal_volume),
+         e.diffusivity_metal, e.diffusivity_silicate, e.concentration_metal, e.concentration_silicate, P_at},
+        record_.time);
+    for (std::size_t k = 0; k < part.size(); ++k) part[k] = equilibration(part[k], record_.partition[k]);
+    return part;
+  }
+
   // s, of the first line where the metal's centroid has fallen that far, by straight lines between.
   std::optional<double> time_of_fall(double fall) const { return when_below(record_.centroid.front() - fall); }
   std::optional<double> when_below(double y) const {
@@ -657,12 +936,17 @@ class two_fluids : public march::problem {
   const parameters& p_;
   images::scene<D> world_;
   bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
+  bool enthalpy_ = false, melts_ = false;
+  bool dissolved_ = false;
+  std::size_t heat_at_ = 0, element_at_ = 0;  // of the extras
   double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
   integrators::step_limit limit_;
   viscous_weights viscous_;
 
   std::array<particles::array, D> force_;
   particles::array stress_, factor_, W_sum_, compression_, heat_, rho_rate_, conducted_;
+  particles::array melt_, inertia_;                       // melt fraction; ξ²
+  particles::array partition_, mobility_, metal_, gain_;  // of an element: P, ρ D; 1 in metal; kg/s
 
   std::int64_t crossings_ = 0;
   record record_;
@@ -670,6 +954,10 @@ class two_fluids : public march::problem {
   double mass_start_ = 0.0, mass_drift_ = 0.0;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
+  std::optional<double> element_start_;  // kg (2-D: kg/m)
+  std::array<double, 4> metal_start_{};  // mass and volume of the metal, of all
+  double element_error_ = 0.0;
+  double heat_residual_ = 0.0, melt_fraction_ = 0.0, metal_depth_ = 0.0, metal_below_ = 0.0;
 };
 
 }  // namespace tetsuame::overturn

@@ -123,3 +123,31 @@ BOOST_AUTO_TEST_CASE(minimum_in_3d) {
         BOOST_REQUIRE(transfer(kernel, dx, std::array{pi * i / (10 * dx), pi * j / (10 * dx), pi * l / (10 * dx)}) >=
                       least.value - 1e-12);
 }
+
+// Figures found before with another program: quintic h 1.0, 1.2, 1.5, 2.0 dx; Wendland C4 with S = 4.5, C6 with 5, C2
+// with 3.6 dx; they have one or two digits.
+BOOST_AUTO_TEST_CASE(shear_moduli_of_the_square_lattice) {
+  const auto moduli = [](const char* name, double h) { return spurious_shear_moduli<2>(make<2>(name, h * dx), dx); };
+  const auto near = [](double value, double figure, double half) {
+    BOOST_TEST(std::abs(value - figure) <= half, value << " is not " << figure);
+  };
+  near(moduli("quintic", 1.0).simple, -4.4e-3, 0.05e-3);
+  near(moduli("quintic", 1.2).simple, 3.6e-3, 0.05e-3);
+  near(moduli("quintic", 1.5).simple, 1e-4, 0.5e-4);
+  near(moduli("quintic", 1.5).pure, -7.5e-3, 0.05e-3);
+  near(moduli("quintic", 2.0).simple, 1e-4, 0.5e-4);
+  near(moduli("wendland_c4", 2.25).simple, 1e-5, 0.5e-5);
+  near(moduli("wendland_c4", 2.25).pure, 1.5e-3, 0.05e-3);
+  near(moduli("wendland_c6", 2.5).simple, -1e-4, 0.5e-4);
+  near(moduli("wendland_c6", 2.5).pure, 5e-4, 0.5e-4);
+  near(moduli("wendland_c2", 1.8).simple, -6e-3, 0.5e-3);
+  near(moduli("wendland_c2", 1.8).pure, 2e-2, 0.5e-2);
+  near(spurious_shear_moduli<3>(make<3>("quintic", 1.2 * dx), dx).simple, 3e-4, 0.5e-4);
+}
+
+// The sum tends to an integral, which a shear at fixed area does not change.
+BOOST_AUTO_TEST_CASE(shear_moduli_vanish_for_many_neighbours) {
+  for (const entry& line : table)
+    BOOST_TEST(spurious_shear_moduli<2>(make<2>(line.name, 12.0 * dx / line.support_over_h), dx).largest() < 3e-3);
+  BOOST_TEST(spurious_shear_moduli<2>(make<2>("wendland_c6", 4.0 * dx), dx).largest() < 1e-5);
+}

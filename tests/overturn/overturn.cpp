@@ -142,6 +142,17 @@ BOOST_AUTO_TEST_CASE(theory_through_the_input) {
              tt::tolerance(1e-14));
 }
 
+// A kernel whose lattice is elastic is used, and spoken of.
+BOOST_AUTO_TEST_CASE(elastic_lattices_are_told_of) {
+  options o, stiff;
+  const auto good = resolved("", problem_kind::rayleigh_taylor, o);
+  BOOST_TEST(good.lines.empty());
+  BOOST_TEST(good.spurious_modulus < 5e-4);
+  const auto bad = resolved("&kernel name = 'quintic' h_over_dx = 1.2 /\n", problem_kind::rayleigh_taylor, stiff);
+  BOOST_REQUIRE(bad.lines.size() == 1);
+  BOOST_TEST(bad.lines[0].find("0.0036 p along its rows") != std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(input_that_makes_no_sense) {
   for (const char* text :
        {"&rti wavelength = 4e5 /\n", "&rti interface = 1.5e6 /\n", "&walls sides = 'no_slip' /\n",
