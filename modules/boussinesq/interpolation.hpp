@@ -8,6 +8,7 @@
 #include <operators/symmetric.hpp>
 #include <optional>
 #include <particles/storage.hpp>
+#include <vector>
 
 namespace tetsuame::boussinesq {
 
@@ -16,7 +17,7 @@ class interpolation {
  public:
   // radius: m; no more than the width in which ghosts and images stand.
   interpolation(const particles::particles<D>& s, double radius)
-      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge<D>(radius))) {}
+      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(radius))) {}
 
   // Values of the fields f, which reach over fluid, ghosts and images, at the place; none where too few particles are
   // near.
@@ -25,14 +26,18 @@ class interpolation {
                                                   const std::array<const double*, K>& f) const {
     std::array<std::array<double, terms>, terms> A{};
     std::array<std::array<double, terms>, K> b{};
-    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t j) {
+    std::vector<std::int32_t> near;
+    std::size_t count = 0;
+    cells::append_near<D>(grid_, place, radius_, near, count);
+    for (std::size_t at = 0; at < count; ++at) {
+      const auto j = static_cast<std::size_t>(near[at]);
       std::array<double, D> r;
       double left = 1.0;
       for (std::size_t a = 0; a < D; ++a) {
         r[a] = (s_.x[a][j] - place[a]) / radius_;
         left -= r[a] * r[a];
       }
-      if (left <= 0.0) return;
+      if (left <= 0.0) continue;
       std::array<double, terms> P;
       P[0] = 1.0;
       std::size_t n = 1;
@@ -44,7 +49,7 @@ class interpolation {
         for (std::size_t l = 0; l <= k; ++l) A[k][l] += weighted * P[l];
         for (std::size_t m = 0; m < K; ++m) b[m][k] += weighted * f[m][j];
       }
-    });
+    }
     if (!operators::factorise(A)) return std::nullopt;
     std::array<double, K> values;
     for (std::size_t m = 0; m < K; ++m) values[m] = operators::solve(A, b[m])[0];
