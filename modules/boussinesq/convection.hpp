@@ -366,14 +366,14 @@ class convection : public march::problem {
     return level_ == 0 && o_.convection.steady_tolerance > 0.0 && settled(o_.convection.steady_tolerance);
   }
 
-  bool refine(double t) override {
+  std::string refine(double t) override {
     const auto& c = o_.convection;
     const bool late = c.level_time > 0.0 && t - level_began_ >= c.level_time;
-    if (level_ == 0 || !(late || settled(c.level_tolerance))) return false;
+    if (level_ == 0 || !(late || settled(c.level_tolerance))) return {};
     interpolate_to_next_level();
     level_began_ = t;
     samples_ = record(measures.size());
-    return true;
+    return "half the particle spacing";
   }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {

@@ -119,7 +119,9 @@ struct loop {
 
   // With the problem's new particles, at the same time; the integrator's counts go on.
   void refine() {
-    if (finished() || !p.refine(integrator->time())) return;
+    if (finished()) return;
+    const std::string change = p.refine(integrator->time());
+    if (change.empty()) return;
     const auto before = integrator->save();
     coarser_updates = updates();
     coarser_evaluations = before.statistics.evaluations;
@@ -131,7 +133,7 @@ struct loop {
     fresh.statistics = before.statistics;
     integrator->restore(fresh);
     count_particles();
-    tell(fmt::format("step {}, t = {:.6g} s: goes on with {} particles, dt = {:.4g} s", step, before.t,
+    tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles, dt = {:.4g} s", step, before.t, change,
                      report.fluid_particles, dt));
     warn_about_step();
   }

@@ -52,8 +52,9 @@ class problem {
   virtual std::vector<output::history_column> columns() const = 0;  // beside time and dt
   virtual std::vector<double> row(double t) = 0;
   virtual bool steady() const { return false; }  // after row(): nothing more will happen
-  // After row(). Returns whether the problem goes on, at the same time, with other particles in other arrays.
-  virtual bool refine(double) { return false; }
+  // After row(). What has changed, where the problem goes on at the same time with other particles, in other arrays, or
+  // with other sums; empty: nothing.
+  virtual std::string refine(double) { return {}; }
   virtual std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) = 0;
   virtual void report(double t, simulation::summary& s) = 0;
   virtual std::string hash() = 0;

@@ -77,8 +77,8 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(group, "viscous_order", o.viscous_order,
              {.minimum = 2,
               .maximum = 4,
-              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth (with a "
-                         "viscosity by melt fraction always 2)"});
+              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth, until the "
+                         "energy dissipated falls: then 2 (with a viscosity by melt fraction always 2)"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
