@@ -43,9 +43,11 @@ def check(launcher: str, programs: list[Path]) -> None:
             raise Refused(f"{program} is not there: ./run build")
 
 
-def start(command: list[str], threads: int, log: Path) -> str:
+def start(command: list[str], ranks: int, threads: int, log: Path) -> str:
     """Standard output of a run that succeeded; `log` keeps all it said."""
     environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
+    if ranks == 1 and threads > 1:  # as in submit's job scripts; several ranks get their cores from the launcher
+        environment = {"OMP_PLACES": "cores", "OMP_PROC_BIND": "close"} | environment
     try:
         done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                               errors="replace", timeout=TIME_LIMIT)
@@ -83,7 +85,7 @@ def measure(run: Run, launcher: str, program: Path, source: Path, steps: int, fo
     # No output between the steps: it is not timed, but it would leave the caches cold.
     for setting in [*run.settings, f"time.steps={steps}", "output.interval=0", f"output.history_interval={steps}"]:
         command += ["--set", setting]
-    start(command, run.threads, folder / f"{run.name}.log")
+    start(command, run.ranks, run.threads, folder / f"{run.name}.log")
     try:
         summary = json.loads((target / "summary.json").read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
@@ -99,7 +101,7 @@ def measure(run: Run, launcher: str, program: Path, source: Path, steps: int, fo
 
 def exchange(ranks: int, launcher: str, program: Path, folder: Path) -> dict:
     """What program `exchange` measured on so many ranks."""
-    said = start(words(launcher, ranks, 1) + [str(program)], 1, folder / f"exchange_{ranks}.log")
+    said = start(words(launcher, ranks, 1) + [str(program)], ranks, 1, folder / f"exchange_{ranks}.log")
     try:
         return json.loads(said[said.index("{"):said.rindex("}") + 1])
     except ValueError:
