@@ -342,7 +342,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
-  if (!o.march.time.t_end) o.march.time.t_end = p.fluid.L * p.fluid.L / p.fluid.kappa;
+  if (!o.march.time.t_end)
+    o.march.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
   return p;
 }
 
