@@ -133,8 +133,8 @@ struct loop {
     fresh.statistics = before.statistics;
     integrator->restore(fresh);
     count_particles();
-    tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles, dt = {:.4g} s", step, before.t, change,
-                     report.fluid_particles, dt));
+    tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
+                     report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
     warn_about_step();
   }
   void count_particles() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles())); }
