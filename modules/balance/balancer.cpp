@@ -128,7 +128,49 @@ struct profile {
   std::vector<double> part;
 };
 
-// Of the slabs of each level. What several ranks make up is put into as many bins as give a rank's own their width.
+// Adds to the bins of [lower, upper], `share` of what lies between a and b, of which any that stands out counts as at
+// the border.
+void spread_into(std::vector<double>& bins, double lower, double upper, double a, double b, double share) {
+  const double width = (upper - lower) / static_cast<double>(bins.size());
+  const double from = (a - lower) / width, to = (b - lower) / width, last = static_cast<double>(bins.size() - 1);
+  const auto first_bin = static_cast<std::size_t>(std::clamp(from, 0.0, last));
+  const auto last_bin = static_cast<std::size_t>(std::clamp(to, 0.0, last));
+  for (std::size_t n = first_bin; n <= last_bin; ++n) {
+    const double below = n == first_bin ? from : static_cast<double>(n);
+    const double above = n == last_bin ? to : static_cast<double>(n + 1);
+    bins[n] += share * (to > from ? (above - below) / (to - from) : 1.0);
+  }
+}
+
+// Where along the axis ranks [first, last) of a slab have their amounts: in as many bins as one rank tells.
+template <int D>
+void look_into(profile& slab, std::size_t axis, std::size_t first, std::size_t last, const std::vector<double>& amount,
+               const extents<D>& where) {
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  for (std::size_t r = first; r < last; ++r) {
+    lower = std::min(lower, where[r].lower[axis]);
+    upper = std::max(upper, where[r].upper[axis]);
+  }
+  if (lower > upper) return;
+  slab = {std::clamp(lower, slab.lower, slab.upper), std::clamp(upper, slab.lower, slab.upper), {1.0}};
+  if (!(slab.upper > slab.lower)) return;
+  std::vector<double> bins(extent<D>::bins, 0.0);
+  for (std::size_t r = first; r < last; ++r) {
+    const auto& along = where[r].cost[axis];
+    const double whole = std::accumulate(along.begin(), along.end(), 0.0);
+    if (where[r].lower[axis] > where[r].upper[axis] || !(whole > 0.0) || !(amount[r] > 0.0)) continue;
+    const double width = (where[r].upper[axis] - where[r].lower[axis]) / static_cast<double>(along.size());
+    for (std::size_t n = 0; n < along.size(); ++n) {
+      const double a = where[r].lower[axis] + width * static_cast<double>(n);
+      spread_into(bins, slab.lower, slab.upper, a, a + width, amount[r] * along[n] / whole);
+    }
+  }
+  const double whole = std::accumulate(bins.begin(), bins.end(), 0.0);
+  if (!(whole > 0.0)) return;
+  for (double& part : bins) part /= whole;
+  slab.part = std::move(bins);
+}
+
 template <int D>
 std::array<std::vector<profile>, D> level_profiles(const cuts<D>& c, const std::vector<double>& amount,
                                                    const extents<D>& where) {
@@ -137,45 +179,9 @@ std::array<std::vector<profile>, D> level_profiles(const cuts<D>& c, const std::
     const auto count = static_cast<std::size_t>(c.counts[a]);
     for (std::size_t g = 0; g < c.groups(a); ++g)
       for (std::size_t n = 0; n < count; ++n) level[a].push_back({c.group(a, g)[n], c.group(a, g)[n + 1], {1.0}});
-    if (where.empty()) continue;
-    const std::size_t inner = where.size() / level[a].size();  // ranks in a slab
-    for (std::size_t k = 0; k < level[a].size(); ++k) {
-      extent<D> all;
-      for (std::size_t r = k * inner; r < (k + 1) * inner; ++r) {
-        all.lower[a] = std::min(all.lower[a], where[r].lower[a]);
-        all.upper[a] = std::max(all.upper[a], where[r].upper[a]);
-      }
-      auto& [lower, upper, part] = level[a][k];
-      const double low = std::clamp(all.lower[a], lower, upper), high = std::clamp(all.upper[a], lower, upper);
-      if (all.lower[a] > all.upper[a]) continue;
-      lower = low, upper = high;
-      if (!(upper > lower)) continue;
-      std::vector<double> sum(extent<D>::bins, 0.0);
-      const double width = (upper - lower) / static_cast<double>(sum.size());
-      for (std::size_t r = k * inner; r < (k + 1) * inner; ++r) {
-        const auto& along = where[r].cost[a];
-        const double whole = std::accumulate(along.begin(), along.end(), 0.0);
-        if (!(where[r].lower[a] <= where[r].upper[a]) || !(whole > 0.0) || !(amount[r] > 0.0)) continue;
-        const double own = (where[r].upper[a] - where[r].lower[a]) / static_cast<double>(along.size());
-        for (std::size_t bin = 0; bin < along.size(); ++bin) {
-          const double share = amount[r] * along[bin] / whole;
-          const double from = (where[r].lower[a] + own * static_cast<double>(bin) - lower) / width;
-          const double to = from + own / width;
-          const auto last = static_cast<double>(sum.size() - 1);
-          const auto first_bin = static_cast<std::size_t>(std::clamp(from, 0.0, last));
-          const auto last_bin = static_cast<std::size_t>(std::clamp(to, 0.0, last));
-          for (std::size_t b = first_bin; b <= last_bin; ++b) {
-            const double below = b == first_bin ? from : static_cast<double>(b);
-            const double above = b == last_bin ? to : static_cast<double>(b + 1);
-            sum[b] += share * (to > from ? (above - below) / (to - from) : 1.0);
-          }
-        }
-      }
-      const double whole = std::accumulate(sum.begin(), sum.end(), 0.0);
-      if (!(whole > 0.0)) continue;
-      for (double& s : sum) s /= whole;
-      part = std::move(sum);
-    }
+    const std::size_t inner = where.size() / level[a].size();  // ranks in a slab, 0 where they tell nothing
+    for (std::size_t k = 0; inner > 0 && k < level[a].size(); ++k)
+      look_into<D>(level[a][k], a, k * inner, (k + 1) * inner, amount, where);
   }
   return level;
 }
