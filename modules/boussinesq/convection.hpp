@@ -34,6 +34,7 @@
 #include <march/problem.hpp>
 #include <operators/consistent.hpp>
 #include <operators/sums.hpp>
+#include <output/columns.hpp>
 #include <simulation/state.hpp>
 
 namespace tetsuame::boussinesq {
@@ -378,14 +379,7 @@ class convection : public march::problem {
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = world_.w.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
-      output::column c{name, unit, about, {}, true};
-      for (const auto& component : components) c.components.push_back(component.data());
-      g.columns.push_back(std::move(c));
-    };
-    vector("Coordinates", "m", "position", s.x);
-    vector("Velocities", "m/s", "velocity", s.v);
+    auto g = output::fluid_in_motion(s);
     extra.assign(2, particles::array(s.fluid));
     for (std::size_t i = 0; i < s.fluid; ++i) {
       extra[0][i] = viscosity(i) * p_.fluid.rho;

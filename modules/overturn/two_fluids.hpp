@@ -20,6 +20,7 @@
 #include <diffusion/conduction.hpp>
 #include <images/scene.hpp>
 #include <march/problem.hpp>
+#include <output/columns.hpp>
 #include <overturn/growth.hpp>
 #include <overturn/lattice.hpp>
 #include <overturn/options.hpp>
@@ -127,8 +128,11 @@ class two_fluids : public march::problem {
     return crossings > 0;
   }
 
+  // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
   std::string refine(double) override {
-    if (!makes_energy_ || !fourth_order()) return {};
+    const bool fell = dissipated_now_ < dissipated_most_ * (1.0 - 1e-6);
+    dissipated_most_ = std::max(dissipated_most_, dissipated_now_);
+    if (!fell || !fourth_order()) return {};
     take_second_order();
     return "the energy dissipated fell: the viscous sum is of second order from here on";
   }
@@ -250,8 +254,7 @@ class two_fluids : public march::problem {
       energy_start_ = energy;
       mass_start_ = total(mass);
     }
-    makes_energy_ = makes_energy_ || E[3] < dissipated_most_ * (1.0 - 1e-6);
-    dissipated_most_ = std::max(dissipated_most_, E[3]);
+    dissipated_now_ = E[3];
     mass_drift_ = total(mass) / mass_start_ - 1.0;
     const double residual = (energy - *energy_start_) / energy_scale();
     residual_ = residual;
@@ -309,14 +312,7 @@ class two_fluids : public march::problem {
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = world_.w.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
-      output::column c{name, unit, about, {}, true};
-      for (const auto& component : components) c.components.push_back(component.data());
-      g.columns.push_back(std::move(c));
-    };
-    vector("Coordinates", "m", "position", s.x);
-    vector("Velocities", "m/s", "velocity", s.v);
+    auto g = output::fluid_in_motion(s);
     extra.assign(1, particles::array(s.fluid));
     for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = is_metal(i) ? 1.0 : 0.0;
     const auto add = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
@@ -448,8 +444,8 @@ class two_fluids : public march::problem {
                            melt_fraction_,
                            metal_depth_,
                            metal_below_,
+                           dissipated_now_,
                            dissipated_most_,
-                           makes_energy_ ? 1.0 : 0.0,
                            second_order_ ? 1.0 : 0.0};
   }
   void restore(const output::checkpoint_globals& g) override {
@@ -466,12 +462,12 @@ class two_fluids : public march::problem {
     }
     const auto& m = g.blobs.at("measures");
     energy_start_ = m[0];
-    std::array<double*, 15> to{&residual_,      &residual_max_,  &v_rms_,        &v_rms_max_,   &v_rms_max_time_,
-                               &density_min_,   &density_max_,   &pressure_min_, &mass_start_,  &mass_drift_,
-                               &heat_residual_, &melt_fraction_, &metal_depth_,  &metal_below_, &dissipated_most_};
+    std::array<double*, 16> to{&residual_,       &residual_max_, &v_rms_,          &v_rms_max_,
+                               &v_rms_max_time_, &density_min_,  &density_max_,    &pressure_min_,
+                               &mass_start_,     &mass_drift_,   &heat_residual_,  &melt_fraction_,
+                               &metal_depth_,    &metal_below_,  &dissipated_now_, &dissipated_most_};
     for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
-    makes_energy_ = m[to.size() + 1] != 0.0;
-    if (m[to.size() + 2] != 0.0) take_second_order();
+    if (m[to.size() + 1] != 0.0) take_second_order();
   }
 
  private:
@@ -974,8 +970,8 @@ class two_fluids : public march::problem {
   record record_;
   std::optional<double> energy_start_;
   double mass_start_ = 0.0, mass_drift_ = 0.0;
-  double dissipated_most_ = 0.0;  // J
-  bool makes_energy_ = false, second_order_ = false;
+  double dissipated_now_ = 0.0, dissipated_most_ = 0.0;  // J, at lines of the history
+  bool second_order_ = false;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
   std::optional<double> element_start_;  // kg (2-D: kg/m)

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <march/problem.hpp>
+#include <output/columns.hpp>
 #include <schemes/disph.hpp>
 #include <schemes/gdisph.hpp>
 #include <schemes/gradients.hpp>
@@ -181,14 +182,7 @@ class flow : public march::problem {
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = w_.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    const auto vector = [&](const char* name, const char* unit, const char* about, const auto& components) {
-      output::column c{name, unit, about, {}, true};
-      for (const auto& component : components) c.components.push_back(component.data());
-      g.columns.push_back(std::move(c));
-    };
-    vector("Coordinates", "m", "position", s.x);
-    vector("Velocities", "m/s", "velocity", s.v);
+    auto g = output::fluid_in_motion(s);
     extra.assign(setup_.exact ? 3 + D : 1, particles::array(s.fluid));
     for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = S_[i] / support_over_h_;
     const auto scalar = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
@@ -209,7 +203,8 @@ class flow : public march::problem {
       }
       scalar("DensityReference", "kg/m^3", "exact mass density at this place", extra[1]);
       scalar("PressureReference", "Pa", "exact pressure at this place", extra[2]);
-      vector("VelocitiesReference", "m/s", "exact velocity at this place", std::span(extra).subspan(3));
+      g.columns.push_back(output::vector_column("VelocitiesReference", "m/s", "exact velocity at this place",
+                                                std::span(extra).subspan(3)));
     }
     return {g};
   }
