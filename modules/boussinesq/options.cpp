@@ -3,6 +3,7 @@
 #include <boussinesq/options.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <numbers>
 
 namespace tetsuame::boussinesq {
 
@@ -53,6 +54,11 @@ void declare(namelist::schema& schema, convection_options& o) {
               .exclusive_minimum = true,
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25"});
+  schema.add(g, "viscous_response", o.viscous_response,
+             {.choices = {"auto", "instant", "relaxed"},
+              .meaning = "target steady: the viscous force is that of the velocity, or of one that relaxes to it (a "
+                         "Jeffreys fluid: shear travels as waves), which lets inertia be smaller by about a third of "
+                         "the particles along the height; auto: relaxed where zeta and xi are not given"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
@@ -178,6 +184,14 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
       w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), least, most, p.dissipation_number));
 }
 
+// Of the viscosity that answers at once: viscous and sonic limits of the step then agree; below kappa nothing is
+// gained. Where the viscosity varies, compression counts three times.
+double sonic_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.35 : 0.12; }
+// Waves of compression then travel at 1.22 c_eff.
+double shear_speed(const convection_options& c, double c_eff) {
+  return (c.viscosity_law == "constant" ? 0.7 : 0.4) * c_eff;
+}
+
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& c = o.convection;
   const auto& f = p.fluid;
@@ -201,10 +215,13 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     auto middle = f;
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
-    // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
-    // kappa nothing is gained.
-    const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
-    p.sonic_share = share;
+    p.sonic_share = sonic_share(c);
+    if (c.viscous_response != "instant" && c.operators != "sum") {
+      // As long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are damped by half of
+      // what would stop their swinging.
+      p.shear_speed = shear_speed(c, p.c_eff);
+      p.relaxation_time = f.L / (std::numbers::sqrt2 * std::numbers::pi * p.shear_speed);
+    }
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.how = relaxation::method::rsst_vim;
     p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
@@ -212,9 +229,10 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     p.slowing.mach = p.slowing.speed / p.c_eff;
     follow_spacing(p, dx);
     p.lines.push_back(fmt::format(
-        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g}{} max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
-        p.slowing.xi, p.nu_eff / f.kappa, share, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
+        p.slowing.xi, p.nu_eff / f.kappa, p.shear_speed > 0.0 ? ", at once" : " =", p.sonic_share, p.slowing.zeta,
+        p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
   } else {
     p.slowing = relaxation::recommend(f, wanted);
     p.c_eff = c_0 / (p.slowing.zeta * p.slowing.xi);
@@ -226,7 +244,24 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
                     relaxation::name(p.slowing.how), p.slowing.zeta, p.slowing.zeta_rule, p.slowing.xi,
                     p.slowing.xi_rule, p.c_eff, p.c_eff * f.L / f.kappa, p.nu_eff / f.kappa, p.slowing.speed / p.c_eff,
                     p.steady ? "; inertia vanishes in the steady state: the way there is not a history" : ""));
+    if (p.steady && c.viscous_response == "relaxed") {
+      const double at_once = std::max(sonic_share(c) * p.c_eff * dx, f.kappa);
+      if (p.nu_eff <= at_once)
+        schema.fail("convection", "viscous_response",
+                    "with this zeta and xi all of the viscosity can answer at once: choose 'instant'");
+      p.sonic_share = sonic_share(c);
+      p.shear_speed = shear_speed(c, p.c_eff);
+      p.relaxation_time = (p.nu_eff - at_once) / (p.shear_speed * p.shear_speed);
+      follow_spacing(p, dx);
+    }
   }
+  if (p.shear_speed > 0.0)
+    p.lines.push_back(
+        fmt::format("viscous force of a velocity that relaxes in {:.4g} s ({:.3g} L^2/kappa): waves of shear at {:.3g} "
+                    "c_eff, {:.3g} "
+                    "of the viscosity answers at once; inertia follows buoyancy by {:.2g} L/(Ra^(2/3) kappa/L)",
+                    p.relaxation_time, p.relaxation_time * f.kappa / (f.L * f.L), p.shear_speed / p.c_eff,
+                    p.instant_share, p.slowing.speed * f.L / (2.0 * std::numbers::pi * std::numbers::pi * p.nu_eff)));
 }
 
 // Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
@@ -278,7 +313,9 @@ std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t le
 void follow_spacing(parameters& p, double dx) {
   if (p.sonic_share == 0.0) return;
   const auto& f = p.fluid;
-  p.nu_eff = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
+  const double at_once = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
+  p.nu_eff = at_once + p.relaxation_time * p.shear_speed * p.shear_speed;
+  p.instant_share = at_once / p.nu_eff;
   p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
   p.slowing.zeta = relaxation::sound_speed(f) / (p.c_eff * p.slowing.xi);
   p.slowing.Pr_eff = p.nu_eff / f.kappa;
@@ -306,6 +343,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
     schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
   const double dT = o.temperature_bottom() - o.temperature_top();
   parameters p{};
+  p.instant_share = 1.0;
   p.fluid = relaxation::layer(schema, o.physics, o.temperature_bottom(), o.temperature_top());
   auto material = o.physics.material;
   make_consistent(o, material, dT);
@@ -329,6 +367,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
   choose_slowing(schema, o, p);
+  if (c.viscous_response == "relaxed" && (!p.steady || c.operators == "sum"))
+    schema.fail("convection", "viscous_response", "relaxed: for target = 'steady' with consistent operators");
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",

@@ -22,6 +22,7 @@ struct convection_options {
   double level_tolerance = 2e-3, level_time = 0.0;
   std::string target = "auto";
   double steady_mach = 1.5;
+  std::string viscous_response = "auto";
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
   double p_top = 0.0;          // Pa
@@ -63,7 +64,11 @@ struct parameters {
   double c_eff;                        // m/s, slowed sound c_0/(zeta xi)
   double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
-  double compressibility;              // what of p/K_0 gravity feels: 0, 1 or zeta²
+  // Viscous response, relaxed: waves of shear; instant: 0, 0, 1.
+  double shear_speed;                              // m/s
+  double relaxation_time;                          // s
+  double instant_share;                            // of nu_eff, which answers at once
+  double compressibility;                          // what of p/K_0 gravity feels: 0, 1 or zeta²
   std::shared_ptr<const gravity_density> weighed;  // by an equation of state; null: by the Boussinesq law
   double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
   std::vector<std::string> lines;  // what was chosen, and why
@@ -75,7 +80,7 @@ parameters resolve(const namelist::schema& schema, options& o);
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
-// Sets what of the slowing follows the spacing dx (m).
+// Sets what of the slowing and of the viscous response follows the spacing dx (m).
 void follow_spacing(parameters& p, double dx);
 
 }  // namespace tetsuame::boussinesq
