@@ -242,8 +242,7 @@ class convection : public march::problem {
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx, fastest = std::max(largest_viscosity(), p_.fluid.kappa);
     // Waves of compression: where viscosity varies its share of them counts three times.
-    const double sound =
-        *o_.march.time.cfl * dx / std::hypot(p_.c_eff, std::sqrt(varies() ? 3.0 : 1.0) * p_.shear_speed);
+    const double sound = *o_.march.time.cfl * dx / std::hypot(p_.c_eff, p_.compression * p_.shear_speed);
     const double diffusion = *o_.march.time.diffusive * dx * dx / fastest;
     return sound < diffusion ? integrators::step_limit{sound, "sound"}
                              : integrators::step_limit{diffusion, "diffusion"};
@@ -272,9 +271,10 @@ class convection : public march::problem {
   }
 
   bool set_time(double t) override {
-    const double before = reached_, ramp = o_.convection.viscosity_ramp;
-    reached_ = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
-    nu_ = p_.fluid.nu * std::pow(o_.convection.viscosity_start, 1.0 - reached_);
+    const double before = reached_;
+    reached_ = p_.ramp > 0.0 ? std::min(1.0, t / p_.ramp) : 1.0;
+    nu_ = p_.fluid.nu * std::pow(p_.start, 1.0 - reached_);
+    follow_viscosity();
     return reached_ != before;
   }
 
@@ -536,6 +536,12 @@ class convection : public march::problem {
   // ∂b/∂T, m/(s2 K): what rises cools by it, times T v_y/c_p.
   double buoyancy_slope(double y, double T) const {
     return p_.weighed ? p_.weighed->slope(y, T) : p_.fluid.alpha * p_.fluid.g;
+  }
+
+  void follow_viscosity() {
+    const auto& c = o_.convection;
+    const double exponent = 0.5 * (c.depth_exponent - c.temperature_exponent);  // in the middle
+    follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * exponent));
   }
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
@@ -880,7 +886,8 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     particles_ = particles_of_level(o_, level);
     const double dx = d.length[1] / static_cast<double>(particles_[1]);
-    follow_spacing(p_, dx);
+    world_.w.dx = dx;
+    follow_viscosity();
     images::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
                    kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
     for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
@@ -948,7 +955,7 @@ class convection : public march::problem {
   }
 
   bool settled(double tolerance) const {
-    if (samples_.size() == 0 || samples_.last_time() < o_.convection.viscosity_ramp + window()) return false;
+    if (samples_.size() == 0 || samples_.last_time() < p_.ramp + window()) return false;
     for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
       if (!samples_.settled(m, window(), tolerance)) return false;
     return true;

@@ -82,7 +82,10 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "sum: plain sums, without curvature at walls; Laplacian with the sum of the second moments right, or "
                   "all of them; that with the deferred correction"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
-             {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .meaning = "delta of the term that smooths the pressure's noise; not given: 0.2, with a relaxed viscous "
+                         "response 0.02"});
   schema.add(g, "remap_diffusion", o.remap_diffusion,
              {.minimum = 0.0,
               .maximum = 10.0,
@@ -95,13 +98,18 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64"});
   schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
-  schema.add(g, "viscosity_ramp", o.viscosity_ramp,
-             {.unit = "s", .minimum = 0.0, .meaning = "the exponents grow from zero over this time"});
+  schema.add(
+      g, "viscosity_ramp", o.viscosity_ramp,
+      {.unit = "s",
+       .minimum = 0.0,
+       .meaning = "the exponents grow from zero over this time; not given: with a relaxed viscous response and one "
+                  "viscosity, 0.033 L^2/kappa for each power of ten that the viscosity falls by, else 0"});
   schema.add(g, "viscosity_start", o.viscosity_start,
              {.minimum = 0.0,
               .maximum = 1e9,
               .exclusive_minimum = true,
-              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well"});
+              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well; "
+                         "not given: with a relaxed viscous response so many that Ra is 1000, else 1"});
   schema.add(g, "viscous_heating", o.viscous_heating, {.meaning = "heat from friction, 2 nu e:e"});
   schema.add(g, "adiabatic_heating", o.adiabatic_heating,
              {.meaning = "cooling of what rises, alpha g v_y T; temperatures are absolute then"});
@@ -188,9 +196,7 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
 // gained. Where the viscosity varies, compression counts three times.
 double sonic_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.35 : 0.12; }
 // Waves of compression then travel at 1.22 c_eff.
-double shear_speed(const convection_options& c, double c_eff) {
-  return (c.viscosity_law == "constant" ? 0.7 : 0.4) * c_eff;
-}
+double shear_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.7 : 0.4; }
 
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& c = o.convection;
@@ -214,20 +220,23 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     // At the viscosity of the middle: the reference is that of the cold top.
     auto middle = f;
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
-    p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
+    p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / c.steady_mach;
     p.sonic_share = sonic_share(c);
     if (c.viscous_response != "instant" && c.operators != "sum") {
       // As long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are damped by half of
       // what would stop their swinging.
-      p.shear_speed = shear_speed(c, p.c_eff);
-      p.relaxation_time = f.L / (std::numbers::sqrt2 * std::numbers::pi * p.shear_speed);
+      p.shear_share = shear_share(c);
+      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
+      p.relaxation_length = f.L / (std::numbers::sqrt2 * std::numbers::pi);
+    } else {
+      p.c_end = 0.0;
     }
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.how = relaxation::method::rsst_vim;
     p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
     p.slowing.c_eff = p.c_eff;
     p.slowing.mach = p.slowing.speed / p.c_eff;
-    follow_spacing(p, dx);
+    follow(p, dx);
     p.lines.push_back(fmt::format(
         "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g}{} max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
@@ -250,9 +259,10 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
         schema.fail("convection", "viscous_response",
                     "with this zeta and xi all of the viscosity can answer at once: choose 'instant'");
       p.sonic_share = sonic_share(c);
-      p.shear_speed = shear_speed(c, p.c_eff);
-      p.relaxation_time = (p.nu_eff - at_once) / (p.shear_speed * p.shear_speed);
-      follow_spacing(p, dx);
+      p.shear_share = shear_share(c);
+      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
+      p.relaxation_length = (p.nu_eff - at_once) / (p.shear_share * p.c_eff);
+      follow(p, dx);
     }
   }
   if (p.shear_speed > 0.0)
@@ -262,6 +272,23 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
                     "of the viscosity answers at once; inertia follows buoyancy by {:.2g} L/(Ra^(2/3) kappa/L)",
                     p.relaxation_time, p.relaxation_time * f.kappa / (f.L * f.L), p.shear_speed / p.c_eff,
                     p.instant_share, p.slowing.speed * f.L / (2.0 * std::numbers::pi * std::numbers::pi * p.nu_eff)));
+}
+
+// A flow that has no inertia answers the start at once, with all the buoyancy of the first, unresolved roll: it begins
+// where that is as slow as slowed sound allows, and slowed sound follows.
+void choose_ramp(const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const auto& f = p.fluid;
+  const double first = relaxation::rayleigh(f) / 1000.0;  // of the top's viscosity
+  const bool follows = p.c_end > 0.0 && first > 1.0 && c.steady_tolerance > 0.0;
+  p.start = c.viscosity_start.value_or(follows && c.viscosity_ramp.value_or(1.0) > 0.0 ? first : 1.0);
+  const double of_decade = c.viscosity_law == "constant" ? 0.033 * f.L * f.L / f.kappa : 0.0;
+  p.ramp = c.viscosity_ramp.value_or(follows ? of_decade * std::log10(p.start) : 0.0);
+  if (p.ramp == 0.0) p.start = 1.0;
+  if (p.start != 1.0)
+    p.lines.push_back(fmt::format("the viscosity falls from {:.4g} times over {:.4g} s ({:.3g} L^2/kappa){}", p.start,
+                                  p.ramp, p.ramp * f.kappa / (f.L * f.L),
+                                  p.c_end > 0.0 ? ", slowed sound follows" : ""));
 }
 
 // Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
@@ -310,15 +337,20 @@ std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t le
   return n;
 }
 
-void follow_spacing(parameters& p, double dx) {
+void follow(parameters& p, double dx, double higher) {
   if (p.sonic_share == 0.0) return;
   const auto& f = p.fluid;
+  if (p.c_end > 0.0) p.c_eff = p.c_end * std::pow(higher, -2.0 / 3.0);
+  p.shear_speed = p.shear_share * p.c_eff;
+  p.relaxation_time = p.shear_share > 0.0 ? p.relaxation_length / p.shear_speed : 0.0;
   const double at_once = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
-  p.nu_eff = at_once + p.relaxation_time * p.shear_speed * p.shear_speed;
+  p.nu_eff = at_once + p.relaxation_length * p.shear_speed;
   p.instant_share = at_once / p.nu_eff;
   p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
   p.slowing.zeta = relaxation::sound_speed(f) / (p.c_eff * p.slowing.xi);
   p.slowing.Pr_eff = p.nu_eff / f.kappa;
+  p.slowing.viscous_share = p.instant_share;
+  p.slowing.wave_share = std::hypot(1.0, p.compression * p.shear_share);
   p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
 }
 
@@ -364,9 +396,12 @@ parameters resolve(const namelist::schema& schema, options& o) {
   };
   follow_law("blankenbach_2a", std::log(1000.0), 0.0);
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
-  if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
+  if (c.viscosity_start && *c.viscosity_start != 1.0 && c.viscosity_ramp.value_or(0.0) == 0.0)
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
   choose_slowing(schema, o, p);
+  choose_ramp(o, p);
+  // Divergence that it makes goes with 1/ξ²: as much as at once, a tenth is enough.
+  if (p.shear_share > 0.0 && !schema.given("convection", "pressure_diffusion")) c.pressure_diffusion = 0.02;
   if (c.viscous_response == "relaxed" && (!p.steady || c.operators == "sum"))
     schema.fail("convection", "viscous_response", "relaxed: for target = 'steady' with consistent operators");
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
