@@ -54,11 +54,13 @@ void declare(namelist::schema& schema, convection_options& o) {
               .exclusive_minimum = true,
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25"});
-  schema.add(g, "viscous_response", o.viscous_response,
-             {.choices = {"auto", "instant", "relaxed"},
-              .meaning = "target steady: the viscous force is that of the velocity, or of one that relaxes to it (a "
-                         "Jeffreys fluid: shear travels as waves), which lets inertia be smaller by about a third of "
-                         "the particles along the height; auto: relaxed where zeta and xi are not given"});
+  schema.add(
+      g, "viscous_response", o.viscous_response,
+      {.choices = {"auto", "instant", "relaxed"},
+       .meaning = "target steady: the viscous force is that of the velocity, or of one that relaxes to it (a "
+                  "Jeffreys fluid: shear travels as waves), which lets inertia be smaller by about a third of "
+                  "the particles along the height; auto: relaxed where zeta and xi are not given and the viscosity is "
+                  "constant"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
@@ -222,7 +224,8 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / c.steady_mach;
     p.sonic_share = sonic_share(c);
-    if (c.viscous_response != "instant" && c.operators != "sum") {
+    const bool relaxed = c.viscous_response == "auto" ? c.viscosity_law == "constant" : c.viscous_response == "relaxed";
+    if (relaxed && c.operators != "sum") {
       // As long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are damped by half of
       // what would stop their swinging.
       p.shear_share = shear_share(c);

@@ -175,8 +175,7 @@ class Convection(Case):
     def test_contrast_of_viscosity(self):
         """Case 2a's law at full contrast from the start: the first plume reaches the lid, and temperatures stay between those of the walls
         (nearly: nothing cuts them off)."""
-        result = self.run_program("convection", "blankenbach_2a", {**size(24), "convection.viscosity_ramp": 0, "convection.viscous_response": "instant",
-                                                                       "time.t_end": 2e15})
+        result = self.run_program("convection", "blankenbach_2a", {**size(24), "convection.viscosity_ramp": 0, "time.t_end": 2e15})
         self.assertGreater(result.summary["metrics"]["v_rms"], 50)
         self.assertGreater(result.summary["metrics"]["nusselt_bottom"], 5)
         with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
@@ -204,7 +203,7 @@ class Convection(Case):
 
     def test_ranks_threads_restart(self):
         for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscous_response": "instant", "convection.gravity_density": "separated"}),
-                           (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2"}),
+                           (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2", "convection.viscous_response": "relaxed"}),
                            (MANTLE, {"convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
                            (AIR, {"domain.periodic_x": ".true."})]:
             with self.subTest(name, **more):
