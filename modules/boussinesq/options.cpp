@@ -86,8 +86,8 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0,
               .maximum = 1.0,
-              .meaning = "delta of the term that smooths the pressure's noise; not given: 0.2, with a relaxed viscous "
-                         "response 0.02"});
+              .meaning = "delta of the term that smooths the pressure's noise; not given: target transient 0.4, steady "
+                         "0.2, with a relaxed viscous response 0.02"});
   schema.add(g, "remap_diffusion", o.remap_diffusion,
              {.minimum = 0.0,
               .maximum = 10.0,
@@ -403,8 +403,10 @@ parameters resolve(const namelist::schema& schema, options& o) {
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
   choose_slowing(schema, o, p);
   choose_ramp(o, p);
-  // Divergence that it makes goes with 1/ξ²: as much as at once, a tenth is enough.
-  if (p.shear_share > 0.0 && !schema.given("convection", "pressure_diffusion")) c.pressure_diffusion = 0.02;
+  // Divergence that it makes goes with 1/ξ²: a tenth is as much where the response is relaxed. In a transient flow
+  // viscosity may be too low to damp what the lagged correction feeds.
+  if (c.operators != "sum" && !schema.given("convection", "pressure_diffusion"))
+    c.pressure_diffusion = p.shear_share > 0.0 ? 0.02 : p.steady ? 0.2 : 0.4;
   if (c.viscous_response == "relaxed" && (!p.steady || c.operators == "sum"))
     schema.fail("convection", "viscous_response", "relaxed: for target = 'steady' with consistent operators");
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
