@@ -952,6 +952,12 @@ class convection : public march::problem {
       pressure_of()[i] = values[i][D + 1];
       for (std::size_t a = 0; a < D && relaxed_; ++a) relaxed_velocity(a)[i] = values[i][plain_fields + a];
     }
+    // In a closed box the pressure's mean stays what it was, zero.
+    foundation::exact_sum sum;
+    auto& p = pressure_of();
+    for (std::size_t i = 0; i < s.fluid; ++i) sum.add(p[i]);
+    const double mean = ranks().exact(sum) / static_cast<double>(world_.fluid_total);
+    for (std::size_t i = 0; i < s.fluid; ++i) p[i] -= mean;
   }
 
   bool settled(double tolerance) const {

@@ -269,12 +269,12 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     }
   }
   if (p.shear_speed > 0.0)
-    p.lines.push_back(
-        fmt::format("viscous force of a velocity that relaxes in {:.4g} s ({:.3g} L^2/kappa): waves of shear at {:.3g} "
-                    "c_eff, {:.3g} "
-                    "of the viscosity answers at once; inertia follows buoyancy by {:.2g} L/(Ra^(2/3) kappa/L)",
-                    p.relaxation_time, p.relaxation_time * f.kappa / (f.L * f.L), p.shear_speed / p.c_eff,
-                    p.instant_share, p.slowing.speed * f.L / (2.0 * std::numbers::pi * std::numbers::pi * p.nu_eff)));
+    p.lines.push_back(fmt::format(
+        "viscous force of a velocity that relaxes in {:.4g} s ({:.3g} L^2/kappa): waves of shear at {:.3g} "
+        "c_eff, {:.3g} "
+        "of the viscosity answers at once; the flow answers buoyancy late by {:.2g} of the time L/(Ra^(2/3) kappa/L)",
+        p.relaxation_time, p.relaxation_time * f.kappa / (f.L * f.L), p.shear_speed / p.c_eff, p.instant_share,
+        p.slowing.speed * f.L / (2.0 * std::numbers::pi * std::numbers::pi * p.nu_eff)));
 }
 
 // A flow that has no inertia answers the start at once, with all the buoyancy of the first, unresolved roll: it begins
