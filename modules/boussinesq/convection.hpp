@@ -10,8 +10,11 @@
 // which carries T_ref. Choices:
 //   e = 1  the rate of p at a place: the steady state then does not know the speed of sound; e = 0: along the flow
 //   a = 1  (target steady) the rate of v at a place: inertia vanishes in the steady state, as at Pr = ∞, whatever ξ.
-//   Then ξ may
-//          differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff
+//          Then ξ may differ from place to place, and follows the viscosity: ξ² = ν/ν_eff with one ν_eff. And the
+//          viscous force may be that of a velocity z that relaxes to v (viscous_response; a Jeffreys fluid), at a place
+//            ∂z/∂t = θ ∂v/∂t + (v - z)/λ      dz/dt = ∂z/∂t + (w + v)·G(z) + ε h |w| Q(z)
+//          z = v where the flow is steady. Shear then travels in waves, s² + s (1/λ + θ ν_eff k²) + ν_eff k²/λ = 0, and
+//          only θ ν_eff binds the step. Walls ask of z what they ask of v
 //   q      0, 1 (separated gravity density), ζ² (conventional density)
 // or b from any equation of state, gravity_density.hpp; α g is then ∂b/∂T.
 // w spreads the particles evenly: w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
@@ -45,12 +48,12 @@ inline constexpr slopes_tag of_slopes;
 struct viscosity_root_tag {};
 inline constexpr viscosity_root_tag of_viscosity_root;
 
-// Q(v), Q(T) and Q(p) above, of the fields of operators::consistent. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a
-// pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
-template <int D, bool graded>
+// Q(v), Q(T), Q(p) and Q(z) above, of the K fields of operators::consistent. Graded: Q(p) takes the part
+// min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
+template <int D, int fields, bool graded>
 struct noise {
   using real = pairs::real;
-  static constexpr std::size_t K = D + 2;
+  static constexpr std::size_t K = fields;
   std::array<const double*, K * D> gradients;  // of each field
   double V;                                    // m^D
   std::array<double*, K> out;                  // of each field, over m^2
@@ -71,7 +74,7 @@ struct noise {
       real steps = 2.0 * f_ij[k];
       for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
       if constexpr (graded)
-        if (k + 1 == K) {
+        if (k == D + 1) {
           const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
           steps *= mine / foundation::greater(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
         }
@@ -88,7 +91,8 @@ struct noise {
 // [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
 // soon as ν changes severalfold from one particle to the next. The second sum, zero on a lattice, makes linear
 // velocities exact. v - β P(v) for v is the deferred correction of flows without divergence, β = R/(4(d + 4)).
-template <int D>
+// first: v, or z in its place, among the fields.
+template <int D, std::size_t first>
 struct graded_viscosity {
   using real = pairs::real;
   static constexpr std::size_t S = operators::symmetric_terms(D);
@@ -116,7 +120,7 @@ struct graded_viscosity {
     const auto v = ij.difference(operators::of_fields), P = ij.difference(operators::of_laplacians);
     const real per_r2 = ij.F / foundation::greater(ij.r2, real(1e-300));
     real along(0.0);
-    for (std::size_t b = 0; b < D; ++b) along += (v[b] - beta * P[b]) * r[b];
+    for (std::size_t b = 0; b < D; ++b) along += (v[first + b] - beta * P[first + b]) * r[b];
     a.sum += (per_r2 * ij(of_viscosity_root) * along) * r;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
@@ -163,7 +167,13 @@ struct unevenness {
 template <int D>
 class convection : public march::problem {
  public:
-  convection(const options& o, const parameters& p) : o_(o), p_(p), samples_(measures.size()) {
+  convection(const options& o, const parameters& p)
+      : o_(o),
+        p_(p),
+        relaxed_(p.shear_speed > 0.0),
+        fields_(relaxed_ ? most_fields : plain_fields),
+        viscous_first_(relaxed_ ? plain_fields : 0),
+        samples_(measures.size()) {
     using particles::role;
     auto& s = world_.w.s;
     const auto add = [&](std::string name, std::string unit, role kind) {
@@ -171,10 +181,13 @@ class convection : public march::problem {
       return s.extras.size() - 1;
     };
     pressure_ = add("DynamicPressure", "Pa", role::integrated);
+    z_ = s.extras.size();
+    for (std::size_t k = 0; k < D && relaxed_; ++k)
+      add("RelaxedVelocity_" + std::to_string(k), "m/s", role::integrated);
     lap_ = add("Laplacian_0", "", role::memory);
-    for (std::size_t k = 1; k < K; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
+    for (std::size_t k = 1; k < fields_; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
     grad_ = add("Gradient_0", "", role::memory);
-    for (std::size_t k = 1; k < K * D; ++k) add("Gradient_" + std::to_string(k), "", role::memory);
+    for (std::size_t k = 1; k < fields_ * D; ++k) add("Gradient_" + std::to_string(k), "", role::memory);
     root_ = add("ViscosityRoot", "m/s^(1/2)", role::memory);
     stress_ = add("GradedStress_0", "1/(m s)", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
@@ -182,7 +195,7 @@ class convection : public march::problem {
     for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
     earlier_ = s.extras.size();
     if (o.march.time.method == "ab2")
-      for (std::size_t k = 0; k < 2 * D + 2; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
+      for (std::size_t k = 0; k < D + fields_; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
 
     lay(o.convection.levels);
     const auto& length = o.physics.domain.length;
@@ -209,6 +222,8 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
     all.push_back({"T", s.T.data(), 0.0, p_.fluid.dT});
     all.push_back({"p", pressure_of().data(), 0.0, pressure});
+    for (std::size_t a = 0; a < D && relaxed_; ++a)
+      all.push_back({std::string("z") + axis[a], relaxed_velocity(a).data(), 0.0, speed});
     if (earlier_ < s.extras.size())
       for (std::size_t k = 0; k < all.size(); ++k) all[k].previous_rate = s.extras[earlier_ + k].values.data();
     return all;
@@ -226,7 +241,8 @@ class convection : public march::problem {
 
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx, fastest = std::max(largest_viscosity(), p_.fluid.kappa);
-    const double sound = *o_.march.time.cfl * dx / p_.c_eff;
+    // Waves of compression: where viscosity varies its share of them counts three times.
+    const double sound = *o_.march.time.cfl * dx / std::hypot(p_.c_eff, p_.compression * p_.shear_speed);
     const double diffusion = *o_.march.time.diffusive * dx * dx / fastest;
     return sound < diffusion ? integrators::step_limit{sound, "sound"}
                              : integrators::step_limit{diffusion, "diffusion"};
@@ -242,8 +258,8 @@ class convection : public march::problem {
     // Plain sums keep nothing: no correction then, and images of the first order.
     if (!plain_sums())
       foundation::for_all(s.fluid, [&](std::size_t i) {
-        for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
-        for (std::size_t k = 0; k < K; ++k)
+        for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
+        for (std::size_t k = 0; k < fields_; ++k)
           for (std::size_t a = 0; a < D; ++a) s.extras[grad_ + k * D + a].values[i] = gradient_[k][a][i];
         for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
         const auto stress = graded_stress(i);
@@ -255,9 +271,10 @@ class convection : public march::problem {
   }
 
   bool set_time(double t) override {
-    const double before = reached_, ramp = o_.convection.viscosity_ramp;
-    reached_ = ramp > 0.0 ? std::min(1.0, t / ramp) : 1.0;
-    nu_ = p_.fluid.nu * std::pow(o_.convection.viscosity_start, 1.0 - reached_);
+    const double before = reached_;
+    reached_ = p_.ramp > 0.0 ? std::min(1.0, t / p_.ramp) : 1.0;
+    nu_ = p_.fluid.nu * std::pow(p_.start, 1.0 - reached_);
+    follow_viscosity();
     return reached_ != before;
   }
 
@@ -422,6 +439,7 @@ class convection : public march::problem {
     const double friction = j["viscous_heating"], work = j["buoyancy_work"];
     j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
     j["prandtl_effective"] = p_.nu_eff / f.kappa;
+    j["viscous_response"] = relaxed_ ? "relaxed" : "instant";
     j["zeta"] = p_.slowing.zeta;
     j["xi"] = p_.slowing.xi;
     j["sound_speed_effective"] = p_.c_eff;
@@ -441,6 +459,7 @@ class convection : public march::problem {
     for (const auto& a : s.v) add(a);
     add(s.T);
     add(pressure_of());
+    for (std::size_t a = 0; a < D && relaxed_; ++a) add(relaxed_velocity(a));
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -468,7 +487,8 @@ class convection : public march::problem {
   }
 
  private:
-  static constexpr int K = D + 2;  // fields of the operators: v, T, p
+  // Fields of the operators: v, T, p, and z where the viscous response is relaxed.
+  static constexpr std::size_t plain_fields = D + 2, most_fields = 2 * D + 2;
   static constexpr std::size_t S = operators::symmetric_terms(D);
   static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
   // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
@@ -496,6 +516,17 @@ class convection : public march::problem {
   particles::array& pressure_of() { return world_.w.s.extras[pressure_].values; }
   const particles::array& pressure_of() const { return world_.w.s.extras[pressure_].values; }
 
+  particles::array& relaxed_velocity(std::size_t a) { return world_.w.s.extras[z_ + a].values; }
+  std::array<double*, most_fields> field_arrays() {
+    auto& s = world_.w.s;
+    std::array<double*, most_fields> f{};
+    for (std::size_t a = 0; a < D; ++a) f[a] = s.v[a].data();
+    f[D] = s.T.data();
+    f[D + 1] = pressure_of().data();
+    for (std::size_t a = 0; a < D && relaxed_; ++a) f[plain_fields + a] = relaxed_velocity(a).data();
+    return f;
+  }
+
   double reference(double y) const { return o_.temperature_bottom() - p_.fluid.dT * y / p_.fluid.L; }
   double buoyancy(double y, double T, double p) const {  // m/s2, upwards
     const auto& f = p_.fluid;
@@ -505,6 +536,12 @@ class convection : public march::problem {
   // ∂b/∂T, m/(s2 K): what rises cools by it, times T v_y/c_p.
   double buoyancy_slope(double y, double T) const {
     return p_.weighed ? p_.weighed->slope(y, T) : p_.fluid.alpha * p_.fluid.g;
+  }
+
+  void follow_viscosity() {
+    const auto& c = o_.convection;
+    const double exponent = 0.5 * (c.depth_exponent - c.temperature_exponent);  // in the middle
+    follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * exponent));
   }
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
@@ -520,7 +557,7 @@ class convection : public march::problem {
   double stiffness(std::size_t i) const { return inertia(viscosity(i)); }
   // What the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as shear.
   double largest_viscosity() {
-    if (p_.steady) return (varies() ? 3.0 : 1.0) * p_.nu_eff;
+    if (p_.steady) return (varies() ? 3.0 : 1.0) * p_.instant_share * p_.nu_eff;
     if (!varies()) return std::max(nu_, p_.fluid.nu) / (p_.slowing.xi * p_.slowing.xi);
     double nu = 0.0;
     for (std::size_t i = 0; i < world_.w.s.fluid; ++i) nu = std::max(nu, viscosity(i));
@@ -529,10 +566,10 @@ class convection : public march::problem {
 
   std::vector<particles::array*> scratch() {
     std::vector<particles::array*> all{&W_sum_};
-    for (auto& g : gradient_)
-      for (auto& component : g) all.push_back(&component);
-    for (auto* group : {&laplacian_, &plain_, &noise_})
-      for (auto& a : *group) all.push_back(&a);
+    for (std::size_t k = 0; k < fields_; ++k) {
+      for (auto& component : gradient_[k]) all.push_back(&component);
+      for (auto* group : {&laplacian_, &plain_, &noise_}) all.push_back(&(*group)[k]);
+    }
     for (auto& a : next_B_) all.push_back(&a);
     for (auto* group : {&uneven_, &viscous_})
       for (auto& a : *group) all.push_back(&a);
@@ -545,11 +582,8 @@ class convection : public march::problem {
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
     if (varies()) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity_root(i, s.x[1][i]); });
-    std::array<double*, D + 2> fields;
-    for (std::size_t a = 0; a < D; ++a) fields[a] = s.v[a].data();
-    fields[D] = s.T.data();
-    fields[D + 1] = pressure_of().data();
-    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+    const auto fields = field_arrays();
+    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), fields_), &s.x);
     images::move(world_.images, s);
     if (varies())
       foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity_root(s.fluid + g, s.x[1][s.fluid + g]); });
@@ -560,18 +594,22 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     const auto& f = p_.fluid;
     const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
-    std::array<double, D> v, curvature;
-    std::array<std::array<double, D>, K> gradient;
-    for (std::size_t a = 0; a < D; ++a) {
-      v[a] = s.v[a][j];
-      curvature[a] = s.extras[lap_ + a].values[j];
-      for (std::size_t k = 0; k < K; ++k) gradient[k][a] = s.extras[grad_ + k * D + a].values[j];
-    }
+    const auto fields = field_arrays();
+    std::array<std::array<double, D>, 2> u{}, curvature{};  // of v, and of z
+    std::array<std::array<double, D>, most_fields> gradient;
+    const std::size_t flows = relaxed_ ? 2 : 1;
+    for (std::size_t n = 0; n < flows; ++n)
+      for (std::size_t a = 0; a < D; ++a) {
+        u[n][a] = fields[n * plain_fields + a][j];
+        curvature[n][a] = s.extras[lap_ + n * plain_fields + a].values[j];
+      }
+    for (std::size_t k = 0; k < fields_; ++k)
+      for (std::size_t a = 0; a < D; ++a) gradient[k][a] = s.extras[grad_ + k * D + a].values[j];
     double T = s.T[j], p = pressure_of()[j], y = s.x[1][j];
     images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
       const double d = wall.distance(s.x[wall.axis][j]), T_inside = T, y_inside = y;
       if (wall.axis == 1) y = 2.0 * wall.position - y;
-      for (auto& g : gradient) g[wall.axis] = -g[wall.axis];  // of even fields
+      for (std::size_t k = 0; k < fields_; ++k) gradient[k][wall.axis] = -gradient[k][wall.axis];  // of even fields
       if (wall.thermal == images::heat::fixed_temperature) {
         T = 2.0 * wall.temperature - T;
         for (double& g : gradient[D]) g = -g;
@@ -582,26 +620,29 @@ class convection : public march::problem {
       double slope = 0.0;  // Pa/m, of p, inwards
       if (varies())        // the normal one goes on smoothly
         slope += f.rho * viscosity(y_inside, T_inside) * s.extras[stress_ + wall.axis].values[j] * wall.inward;
-      if (wall.no_slip) slope += f.rho * viscosity(y_inside, T_inside) * curvature[wall.axis] * wall.inward;
+      if (wall.no_slip) slope += f.rho * viscosity(y_inside, T_inside) * curvature[flows - 1][wall.axis] * wall.inward;
       if (wall.axis == 1) slope += 0.5 * f.rho * wall.inward * (buoyancy(y_inside, T_inside, p) + buoyancy(y, T, p));
       p -= 2.0 * d * slope;
       gradient[D + 1][wall.axis] += 2.0 * slope * wall.inward;
-      if (wall.no_slip)
-        for (std::size_t a = 0; a < D; ++a) {
-          v[a] = 2.0 * wall.velocity[a] - v[a] + d * d * curvature[a];
-          for (double& g : gradient[a]) g = -g;
-          gradient[a][wall.axis] -= 2.0 * d * wall.inward * curvature[a];
+      for (std::size_t n = 0; n < flows; ++n) {
+        const auto gradient_of = gradient.begin() + static_cast<std::ptrdiff_t>(n * plain_fields);
+        if (wall.no_slip)
+          for (std::size_t a = 0; a < D; ++a) {
+            u[n][a] = 2.0 * wall.velocity[a] - u[n][a] + d * d * curvature[n][a];
+            for (double& g : gradient_of[a]) g = -g;
+            gradient_of[a][wall.axis] -= 2.0 * d * wall.inward * curvature[n][a];
+          }
+        else {
+          u[n][wall.axis] = -u[n][wall.axis];
+          curvature[n][wall.axis] = -curvature[n][wall.axis];
+          for (double& g : gradient_of[wall.axis]) g = -g;
         }
-      else {
-        v[wall.axis] = -v[wall.axis];
-        curvature[wall.axis] = -curvature[wall.axis];
-        for (double& g : gradient[wall.axis]) g = -g;
       }
     });
-    for (std::size_t a = 0; a < D; ++a) {
-      s.v[a][i] = v[a];
-      for (std::size_t k = 0; k < K; ++k) s.extras[grad_ + k * D + a].values[i] = gradient[k][a];
-    }
+    for (std::size_t n = 0; n < flows; ++n)
+      for (std::size_t a = 0; a < D; ++a) fields[n * plain_fields + a][i] = u[n][a];
+    for (std::size_t k = 0; k < fields_; ++k)
+      for (std::size_t a = 0; a < D; ++a) s.extras[grad_ + k * D + a].values[i] = gradient[k][a];
     s.T[i] = T;
     pressure_of()[i] = p;
     if (varies()) set_viscosity_root(i, y);
@@ -616,20 +657,22 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
-    std::array<double*, K + K * D + D> fields;
-    for (std::size_t k = 0; k < K; ++k) fields[k] = s.extras[lap_ + k].values.data();
-    for (std::size_t k = 0; k < K * D; ++k) fields[K + k] = s.extras[grad_ + k].values.data();
-    for (std::size_t a = 0; a < D; ++a) fields[K + K * D + a] = s.extras[stress_ + a].values.data();
+    std::vector<double*> fields;
+    for (std::size_t k = 0; k < fields_; ++k) fields.push_back(s.extras[lap_ + k].values.data());
+    for (std::size_t k = 0; k < fields_ * D; ++k) fields.push_back(s.extras[grad_ + k].values.data());
+    for (std::size_t a = 0; a < D; ++a) fields.push_back(s.extras[stress_ + a].values.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
-      std::array<double, K> sign;
+      std::array<double, most_fields> sign;
       sign.fill(1.0);
       images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
-        if (!wall.no_slip) sign[wall.axis] = -sign[wall.axis];
+        if (!wall.no_slip)
+          for (const std::size_t first : {std::size_t{0}, plain_fields})
+            sign[first + wall.axis] = -sign[first + wall.axis];
         if (wall.thermal == images::heat::fixed_temperature) sign[D] = -sign[D];
       });
-      for (std::size_t k = 0; k < K; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
+      for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
     });
   }
 
@@ -637,22 +680,18 @@ class convection : public march::problem {
   void sum_over_neighbours() {
     const foundation::stage timed(world_.w.times, "sums");
     if (plain_sums()) return sum_plainly();
-    if (whole_)
-      sum_over_neighbours_as<true>();
+    if (relaxed_)
+      whole_ ? sum_consistently<most_fields, true>() : sum_consistently<most_fields, false>();
     else
-      sum_over_neighbours_as<false>();
+      whole_ ? sum_consistently<plain_fields, true>() : sum_consistently<plain_fields, false>();
   }
   void sum_plainly() {
-    auto& s = world_.w.s;
-    operators::sums<D, K> derivatives{{}, volume_, {}};
+    const auto fields = field_arrays();
+    operators::sums<D, plain_fields> derivatives{{}, volume_, {}};
     unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
-    for (std::size_t a = 0; a < D; ++a) {
-      derivatives.f[a] = s.v[a].data();
-      uneven.out[a] = uneven_[a].data();
-    }
-    derivatives.f[D] = s.T.data();
-    derivatives.f[D + 1] = pressure_of().data();
-    for (std::size_t k = 0; k < K; ++k) {
+    for (std::size_t a = 0; a < D; ++a) uneven.out[a] = uneven_[a].data();
+    for (std::size_t k = 0; k < plain_fields; ++k) {
+      derivatives.f[k] = fields[k];
       for (std::size_t a = 0; a < D; ++a) derivatives.out.gradient[k][a] = gradient_[k][a].data();
       derivatives.out.laplacian[k] = laplacian_[k].data();
     }
@@ -660,16 +699,25 @@ class convection : public march::problem {
   }
   // whole: with what is kept for the step, which the stages after the first do not need. The spreading is that of the
   // first.
-  template <bool whole>
-  void sum_over_neighbours_as() {
+  template <int K, bool whole>
+  void sum_consistently() {
+    if (varies())
+      sum_consistently<K, whole, true>();
+    else
+      sum_consistently<K, whole, false>();
+  }
+  template <int K, bool whole, bool graded>
+  void sum_consistently() {
     auto& w = world_.w;
     auto& s = w.s;
     bool singular = false;
-    operators::consistent<D, K, whole> derivatives{{}, {}, {}, volume_, beta_, {}, &singular};
-    for (std::size_t a = 0; a < D; ++a) derivatives.f[a] = s.v[a].data();
-    derivatives.f[D] = s.T.data();
-    derivatives.f[D + 1] = pressure_of().data();
+    // Laplacians of T, and of the velocity whose viscous force is no sum of its own.
+    constexpr unsigned first = K == most_fields ? plain_fields : 0, velocity = (1U << D) - 1U;
+    constexpr unsigned wanted = 1U << D | (graded ? 0U : velocity << first);
+    operators::consistent<D, K, whole, wanted> derivatives{{}, {}, {}, volume_, beta_, {}, &singular};
+    const auto fields = field_arrays();
     for (std::size_t k = 0; k < K; ++k) {
+      derivatives.f[k] = fields[k];
       derivatives.P[k] = s.extras[lap_ + k].values.data();
       for (std::size_t a = 0; a < D; ++a) derivatives.out.gradient[k][a] = gradient_[k][a].data();
       derivatives.out.laplacian[k] = laplacian_[k].data();
@@ -682,40 +730,42 @@ class convection : public march::problem {
     }
     unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
     for (std::size_t a = 0; a < D; ++a) uneven.out[a] = uneven_[a].data();
-    const auto sum = [&](auto smooth, const auto&... more) {
-      smooth.V = volume_;
-      for (std::size_t k = 0; k < K; ++k) smooth.out[k] = noise_[k].data();
-      for (std::size_t k = 0; k < K * D; ++k) smooth.gradients[k] = s.extras[grad_ + k].values.data();
+    noise<D, K, graded> smooth{{}, volume_, {}};
+    for (std::size_t k = 0; k < K; ++k) smooth.out[k] = noise_[k].data();
+    for (std::size_t k = 0; k < K * D; ++k) smooth.gradients[k] = s.extras[grad_ + k].values.data();
+    const auto sum = [&](const auto&... more) {
       if constexpr (whole)
         w.sum(w.fluid(), derivatives, smooth, uneven, more...);
       else
         w.sum(w.fluid(), derivatives, smooth, more...);
     };
-    if (varies()) {
-      graded_viscosity<D> viscous{s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}};
+    if constexpr (graded) {
+      graded_viscosity<D, first> viscous{s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}};
       for (std::size_t a = 0; a < D; ++a) {
         viscous.out[a] = viscous_[a].data();
-        for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[a][b].data();
+        for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
       }
-      sum(noise<D, true>{}, viscous);
+      sum(viscous);
     } else {
-      sum(noise<D, false>{});
+      sum();
     }
     if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
   }
 
-  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s). With ∇²v it is the divergence of 2 ν (e - ½ ∇·v) over ν, e the rate of
-  // strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0 alone would feed it.
+  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s); of z where that makes the force. With ∇²v it is the divergence of 2 ν (e - ½
+  // ∇·v) over ν, e the rate of strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0
+  // alone would feed it.
   std::array<double, D> graded_stress(std::size_t i) const {
     std::array<double, D> slope{}, stress{};
     if (!varies()) return stress;
     const auto& c = o_.convection;
+    const std::size_t z = viscous_first_;
     for (std::size_t a = 0; a < D; ++a)
       slope[a] = -reached_ * c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
     slope[1] -= reached_ * c.depth_exponent / p_.fluid.L;
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
-        stress[a] += (gradient_[a][b][i] + gradient_[b][a][i]) * slope[b] - gradient_[b][b][i] * slope[a];
+        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * slope[b] - gradient_[z + b][b][i] * slope[a];
     return stress;
   }
 
@@ -731,6 +781,8 @@ class convection : public march::problem {
     const double heating = c.heating * f.kappa / conductivity() * f.rho;
     const auto& p = pressure_of();
     const bool graded = varies();
+    const std::size_t z = viscous_first_;
+    const double theta = p_.instant_share, per_lambda = relaxed_ ? 1.0 / p_.relaxation_time : 0.0;
     const bool follows_pressure = p_.weighed && c.adiabatic_heating;  // c_p, gravity_density.hpp
     bool finite = true;
     double displacing = 0.0;  // m2/s2
@@ -756,11 +808,18 @@ class convection : public march::problem {
       for (std::size_t a = 0; a < D; ++a) {
         double advected = 0.0;
         for (std::size_t b = 0; b < D; ++b) advected += moving_v[b] * gradient_[a][b][i];
-        double force = nu * (graded ? viscous_[a][i] : laplacian_[a][i]) - gradient_[D + 1][a][i] / f.rho;
+        double force = nu * (graded ? viscous_[a][i] : laplacian_[z + a][i]) - gradient_[D + 1][a][i] / f.rho;
         if (a == 1) force += buoyancy(s.x[1][i], s.T[i], p[i]);
         rate[a][i] = v_i[a] + w_i[a];
         moving2 += rate[a][i] * rate[a][i];
         rate[D + a][i] = per_xi2 * force + advected + remap * noise_[a][i];
+        if (relaxed_) {
+          const double z_a = s.extras[z_ + a].values[i];
+          double carried = 0.0;
+          for (std::size_t b = 0; b < D; ++b) carried += moving_v[b] * gradient_[z + a][b][i];
+          rate[D + z + a][i] =
+              theta * per_xi2 * force + (v_i[a] - z_a) * per_lambda + carried + remap * noise_[z + a][i];
+        }
         divergence += gradient_[a][a][i];
         dT += w_i[a] * gradient_[D][a][i];
         dp += moving_p[a] * gradient_[D + 1][a][i];
@@ -827,7 +886,8 @@ class convection : public march::problem {
     auto& s = world_.w.s;
     particles_ = particles_of_level(o_, level);
     const double dx = d.length[1] / static_cast<double>(particles_[1]);
-    follow_spacing(p_, dx);
+    world_.w.dx = dx;
+    follow_viscosity();
     images::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
                    kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
     for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
@@ -848,13 +908,12 @@ class convection : public march::problem {
   void interpolate_to_next_level() {
     auto& s = world_.w.s;
     // Ghosts and images are those of the state, but T is taken beyond its reference.
-    constexpr std::size_t fields = D + 2;
     particles::array excess(s.total());
     for (std::size_t i = 0; i < s.total(); ++i) excess[i] = s.T[i] - reference(s.x[1][i]);
-    std::array<const double*, fields> f;
-    for (std::size_t a = 0; a < D; ++a) f[a] = s.v[a].data();
+    std::array<const double*, most_fields> f;
+    std::ranges::copy(field_arrays(), f.begin());
     f[D] = excess.data();
-    f[D + 1] = pressure_of().data();
+    for (std::size_t a = 0; a < D && !relaxed_; ++a) f[plain_fields + a] = f[a];  // not used
     const interpolation<D> at(s, world_.w.support());
     // Each rank where its particles stood; rebuild() hands them on where the finer cells differ.
     const auto cell = world_.w.d.cell();
@@ -862,7 +921,7 @@ class convection : public march::problem {
     const double dx = 0.5 * world_.w.dx;
     std::vector<std::int64_t> ids;
     std::vector<std::array<double, D>> places;
-    std::vector<std::array<double, fields>> values;
+    std::vector<std::array<double, most_fields>> values;
     for (std::int64_t id = 0; id < world_.fluid_total * (1 << D); ++id) {
       std::array<double, D> x;
       std::int64_t rest = id;
@@ -891,11 +950,18 @@ class convection : public march::problem {
       }
       s.T[i] = reference(places[i][1]) + values[i][D];
       pressure_of()[i] = values[i][D + 1];
+      for (std::size_t a = 0; a < D && relaxed_; ++a) relaxed_velocity(a)[i] = values[i][plain_fields + a];
     }
+    // In a closed box the pressure's mean stays what it was, zero.
+    foundation::exact_sum sum;
+    auto& p = pressure_of();
+    for (std::size_t i = 0; i < s.fluid; ++i) sum.add(p[i]);
+    const double mean = ranks().exact(sum) / static_cast<double>(world_.fluid_total);
+    for (std::size_t i = 0; i < s.fluid; ++i) p[i] -= mean;
   }
 
   bool settled(double tolerance) const {
-    if (samples_.size() == 0 || samples_.last_time() < o_.convection.viscosity_ramp + window()) return false;
+    if (samples_.size() == 0 || samples_.last_time() < p_.ramp + window()) return false;
     for (const std::size_t m : {std::size_t{0}, std::size_t{3}})
       if (!samples_.settled(m, window(), tolerance)) return false;
     return true;
@@ -978,20 +1044,22 @@ class convection : public march::problem {
   }
 
   const options& o_;
-  parameters p_;              // of the present level
-  std::int64_t level_ = 0;    // so many finer ones come
-  double level_began_ = 0.0;  // s
+  parameters p_;               // of the present level
+  bool relaxed_;               // the viscous force is that of z
+  std::size_t fields_;         // of the operators
+  std::size_t viscous_first_;  // of the fields, the velocity of the viscous force
+  std::int64_t level_ = 0;     // so many finer ones come
+  double level_began_ = 0.0;   // s
   std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
-  std::size_t pressure_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
+  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
-  std::array<std::array<particles::array, D>, K> gradient_;
-  std::array<particles::array, K> laplacian_, plain_;
+  std::array<std::array<particles::array, D>, most_fields> gradient_;
+  std::array<particles::array, most_fields> laplacian_, plain_, noise_;
   std::array<particles::array, S> next_B_;
   std::array<particles::array, D> uneven_, viscous_;
-  std::array<particles::array, K> noise_;
   particles::array W_sum_;
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it

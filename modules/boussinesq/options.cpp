@@ -3,6 +3,7 @@
 #include <boussinesq/options.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <numbers>
 
 namespace tetsuame::boussinesq {
 
@@ -53,6 +54,13 @@ void declare(namelist::schema& schema, convection_options& o) {
               .exclusive_minimum = true,
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25"});
+  schema.add(
+      g, "viscous_response", o.viscous_response,
+      {.choices = {"auto", "instant", "relaxed"},
+       .meaning = "target steady: the viscous force is that of the velocity, or of one that relaxes to it (a "
+                  "Jeffreys fluid: shear travels as waves), which lets inertia be smaller by about a third of "
+                  "the particles along the height; auto: relaxed where zeta and xi are not given and the viscosity is "
+                  "constant"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
@@ -76,7 +84,10 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "sum: plain sums, without curvature at walls; Laplacian with the sum of the second moments right, or "
                   "all of them; that with the deferred correction"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
-             {.minimum = 0.0, .maximum = 1.0, .meaning = "delta of the term that smooths the pressure's noise"});
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .meaning = "delta of the term that smooths the pressure's noise; not given: target transient 0.4, steady "
+                         "0.2, with a relaxed viscous response 0.02"});
   schema.add(g, "remap_diffusion", o.remap_diffusion,
              {.minimum = 0.0,
               .maximum = 10.0,
@@ -89,13 +100,18 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64"});
   schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
-  schema.add(g, "viscosity_ramp", o.viscosity_ramp,
-             {.unit = "s", .minimum = 0.0, .meaning = "the exponents grow from zero over this time"});
+  schema.add(
+      g, "viscosity_ramp", o.viscosity_ramp,
+      {.unit = "s",
+       .minimum = 0.0,
+       .meaning = "the exponents grow from zero over this time; not given: with a relaxed viscous response and one "
+                  "viscosity, 0.033 L^2/kappa for each power of ten that the viscosity falls by, else 0"});
   schema.add(g, "viscosity_start", o.viscosity_start,
              {.minimum = 0.0,
               .maximum = 1e9,
               .exclusive_minimum = true,
-              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well"});
+              .meaning = "at the start the viscosity is so many times as high; this goes over viscosity_ramp as well; "
+                         "not given: with a relaxed viscous response so many that Ra is 1000, else 1"});
   schema.add(g, "viscous_heating", o.viscous_heating, {.meaning = "heat from friction, 2 nu e:e"});
   schema.add(g, "adiabatic_heating", o.adiabatic_heating,
              {.meaning = "cooling of what rises, alpha g v_y T; temperatures are absolute then"});
@@ -178,6 +194,12 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
       w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), least, most, p.dissipation_number));
 }
 
+// Of the viscosity that answers at once: viscous and sonic limits of the step then agree; below kappa nothing is
+// gained. Where the viscosity varies, compression counts three times.
+double sonic_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.35 : 0.12; }
+// Waves of compression then travel at 1.22 c_eff.
+double shear_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.7 : 0.4; }
+
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& c = o.convection;
   const auto& f = p.fluid;
@@ -200,21 +222,29 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     // At the viscosity of the middle: the reference is that of the cold top.
     auto middle = f;
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
-    p.c_eff = relaxation::stokes_speed(middle, true) / c.steady_mach;
-    // Viscous and sonic limits of the step then agree (compression counts three times where viscosity varies); below
-    // kappa nothing is gained.
-    const double share = c.viscosity_law == "constant" ? 0.35 : 0.12;
-    p.sonic_share = share;
+    p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / c.steady_mach;
+    p.sonic_share = sonic_share(c);
+    const bool relaxed = c.viscous_response == "auto" ? c.viscosity_law == "constant" : c.viscous_response == "relaxed";
+    if (relaxed && c.operators != "sum") {
+      // As long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are damped by half of
+      // what would stop their swinging.
+      p.shear_share = shear_share(c);
+      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
+      p.relaxation_length = f.L / (std::numbers::sqrt2 * std::numbers::pi);
+    } else {
+      p.c_end = 0.0;
+    }
     p.slowing = relaxation::recommend(f, wanted);
     p.slowing.how = relaxation::method::rsst_vim;
     p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
     p.slowing.c_eff = p.c_eff;
     p.slowing.mach = p.slowing.speed / p.c_eff;
-    follow_spacing(p, dx);
+    follow(p, dx);
     p.lines.push_back(fmt::format(
-        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g} = max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
+        "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g}{} max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
         "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",
-        p.slowing.xi, p.nu_eff / f.kappa, share, p.slowing.zeta, p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
+        p.slowing.xi, p.nu_eff / f.kappa, p.shear_speed > 0.0 ? ", at once" : " =", p.sonic_share, p.slowing.zeta,
+        p.c_eff, p.c_eff * f.L / f.kappa, c.steady_mach));
   } else {
     p.slowing = relaxation::recommend(f, wanted);
     p.c_eff = c_0 / (p.slowing.zeta * p.slowing.xi);
@@ -226,7 +256,42 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
                     relaxation::name(p.slowing.how), p.slowing.zeta, p.slowing.zeta_rule, p.slowing.xi,
                     p.slowing.xi_rule, p.c_eff, p.c_eff * f.L / f.kappa, p.nu_eff / f.kappa, p.slowing.speed / p.c_eff,
                     p.steady ? "; inertia vanishes in the steady state: the way there is not a history" : ""));
+    if (p.steady && c.viscous_response == "relaxed") {
+      const double at_once = std::max(sonic_share(c) * p.c_eff * dx, f.kappa);
+      if (p.nu_eff <= at_once)
+        schema.fail("convection", "viscous_response",
+                    "with this zeta and xi all of the viscosity can answer at once: choose 'instant'");
+      p.sonic_share = sonic_share(c);
+      p.shear_share = shear_share(c);
+      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
+      p.relaxation_length = (p.nu_eff - at_once) / (p.shear_share * p.c_eff);
+      follow(p, dx);
+    }
   }
+  if (p.shear_speed > 0.0)
+    p.lines.push_back(fmt::format(
+        "viscous force of a velocity that relaxes in {:.4g} s ({:.3g} L^2/kappa): waves of shear at {:.3g} "
+        "c_eff, {:.3g} "
+        "of the viscosity answers at once; the flow answers buoyancy late by {:.2g} of the time L/(Ra^(2/3) kappa/L)",
+        p.relaxation_time, p.relaxation_time * f.kappa / (f.L * f.L), p.shear_speed / p.c_eff, p.instant_share,
+        p.slowing.speed * f.L / (2.0 * std::numbers::pi * std::numbers::pi * p.nu_eff)));
+}
+
+// A flow that has no inertia answers the start at once, with all the buoyancy of the first, unresolved roll: it begins
+// where that is as slow as slowed sound allows, and slowed sound follows.
+void choose_ramp(const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const auto& f = p.fluid;
+  const double first = relaxation::rayleigh(f) / 1000.0;  // of the top's viscosity
+  const bool follows = p.c_end > 0.0 && first > 1.0 && c.steady_tolerance > 0.0;
+  p.start = c.viscosity_start.value_or(follows && c.viscosity_ramp.value_or(1.0) > 0.0 ? first : 1.0);
+  const double of_decade = c.viscosity_law == "constant" ? 0.033 * f.L * f.L / f.kappa : 0.0;
+  p.ramp = c.viscosity_ramp.value_or(follows ? of_decade * std::log10(p.start) : 0.0);
+  if (p.ramp == 0.0) p.start = 1.0;
+  if (p.start != 1.0)
+    p.lines.push_back(fmt::format("the viscosity falls from {:.4g} times over {:.4g} s ({:.3g} L^2/kappa){}", p.start,
+                                  p.ramp, p.ramp * f.kappa / (f.L * f.L),
+                                  p.c_end > 0.0 ? ", slowed sound follows" : ""));
 }
 
 // Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
@@ -275,13 +340,20 @@ std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t le
   return n;
 }
 
-void follow_spacing(parameters& p, double dx) {
+void follow(parameters& p, double dx, double higher) {
   if (p.sonic_share == 0.0) return;
   const auto& f = p.fluid;
-  p.nu_eff = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
+  if (p.c_end > 0.0) p.c_eff = p.c_end * std::pow(higher, -2.0 / 3.0);
+  p.shear_speed = p.shear_share * p.c_eff;
+  p.relaxation_time = p.shear_share > 0.0 ? p.relaxation_length / p.shear_speed : 0.0;
+  const double at_once = std::max(p.sonic_share * p.c_eff * dx, f.kappa);
+  p.nu_eff = at_once + p.relaxation_length * p.shear_speed;
+  p.instant_share = at_once / p.nu_eff;
   p.slowing.xi = std::sqrt(f.nu / p.nu_eff);
   p.slowing.zeta = relaxation::sound_speed(f) / (p.c_eff * p.slowing.xi);
   p.slowing.Pr_eff = p.nu_eff / f.kappa;
+  p.slowing.viscous_share = p.instant_share;
+  p.slowing.wave_share = std::hypot(1.0, p.compression * p.shear_share);
   p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
 }
 
@@ -306,6 +378,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
     schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
   const double dT = o.temperature_bottom() - o.temperature_top();
   parameters p{};
+  p.instant_share = 1.0;
   p.fluid = relaxation::layer(schema, o.physics, o.temperature_bottom(), o.temperature_top());
   auto material = o.physics.material;
   make_consistent(o, material, dT);
@@ -326,9 +399,16 @@ parameters resolve(const namelist::schema& schema, options& o) {
   };
   follow_law("blankenbach_2a", std::log(1000.0), 0.0);
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
-  if (c.viscosity_start != 1.0 && c.viscosity_ramp == 0.0)
+  if (c.viscosity_start && *c.viscosity_start != 1.0 && c.viscosity_ramp.value_or(0.0) == 0.0)
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
   choose_slowing(schema, o, p);
+  choose_ramp(o, p);
+  // Divergence that it makes goes with 1/ξ²: a tenth is as much where the response is relaxed. In a transient flow
+  // viscosity may be too low to damp what the lagged correction feeds.
+  if (c.operators != "sum" && !schema.given("convection", "pressure_diffusion"))
+    c.pressure_diffusion = p.shear_share > 0.0 ? 0.02 : p.steady ? 0.2 : 0.4;
+  if (c.viscous_response == "relaxed" && (!p.steady || c.operators == "sum"))
+    schema.fail("convection", "viscous_response", "relaxed: for target = 'steady' with consistent operators");
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",

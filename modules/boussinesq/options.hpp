@@ -22,6 +22,7 @@ struct convection_options {
   double level_tolerance = 2e-3, level_time = 0.0;
   std::string target = "auto";
   double steady_mach = 1.5;
+  std::string viscous_response = "auto";
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
   double p_top = 0.0;          // Pa
@@ -32,9 +33,9 @@ struct convection_options {
   double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
-  double viscosity_ramp = 0.0;  // s
-  double viscosity_start = 1.0;
-  double heating = 0.0;  // W/kg
+  std::optional<double> viscosity_ramp;   // s; not given: chosen
+  std::optional<double> viscosity_start;  // not given: chosen
+  double heating = 0.0;                   // W/kg
   bool viscous_heating = false, adiabatic_heating = false;
 };
 
@@ -61,9 +62,18 @@ struct parameters {
   relaxation::recommendation slowing;  // by the note's rules, or as given
   bool steady;                         // only the steady state is right: artificial inertia vanishes there
   double c_eff;                        // m/s, slowed sound c_0/(zeta xi)
+  double c_end;                        // m/s, c_eff at the end of the viscosity's ramp, if that follows it; else 0
+  double ramp, start;                  // s, of the viscosity; so many times as high at first
   double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
-  double compressibility;              // what of p/K_0 gravity feels: 0, 1 or zeta²
+  // Relaxed viscous response; instant: all 0, but for instant_share 1.
+  double shear_share;                              // of c_eff, the speed of waves of shear
+  double compression;                              // of that, what shear adds to the speed of waves of compression
+  double relaxation_length;                        // m, that speed times the relaxation time
+  double shear_speed;                              // m/s
+  double relaxation_time;                          // s
+  double instant_share;                            // of nu_eff, which answers at once
+  double compressibility;                          // what of p/K_0 gravity feels: 0, 1 or zeta²
   std::shared_ptr<const gravity_density> weighed;  // by an equation of state; null: by the Boussinesq law
   double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
   std::vector<std::string> lines;  // what was chosen, and why
@@ -75,7 +85,8 @@ parameters resolve(const namelist::schema& schema, options& o);
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
-// Sets what of the slowing follows the spacing dx (m).
-void follow_spacing(parameters& p, double dx);
+// Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity in the middle
+// while that is `higher` than at the end.
+void follow(parameters& p, double dx, double higher = 1.0);
 
 }  // namespace tetsuame::boussinesq

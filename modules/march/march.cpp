@@ -86,13 +86,14 @@ struct loop {
     p.evaluate(pointers);
   }
 
-  void make_integrator() {
+  // kept: s, the fixed step of the run that goes on.
+  void make_integrator(double kept = 0.0) {
     integrators::explicit_options how;
     how.method = o.time.method;
     how.order = static_cast<int>(o.time.order);
     how.rtol = o.time.rtol;
     how.error_control = controls_error();
-    how.dt = o.time.dt ? *o.time.dt : p.largest_step().dt;
+    how.dt = o.time.dt ? *o.time.dt : kept > 0.0 ? kept : p.largest_step().dt;
     if (how.error_control && !o.time.dt) how.dt = 0.0;
     integrators::radius_function radius;
     if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.diffusion_radius(); };
@@ -102,7 +103,8 @@ struct loop {
         [this](double) { return p.largest_step(); }, radius);
     dt = how.dt;
   }
-  double dt = 0.0;  // s, fixed
+  double dt = 0.0;        // s, fixed
+  double bound_dt = 0.0;  // s, of equations that have changed since dt was chosen; 0: they have not
 
   // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
   // Particles may gain speed on the way.
@@ -128,6 +130,7 @@ struct loop {
     p.rebuild(false);
     p.set_time(before.t);
     make_integrator();
+    bound_dt = 0.0;
     integrators::explicit_memory fresh;
     fresh.t = before.t;
     fresh.statistics = before.statistics;
@@ -151,7 +154,8 @@ struct loop {
     if (!(t + 1e-3 * longest > t))
       foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
     if (controls_error()) return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, next_snapshot) : end);
-    if (longest < dt) return std::min(end, t + longest);
+    const double most = bound_dt > 0.0 ? std::min(longest, bound_dt) : longest;
+    if (most < dt) return std::min(end, t + most);
     return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
   }
 
@@ -172,6 +176,7 @@ struct loop {
       p.expect_memory(true);
       ++step;
       const bool moved_on = p.set_time(integrator->time());
+      if (moved_on && !o.time.dt && !controls_error()) bound_dt = p.largest_step().dt;
       if (p.complete_step() || moved_on) integrator->state_changed();
       stepping_seconds += since(before);
       record();
@@ -260,6 +265,7 @@ struct loop {
     g.reals["next_snapshot"] = next_snapshot;
     g.reals["stepping_seconds"] = stepping_seconds;
     g.reals["fixed_dt"] = dt;
+    g.reals["bound_dt"] = bound_dt;
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
     g.integers["step"] = step;
@@ -309,7 +315,8 @@ struct loop {
     p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
     count_particles();
-    make_integrator();
+    make_integrator(g.reals.at("fixed_dt"));
+    bound_dt = g.reals.at("bound_dt");
     integrator->restore(simulation::integrator_memory(g));
     p.set_time(integrator->time());
     coarser_updates = g.reals.at("coarser_updates");

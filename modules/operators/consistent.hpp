@@ -35,7 +35,8 @@ struct results {
 };
 
 // `whole`: with the next P and B. Who keeps those of the start of a step needs them only there, and saves a third else.
-template <int D, int K, bool whole = true>
+// `wanted`: bit k, L of field k is asked for; the rest of out.laplacian is not written.
+template <int D, int K, bool whole = true, unsigned wanted = ~0U>
 struct consistent {
   using real = pairs::real;
   static constexpr std::size_t S = symmetric_terms(D);
@@ -107,7 +108,7 @@ struct consistent {
     for (std::size_t k = 0; k < K; ++k) {
       const real f_k = f_ij[k], correction = beta * P_ij[k], once = f_k - correction;
       a.gradient[k] += (F * (once - correction)) * r;
-      a.laplacian[k] += Fs * once;
+      if ((wanted >> k & 1U) != 0) a.laplacian[k] += Fs * once;
       if constexpr (whole) a.plain[k] += Fs * f_k;
     }
   }
@@ -134,7 +135,7 @@ struct consistent {
         out.gradient[k][p][i] = G[p];
         linear += G[p] * first[p];
       }
-      out.laplacian[k][i] = scale * (V * pairs::sum(a.laplacian[k]) - linear);
+      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * pairs::sum(a.laplacian[k]) - linear);
       if constexpr (whole) out.plain[k][i] = scale * (V * pairs::sum(a.plain[k]) - linear);
     }
     if constexpr (whole)

@@ -46,6 +46,8 @@ struct recommendation {
   double speed;                    // m/s, the one the flow reaches
   double mach;                     // speed/c_eff
   double reynolds;                 // xi^2 V L/nu
+  // Of nu/xi^2 and of c_eff, what binds a step where a program makes other waves of them.
+  double viscous_share = 1.0, wave_share = 1.0;
 };
 
 // zeta and xi are never below 1: slowed is what they are for. fail_input if one given is below 1.

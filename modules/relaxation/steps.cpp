@@ -25,6 +25,8 @@ convection_plan plan_convection(const fluid_layer& f, const recommendation& r, s
   p.particles = volume_ratio * std::pow(static_cast<double>(n), dimension);
   p.dx = f.L / static_cast<double>(n);
   p.dt = bounds(f, r.zeta, r.xi, p.dx, fraction);
+  p.dt.sound /= r.wave_share;
+  p.dt.momentum /= r.viscous_share;
   p.tau = f.L / r.speed;
   p.steps = p.tau / p.dt.least();
   if (c.updates_per_second > 0.0) p.seconds = p.steps * c.evaluations_per_step * p.particles / c.updates_per_second;

@@ -124,13 +124,18 @@ void print_choice(const fluid_layer& f, const recommendation& r, const choice& w
       .print();
 }
 
-void print_steps(const fluid_layer& f, const convection_plan& p, double fraction, const machine& m) {
+void print_steps(const fluid_layer& f, const recommendation& r, const convection_plan& p, double fraction,
+                 const machine& m) {
   const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, fraction);
   const auto mark = [&](const char* which) { return p.dt.binding() == which ? "<- binds" : ""; };
+  const auto part = [](const char* formula, double of) {
+    return of == 1.0 ? std::string(formula) : fmt::format("{}, over {}", formula, number(of));
+  };
   table t{fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(fraction), p.n, number(p.dx)),
           {{"", "slowed", "not slowed", "unit", "formula", ""},
-           {"sound", number(p.dt.sound), number(plain.sound), "s", "zeta xi dx/c_0", mark("sound")},
-           {"momentum", number(p.dt.momentum), number(plain.momentum), "s", "xi^2 dx^2/(2 nu)", mark("momentum")},
+           {"sound", number(p.dt.sound), number(plain.sound), "s", part("zeta xi dx/c_0", r.wave_share), mark("sound")},
+           {"momentum", number(p.dt.momentum), number(plain.momentum), "s", part("xi^2 dx^2/(2 nu)", r.viscous_share),
+            mark("momentum")},
            {"heat", number(p.dt.heat), number(plain.heat), "s", "dx^2/(2 kappa)", mark("heat")}},
           {false, true, true, false, false, false},
           true};
@@ -330,7 +335,7 @@ void run(const question& q) {
   print_numbers(f, c);
   print_rules(rules, r);
   print_choice(f, r, w);
-  print_steps(f, p, q.fraction, m);
+  print_steps(f, r, p, q.fraction, m);
   if (q.shared.steps || q.shared.seconds) {
     answer_backwards(q, f, r, c, m, all);
     // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.

@@ -106,6 +106,23 @@ BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
     BOOST_TEST(p.steady);
     BOOST_TEST(p.c_eff == relaxation::sound_speed(p.fluid) / (p.slowing.zeta * p.slowing.xi), tt::tolerance(1e-12));
     BOOST_TEST(p.nu_eff == p.fluid.nu / (p.slowing.xi * p.slowing.xi), tt::tolerance(1e-12));
+    // Relaxed viscous response: what answers at once, and waves of shear.
+    const double at_once = p.nu_eff * p.instant_share;
+    BOOST_TEST(at_once == 0.35 * p.c_eff * p.fluid.L / 100.0, tt::tolerance(1e-12));
+    BOOST_TEST(p.nu_eff - at_once == p.relaxation_time * p.shear_speed * p.shear_speed, tt::tolerance(1e-12));
+    BOOST_TEST(p.slowing.wave_share == std::hypot(1.0, p.shear_speed / p.c_eff), tt::tolerance(1e-12));
+    // While the viscosity is eightfold sound is a fourth as fast.
+    auto earlier = p;
+    follow(earlier, p.fluid.L / 100.0, 8.0);
+    BOOST_TEST(earlier.c_eff == 0.25 * p.c_eff, tt::tolerance(1e-12));
+    BOOST_TEST(earlier.relaxation_time == 4.0 * p.relaxation_time, tt::tolerance(1e-12));
+  }
+  {
+    options o;
+    const auto p = resolved("&convection rayleigh = 3e5 viscous_response = 'instant' /", o);
+    BOOST_TEST(p.nu_eff == 0.35 * p.c_eff * p.fluid.L / 100.0, tt::tolerance(1e-12));
+    BOOST_TEST(p.instant_share == 1.0);
+    BOOST_TEST(p.shear_speed == 0.0);
   }
   {
     options o;

@@ -1,5 +1,6 @@
 """Thermal convection against published numbers, at few particles; ranks, threads, restarts, input."""
 
+import cmath
 import math
 import unittest
 
@@ -83,7 +84,7 @@ class Convection(Case):
 
     def test_nested_start(self):
         """Coarser lattices first: the same steady state as from the lattice itself, for fewer updates; levels are told apart in the history."""
-        settings = {**size(24), "convection.steady_tolerance": 1e-3}
+        settings = {**size(24), "convection.steady_tolerance": 2e-4}
         alone = self.run_program("convection", MANTLE, settings).summary
         result = self.run_program("convection", MANTLE, {**settings, "convection.levels": 1})
         s = result.summary
@@ -92,9 +93,60 @@ class Convection(Case):
         for name, delta in [("nusselt_volume", 1e-3), ("nusselt_top", 1e-3), ("v_rms", 1e-3)]:
             self.assertAlmostEqual(s["metrics"][name] / alone["metrics"][name], 1, delta=delta)
         self.assertLess(s["particle_updates"], 0.8 * alone["particle_updates"])
+        self.assertLess(abs(s["metrics"]["mean_density_drift"]), 1e-9)  # in a closed box, on a new lattice too
         header, rows = result.rows()
         times = [float(row[header.index("time [s]")]) for row in rows]
         self.assertEqual(times, sorted(times))
+
+    def test_relaxed_viscous_response(self):
+        """The steady state is that of the instant response; it is reached in fewer steps."""
+        found = {}
+        for response in ["instant", "relaxed"]:
+            s = self.run_program("convection", MANTLE, {**size(16), "convection.steady_tolerance": 1e-3, "convection.viscous_response": response}).summary
+            self.assertTrue(s["metrics"]["steady"])
+            self.assertEqual(s["metrics"]["viscous_response"], response)
+            found[response] = s
+        for name, delta in [("nusselt_volume", 5e-3), ("v_rms", 5e-3)]:
+            self.assertAlmostEqual(found["relaxed"]["metrics"][name] / found["instant"]["metrics"][name], 1, delta=delta)
+        self.assertGreater(found["relaxed"]["metrics"]["prandtl_effective"], 5 * found["instant"]["metrics"]["prandtl_effective"])
+        self.assertLess(found["relaxed"]["rhs_evaluations"], found["instant"]["rhs_evaluations"])
+
+    def test_waves_of_shear(self):
+        """A plate that slides above a layer at rest. What lacks to the linear profile, sines sin(n pi y/L), obeys v' = -nu k^2 z,
+        z' = theta v' + (v - z)/lambda: waves of speed (nu (1 - theta)/lambda)^(1/2), where an instant response would diffuse."""
+        Ra, n, U = 600, 24, 1.0  # kappa/L; no convection: below 1708
+        c = Ra**(2 / 3) / 1.5
+        shear = 0.7 * c
+        relaxation, at_once = 1 / (math.sqrt(2) * math.pi * shear), max(0.35 * c / n, 1)
+        nu = relaxation * shear**2 + at_once
+        theta = at_once / nu
+        settings = {**size(n), "domain.periodic_x": ".true.", "walls.slip": "no_slip", "walls.velocity_top": U * 1e-12, "initial.perturbation": 0,
+                    "convection.rayleigh": Ra, "convection.steady_tolerance": 0, "time.t_end": 8e16, "output.history_interval": 2}
+        result = self.run_program("convection", MANTLE, settings)
+        self.assertAlmostEqual(result.summary["metrics"]["prandtl_effective"] / nu, 1, delta=1e-9)
+        header, rows = result.rows()
+        t_at, v_at = header.index("time [s]"), header.index("v_rms [kappa/L]")
+
+        def rms(t):
+            square = U * U / 3
+            for m in range(1, 200):
+                k = m * math.pi
+                b = 2 * U / k * (-1)**m  # of -U y/L
+                # v' = -nu k^2 z, z' = v/relaxation - (1/relaxation + theta nu k^2) z
+                p, q = 1 / relaxation + theta * nu * k * k, nu * k * k / relaxation
+                root = cmath.sqrt(p * p / 4 - q)
+                s1, s2 = -p / 2 + root, -p / 2 - root
+                slope = -nu * k * k * b
+                A = (slope - s2 * b) / (s1 - s2)
+                a = (A * cmath.exp(s1 * t) + (b - A) * cmath.exp(s2 * t)).real
+                square += a * a / 2 - 2 * a * U * (-1)**m / k  # with U y/L, whose sines are -b
+            return math.sqrt(square)
+
+        compared = [(float(row[v_at]), rms(float(row[t_at]) * 1e-18)) for row in rows if float(row[t_at]) > 1e16]
+        self.assertGreater(len(compared), 10)
+        self.assertGreater(max(exact for _, exact in compared), 1.02 * U / math.sqrt(3))  # it swings past the profile at rest
+        for found, exact in compared:
+            self.assertAlmostEqual(found / exact, 1, delta=0.02)
 
     def test_levels_are_chosen(self):
         """As many as resolve the flow, where the steady state is the aim."""
@@ -151,7 +203,8 @@ class Convection(Case):
         self.assertGreater(m["nusselt_top"], m["nusselt_bottom"] + 0.3)
 
     def test_ranks_threads_restart(self):
-        for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2"}),
+        for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscous_response": "instant", "convection.gravity_density": "separated"}),
+                           (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2", "convection.viscous_response": "relaxed"}),
                            (MANTLE, {"convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
                            (AIR, {"domain.periodic_x": ".true."})]:
             with self.subTest(name, **more):
@@ -187,7 +240,7 @@ class Convection(Case):
                        {"convection.viscous_heating": ".true."}, {"convection.adiabatic_heating": ".true."}, {"walls.slip_top": "no_slip"},
                        {"convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e18},
                        {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
-                       {"convection.target": "transient"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
+                       {"convection.target": "transient"}, {"convection.viscous_response": "instant"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
             with self.subTest(**change):
                 s = self.run_program("convection", MANTLE, {**settings, **change}).summary
                 hashes[str(change)] = s["state_hash"]
@@ -215,6 +268,11 @@ class Convection(Case):
         self.assertAlmostEqual(m["v_rms"] / 42.864947, 1, delta=0.01)
         wrong = self.run_program("convection", MANTLE, {"convection.viscosity_start": 10.0}, expect=BAD_INPUT)
         self.assertIn("viscosity_ramp", wrong.stderr)
+
+    def test_relaxed_response_needs_a_steady_aim(self):
+        for more in [{"convection.target": "transient"}, {"convection.zeta": 6.9, "convection.xi": 6e12}]:
+            result = self.run_program("convection", MANTLE, {"convection.viscous_response": "relaxed", **more}, expect=BAD_INPUT)
+            self.assertIn("viscous_response", result.stderr)
 
     def test_levels_need_a_steady_aim(self):
         result = self.run_program("convection", MANTLE, {"convection.levels": 1, "convection.steady_tolerance": 0}, expect=BAD_INPUT)
