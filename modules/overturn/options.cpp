@@ -69,16 +69,22 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(group, "volume_element", o.volume_element,
              {.choices = {"own", "from_weight"},
               .meaning = "in the forces, with a smoothed pressure: as volume says (p dV^2), or Y/p (Y^2/p)"});
+  schema.add(
+      group, "reference_pressure", o.reference_pressure,
+      {.choices = {"auto", "none", "lightest"},
+       .meaning = "a pressure p_r(y) that the forces between particles leave out and that lifts their volumes "
+                  "instead: none, or that of a column of the lighter fluid (auto: lightest with the number density "
+                  "in a closed box)"});
   schema.add(group, "normalise", o.normalise, {.meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
              {.minimum = 0.0,
               .maximum = 1.0,
               .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
   schema.add(group, "viscous_order", o.viscous_order,
-             {.minimum = 2,
+             {.minimum = 0,
               .maximum = 4,
-              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth, until the "
-                         "energy dissipated falls: then 2 (with a viscosity by melt fraction always 2)"});
+              .meaning = "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until the "
+                         "energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
@@ -190,17 +196,20 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
   if (o.walls.lid == "free_surface" && s.volume == "number_density")
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
-  if (s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4");
-  if (o.melting.viscosity_law != "constant") {
-    if (schema.given(group, "viscous_order") && s.viscous_order == 4)
-      schema.fail(group, "viscous_order",
-                  "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
-                  "motion instead of friction; choose 2");
-    s.viscous_order = 2;
-  }
+  const bool open = o.walls.lid == "free_surface";
+  if (open && s.reference_pressure == "lightest")
+    schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
+  const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy";
+  if (s.reference_pressure == "auto") s.reference_pressure = whole ? "none" : "lightest";
+  if (s.viscous_order == 1 || s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4, or 0 for either");
+  if (s.viscous_order == 4 && o.melting.viscosity_law != "constant")
+    schema.fail(group, "viscous_order",
+                "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
+                "motion instead of friction; choose 2");
   const bool equal = o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity &&
                      o.walls.lid != "free_surface";
   if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
+  if (s.viscous_order == 0) s.viscous_order = s.stress == "laplacian" && o.melting.viscosity_law == "constant" ? 4 : 2;
   p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;
   p.stress_b = s.stress == "laplacian" ? 0.0 : static_cast<double>(o.domain.dimension + 2);
 }

@@ -42,10 +42,11 @@ struct material_options {
 struct scheme_options {
   std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
   std::string volume_element = "own";
+  std::string reference_pressure = "auto";
   bool normalise = true;
   double delta = 0.1;
   std::string stress = "auto";
-  std::int64_t viscous_order = 4;
+  std::int64_t viscous_order = 0;  // of the run: 2 or 4
 };
 
 // Of the lower (outer) material, where temperature_law is 'enthalpy'.

@@ -4,6 +4,10 @@
 //   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
 //     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
+//   reference pressure p_r(y) = p_top + ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
+//     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
+//     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
+//     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
@@ -74,11 +78,19 @@ class two_fluids : public march::problem {
     w.g[1] = -o.gravity;
     carried_ = o.scheme.volume == "our_method";
     smoothed_ = o.scheme.pressure == "smoothed";
+    first_pattern_ = o.scheme.gradient == "pattern_1";
     from_weight_ = o.scheme.volume_element == "from_weight";
     warms_ = o.temperature_law == "adiabatic";
     self_ = std::visit([](const auto& k) { return k.self(); }, w.kernel);
     h_ = o.march.kernel.h_over_dx * w.dx;
     place_fluid();
+    if (o.scheme.reference_pressure == "lightest") {
+      double lightest = std::numeric_limits<double>::infinity();
+      for (const auto& material : *p.material)
+        lightest = std::min(lightest, at_pressure({&material, o.p_top, o.temperature, warms_}, o.p_top).density);
+      reference_slope_ = -o.gravity * lightest;
+      reference_floor_ = o.p_top - reference_slope_ * d.length[1];
+    }
     limit_ = limit();
   }
 
@@ -204,7 +216,7 @@ class two_fluids : public march::problem {
       mass.add(s.m[i]);
       kinetic.add(0.5 * s.m[i] * inertia_of(i) * v2);
       potential.add(s.m[i] * o_.gravity * s.x[1][i]);
-      elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)));
+      elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)) + reference_pressure(s.x[1][i]) * V);
       heat.add(s.m[i] * dissipated()[i]);
       thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - T_start(i)));
       volume.add(V);
@@ -768,11 +780,9 @@ class two_fluids : public march::problem {
     } else {
       foundation::for_all(n, [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
     }
-    const bool first = o_.scheme.gradient == "pattern_1";
-    const double scale = carried_ ? 1.0 : 1.0 / w.lattice_sum;
     foundation::for_all(n, [&](std::size_t i) {
-      stress_[i] = scale * s.p[i] * s.dV[i] * (first ? s.dV[i] : 1.0);
-      factor_[i] = first ? 1.0 : s.dV[i];
+      stress_[i] = (s.p[i] - reference_pressure(s.x[1][i])) * element_of_work(i);
+      factor_[i] = first_pattern_ ? 1.0 : s.dV[i];
     });
     stress_[s.null()] = factor_[s.null()] = 0.0;
   }
@@ -821,19 +831,19 @@ class two_fluids : public march::problem {
     const foundation::stage timed(w.times, "rates");
     const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_c = at_T + (warms_ ? 1 : 0),
                       at_h = at_c + (dissolved_ ? 1 : 0);
-    const bool first = o_.scheme.gradient == "pattern_1";
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double per_m = 1.0 / s.m[i];
       for (std::size_t a = 0; a < D; ++a) {
         rate[a][i] = s.v[a][i];
-        rate[D + a][i] = (per_m * force_[a][i] + w.g[a]) / inertia_of(i);
+        const double lift = a == 1 ? -reference_slope_ * s.dV[i] : 0.0;
+        rate[D + a][i] = (per_m * (force_[a][i] + lift) + w.g[a]) / inertia_of(i);
         finite = finite && std::isfinite(rate[D + a][i]);
       }
-      rate[2 * D][i] = per_m * stress_[i] * compression_[i];
+      rate[2 * D][i] = per_m * s.p[i] * element_of_work(i) * compression_[i];
       rate[2 * D + 1][i] = per_m * heat_[i];
-      double dlnrho = compression_[i] * (first ? s.dV[i] : 1.0) / w.lattice_sum;
+      double dlnrho = compression_[i] * (first_pattern_ ? s.dV[i] : 1.0) / w.lattice_sum;
       if (carried_) {
         rate[at_rho][i] = rho_rate_[i];
         dlnrho = rho_rate_[i] / s.rho[i];
@@ -864,6 +874,14 @@ class two_fluids : public march::problem {
                                           " Pa; the flow has blown up, or the step is too large");
     }
   }
+
+  // What the pressure has in the forces, A of terms.hpp over p: m^2D, or m^D with pattern 2.
+  double element_of_work(std::size_t i) const {
+    const auto& w = world_.w;
+    const double scale = carried_ ? 1.0 : 1.0 / w.lattice_sum;
+    return scale * w.s.dV[i] * (first_pattern_ ? w.s.dV[i] : 1.0);
+  }
+  double reference_pressure(double y) const { return reference_floor_ + reference_slope_ * y; }  // Pa
 
   // ---- energy -----------------------------------------------------------------------------
 
@@ -953,7 +971,7 @@ class two_fluids : public march::problem {
   const options& o_;
   const parameters& p_;
   images::scene<D> world_;
-  bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
+  bool carried_ = false, smoothed_ = false, first_pattern_ = false, from_weight_ = false, warms_ = false;
   bool enthalpy_ = false, melts_ = false;
   bool dissolved_ = false;
   std::size_t heat_at_ = 0, element_at_ = 0;  // of the extras
@@ -973,6 +991,7 @@ class two_fluids : public march::problem {
   double dissipated_now_ = 0.0, dissipated_most_ = 0.0;  // J, at lines of the history
   bool second_order_ = false;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
+  double reference_floor_ = 0.0, reference_slope_ = 0.0;  // Pa, Pa/m
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
   std::optional<double> element_start_;  // kg (2-D: kg/m)
   std::array<double, 4> metal_start_{};  // mass and volume of the metal, of all

@@ -27,17 +27,28 @@ class RayleighTaylor(Case):
         self.assertFalse((self.here / "none").exists())
 
     def test_growth(self):
-        """n = 24: kernel and lattice leave errors of order (k dx)^2, k dx = 0.26; at 48 less than half a per cent."""
+        """n = 24: the kernel leaves errors of order (k dx)^2, k dx = 0.26; at 48 less than half a per cent, also of unequal viscosities
+        (measured: 0.1 to 0.3)."""
         for change, delta in [({"time.t_end": 1400}, 0.01),
                               ({**viscosity(1e11), "time.t_end": 950}, 0.01),
                               ({"domain.periodic_x": ".true.", "walls.floor": "free_slip", "time.t_end": 1200}, 0.01),
-                              ({"rti.interface": 5e5, **viscosity(6e11, 6e10), "time.t_end": 1500}, 0.02),
+                              ({"rti.interface": 5e5, **viscosity(6e11, 6e10), **size(48), "time.t_end": 1500}, 0.005),
                               ({"rti.volume": "our_method", "rti.pressure": "smoothed", "time.t_end": 1400}, 0.01)]:
             with self.subTest(**change):
                 m = self.run_program("rti", LINEAR, {**size(24), **change}).summary["metrics"]
                 self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=delta)
                 # Smoothing takes the force away from its potential.
                 self.assertLess(abs(m["energy_residual_max"]), 1e-3 if "rti.pressure" in change else 1e-4)
+
+    def test_small_contrasts(self):
+        """Where growth is slow the lattice's elasticity would show: 3.6 % with the whole pressure in the forces, 0.8 % with what is left of it."""
+        settings = {**size(24), "rti.density_upper": 3300, "time.t_end": 3000, "time.method": "rkl2", "output.interval": 0}
+        errors = {}
+        for reference in ("auto", "none"):
+            m = self.run_program("rti", LINEAR, {**settings, "rti.reference_pressure": reference}).summary["metrics"]
+            errors[reference] = m["growth_rate"] / m["growth_rate_theory"] - 1
+        self.assertLess(abs(errors["auto"]), 0.01)
+        self.assertLess(errors["none"], -0.03)
 
     def test_creeping(self):
         """Ten times the viscosity, with the stabilised method: compressibility speeds the growth by a tenth, and the run shows it."""
@@ -91,6 +102,7 @@ class RayleighTaylor(Case):
         settings = {**size(20), "time.steps": 20, "rti.p_top": 1e10, "output.interval": 0}
         hashes = {}
         for change in [{}, {"rti.pressure": "smoothed"}, {"rti.gradient": "pattern_2"}, {"rti.stress": "symmetric"},
+                       {"rti.reference_pressure": "none"},
                        {"rti.viscous_order": 2}, {"walls.pressure": "mirrored"}, {"rti.start": "displaced"}, {"rti.start": "coloured"},
                        {"rti.volume": "our_method"}, {"rti.volume": "our_method", "rti.delta": 0},
                        {"rti.volume": "our_method", "rti.pressure": "smoothed"},
