@@ -155,6 +155,16 @@ class Melting(Case):
         self.assertGreater(m["melt_fraction"], cold["melt_fraction"] + 0.05)
         self.assertGreater(m["metal_depth"], 2 * cold["metal_depth"])
 
+    def test_pond_in_three_dimensions(self):
+        """A box of equal edges, periodic along z: heat and energy are accounted for there too, and about as much melts as in two."""
+        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500}
+        deep = {**flat, "domain.dimension": 3, "domain.particles_z": 10, "domain.length_z": 1e6, "domain.periodic_z": ".true."}
+        m = self.run_program("rti", POND, deep).summary["metrics"]
+        self.assertLess(abs(m["heat_residual"]), 1e-10)
+        self.assertLess(m["energy_residual_max"], 5e-3)
+        self.assertEqual(m["particles_lost"], 0)
+        self.assertAlmostEqual(m["melt_fraction"], self.run_program("rti", POND, flat).summary["metrics"]["melt_fraction"], delta=0.02)
+
     def test_bad_input(self):
         for change, word in [({"rti.viscous_order": 4}, "viscous_order"), ({"rti.temperature_law": "isothermal"}, "enthalpy"),
                              ({"melting.solidus": 1500}, "mantle"), ({"rti.eos_upper": "liquid_iron"}, "linear"),
