@@ -281,6 +281,14 @@ class SurfaceTension(Case):
         result = self.call("drop", *self.arguments(TENSION, {"drop.volume": "our_method"}, self.here / "none"))
         self.assert_says(result, BAD_INPUT, "surface_tension")
 
+    def test_tension_in_the_contact_is_told_of(self):
+        """Where the pressure does not hold the contact's particles together the run says so, and elsewhere it does not."""
+        for pressure, warned in [(0, True), (3e3, False)]:  # 0.2 sigma/dx: 1000 Pa, told of below twice that
+            with self.subTest(p_top=pressure):
+                run = self.run_program("drop", TENSION, {"drop.p_top": pressure, "drop.surface_tension": 20, "drop.y": 0.22, "time.steps": 1,
+                                                         "domain.particles_x": 30, "domain.particles_y": 60, "output.interval": 0})
+                self.assertEqual("raise p_top" in (run.directory / "run.log").read_text(), warned)
+
 
 if __name__ == "__main__":
     unittest.main()
