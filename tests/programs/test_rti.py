@@ -167,6 +167,16 @@ class Melting(Case):
         self.assertGreater(m["melt_fraction"], cold["melt_fraction"] + 0.05)
         self.assertGreater(m["metal_depth"], 2 * cold["metal_depth"])
 
+    def test_pond_in_three_dimensions(self):
+        """A box of equal edges, periodic along z: heat and energy are accounted for there too, and about as much melts as in two."""
+        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500}
+        deep = {**flat, "domain.dimension": 3, "domain.particles_z": 10, "domain.length_z": 1e6, "domain.periodic_z": ".true."}
+        m = self.run_program("rti", POND, deep).summary["metrics"]
+        self.assertLess(abs(m["heat_residual"]), 1e-10)
+        self.assertLess(m["energy_residual_max"], 5e-3)
+        self.assertEqual(m["particles_lost"], 0)
+        self.assertAlmostEqual(m["melt_fraction"], self.run_program("rti", POND, flat).summary["metrics"]["melt_fraction"], delta=0.02)
+
     def test_bad_input(self):
         for change, word in [({"rti.viscous_order": 4}, "viscous_order"), ({"rti.temperature_law": "isothermal"}, "enthalpy"),
                              ({"melting.solidus": 1500}, "mantle"), ({"rti.eos_upper": "liquid_iron"}, "linear"),
@@ -282,6 +292,14 @@ class SurfaceTension(Case):
     def test_bad_input(self):
         result = self.call("drop", *self.arguments(TENSION, {"drop.volume": "our_method"}, self.here / "none"))
         self.assert_says(result, BAD_INPUT, "surface_tension")
+
+    def test_tension_in_the_contact_is_told_of(self):
+        """Where the pressure does not hold the contact's particles together the run says so, and elsewhere it does not."""
+        for pressure, warned in [(0, True), (3e3, False)]:  # 0.2 sigma/dx: 1000 Pa, told of below twice that
+            with self.subTest(p_top=pressure):
+                run = self.run_program("drop", TENSION, {"drop.p_top": pressure, "drop.surface_tension": 20, "drop.y": 0.22, "time.steps": 1,
+                                                         "domain.particles_x": 30, "domain.particles_y": 60, "output.interval": 0})
+                self.assertEqual("raise p_top" in (run.directory / "run.log").read_text(), warned)
 
 
 if __name__ == "__main__":
