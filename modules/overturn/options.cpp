@@ -4,6 +4,7 @@
 #include <kernels/lattice.hpp>
 #include <numbers>
 #include <overturn/options.hpp>
+#include <theory/drop.hpp>
 #include <theory/free_slip_box.hpp>
 #include <theory/sphere_uptake.hpp>
 #include <theory/stefan.hpp>
@@ -69,16 +70,22 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(group, "volume_element", o.volume_element,
              {.choices = {"own", "from_weight"},
               .meaning = "in the forces, with a smoothed pressure: as volume says (p dV^2), or Y/p (Y^2/p)"});
+  schema.add(
+      group, "reference_pressure", o.reference_pressure,
+      {.choices = {"auto", "none", "lightest"},
+       .meaning = "a pressure p_r(y) that the forces between particles leave out and that lifts their volumes "
+                  "instead: none, or that of a column of the lighter fluid (auto: lightest with the number density "
+                  "in a closed box)"});
   schema.add(group, "normalise", o.normalise, {.meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
              {.minimum = 0.0,
               .maximum = 1.0,
               .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
   schema.add(group, "viscous_order", o.viscous_order,
-             {.minimum = 2,
+             {.minimum = 0,
               .maximum = 4,
-              .meaning = "of the viscous sum on the lattice: 2, the notes' sum, or 4, which does not smooth, until the "
-                         "energy dissipated falls: then 2 (with a viscosity by melt fraction always 2)"});
+              .meaning = "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until the "
+                         "energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
@@ -163,6 +170,7 @@ theory::two_layers layers(const options& o, const parameters& p, bool compressib
   fill(t.lower, 0, p.interface, p.base->lower());
   fill(t.upper, 1, o.domain.length[1] - p.interface, p.base->upper());
   t.gravity = o.gravity;
+  t.surface_tension = o.surface_tension;
   t.top_pressure = o.p_top;
   t.floor = boundary_of(o.walls.floor);
   t.lid = boundary_of(o.walls.lid);
@@ -190,17 +198,24 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
   if (o.walls.lid == "free_surface" && s.volume == "number_density")
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
-  if (s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4");
-  if (o.melting.viscosity_law != "constant") {
-    if (schema.given(group, "viscous_order") && s.viscous_order == 4)
-      schema.fail(group, "viscous_order",
-                  "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
-                  "motion instead of friction; choose 2");
-    s.viscous_order = 2;
-  }
+  if (o.surface_tension > 0.0 &&
+      !(s.volume == "number_density" && s.gradient == "pattern_1" && s.pressure == "non_smoothed"))
+    schema.fail(group, "surface_tension",
+                "is derived for volume = 'number_density', gradient = 'pattern_1' and pressure = 'non_smoothed'");
+  const bool open = o.walls.lid == "free_surface";
+  if (open && s.reference_pressure == "lightest")
+    schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
+  const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy" || o.surface_tension > 0.0;
+  if (s.reference_pressure == "auto") s.reference_pressure = whole ? "none" : "lightest";
+  if (s.viscous_order == 1 || s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4, or 0 for either");
+  if (s.viscous_order == 4 && o.melting.viscosity_law != "constant")
+    schema.fail(group, "viscous_order",
+                "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
+                "motion instead of friction; choose 2");
   const bool equal = o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity &&
                      o.walls.lid != "free_surface";
   if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
+  if (s.viscous_order == 0) s.viscous_order = s.stress == "laplacian" && o.melting.viscosity_law == "constant" ? 4 : 2;
   p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;
   p.stress_b = s.stress == "laplacian" ? 0.0 : static_cast<double>(o.domain.dimension + 2);
 }
@@ -320,6 +335,33 @@ void find_melt(const options& o, parameters& p) {
   p.melt_conducted = s.melt_thickness(*o.march.time.t_end) / p.interface;
 }
 
+// Along the contact the stress of surface tension is up to (1 - 1/d) sigma |G|, |G| = 0.4/dx (surface_tension.hpp): a
+// pressure below that leaves the particles there under tension, in which no lattice is stable.
+void warn_of_tension(const options& o, parameters& p, double y) {
+  const double pressure = p.base->at(std::min(y, o.domain.length[1])).pressure,
+               least = 0.4 * (1.0 - 1.0 / static_cast<double>(o.domain.dimension)) * o.surface_tension / p.dx;
+  if (o.surface_tension > 0.0 && pressure < 2.0 * least)
+    p.lines.push_back(fmt::format(
+        "warning: surface tension puts the contact under a tension of up to {:.3g} Pa, and the pressure there "
+        "is {:.3g} Pa: particles will clump, and make energy; raise p_top",
+        least, pressure));
+}
+
+// What a drop with surface tension is held against.
+void find_tension(const options& o, parameters& p, double outside) {
+  if (!(o.surface_tension > 0.0)) return;
+  const int dimension = static_cast<int>(o.domain.dimension);
+  p.oscillation_period =
+      2.0 * std::numbers::pi /
+      theory::oscillation_frequency(2, dimension, o.surface_tension, o.radius, outside + p.density_difference, outside);
+  warn_of_tension(o, p, *o.centre[1] + o.radius);
+  p.bond_number = std::abs(p.density_difference) * o.gravity * o.radius * o.radius / o.surface_tension;
+  p.lines.push_back(fmt::format(
+      "Bond number {:.4g}; largest stable radius {:.4g} m (Rayleigh-Taylor waves on the front)", p.bond_number,
+      p.density_difference == 0.0 ? std::numeric_limits<double>::infinity()
+                                  : theory::largest_radius(o.surface_tension, p.density_difference, o.gravity)));
+}
+
 // Difference of density and terminal velocity at the height where it is measured.
 void find_fall(const namelist::schema& schema, options& o, parameters& p) {
   const auto& d = o.domain;
@@ -338,6 +380,7 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
   const barotropic inside{&(*p.material)[1], o.p_top, o.temperature, o.temperature_law == "adiabatic"};
   const place here = p.base->at(y);
   p.density_difference = at_pressure(inside, here.pressure).density - here.density;
+  find_tension(o, p, here.density);
   const double eta = o.material[0].viscosity, eta_drop = o.material[1].viscosity;
   const auto& w = o.walls;
   if (!deep) {
@@ -424,6 +467,8 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                   "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
   schema.add(group, "conductivity", o.conductivity,
              {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, not of the isothermal law"});
+  schema.add(group, "surface_tension", o.surface_tension,
+             {.unit = "N/m", .minimum = 0.0, .meaning = "between the two materials; walls are neutral (90 degrees)"});
   for (const std::size_t n : {1, 0})
     schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
                positive("K", "at the start, enthalpy law; not given: temperature"));
@@ -435,6 +480,10 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
           {.unit = "m", .minimum = 0.0, .meaning = "its centre; not given: the middle, y at 0.75 of the height"});
     schema.add(group, "measure_at", o.measure_at,
                {.minimum = 0.0, .maximum = 1.0, .meaning = "height over the box's where the velocity is measured"});
+    schema.add(group, "shape", o.shape,
+               {.choices = {"round", "square"}, .meaning = "at the start; square (a cube): of the round one's volume"});
+    schema.add(group, "elongation", o.elongation,
+               positive("1", "at the start, extent along y over that across, at the same volume"));
   } else {
     schema.add(
         group, "interface", o.interface,
@@ -521,6 +570,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   if (kind == problem_kind::rayleigh_taylor) {
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
+    warn_of_tension(o, p, p.interface);
     if (o.melting.curve != "none" && !o.pond_top) find_melt(o, p);
   } else {
     find_fall(schema, o, p);

@@ -42,10 +42,11 @@ struct material_options {
 struct scheme_options {
   std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
   std::string volume_element = "own";
+  std::string reference_pressure = "auto";
   bool normalise = true;
   double delta = 0.1;
   std::string stress = "auto";
-  std::int64_t viscous_order = 4;
+  std::int64_t viscous_order = 0;  // of the run: 2 or 4
 };
 
 // Of the lower (outer) material, where temperature_law is 'enthalpy'.
@@ -78,6 +79,7 @@ struct options {
   double temperature = 3000.0;               // K, at the top
   std::string temperature_law = "isothermal";
   double conductivity = 0.0;                          // W/(m K)
+  double surface_tension = 0.0;                       // N/m, between the materials
   std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
   melting_options melting;
   element_options element;
@@ -91,6 +93,8 @@ struct options {
   double radius = 1.5e5;                          // m
   std::array<std::optional<double>, 3> centre{};  // m
   double measure_at = 0.7;                        // of the height
+  std::string shape = "round";
+  double elongation = 1.0;  // along y, over that across
 
   scheme_options scheme;
   march::options march;
@@ -112,7 +116,8 @@ struct parameters {
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
   std::optional<double> growth, growth_incompressible;
   std::optional<theory::mode> mode;
-  std::optional<double> theory_fall;  // drop: m/s, downward
+  std::optional<double> theory_fall;                   // drop: m/s, downward
+  double oscillation_period = 0.0, bond_number = 0.0;  // drop with surface tension: s, 1
   std::string theory_about;
   std::vector<std::string> lines;
 };

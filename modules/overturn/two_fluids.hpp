@@ -4,10 +4,15 @@
 //   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
 //     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
+//   reference pressure p_r(y) = p_top + ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
+//     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
+//     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
+//     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
 //     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
+//   surface tension between the materials: surface_tension.hpp
 //   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
 //     flow is the same, and viscosity asks for the steps of η_x.
 //
@@ -24,7 +29,7 @@
 #include <overturn/growth.hpp>
 #include <overturn/lattice.hpp>
 #include <overturn/options.hpp>
-#include <overturn/terms.hpp>
+#include <overturn/surface_tension.hpp>
 #include <simulation/state.hpp>
 #include <theory/radial_exchange.hpp>
 #include <volume/shape.hpp>
@@ -34,6 +39,7 @@ namespace tetsuame::overturn {
 // A measure over time: lines of history that the summary looks back on.
 struct record {
   std::vector<double> time, mode, centroid, fall;          // s; m; m; m/s
+  std::vector<double> stretch;                             // of a drop: 1
   std::vector<double> in_metal, partition, equilibration;  // of an element: means over the metal; 0 to 1
 };
 
@@ -74,11 +80,20 @@ class two_fluids : public march::problem {
     w.g[1] = -o.gravity;
     carried_ = o.scheme.volume == "our_method";
     smoothed_ = o.scheme.pressure == "smoothed";
+    first_pattern_ = o.scheme.gradient == "pattern_1";
     from_weight_ = o.scheme.volume_element == "from_weight";
     warms_ = o.temperature_law == "adiabatic";
     self_ = std::visit([](const auto& k) { return k.self(); }, w.kernel);
     h_ = o.march.kernel.h_over_dx * w.dx;
+    tense_ = o.surface_tension > 0.0;
     place_fluid();
+    if (o.scheme.reference_pressure == "lightest") {
+      double lightest = std::numeric_limits<double>::infinity();
+      for (const auto& material : *p.material)
+        lightest = std::min(lightest, at_pressure({&material, o.p_top, o.temperature, warms_}, o.p_top).density);
+      reference_slope_ = -o.gravity * lightest;
+      reference_floor_ = o.p_top - reference_slope_ * d.length[1];
+    }
     limit_ = limit();
   }
 
@@ -113,6 +128,7 @@ class two_fluids : public march::problem {
     find_volumes();
     if (enthalpy_) find_phases();
     if (dissolved_) find_partition();
+    if (tense_) find_tension();
     find_pressures();
     sum_over_neighbours();
     combine(rate);
@@ -158,7 +174,9 @@ class two_fluids : public march::problem {
     }
     for (auto* all : scratch())
       if (all->size() < s.total() + 1) all->resize(s.total() + 1);
-    stress_[s.null()] = factor_[s.null()] = 0.0;
+    if (tense_)
+      for (std::size_t i = 0; i < s.total(); ++i) metal_[i] = s.material[i] == 1 ? 1.0 : 0.0;
+    stress_[s.null()] = factor_[s.null()] = squared_volume_[s.null()] = 0.0;
     partition_[s.null()] = 1.0;
   }
 
@@ -179,6 +197,9 @@ class two_fluids : public march::problem {
                                             {"density_ratio_min", "1"},
                                             {"density_ratio_max", "1"},
                                             {"pressure_min", "Pa"}};
+    if (tense_) all.push_back({"surface", J});
+    if (kind_ == problem_kind::drop) all.push_back({"stretch", "1"});
+    if (tense_ && kind_ == problem_kind::drop) all.push_back({"laplace_pressure", "Pa"});
     if (dissolved_)
       for (const char* name : {"element", "concentration_metal", "partition_coefficient", "equilibration"})
         all.push_back({name, name == std::string("element") ? (D == 2 ? "kg/m" : "kg") : "1"});
@@ -196,15 +217,18 @@ class two_fluids : public march::problem {
     const auto& s = world_.w.s;
     foundation::exact_sum kinetic, mass, potential, elastic, heat, thermal, volume, squares, metal_mass, metal_y,
         metal_volume, metal_v, shape, shape2, amount, in_metal, partition, content_gain, exchanged, melt, lower_mass,
-        metal_below;
+        metal_below, surface, along, across, inside, inside_p, outside, outside_p;
+    const double y_drop = kind_ == problem_kind::drop ? centre_of_metal() : 0.0;
+    double fastest2 = 0.0;
     double metal_low = o_.domain.length[1];
     double low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double v2 = speed2(i), V = s.m[i] / s.rho[i];
+      fastest2 = std::max(fastest2, v2 / (s.c[i] * s.c[i]));
       mass.add(s.m[i]);
       kinetic.add(0.5 * s.m[i] * inertia_of(i) * v2);
       potential.add(s.m[i] * o_.gravity * s.x[1][i]);
-      elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)));
+      elastic.add(s.m[i] * (warms_ ? s.u[i] : elastic_energy(i)) + reference_pressure(s.x[1][i]) * V);
       heat.add(s.m[i] * dissipated()[i]);
       thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - T_start(i)));
       volume.add(V);
@@ -215,6 +239,21 @@ class two_fluids : public march::problem {
           in_metal.add(s.m[i] * element()[i]);
           partition.add(s.m[i] * partition_[i]);
         }
+      }
+      if (tense_) {
+        surface.add(o_.surface_tension * V * area_[i]);
+        // Out of reach of the other material: what is above the column at rest.
+        if (area_[i] == 0.0) {
+          const double excess = V * (s.p_eos[i] - p_.base->at(s.x[1][i]).pressure);
+          (is_metal(i) ? inside : outside).add(V);
+          (is_metal(i) ? inside_p : outside_p).add(excess);
+        }
+      }
+      if (kind_ == problem_kind::drop && is_metal(i)) {
+        double x = s.x[0][i] - *o_.centre[0];
+        if (o_.domain.periodic[0]) x = std::remainder(x, o_.domain.length[0]);
+        across.add(s.m[i] * x * x);
+        along.add(s.m[i] * (s.x[1][i] - y_drop) * (s.x[1][i] - y_drop));
       }
       if (is_metal(i)) {
         metal_mass.add(s.m[i]);
@@ -249,7 +288,8 @@ class two_fluids : public march::problem {
     }
     const auto total = [&](const foundation::exact_sum& sum) { return ranks().exact(sum); };
     const double E[] = {total(kinetic), total(potential), total(elastic), total(heat)};
-    const double energy = E[0] + E[1] + E[2] + E[3];
+    surface_ = tense_ ? total(surface) : 0.0;
+    const double energy = E[0] + E[1] + E[2] + E[3] + surface_;
     if (!energy_start_) {
       energy_start_ = energy;
       mass_start_ = total(mass);
@@ -268,6 +308,7 @@ class two_fluids : public march::problem {
     density_min_ = std::min(density_min_, ranks().minimum(low));
     density_max_ = std::max(density_max_, ranks().maximum(high));
     pressure_min_ = std::min(pressure_min_, ranks().minimum(p_low));
+    mach_max_ = std::max(mach_max_, std::sqrt(ranks().maximum(fastest2)));
     const double amplitude = p_.mode ? total(shape) / total(shape2) : 0.0;
     record_.time.push_back(t);
     record_.mode.push_back(amplitude);
@@ -287,6 +328,17 @@ class two_fluids : public march::problem {
                                ranks().minimum(low),
                                ranks().maximum(high),
                                ranks().minimum(p_low)};
+    if (tense_) values.push_back(surface_);
+    if (kind_ == problem_kind::drop) {
+      const double a = total(along), b = total(across);
+      record_.stretch.push_back((a - b) / (a + b));
+      values.push_back(record_.stretch.back());
+      if (tense_) {
+        drop_volume_ = total(metal_volume);
+        laplace_pressure_ = total(inside_p) / total(inside) - total(outside_p) / total(outside);
+        values.push_back(laplace_pressure_);
+      }
+    }
     if (dissolved_) {
       const double there = total(amount), c = total(in_metal) / metal, P = total(partition) / metal;
       if (!element_start_) {
@@ -351,6 +403,22 @@ class two_fluids : public march::problem {
     } else {
       j["fall_velocity"] = or_null(fall_at(o_.measure_at * L));
       j["fall_velocity_theory"] = or_null(p_.theory_fall);
+      j["stretch"] = record_.stretch.back();
+      if (tense_) {
+        const auto number_or_null = [](double v) {
+          return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr);
+        };
+        const double radius = o_.radius, fall = fall_at(o_.measure_at * L).value_or(record_.fall.back());
+        const double rho = p_.base->at(o_.measure_at * L).density;
+        j["laplace_pressure"] = number_or_null(laplace_pressure_);
+        j["laplace_pressure_theory"] = (D - 1) * o_.surface_tension / radius_by_volume();
+        j["oscillation_period"] = or_null(oscillation_period());
+        j["oscillation_period_theory"] = p_.oscillation_period;
+        j["bond_number"] = p_.bond_number;
+        j["weber_number"] = rho * fall * fall * 2.0 * radius / o_.surface_tension;
+        j["reynolds_number"] = rho * std::abs(fall) * 2.0 * radius / o_.material[0].viscosity;
+        j["surface_excess"] = surface_ / (o_.surface_tension * round_surface(radius_by_volume()));
+      }
     }
     j["metal_centroid"] = record_.centroid.back() / L;
     for (const double fall : {0.1, 0.2, 0.3})
@@ -359,6 +427,7 @@ class two_fluids : public march::problem {
     j["v_rms"] = v_rms_;
     j["v_rms_max"] = v_rms_max_;
     j["v_rms_max_time"] = v_rms_max_time_;
+    j["mach_max"] = mach_max_;
     j["energy_residual"] = residual_;
     j["energy_residual_max"] = residual_max_;
     j["density_ratio_min"] = density_min_;
@@ -418,6 +487,7 @@ class two_fluids : public march::problem {
     g.blobs["mode"] = record_.mode;
     g.blobs["centroid"] = record_.centroid;
     g.blobs["fall"] = record_.fall;
+    g.blobs["stretch"] = record_.stretch;
     if (dissolved_) {
       g.blobs["in_metal"] = record_.in_metal;
       g.blobs["partition"] = record_.partition;
@@ -446,11 +516,22 @@ class two_fluids : public march::problem {
                            metal_below_,
                            dissipated_now_,
                            dissipated_most_,
+                           mach_max_,
+                           surface_,
+                           drop_volume_,
+                           laplace_pressure_,
                            second_order_ ? 1.0 : 0.0};
   }
   void restore(const output::checkpoint_globals& g) override {
     crossings_ = g.integers.at("wall_crossings");
-    record_ = {g.blobs.at("time"), g.blobs.at("mode"), g.blobs.at("centroid"), g.blobs.at("fall"), {}, {}, {}};
+    record_ = {g.blobs.at("time"),
+               g.blobs.at("mode"),
+               g.blobs.at("centroid"),
+               g.blobs.at("fall"),
+               g.blobs.at("stretch"),
+               {},
+               {},
+               {}};
     if (dissolved_) {
       record_.in_metal = g.blobs.at("in_metal");
       record_.partition = g.blobs.at("partition");
@@ -462,10 +543,10 @@ class two_fluids : public march::problem {
     }
     const auto& m = g.blobs.at("measures");
     energy_start_ = m[0];
-    std::array<double*, 16> to{&residual_,       &residual_max_, &v_rms_,          &v_rms_max_,
-                               &v_rms_max_time_, &density_min_,  &density_max_,    &pressure_min_,
-                               &mass_start_,     &mass_drift_,   &heat_residual_,  &melt_fraction_,
-                               &metal_depth_,    &metal_below_,  &dissipated_now_, &dissipated_most_};
+    std::array<double*, 20> to{&residual_,        &residual_max_,  &v_rms_,        &v_rms_max_,   &v_rms_max_time_,
+                               &density_min_,     &density_max_,   &pressure_min_, &mass_start_,  &mass_drift_,
+                               &heat_residual_,   &melt_fraction_, &metal_depth_,  &metal_below_, &dissipated_now_,
+                               &dissipated_most_, &mach_max_,      &surface_,      &drop_volume_, &laplace_pressure_};
     for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
     if (m[to.size() + 1] != 0.0) take_second_order();
   }
@@ -532,9 +613,17 @@ class two_fluids : public march::problem {
 
   std::int32_t material_at(const std::array<double, D>& x) const {
     if (kind_ == problem_kind::drop) {
-      double r2 = 0.0;
-      for (std::size_t a = 0; a < D; ++a) r2 += (x[a] - *o_.centre[a]) * (x[a] - *o_.centre[a]);
-      return r2 < o_.radius * o_.radius ? 1 : 0;
+      // In units of the half axes, whose product is that of a round drop.
+      double r2 = 0.0, most = 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        const double half = o_.radius * std::pow(o_.elongation, a == 1 ? 1.0 - 1.0 / D : -1.0 / D);
+        const double d = (x[a] - *o_.centre[a]) / half;
+        r2 += d * d;
+        most = std::max(most, std::abs(d));
+      }
+      if (o_.shape == "square")
+        return most < 0.5 * (D == 2 ? std::sqrt(std::numbers::pi) : std::cbrt(4.0 / 3.0 * std::numbers::pi)) ? 1 : 0;
+      return r2 < 1.0 ? 1 : 0;
     }
     double height = p_.interface;
     if (o_.start == "coloured")
@@ -627,11 +716,24 @@ class two_fluids : public march::problem {
     const double conduction = rates_of_lattice<D>(world_.w.kernel, dx, {}).viscous * kappa;
     const double diffusive = std::max(stiff.viscous * nu, conduction);
     radius_ = 1.2 * diffusive / (dx * dx);
+    // The stiffest capillary wave: of two spacings, ω² = σk³/(ρ + ρ').
+    double capillary = 0.0;
+    if (tense_) {
+      const auto density = [&](std::size_t n) {
+        return at_pressure({&(*p_.material)[n], o_.p_top, o_.temperature, warms_}, o_.p_top).density;
+      };
+      const double both = density(0) + density(1);
+      capillary = std::sqrt(o_.surface_tension * std::pow(std::numbers::pi / dx, 3) / both);
+    }
     // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
     const double sound = *o_.march.time.cfl * 2.2 / stiff.sound * dx / fastest_sound_;
     const double viscous = *o_.march.time.diffusive * 4.0 * D * dx * dx / diffusive;
-    const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous);
-    return {both, sound < viscous ? "sound" : conduction < diffusive ? "viscosity" : "conduction"};
+    const double wave = capillary / (*o_.march.time.cfl * 2.2);
+    const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous, wave);
+    return {both, wave * std::min(sound, viscous) > 1.0 ? "surface tension"
+                  : sound < viscous                     ? "sound"
+                  : conduction < diffusive              ? "viscosity"
+                                                        : "conduction"};
   }
 
   // ---- right-hand side --------------------------------------------------------------------
@@ -639,8 +741,10 @@ class two_fluids : public march::problem {
   std::vector<particles::array*> scratch() {
     std::vector<particles::array*> all{&stress_,   &factor_,    &W_sum_, &compression_, &heat_,
                                        &rho_rate_, &conducted_, &melt_,  &inertia_,     &partition_,
-                                       &mobility_, &metal_,     &gain_};
+                                       &mobility_, &metal_,     &gain_,  &area_,        &squared_volume_};
     for (auto& f : force_) all.push_back(&f);
+    for (auto& f : tension_force_) all.push_back(&f);
+    for (auto& f : colour_slope_) all.push_back(&f);
     return all;
   }
 
@@ -714,6 +818,34 @@ class two_fluids : public march::problem {
     });
   }
 
+  // Forces of surface tension, and the area of contact per volume at each particle.
+  void find_tension() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const foundation::stage timed(w.times, "surface tension");
+    std::array<double*, D> G, force;
+    for (std::size_t a = 0; a < D; ++a) {
+      G[a] = colour_slope_[a].data();
+      force[a] = tension_force_[a].data();
+    }
+    w.sum(w.fluid(), colour_gradient<D>{s.dV.data(), metal_.data(), G});
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      double G2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) G2 += G[a][i] * G[a][i];
+      area_[i] = std::sqrt(G2);
+    });
+    domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(G));
+    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+      for (std::size_t a = 0; a < D; ++a) G[a][i] = G[a][j];
+      images::for_each_mirror(world_.images, r,
+                              [&](const images::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
+    });
+    foundation::for_all(s.total(), [&](std::size_t i) { squared_volume_[i] = s.dV[i] * s.dV[i] / w.lattice_sum; });
+    w.sum(w.fluid(),
+          surface_stress<D>{squared_volume_.data(), pairs::pointers<D>(colour_slope_), o_.surface_tension, force});
+  }
+
   // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
   // them.
   void find_phases() {
@@ -768,11 +900,9 @@ class two_fluids : public march::problem {
     } else {
       foundation::for_all(n, [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
     }
-    const bool first = o_.scheme.gradient == "pattern_1";
-    const double scale = carried_ ? 1.0 : 1.0 / w.lattice_sum;
     foundation::for_all(n, [&](std::size_t i) {
-      stress_[i] = scale * s.p[i] * s.dV[i] * (first ? s.dV[i] : 1.0);
-      factor_[i] = first ? 1.0 : s.dV[i];
+      stress_[i] = (s.p[i] - reference_pressure(s.x[1][i])) * element_of_work(i);
+      factor_[i] = first_pattern_ ? 1.0 : s.dV[i];
     });
     stress_[s.null()] = factor_[s.null()] = 0.0;
   }
@@ -821,19 +951,20 @@ class two_fluids : public march::problem {
     const foundation::stage timed(w.times, "rates");
     const std::size_t at_rho = 2 * D + 2, at_T = at_rho + (carried_ ? 1 : 0), at_c = at_T + (warms_ ? 1 : 0),
                       at_h = at_c + (dissolved_ ? 1 : 0);
-    const bool first = o_.scheme.gradient == "pattern_1";
     bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const double per_m = 1.0 / s.m[i];
       for (std::size_t a = 0; a < D; ++a) {
         rate[a][i] = s.v[a][i];
-        rate[D + a][i] = (per_m * force_[a][i] + w.g[a]) / inertia_of(i);
+        double force = tense_ ? force_[a][i] + tension_force_[a][i] : force_[a][i];
+        if (a == 1) force -= reference_slope_ * s.dV[i];
+        rate[D + a][i] = (per_m * force + w.g[a]) / inertia_of(i);
         finite = finite && std::isfinite(rate[D + a][i]);
       }
-      rate[2 * D][i] = per_m * stress_[i] * compression_[i];
+      rate[2 * D][i] = per_m * s.p[i] * element_of_work(i) * compression_[i];
       rate[2 * D + 1][i] = per_m * heat_[i];
-      double dlnrho = compression_[i] * (first ? s.dV[i] : 1.0) / w.lattice_sum;
+      double dlnrho = compression_[i] * (first_pattern_ ? s.dV[i] : 1.0) / w.lattice_sum;
       if (carried_) {
         rate[at_rho][i] = rho_rate_[i];
         dlnrho = rho_rate_[i] / s.rho[i];
@@ -865,6 +996,14 @@ class two_fluids : public march::problem {
     }
   }
 
+  // What the pressure has in the forces, A of terms.hpp over p: m^2D, or m^D with pattern 2.
+  double element_of_work(std::size_t i) const {
+    const auto& w = world_.w;
+    const double scale = carried_ ? 1.0 : 1.0 / w.lattice_sum;
+    return scale * w.s.dV[i] * (first_pattern_ ? w.s.dV[i] : 1.0);
+  }
+  double reference_pressure(double y) const { return reference_floor_ + reference_slope_ * y; }  // Pa
+
   // ---- energy -----------------------------------------------------------------------------
 
   // J/kg, ∫ p dρ/ρ² from the density at the start, at the particle's temperature: four Gauss points in ln ρ.
@@ -883,12 +1022,44 @@ class two_fluids : public march::problem {
     return half * sum;
   }
 
-  // J (2-D: J/m): Δρ g L³/8 of a square box; of a drop, what it loses on the way from lid to floor.
+  // J (2-D: J/m): Δρ g L³/8 of a square box; of a drop, what it loses on the way from lid to floor, and its surface's.
   double energy_scale() const {
     const auto& L = o_.domain.length;
     const double weight = std::abs(p_.density_difference) * o_.gravity, a = o_.radius;
-    if (kind_ == problem_kind::drop) return weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0);
+    if (kind_ == problem_kind::drop)
+      return weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
+             o_.surface_tension * round_surface(a);
     return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
+  }
+
+  // ---- drop -------------------------------------------------------------------------------
+
+  // m² (2-D: m), of the round drop.
+  static double round_surface(double radius) { return std::numbers::pi * radius * (D == 3 ? 4.0 * radius : 2.0); }
+  // m, of a round drop of the drop's volume as particles have it.
+  double radius_by_volume() const {
+    return D == 3 ? std::cbrt(0.75 * drop_volume_ / std::numbers::pi) : std::sqrt(drop_volume_ / std::numbers::pi);
+  }
+  double centre_of_metal() const {
+    const auto& s = world_.w.s;
+    foundation::exact_sum mass, moment;
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (is_metal(i)) {
+        mass.add(s.m[i]);
+        moment.add(s.m[i] * s.x[1][i]);
+      }
+    return ranks().exact(moment) / ranks().exact(mass);
+  }
+  // s, between crossings of zero of the stretch, from the first to the last; nothing with fewer than three.
+  std::optional<double> oscillation_period() const {
+    std::vector<double> crossings;
+    const auto& f = record_.stretch;
+    for (std::size_t k = 1; k < f.size(); ++k)
+      if ((f[k - 1] > 0.0) != (f[k] > 0.0))
+        crossings.push_back(record_.time[k - 1] +
+                            (record_.time[k] - record_.time[k - 1]) * f[k - 1] / (f[k - 1] - f[k]));
+    if (crossings.size() < 3) return std::nullopt;
+    return 2.0 * (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
   }
 
   // ---- element ----------------------------------------------------------------------------
@@ -953,9 +1124,9 @@ class two_fluids : public march::problem {
   const options& o_;
   const parameters& p_;
   images::scene<D> world_;
-  bool carried_ = false, smoothed_ = false, from_weight_ = false, warms_ = false;
+  bool carried_ = false, smoothed_ = false, first_pattern_ = false, from_weight_ = false, warms_ = false;
   bool enthalpy_ = false, melts_ = false;
-  bool dissolved_ = false;
+  bool dissolved_ = false, tense_ = false;
   std::size_t heat_at_ = 0, element_at_ = 0;  // of the extras
   double self_ = 0.0, h_ = 0.0, fastest_sound_ = 0.0, radius_ = 0.0;
   integrators::step_limit limit_;
@@ -966,13 +1137,19 @@ class two_fluids : public march::problem {
   particles::array melt_, inertia_;                       // melt fraction; ξ²
   particles::array partition_, mobility_, metal_, gain_;  // of an element: P, ρ D; 1 in metal; kg/s
 
+  particles::array area_, squared_volume_;                        // 1/m, |G|; m^2D, ΔV²/s
+  std::array<particles::array, D> colour_slope_, tension_force_;  // 1/m, G of surface_tension.hpp; N
+
   std::int64_t crossings_ = 0;
   record record_;
   std::optional<double> energy_start_;
+  double mach_max_ = 0.0;
+  double surface_ = 0.0, laplace_pressure_ = 0.0, drop_volume_ = 0.0;  // J (2-D: J/m); Pa; m^D
   double mass_start_ = 0.0, mass_drift_ = 0.0;
   double dissipated_now_ = 0.0, dissipated_most_ = 0.0;  // J, at lines of the history
   bool second_order_ = false;
   double residual_ = 0.0, residual_max_ = 0.0, v_rms_ = 0.0, v_rms_max_ = 0.0, v_rms_max_time_ = 0.0;
+  double reference_floor_ = 0.0, reference_slope_ = 0.0;  // Pa, Pa/m
   double density_min_ = 1e300, density_max_ = 0.0, pressure_min_ = 1e300;
   std::optional<double> element_start_;  // kg (2-D: kg/m)
   std::array<double, 4> metal_start_{};  // mass and volume of the metal, of all

@@ -110,6 +110,19 @@ double largest_radius(double surface_tension, double density_difference, double 
   return 2.0 * capillary_length(surface_tension, density_difference, gravity);
 }
 
+double oscillation_frequency(int n, int dimension, double surface_tension, double radius, double density,
+                             double density_outside) {
+  require(n >= 2, "a drop oscillates with n >= 2", n);
+  require(dimension == 2 || dimension == 3, "the dimension must be 2 or 3", dimension);
+  require(surface_tension >= 0.0, "the surface tension must be >= 0 N/m", surface_tension);
+  require(radius > 0.0, "the radius must be > 0 m", radius);
+  require(density >= 0.0 && density_outside >= 0.0 && density + density_outside > 0.0,
+          "the densities must be >= 0 kg/m3, and not both 0", density);
+  const double m = n, stiffness = surface_tension * m * (m * m - 1.0) / (radius * radius * radius);
+  return std::sqrt(dimension == 2 ? stiffness / (density + density_outside)
+                                  : stiffness * (m + 2.0) / ((m + 1.0) * density + m * density_outside));
+}
+
 double settling_time(double depth, double velocity) {
   require(depth >= 0.0 && velocity > 0.0, "depth must be >= 0 m and velocity > 0 m/s", velocity);
   return depth / velocity;

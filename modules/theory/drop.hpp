@@ -61,6 +61,13 @@ double weber_radius(double surface_tension, double density_difference, double gr
 // [R. Clift, J. R. Grace and M. E. Weber, Bubbles, Drops, and Particles (1978), sect. 12.III].
 double largest_radius(double surface_tension, double density_difference, double gravity);
 
+// Angular frequency, 1/s, of the small oscillation r = R (1 + e cos(n theta)) of a drop, n >= 2, or of a sphere in the
+// n-th Legendre polynomial; without viscosity, in an unbounded liquid. dimension 2, 3:
+//   omega^2 = sigma n (n^2 - 1)/[(rho + rho_o) R^3],   sigma n (n^2 - 1)(n + 2)/{[(n + 1) rho + n rho_o] R^3}
+// [Lord Rayleigh, Proc. R. Soc. London 29, 71 (1879); H. Lamb, Hydrodynamics, sects. 273, 275].
+double oscillation_frequency(int n, int dimension, double surface_tension, double radius, double density,
+                             double density_outside);
+
 // Times, s.
 double settling_time(double depth, double velocity);
 // Of a creeping sphere to reach its velocity: 2 (rho_d + rho/2) a^2/(9 eta F), the added mass included.

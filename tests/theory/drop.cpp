@@ -151,3 +151,18 @@ BOOST_AUTO_TEST_CASE(fourier_series_of_three_dimensions) {
                                    1.0};
   BOOST_CHECK_THROW(theory::fall_velocity(out), tetsuame::foundation::error);
 }
+
+// Rayleigh's and Lamb's frequencies: the textbook's free drop (outside massless), omega^2 = n(n-1)(n+2) sigma/(rho
+// R^3), and the bubble, (n-1)(n+1)(n+2); a jet's cross section, n(n^2-1).
+BOOST_AUTO_TEST_CASE(oscillating_drops) {
+  for (const int n : {2, 3, 5}) {
+    const auto squared = [&](int d, double in, double out) {
+      return std::pow(theory::oscillation_frequency(n, d, 2.0, 0.5, in, out), 2) * 0.125 / 2.0;
+    };
+    BOOST_TEST(close(squared(3, 4.0, 0.0), n * (n - 1.0) * (n + 2.0) / 4.0, 1e-13));
+    BOOST_TEST(close(squared(3, 0.0, 4.0), (n - 1.0) * (n + 1.0) * (n + 2.0) / 4.0, 1e-13));
+    BOOST_TEST(close(squared(2, 4.0, 0.0), n * (n * n - 1.0) / 4.0, 1e-13));
+    BOOST_TEST(close(squared(2, 3.0, 1.0), squared(2, 1.0, 3.0), 1e-13));
+  }
+  BOOST_CHECK_THROW(theory::oscillation_frequency(1, 2, 1.0, 1.0, 1.0, 1.0), tetsuame::foundation::error);
+}
