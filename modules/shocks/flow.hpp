@@ -1,5 +1,5 @@
 // Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
-//   1. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
+//   1. y, f, ∇·v, ∇×v over neighbours; ρ, and P, c of ρ and u (here of an ideal gas)
 //        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
 //   2. second order: gradients of p, ρ, v
 //   3. forces and power, artificial viscosity or Riemann problems
@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <eos/caloric.hpp>
 #include <march/problem.hpp>
 #include <output/columns.hpp>
 #include <schemes/disph.hpp>
@@ -31,6 +32,13 @@ class flow : public march::problem {
  public:
   explicit flow(const options& o) : o_(o), setup_(make_setup(o)) {
     using particles::role;
+    if (o.any_eos())
+      for (const bool left : {true, false}) {
+        const auto& q = o.shock;
+        const eos::caloric& m = materials_.emplace_back(eos_of(left ? q.eos_l : q.eos_r));
+        const double rho = left ? q.rho_l : q.rho_r;
+        stiffening_.push_back(m.stiffening(rho, m.internal_energy(rho, left ? *q.temperature_l : *q.temperature_r)));
+      }
     auto& s = w_.s;
     s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
     s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
@@ -84,6 +92,7 @@ class flow : public march::problem {
   bool evaluable() override {
     const auto& s = w_.s;
     double least = std::numeric_limits<double>::infinity();
+    if (o_.any_eos()) return true;
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
@@ -192,6 +201,7 @@ class flow : public march::problem {
     scalar("Density", "kg/m^3", "mass density", told_density());
     scalar("Pressure", "Pa", "pressure", s.p);
     scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
+    if (o_.any_eos()) scalar("Temperature", "K", "temperature", s.T);
     scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
     if (has_alpha()) scalar("ArtificialViscosity", "1", "alpha", alpha());
     if (setup_.exact) {
@@ -240,6 +250,7 @@ class flow : public march::problem {
     add("m", s.m);
     add("rho", s.rho);
     add("p", s.p);
+    if (o_.any_eos()) add("T", s.T);
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -279,6 +290,7 @@ class flow : public march::problem {
   double room_to_grow() const { return 0.25 * skin_; }
   // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
+    if (o_.any_eos()) return caloric_of(i).at(w_.s.rho[i], w_.s.u[i]).c;
     const double thermal = stiffness_[i] > 0.0 ? w_.s.u[i] - stiffness_[i] / w_.s.rho[i] : w_.s.u[i];
     return std::sqrt(gamma_[i] * (gamma_[i] - 1.0) * std::max(thermal, 0.0));
   }
@@ -308,8 +320,7 @@ class flow : public march::problem {
     double fastest = 0.0;
     for_each_start<D>(setup_, [&](const point& x, double volume) {
       const state now = setup_.start(x);
-      const auto [gamma, stiffness] = gas_of(now.material);
-      double v2 = gamma * (now.p + stiffness) / now.rho;
+      double v2 = std::pow(start_of(now).c, 2);
       for (const double v : now.v) v2 += v * v;
       fastest = std::max(fastest, v2);
       std::array<double, D> place;
@@ -326,8 +337,8 @@ class flow : public march::problem {
       s.id[i] = p.id;
       s.material[i] = now.material;
       s.m[i] = now.rho * p.volume;
-      const auto [gamma, stiffness] = gas_of(now.material);
-      s.u[i] = (now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho);
+      s.u[i] = start_of(now).u;
+      s.rho[i] = now.rho;
       start_volume()[i] = p.volume;
       start_sum()[i] = 1.0;
       for (std::size_t a = 0; a < D; ++a) {
@@ -489,7 +500,7 @@ class flow : public march::problem {
     const bool with_z = o_.density_independent() && !with_f;
     const bool part_of_star = o_.shock.star_pressure == "balsara";
     for (std::size_t i = 0; i < s.fluid; ++i)
-      if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
+      if (!((s.u[i] > 0.0 || o_.any_eos()) && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
             s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
         break;
@@ -498,8 +509,17 @@ class flow : public march::problem {
       // dU = -p dV with V = k w/y
       const double k = volume ? start_sum()[i] : 1.0;
       s.rho[i] = energy ? y_[i] / s.u[i] : volume ? s.m[i] * y_[i] / (k * weight_[i]) : y_[i];
-      s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
-      s.c[i] = sound_speed(i);
+      if (o_.any_eos()) {
+        const eos::caloric_state now = caloric_of(i).at(s.rho[i], s.u[i]);
+        s.p[i] = now.p;
+        s.T[i] = now.T;
+        s.c[i] = now.c;
+        // The stiffened gas with K_S and K_S' (riemann/states.hpp)
+        stiffness_[i] = s.rho[i] * now.c * now.c / gamma_[i] - now.p;
+      } else {
+        s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
+        s.c[i] = sound_speed(i);
+      }
       s.dV[i] = 1.0 / number_[i];
       per_S_[i] = 1.0 / S_[i];
       slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
@@ -509,9 +529,19 @@ class flow : public march::problem {
           o_.shock.balsara || part_of_star ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
       dissipation_[i] = own_pressure ? alpha()[i] * balsara : part_of_star ? balsara : 1.0;
     });
+    if (o_.any_eos())
+      for (std::size_t i = 0; i < s.fluid; ++i)
+        if (!(s.c[i] > 0.0)) {
+          w_.first_fault.report(
+              s.id[i],
+              fmt::format("particle {} has no sound at {:.4g} kg/m^3 and {:.4g} J/kg: '{}' does not reach there",
+                          s.id[i], s.rho[i], s.u[i], eos::about(caloric_of(i).material()).name));
+          break;
+        }
     per_S_[s.null()] = slope_[s.null()] = 0.0;
-    const std::array<double*, 8> all{correction_.data(), s.rho.data(),  s.p.data(),    s.c.data(),
-                                     s.dV.data(),        per_S_.data(), slope_.data(), dissipation_.data()};
+    const std::array<double*, 9> all{correction_.data(), s.rho.data(),        s.p.data(),
+                                     s.c.data(),         s.dV.data(),         per_S_.data(),
+                                     slope_.data(),      dissipation_.data(), stiffness_.data()};
     domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
     for_each_image([&](std::size_t i, std::size_t j, const auto&) {
       for (double* a : all) a[i] = a[j];
@@ -666,15 +696,36 @@ class flow : public march::problem {
             {"pressure_l1", ranks().exact(p) / all}};
   }
 
-  // gamma and p_infinity
+  const eos::caloric& caloric_of(std::size_t i) const {
+    return materials_[w_.s.material[i] == setup_.material_l ? 0 : 1];
+  }
+
+  struct start_state {
+    double u, c;  // J/kg, m/s
+  };
+  start_state start_of(const state& now) const {
+    if (o_.any_eos()) {
+      const bool left = now.material == setup_.material_l;
+      const eos::caloric& m = materials_[left ? 0 : 1];
+      const double u = m.internal_energy(now.rho, left ? *o_.shock.temperature_l : *o_.shock.temperature_r);
+      return {u, m.at(now.rho, u).c};
+    }
+    const auto [gamma, stiffness] = gas_of(now.material);
+    return {(now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho), std::sqrt(gamma * (now.p + stiffness) / now.rho)};
+  }
+
+  // gamma and p_infinity; with an equation of state K_S' of the start, and p_infinity follows the state
   std::pair<double, double> gas_of(std::int32_t material) const {
     const auto& q = o_.shock;
+    if (o_.any_eos()) return {stiffening_[material == setup_.material_l ? 0 : 1], 0.0};
     return material == setup_.material_l ? std::pair{*q.gamma_l, q.p_infinity_l}
                                          : std::pair{*q.gamma_r, q.p_infinity_r};
   }
 
   const options& o_;
   const setup setup_;
+  std::vector<eos::caloric> materials_;  // left, right; none: gases
+  std::vector<double> stiffening_;       // K_S' of each
   pairs::workspace<D> w_;
   images::image_set<D> images_;
   kernel_choice<D> unit_ = kernels::quintic_spline<D>(1.0);  // support 1

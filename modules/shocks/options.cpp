@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <eos/eos.hpp>
 #include <shocks/options.hpp>
 
 namespace tetsuame::shocks {
@@ -80,6 +81,21 @@ void declare(namelist::schema& schema, options& o) {
   };
   stiffened("l", "on the left", s.gamma_l, s.p_infinity_l);
   stiffened("r", "on the right", s.gamma_r, s.p_infinity_r);
+  std::vector<std::string> equations{""};
+  for (const auto name : eos::names()) equations.emplace_back(name);
+  const auto material = [&](const std::string& end, const char* where, std::string& name, std::optional<double>& T) {
+    schema.add("shock", "eos_" + end, name,
+               {.choices = equations,
+                .meaning = std::string("riemann, square: equation of state ") + where +
+                           ", with its own parameters; '': the gas of gamma and p_infinity"});
+    schema.add("shock", "temperature_" + end, T,
+               {.unit = "K",
+                .minimum = 0.0,
+                .exclusive_minimum = true,
+                .meaning = std::string("with an equation of state: ") + where + "; the density follows from it and p"});
+  };
+  material("l", "on the left", s.eos_l, s.temperature_l);
+  material("r", "on the right", s.eos_r, s.temperature_r);
   schema.add("shock", "window", s.window,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -124,6 +140,12 @@ void declare(namelist::schema& schema, options& o) {
   march::declare(schema, o.march, true);
 }
 
+eos::any eos_of(const std::string& name) {
+  eos::material_options m;
+  m.name = name;
+  return eos::make(m);
+}
+
 void resolve(const namelist::schema& schema, options& o) {
   if (!o.march.time.cfl) o.march.time.cfl = o.march.time.method == "euler" ? 0.1 : 0.4;
   march::resolve(o.march);
@@ -142,7 +164,25 @@ void resolve(const namelist::schema& schema, options& o) {
   const auto& test = o.shock.test;
   if (!o.shock.gamma_l) o.shock.gamma_l = o.shock.gamma;
   if (!o.shock.gamma_r) o.shock.gamma_r = o.shock.gamma;
-  const auto& s = o.shock;
+  auto& s = o.shock;
+  for (const bool left : {true, false}) {
+    const std::string end = left ? "l" : "r";
+    const std::string& name = left ? s.eos_l : s.eos_r;
+    const auto& T = left ? s.temperature_l : s.temperature_r;
+    if (T && name.empty()) schema.fail("shock", "temperature_" + end, "a temperature needs an equation of state");
+    if (name.empty()) continue;
+    if (test != "riemann" && test != "square")
+      schema.fail("shock", "eos_" + end, "the test '" + test + "' is of an ideal gas");
+    if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
+    for (const char* other : {"gamma_", "p_infinity_"})
+      if (schema.given("shock", other + end))
+        schema.fail("shock", other + end, "is of a gas, and there is an equation of state");
+    (left ? s.rho_l : s.rho_r) = eos::density(eos_of(name), left ? s.p_l : s.p_r, *T);
+  }
+  if (s.eos_l.empty() != s.eos_r.empty())
+    schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
+  if (o.any_eos() && o.weighs_energy())
+    schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
   if (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma) {
     if (test != "riemann" && test != "square")
       schema.fail("shock", "gamma_l", "the test '" + test + "' is of an ideal gas with one gamma");

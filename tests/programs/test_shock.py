@@ -100,6 +100,21 @@ class Shock(Case):
         self.assertGreater(errors[0] / errors[1], 1.7)
         self.assertLess(errors[1], 0.02 * (7000 - 6111.9))
 
+    def test_liquids(self):
+        """Iron and silicate by their equations of state: first order against the exact waves of both (whose shock and fan
+        tests/riemann checks), the sharp contact kept by the Godunov form, and the square at rest to a spacing."""
+        errors = {}
+        for scheme in SCHEMES:
+            for particles in [100, 200]:
+                s = self.summary("melts_shock", {"domain.particles_x": particles, "shock.scheme": scheme})
+                errors[scheme, particles] = s["errors"]["density_l1"]
+                self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
+        self.assertGreater(errors["gdisph", 100] / errors["gdisph", 200], 1.7)
+        self.assertEqual(min(errors, key=errors.get), ("gdisph", 200))
+        m = self.summary("melts_square", {"domain.particles_x": 32, "time.t_end": 25})["metrics"]
+        self.assertLess(abs(m["square_area_change"]), 0.05)
+        self.assertLess(abs(m["square_corner_radius"]), 1 / 32 / (2**0.5 - 1) / 0.5)
+
     def test_growth(self):
         """Instabilities grow as linear theory says, to a tenth."""
         for name, particles in [("rayleigh_taylor", 32), ("kelvin_helmholtz", 64)]:
@@ -150,7 +165,8 @@ class Shock(Case):
     def test_wrong_input(self):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
-                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.corner", "T", "sedov")]:
+                                 ("shock.gravity", 1, "rayleigh_taylor"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
+                                 ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov")]:
             with self.subTest(key):
                 result = self.run_program("shock", "sod", {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
