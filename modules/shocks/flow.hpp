@@ -1,7 +1,7 @@
-// Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
+// Gas with contacts and shocks, by one of the schemes of module schemes. One evaluation:
 //   1. y, f, ∇·v, ∇×v over neighbours; ρ, and P, c of ρ and u (here of an ideal gas)
 //        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
-//   2. second order: gradients of p, ρ, v
+//   2. second order: gradients of p, ρ, v; REMIX: of u, ρ, v, and the kernels' corrections
 //   3. forces and power, artificial viscosity or Riemann problems
 // Integrated: x, v, u, and α where it depends on time. Supports stay during a step; from one to the next they take a
 // step of Newton's method (schemes/common.hpp). What a scheme conserves it does whatever h and f are, so they need not
@@ -17,6 +17,7 @@
 #include <schemes/gdisph.hpp>
 #include <schemes/gradients.hpp>
 #include <schemes/gsph.hpp>
+#include <schemes/remix.hpp>
 #include <schemes/ssph.hpp>
 #include <shocks/scene.hpp>
 #include <simulation/state.hpp>
@@ -45,6 +46,7 @@ class flow : public march::problem {
     s.extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
     s.extras.push_back({"StartVolume", "m^D", "mass over density at the start", role::memory, {}});
     s.extras.push_back({"StartSum", "1", "sum of StartVolume W at the start", role::memory, {}});
+    s.extras.push_back({"EvolvedDensity", "kg/m^D", "density by continuity", role::integrated, {}});
     const auto& line = kernels::find(o.march.kernel.name);
     support_over_dx_ = line.support_over_h * o.march.kernel.h_over_dx;
     support_over_h_ = line.support_over_h;
@@ -84,6 +86,7 @@ class flow : public march::problem {
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed_scale_});
     all.push_back({"u", s.u.data(), 0.0, speed_scale_ * speed_scale_});
     if (has_alpha()) all.push_back({"alpha", alpha().data(), 0.0, 1.0});
+    if (o_.evolves_density()) all.push_back({"density", evolved().data(), 0.0, density_scale_});
     return all;
   }
 
@@ -278,15 +281,17 @@ class flow : public march::problem {
   }
 
  private:
-  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);  // gradients
+  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);      // gradients
+  static constexpr std::size_t R = 2 + static_cast<std::size_t>(D) * (D + 2);  // m_0, A, B and gradients of A, B
 
   particles::array& support() { return w_.s.extras[0].values; }
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
   particles::array& start_volume() { return w_.s.extras[3].values; }
   particles::array& start_sum() { return w_.s.extras[4].values; }
+  particles::array& evolved() { return w_.s.extras[5].values; }
   const particles::array& told_density() const { return o_.shock.density == "mass" ? mass_density_ : w_.s.rho; }
-  bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
+  bool has_alpha() const { return !o_.godunov() && !o_.evolves_density() && o_.shock.switch_of_alpha; }
   double room_to_grow() const { return 0.25 * skin_; }
   // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
@@ -317,12 +322,13 @@ class flow : public march::problem {
     };
     std::vector<start> mine;
     std::int64_t id = 0;
-    double fastest = 0.0;
+    double fastest = 0.0, densest = 0.0;
     for_each_start<D>(setup_, [&](const point& x, double volume) {
       const state now = setup_.start(x);
       double v2 = std::pow(start_of(now).c, 2);
       for (const double v : now.v) v2 += v * v;
       fastest = std::max(fastest, v2);
+      densest = std::max(densest, now.rho);
       std::array<double, D> place;
       std::copy_n(x.begin(), D, place.begin());
       if (w_.d.within(w_.d.cell(), place)) mine.push_back({id, x, volume});
@@ -330,6 +336,7 @@ class flow : public march::problem {
     });
     fluid_total_ = id;
     speed_scale_ = std::sqrt(fastest);
+    density_scale_ = densest;
     particles::allocate(s, mine.size(), 0, 0, 0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const auto& p = mine[i];
@@ -338,7 +345,7 @@ class flow : public march::problem {
       s.material[i] = now.material;
       s.m[i] = now.rho * p.volume;
       s.u[i] = start_of(now).u;
-      s.rho[i] = now.rho;
+      s.rho[i] = evolved()[i] = now.rho;
       start_volume()[i] = p.volume;
       start_sum()[i] = 1.0;
       for (std::size_t a = 0; a < D; ++a) {
@@ -389,8 +396,11 @@ class flow : public march::problem {
     for (auto* a : {&gamma_, &stiffness_}) a->assign(s.total() + 1, 0.0);
     for (std::size_t i = 0; i < s.fluid; ++i) std::tie(gamma_[i], stiffness_[i]) = gas_of(s.material[i]);
     gamma_[s.null()] = o_.shock.gamma;
-    const std::array<double*, 5> fixed{s.m.data(), list_support().data(), start_volume().data(), gamma_.data(),
-                                       stiffness_.data()};
+    kind_.assign(s.total() + 1, 0.0);
+    const bool two = o_.any_eos() || gas_of(0) != gas_of(1);
+    for (std::size_t i = 0; i < s.fluid; ++i) kind_[i] = two ? s.material[i] : 0;
+    const std::array<double*, 6> fixed{s.m.data(),    list_support().data(), start_volume().data(),
+                                       gamma_.data(), stiffness_.data(),     kind_.data()};
     domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(fixed));
     foundation::for_all(images_.source.size(), [&](std::size_t r) {
       for (double* a : fixed) a[s.first_wall() + r] = a[images_.source[r]];
@@ -402,7 +412,11 @@ class flow : public march::problem {
          {&y_, &f_, &z_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
       a->resize(s.fluid);
     for (auto& a : force_) a.resize(s.fluid);
-    if (o_.second_order())
+    if (o_.evolves_density()) {
+      for (auto& a : reproducing_) a.assign(s.total() + 1, 0.0);
+      density_rate_.resize(s.fluid);
+    }
+    if (o_.second_order() || o_.evolves_density())
       for (auto& a : gradient_) a.assign(s.total() + 1, 0.0);
     std::copy_n(support().begin(), s.fluid, S_.begin());
     std::fill(signal_.begin(), signal_.end(), 0.0);
@@ -500,7 +514,10 @@ class flow : public march::problem {
     const bool with_z = o_.density_independent() && !with_f;
     const bool part_of_star = o_.shock.star_pressure == "balsara";
     for (std::size_t i = 0; i < s.fluid; ++i)
-      if (!((s.u[i] > 0.0 || o_.any_eos()) && y_[i] > 0.0 && std::isfinite(y_[i]))) {
+      if (!(!o_.evolves_density() || evolved()[i] > 0.0)) {
+        w_.first_fault.report(s.id[i], fmt::format("the density of particle {} is not above 0", s.id[i]));
+        break;
+      } else if (!((s.u[i] > 0.0 || o_.any_eos()) && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
             s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
         break;
@@ -508,7 +525,10 @@ class flow : public march::problem {
     foundation::for_all(s.fluid, [&](std::size_t i) {
       // dU = -p dV with V = k w/y
       const double k = volume ? start_sum()[i] : 1.0;
-      s.rho[i] = energy ? y_[i] / s.u[i] : volume ? s.m[i] * y_[i] / (k * weight_[i]) : y_[i];
+      s.rho[i] = o_.evolves_density() ? evolved()[i]
+                 : energy             ? y_[i] / s.u[i]
+                 : volume             ? s.m[i] * y_[i] / (k * weight_[i])
+                                      : y_[i];
       if (o_.any_eos()) {
         const eos::caloric_state now = caloric_of(i).at(s.rho[i], s.u[i]);
         s.p[i] = now.p;
@@ -520,14 +540,18 @@ class flow : public march::problem {
         s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
         s.c[i] = sound_speed(i);
       }
-      s.dV[i] = 1.0 / number_[i];
+      s.dV[i] = o_.evolves_density() ? s.m[i] / s.rho[i] : 1.0 / number_[i];
       per_S_[i] = 1.0 / S_[i];
       slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
       correction_[i] = with_z ? z_[i] : 0.0;
       const double closing = std::abs(divergence_[i]), h = S_[i] / support_over_h_;
-      const double balsara =
-          o_.shock.balsara || part_of_star ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
-      dissipation_[i] = own_pressure ? alpha()[i] * balsara : part_of_star ? balsara : 1.0;
+      const double balsara = o_.shock.balsara || part_of_star || o_.evolves_density()
+                                 ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h)
+                                 : 1.0;
+      dissipation_[i] = o_.evolves_density() ? balsara
+                        : own_pressure       ? alpha()[i] * balsara
+                        : part_of_star       ? balsara
+                                             : 1.0;
     });
     if (o_.any_eos())
       for (std::size_t i = 0; i < s.fluid; ++i)
@@ -552,8 +576,9 @@ class flow : public march::problem {
   void find_gradients(const Kernel& unit) {
     const foundation::stage timed(w_.times, "gradients");
     auto& s = w_.s;
-    schemes::gradients<D, Kernel> term{unit,      s.dV.data(), s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
-                                       S_.data(), {}};
+    schemes::gradients<D, Kernel> term{
+        unit,      s.dV.data(), o_.evolves_density() ? s.u.data() : s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
+        S_.data(), {}};
     std::array<double*, G> all;
     for (std::size_t k = 0; k < G; ++k) all[k] = term.out[k] = gradient_[k].data();
     sum(term);
@@ -564,6 +589,34 @@ class flow : public march::problem {
           const double of_field = k < 2 ? 1.0 : sign[k - 2];
           all[D * k + b][i] = of_field * sign[b] * all[D * k + b][j];
         }
+    });
+  }
+
+  // The kernels' corrections.
+  template <class Kernel>
+  void find_corrections(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "corrections");
+    schemes::reproducing<D, Kernel> term{unit, w_.s.dV.data(), per_S_.data(), {}};
+    std::array<double*, R> all;
+    for (std::size_t k = 0; k < R; ++k) all[k] = reproducing_[k].data();
+    term.out.m0 = all[0];
+    term.out.A = all[1];
+    for (std::size_t a = 0; a < D; ++a) {
+      term.out.B[a] = all[2 + a];
+      term.out.grad_A[a] = all[2 + D + a];
+    }
+    for (std::size_t k = 0; k < term.out.grad_B.size(); ++k) term.out.grad_B[k] = all[2 + 2 * D + k];
+    sum(term);
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
+    for_each_image([&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
+      all[0][i] = all[0][j];
+      all[1][i] = all[1][j];
+      for (std::size_t a = 0; a < D; ++a) {
+        term.out.B[a][i] = sign[a] * term.out.B[a][j];
+        term.out.grad_A[a][i] = sign[a] * term.out.grad_A[a][j];
+        for (std::size_t b = 0; b < D; ++b)
+          term.out.grad_B[D * a + b][i] = sign[a] * sign[b] * term.out.grad_B[D * a + b][j];
+      }
     });
   }
 
@@ -597,6 +650,18 @@ class flow : public march::problem {
     for (std::size_t a = 0; a < D; ++a) out.force[a] = force_[a].data();
     if (o_.shock.scheme == "ssph") return sum(schemes::ssph<D, Kernel>{unit, gas, out});
     if (o_.shock.scheme == "disph") return sum(schemes::disph<D, Kernel>{unit, gas, out});
+    if (o_.evolves_density()) {
+      const auto at = [&](std::size_t k) { return static_cast<const double*>(reproducing_[k].data()); };
+      schemes::reproducing_fields<D> kernel;
+      kernel.A = at(1);
+      for (std::size_t a = 0; a < D; ++a) {
+        kernel.B[a] = at(2 + a);
+        kernel.grad_A[a] = at(2 + D + a);
+      }
+      for (std::size_t k = 0; k < kernel.grad_B.size(); ++k) kernel.grad_B[k] = at(2 + 2 * D + k);
+      return sum(schemes::remix<D, Kernel>{unit, gas, kernel, s.dV.data(), s.u.data(), at(0), kind_.data(),
+                                           support_over_dx_, out, density_rate_.data()});
+    }
     const bool second = o_.second_order();
     if (o_.shock.scheme == "gsph")
       return second ? sum(schemes::gsph<D, Kernel, true>{unit, gas, out})
@@ -609,7 +674,8 @@ class flow : public march::problem {
   void evaluate_with(const Kernel& unit) {
     refresh_state();
     find_densities(unit);
-    if (o_.second_order()) find_gradients(unit);
+    if (o_.evolves_density()) find_corrections(unit);
+    if (o_.second_order() || o_.evolves_density()) find_gradients(unit);
     find_forces(unit);
   }
 
@@ -622,6 +688,7 @@ class flow : public march::problem {
       }
       if constexpr (D > 1) rate[D + 1][i] -= o_.shock.gravity;
       rate[2 * D][i] = power_[i] / s.m[i];
+      if (o_.evolves_density()) rate[2 * D + 1][i] = density_rate_[i];
       if (!has_alpha()) return;
       const double h = S_[i] / support_over_h_, decay = 0.2 * s.c[i] / h;
       const auto& q = o_.shock;
@@ -729,7 +796,8 @@ class flow : public march::problem {
   pairs::workspace<D> w_;
   images::image_set<D> images_;
   kernel_choice<D> unit_ = kernels::quintic_spline<D>(1.0);  // support 1
-  double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0;
+  double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0,
+         density_scale_ = 0.0;
   std::int64_t fluid_total_ = 0, crossings_ = 0;
   double time_ = 0.0;  // s, of the state
   bool settled_ = false;
@@ -741,6 +809,8 @@ class flow : public march::problem {
   particles::array z_, correction_, gamma_, stiffness_;  // correction_, gamma_, stiffness_: of all particles
   std::array<particles::array, D> force_;
   std::array<particles::array, G> gradient_;
+  std::array<particles::array, R> reproducing_;
+  particles::array kind_, density_rate_;  // kind_: of all particles, which material
 };
 
 }  // namespace tetsuame::shocks

@@ -38,9 +38,10 @@ void declare(namelist::schema& schema, options& o) {
       "shock", "test", s.test,
       {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts"},
        .meaning = "what is at the start; left and right are inside and outside of a square or band"});
-  schema.add("shock", "scheme", s.scheme,
-             {.choices = {"ssph", "disph", "gsph", "gdisph"},
-              .meaning = "standard, density-independent; Godunov's forms of the two"});
+  schema.add(
+      "shock", "scheme", s.scheme,
+      {.choices = {"ssph", "disph", "gsph", "gdisph", "remix"},
+       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
   schema.add("shock", "weight", s.weight,

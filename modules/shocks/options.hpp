@@ -44,6 +44,7 @@ struct options {
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  bool evolves_density() const { return shock.scheme == "remix"; }
   bool any_eos() const { return !shock.eos_l.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
 };
