@@ -544,10 +544,9 @@ class flow : public march::problem {
       per_S_[i] = 1.0 / S_[i];
       slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
       correction_[i] = with_z ? z_[i] : 0.0;
-      const double closing = std::abs(divergence_[i]), h = S_[i] / support_over_h_;
-      const double balsara = o_.shock.balsara || part_of_star || o_.evolves_density()
-                                 ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h)
-                                 : 1.0;
+      const bool switched = o_.shock.balsara || part_of_star || o_.evolves_density();
+      const double balsara =
+          switched ? schemes::balsara_factor(divergence_[i], curl_[i], s.c[i], S_[i] / support_over_h_) : 1.0;
       dissipation_[i] = o_.evolves_density() ? balsara
                         : own_pressure       ? alpha()[i] * balsara
                         : part_of_star       ? balsara
@@ -690,10 +689,9 @@ class flow : public march::problem {
       rate[2 * D][i] = power_[i] / s.m[i];
       if (o_.evolves_density()) rate[2 * D + 1][i] = density_rate_[i];
       if (!has_alpha()) return;
-      const double h = S_[i] / support_over_h_, decay = 0.2 * s.c[i] / h;
       const auto& q = o_.shock;
       rate[2 * D + 1][i] =
-          (q.alpha_min - alpha()[i]) * decay + std::max(-divergence_[i], 0.0) * std::max(q.alpha - alpha()[i], 0.0);
+          schemes::alpha_rate(alpha()[i], q.alpha_min, q.alpha, divergence_[i], s.c[i], S_[i] / support_over_h_);
     });
     for (std::size_t i = 0; i < s.fluid; ++i)
       if (!std::isfinite(rate[D][i] + rate[2 * D][i])) {
