@@ -408,8 +408,8 @@ class flow : public march::problem {
     make_list<D>(w_, list_support(), skin_, edge);
     if (as_they_were) exchange_positions();
     for (auto* a : {&S_, &per_S_, &weight_, &slope_, &correction_, &dissipation_}) a->assign(s.total() + 1, 0.0);
-    for (auto* a :
-         {&y_, &f_, &z_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
+    for (auto* a : {&y_, &f_, &z_, &divergence_, &curl_, &number_, &number_volume_, &count_, &count_slope_, &power_,
+                    &signal_, &mass_density_})
       a->resize(s.fluid);
     for (auto& a : force_) a.resize(s.fluid);
     if (o_.evolves_density()) {
@@ -540,7 +540,8 @@ class flow : public march::problem {
         s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
         s.c[i] = sound_speed(i);
       }
-      s.dV[i] = o_.evolves_density() ? s.m[i] / s.rho[i] : 1.0 / number_[i];
+      number_volume_[i] = 1.0 / number_[i];
+      s.dV[i] = o_.evolves_density() ? s.m[i] / s.rho[i] : number_volume_[i];
       per_S_[i] = 1.0 / S_[i];
       slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
       correction_[i] = with_z ? z_[i] : 0.0;
@@ -731,7 +732,8 @@ class flow : public march::problem {
 
   view particles_seen() const {
     const auto& s = w_.s;
-    view seen{ranks(), s.fluid, {}, {}, s.m.data(), told_density().data(), s.p.data(), s.dV.data(), s.material.data()};
+    view seen{ranks(),          s.fluid, {}, {}, s.m.data(), told_density().data(), s.p.data(), number_volume_.data(),
+              s.material.data()};
     for (std::size_t a = 0; a < D; ++a) {
       seen.x[a] = s.x[a].data();
       seen.v[a] = s.v[a].data();
@@ -749,7 +751,7 @@ class flow : public march::problem {
       const state right = setup_.exact(x, t);
       double dv2 = 0.0;
       for (std::size_t a = 0; a < D; ++a) dv2 += (s.v[a][i] - right.v[a]) * (s.v[a][i] - right.v[a]);
-      const double V = 1.0 / number_[i];
+      const double V = number_volume_[i];
       volume.add(V);
       rho.add(V * std::abs(told_density()[i] - right.rho));
       v.add(V * std::sqrt(dv2));
@@ -803,7 +805,8 @@ class flow : public march::problem {
   samples samples_;
 
   particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
-  particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_, mass_density_;
+  particles::array y_, f_, divergence_, curl_, number_, number_volume_, count_, count_slope_, power_, signal_,
+      mass_density_;
   particles::array z_, correction_, gamma_, stiffness_;  // correction_, gamma_, stiffness_: of all particles
   std::array<particles::array, D> force_;
   std::array<particles::array, G> gradient_;
