@@ -163,8 +163,6 @@ void resolve(const namelist::schema& schema, options& o) {
   }
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
   const auto& test = o.shock.test;
-  if (!o.shock.gamma_l) o.shock.gamma_l = o.shock.gamma;
-  if (!o.shock.gamma_r) o.shock.gamma_r = o.shock.gamma;
   auto& s = o.shock;
   for (const bool left : {true, false}) {
     const std::string end = left ? "l" : "r";
@@ -175,16 +173,27 @@ void resolve(const namelist::schema& schema, options& o) {
     if (test != "riemann" && test != "square")
       schema.fail("shock", "eos_" + end, "the test '" + test + "' is of an ideal gas");
     if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
-    for (const char* other : {"gamma_", "p_infinity_"})
-      if (schema.given("shock", other + end))
-        schema.fail("shock", other + end, "is of a gas, and there is an equation of state");
-    (left ? s.rho_l : s.rho_r) = eos::density(eos_of(name), left ? s.p_l : s.p_r, *T);
+    if (left ? s.gamma_l : s.gamma_r)
+      schema.fail("shock", "gamma_" + end, "is of a gas, and there is an equation of state");
+    if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
+      schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
+    double& rho = left ? s.rho_l : s.rho_r;
+    const double follows = eos::density(eos_of(name), left ? s.p_l : s.p_r, *T);
+    if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
+      schema.fail("shock", "rho_" + end,
+                  fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
+    rho = follows;
   }
   if (s.eos_l.empty() != s.eos_r.empty())
     schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
   if (o.any_eos() && o.weighs_energy())
     schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
-  if (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma) {
+  if (!o.any_eos()) {
+    if (!s.gamma_l) s.gamma_l = s.gamma;
+    if (!s.gamma_r) s.gamma_r = s.gamma;
+  }
+  if (!o.any_eos() &&
+      (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma)) {
     if (test != "riemann" && test != "square")
       schema.fail("shock", "gamma_l", "the test '" + test + "' is of an ideal gas with one gamma");
     if (o.weighs_energy())

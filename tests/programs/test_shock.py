@@ -114,6 +114,10 @@ class Shock(Case):
         m = self.summary("melts_square", {"domain.particles_x": 32, "time.t_end": 25})["metrics"]
         self.assertLess(abs(m["square_area_change"]), 0.05)
         self.assertLess(abs(m["square_corner_radius"]), 1 / 32 / (2**0.5 - 1) / 0.5)
+        # The resolved input is an input: densities follow from temperatures again.
+        first = self.run_program("shock", "melts_square", {"domain.particles_x": 16, "time.steps": 1}, output="melts")
+        again = self.summary(first.directory / "resolved.nml", {"time.steps": 1})
+        self.assertEqual(again["state_hash"], first.summary["state_hash"])
 
     def test_vortex(self):
         """Fields linear in x are what kernels that reproduce them do not damp: less than half of the others' error."""
