@@ -141,7 +141,7 @@ def l1(here: dict, there: dict) -> dict[str, float]:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     tests = list(dict.fromkeys(one["test"] for one in measured["runs"]))
-    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass or energy) and in where "
+    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and in where "
              "dissipation comes from (artificial viscosity or Riemann problems).</p>",
              "<h2>At a glance</h2>", glance(measured, tests),
              "<h2>Convergence</h2>",
