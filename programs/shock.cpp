@@ -1,4 +1,4 @@
-// Gas with contacts and shocks: SSPH, DISPH, GSPH and Godunov DISPH [S4].
+// Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
 #include <march/march.hpp>
 #include <shocks/make.hpp>
 

@@ -17,4 +17,15 @@ inline real viscous(const auto& ij, const two_slopes& F, const real& closing, co
   return -0.25 * ij.own(of_mass) * ij(of_mass) * alpha * signal * closing / density * (F.i + F.j);
 }
 
+// B of ∇·v and |∇×v| (1/s), c (m/s), h (m): near 1 where gas is compressed, near 0 where it is sheared.
+inline double balsara_factor(double divergence, double curl, double c, double h) {
+  const double closing = std::abs(divergence);
+  return closing / (closing + curl + 1e-4 * c / h);
+}
+
+// dα/dt, 1/s.
+inline double alpha_rate(double alpha, double least, double most, double divergence, double c, double h) {
+  return (least - alpha) * 0.2 * c / h + std::max(-divergence, 0.0) * std::max(most - alpha, 0.0);
+}
+
 }  // namespace tetsuame::schemes

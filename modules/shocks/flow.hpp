@@ -1,7 +1,7 @@
-// Gas with contacts and shocks, by one of the four schemes of module schemes. One evaluation:
-//   1. y, f, ∇·v, ∇×v over neighbours; ρ, P, c of the ideal gas
+// Gas with contacts and shocks, by one of the schemes of module schemes. One evaluation:
+//   1. y, f, ∇·v, ∇×v over neighbours; ρ, and P, c of ρ and u (here of an ideal gas)
 //        SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
-//   2. second order: gradients of p, ρ, v
+//   2. second order: gradients of p, ρ, v; REMIX: of u, ρ, v, and the kernels' corrections
 //   3. forces and power, artificial viscosity or Riemann problems
 // Integrated: x, v, u, and α where it depends on time. Supports stay during a step; from one to the next they take a
 // step of Newton's method (schemes/common.hpp). What a scheme conserves it does whatever h and f are, so they need not
@@ -10,12 +10,14 @@
 
 #include <fmt/format.h>
 
+#include <eos/caloric.hpp>
 #include <march/problem.hpp>
 #include <output/columns.hpp>
 #include <schemes/disph.hpp>
 #include <schemes/gdisph.hpp>
 #include <schemes/gradients.hpp>
 #include <schemes/gsph.hpp>
+#include <schemes/remix.hpp>
 #include <schemes/ssph.hpp>
 #include <shocks/scene.hpp>
 #include <simulation/state.hpp>
@@ -31,12 +33,20 @@ class flow : public march::problem {
  public:
   explicit flow(const options& o) : o_(o), setup_(make_setup(o)) {
     using particles::role;
+    if (o.any_eos())
+      for (const bool left : {true, false}) {
+        const auto& q = o.shock;
+        const eos::caloric& m = materials_.emplace_back(eos_of(left ? q.eos_l : q.eos_r));
+        const double rho = left ? q.rho_l : q.rho_r;
+        stiffening_.push_back(m.stiffening(rho, m.internal_energy(rho, left ? *q.temperature_l : *q.temperature_r)));
+      }
     auto& s = w_.s;
     s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
     s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
     s.extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
     s.extras.push_back({"StartVolume", "m^D", "mass over density at the start", role::memory, {}});
     s.extras.push_back({"StartSum", "1", "sum of StartVolume W at the start", role::memory, {}});
+    s.extras.push_back({"EvolvedDensity", "kg/m^D", "density by continuity", role::integrated, {}});
     const auto& line = kernels::find(o.march.kernel.name);
     support_over_dx_ = line.support_over_h * o.march.kernel.h_over_dx;
     support_over_h_ = line.support_over_h;
@@ -76,6 +86,7 @@ class flow : public march::problem {
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed_scale_});
     all.push_back({"u", s.u.data(), 0.0, speed_scale_ * speed_scale_});
     if (has_alpha()) all.push_back({"alpha", alpha().data(), 0.0, 1.0});
+    if (o_.evolves_density()) all.push_back({"density", evolved().data(), 0.0, density_scale_});
     return all;
   }
 
@@ -84,6 +95,7 @@ class flow : public march::problem {
   bool evaluable() override {
     const auto& s = w_.s;
     double least = std::numeric_limits<double>::infinity();
+    if (o_.any_eos()) return true;
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
@@ -192,6 +204,7 @@ class flow : public march::problem {
     scalar("Density", "kg/m^3", "mass density", told_density());
     scalar("Pressure", "Pa", "pressure", s.p);
     scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
+    if (o_.any_eos()) scalar("Temperature", "K", "temperature", s.T);
     scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
     if (has_alpha()) scalar("ArtificialViscosity", "1", "alpha", alpha());
     if (setup_.exact) {
@@ -240,6 +253,7 @@ class flow : public march::problem {
     add("m", s.m);
     add("rho", s.rho);
     add("p", s.p);
+    if (o_.any_eos()) add("T", s.T);
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -267,18 +281,21 @@ class flow : public march::problem {
   }
 
  private:
-  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);  // gradients
+  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);      // gradients
+  static constexpr std::size_t R = 2 + static_cast<std::size_t>(D) * (D + 2);  // m_0, A, B and gradients of A, B
 
   particles::array& support() { return w_.s.extras[0].values; }
   particles::array& list_support() { return w_.s.extras[1].values; }
   particles::array& alpha() { return w_.s.extras[2].values; }
   particles::array& start_volume() { return w_.s.extras[3].values; }
   particles::array& start_sum() { return w_.s.extras[4].values; }
+  particles::array& evolved() { return w_.s.extras[5].values; }
   const particles::array& told_density() const { return o_.shock.density == "mass" ? mass_density_ : w_.s.rho; }
-  bool has_alpha() const { return !o_.godunov() && o_.shock.switch_of_alpha; }
+  bool has_alpha() const { return !o_.godunov() && !o_.evolves_density() && o_.shock.switch_of_alpha; }
   double room_to_grow() const { return 0.25 * skin_; }
   // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
+    if (o_.any_eos()) return caloric_of(i).at(w_.s.rho[i], w_.s.u[i]).c;
     const double thermal = stiffness_[i] > 0.0 ? w_.s.u[i] - stiffness_[i] / w_.s.rho[i] : w_.s.u[i];
     return std::sqrt(gamma_[i] * (gamma_[i] - 1.0) * std::max(thermal, 0.0));
   }
@@ -305,13 +322,13 @@ class flow : public march::problem {
     };
     std::vector<start> mine;
     std::int64_t id = 0;
-    double fastest = 0.0;
+    double fastest = 0.0, densest = 0.0;
     for_each_start<D>(setup_, [&](const point& x, double volume) {
       const state now = setup_.start(x);
-      const auto [gamma, stiffness] = gas_of(now.material);
-      double v2 = gamma * (now.p + stiffness) / now.rho;
+      double v2 = std::pow(start_of(now).c, 2);
       for (const double v : now.v) v2 += v * v;
       fastest = std::max(fastest, v2);
+      densest = std::max(densest, now.rho);
       std::array<double, D> place;
       std::copy_n(x.begin(), D, place.begin());
       if (w_.d.within(w_.d.cell(), place)) mine.push_back({id, x, volume});
@@ -319,6 +336,7 @@ class flow : public march::problem {
     });
     fluid_total_ = id;
     speed_scale_ = std::sqrt(fastest);
+    density_scale_ = densest;
     particles::allocate(s, mine.size(), 0, 0, 0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       const auto& p = mine[i];
@@ -326,8 +344,8 @@ class flow : public march::problem {
       s.id[i] = p.id;
       s.material[i] = now.material;
       s.m[i] = now.rho * p.volume;
-      const auto [gamma, stiffness] = gas_of(now.material);
-      s.u[i] = (now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho);
+      s.u[i] = start_of(now).u;
+      s.rho[i] = evolved()[i] = now.rho;
       start_volume()[i] = p.volume;
       start_sum()[i] = 1.0;
       for (std::size_t a = 0; a < D; ++a) {
@@ -378,8 +396,11 @@ class flow : public march::problem {
     for (auto* a : {&gamma_, &stiffness_}) a->assign(s.total() + 1, 0.0);
     for (std::size_t i = 0; i < s.fluid; ++i) std::tie(gamma_[i], stiffness_[i]) = gas_of(s.material[i]);
     gamma_[s.null()] = o_.shock.gamma;
-    const std::array<double*, 5> fixed{s.m.data(), list_support().data(), start_volume().data(), gamma_.data(),
-                                       stiffness_.data()};
+    kind_.assign(s.total() + 1, 0.0);
+    const bool two = o_.any_eos() || gas_of(0) != gas_of(1);
+    for (std::size_t i = 0; i < s.fluid; ++i) kind_[i] = two ? s.material[i] : 0;
+    const std::array<double*, 6> fixed{s.m.data(),    list_support().data(), start_volume().data(),
+                                       gamma_.data(), stiffness_.data(),     kind_.data()};
     domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(fixed));
     foundation::for_all(images_.source.size(), [&](std::size_t r) {
       for (double* a : fixed) a[s.first_wall() + r] = a[images_.source[r]];
@@ -387,11 +408,15 @@ class flow : public march::problem {
     make_list<D>(w_, list_support(), skin_, edge);
     if (as_they_were) exchange_positions();
     for (auto* a : {&S_, &per_S_, &weight_, &slope_, &correction_, &dissipation_}) a->assign(s.total() + 1, 0.0);
-    for (auto* a :
-         {&y_, &f_, &z_, &divergence_, &curl_, &number_, &count_, &count_slope_, &power_, &signal_, &mass_density_})
+    for (auto* a : {&y_, &f_, &z_, &divergence_, &curl_, &number_, &number_volume_, &count_, &count_slope_, &power_,
+                    &signal_, &mass_density_})
       a->resize(s.fluid);
     for (auto& a : force_) a.resize(s.fluid);
-    if (o_.second_order())
+    if (o_.evolves_density()) {
+      for (auto& a : reproducing_) a.assign(s.total() + 1, 0.0);
+      density_rate_.resize(s.fluid);
+    }
+    if (o_.second_order() || o_.evolves_density())
       for (auto& a : gradient_) a.assign(s.total() + 1, 0.0);
     std::copy_n(support().begin(), s.fluid, S_.begin());
     std::fill(signal_.begin(), signal_.end(), 0.0);
@@ -489,7 +514,10 @@ class flow : public march::problem {
     const bool with_z = o_.density_independent() && !with_f;
     const bool part_of_star = o_.shock.star_pressure == "balsara";
     for (std::size_t i = 0; i < s.fluid; ++i)
-      if (!(s.u[i] > 0.0 && y_[i] > 0.0 && std::isfinite(y_[i]))) {
+      if (!(!o_.evolves_density() || evolved()[i] > 0.0)) {
+        w_.first_fault.report(s.id[i], fmt::format("the density of particle {} is not above 0", s.id[i]));
+        break;
+      } else if (!((s.u[i] > 0.0 || o_.any_eos()) && y_[i] > 0.0 && std::isfinite(y_[i]))) {
         w_.first_fault.report(
             s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
         break;
@@ -497,21 +525,47 @@ class flow : public march::problem {
     foundation::for_all(s.fluid, [&](std::size_t i) {
       // dU = -p dV with V = k w/y
       const double k = volume ? start_sum()[i] : 1.0;
-      s.rho[i] = energy ? y_[i] / s.u[i] : volume ? s.m[i] * y_[i] / (k * weight_[i]) : y_[i];
-      s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
-      s.c[i] = sound_speed(i);
-      s.dV[i] = 1.0 / number_[i];
+      s.rho[i] = o_.evolves_density() ? evolved()[i]
+                 : energy             ? y_[i] / s.u[i]
+                 : volume             ? s.m[i] * y_[i] / (k * weight_[i])
+                                      : y_[i];
+      if (o_.any_eos()) {
+        const eos::caloric_state now = caloric_of(i).at(s.rho[i], s.u[i]);
+        s.p[i] = now.p;
+        s.T[i] = now.T;
+        s.c[i] = now.c;
+        // The stiffened gas with K_S and K_S' (riemann/states.hpp)
+        stiffness_[i] = s.rho[i] * now.c * now.c / gamma_[i] - now.p;
+      } else {
+        s.p[i] = (gamma_[i] - 1.0) * (energy ? y_[i] : s.rho[i] * s.u[i]) - gamma_[i] * stiffness_[i];
+        s.c[i] = sound_speed(i);
+      }
+      number_volume_[i] = 1.0 / number_[i];
+      s.dV[i] = o_.evolves_density() ? s.m[i] / s.rho[i] : number_volume_[i];
       per_S_[i] = 1.0 / S_[i];
       slope_[i] = (with_f ? f_[i] : 1.0) * (own_pressure ? s.p[i] : 1.0) * k / (y_[i] * y_[i]);
       correction_[i] = with_z ? z_[i] : 0.0;
-      const double closing = std::abs(divergence_[i]), h = S_[i] / support_over_h_;
+      const bool switched = o_.shock.balsara || part_of_star || o_.evolves_density();
       const double balsara =
-          o_.shock.balsara || part_of_star ? closing / (closing + curl_[i] + 1e-4 * s.c[i] / h) : 1.0;
-      dissipation_[i] = own_pressure ? alpha()[i] * balsara : part_of_star ? balsara : 1.0;
+          switched ? schemes::balsara_factor(divergence_[i], curl_[i], s.c[i], S_[i] / support_over_h_) : 1.0;
+      dissipation_[i] = o_.evolves_density() ? balsara
+                        : own_pressure       ? alpha()[i] * balsara
+                        : part_of_star       ? balsara
+                                             : 1.0;
     });
+    if (o_.any_eos())
+      for (std::size_t i = 0; i < s.fluid; ++i)
+        if (!(s.c[i] > 0.0)) {
+          w_.first_fault.report(
+              s.id[i],
+              fmt::format("particle {} has no sound at {:.4g} kg/m^3 and {:.4g} J/kg: '{}' does not reach there",
+                          s.id[i], s.rho[i], s.u[i], eos::about(caloric_of(i).material()).name));
+          break;
+        }
     per_S_[s.null()] = slope_[s.null()] = 0.0;
-    const std::array<double*, 8> all{correction_.data(), s.rho.data(),  s.p.data(),    s.c.data(),
-                                     s.dV.data(),        per_S_.data(), slope_.data(), dissipation_.data()};
+    const std::array<double*, 9> all{correction_.data(), s.rho.data(),        s.p.data(),
+                                     s.c.data(),         s.dV.data(),         per_S_.data(),
+                                     slope_.data(),      dissipation_.data(), stiffness_.data()};
     domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
     for_each_image([&](std::size_t i, std::size_t j, const auto&) {
       for (double* a : all) a[i] = a[j];
@@ -522,8 +576,9 @@ class flow : public march::problem {
   void find_gradients(const Kernel& unit) {
     const foundation::stage timed(w_.times, "gradients");
     auto& s = w_.s;
-    schemes::gradients<D, Kernel> term{unit,      s.dV.data(), s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
-                                       S_.data(), {}};
+    schemes::gradients<D, Kernel> term{
+        unit,      s.dV.data(), o_.evolves_density() ? s.u.data() : s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
+        S_.data(), {}};
     std::array<double*, G> all;
     for (std::size_t k = 0; k < G; ++k) all[k] = term.out[k] = gradient_[k].data();
     sum(term);
@@ -534,6 +589,34 @@ class flow : public march::problem {
           const double of_field = k < 2 ? 1.0 : sign[k - 2];
           all[D * k + b][i] = of_field * sign[b] * all[D * k + b][j];
         }
+    });
+  }
+
+  // The kernels' corrections.
+  template <class Kernel>
+  void find_corrections(const Kernel& unit) {
+    const foundation::stage timed(w_.times, "corrections");
+    schemes::reproducing<D, Kernel> term{unit, w_.s.dV.data(), per_S_.data(), {}};
+    std::array<double*, R> all;
+    for (std::size_t k = 0; k < R; ++k) all[k] = reproducing_[k].data();
+    term.out.m0 = all[0];
+    term.out.A = all[1];
+    for (std::size_t a = 0; a < D; ++a) {
+      term.out.B[a] = all[2 + a];
+      term.out.grad_A[a] = all[2 + D + a];
+    }
+    for (std::size_t k = 0; k < term.out.grad_B.size(); ++k) term.out.grad_B[k] = all[2 + 2 * D + k];
+    sum(term);
+    domain::exchange<D>(w_.d.ranks, w_.d.fluid_halo, std::span<double* const>(all));
+    for_each_image([&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
+      all[0][i] = all[0][j];
+      all[1][i] = all[1][j];
+      for (std::size_t a = 0; a < D; ++a) {
+        term.out.B[a][i] = sign[a] * term.out.B[a][j];
+        term.out.grad_A[a][i] = sign[a] * term.out.grad_A[a][j];
+        for (std::size_t b = 0; b < D; ++b)
+          term.out.grad_B[D * a + b][i] = sign[a] * sign[b] * term.out.grad_B[D * a + b][j];
+      }
     });
   }
 
@@ -567,6 +650,18 @@ class flow : public march::problem {
     for (std::size_t a = 0; a < D; ++a) out.force[a] = force_[a].data();
     if (o_.shock.scheme == "ssph") return sum(schemes::ssph<D, Kernel>{unit, gas, out});
     if (o_.shock.scheme == "disph") return sum(schemes::disph<D, Kernel>{unit, gas, out});
+    if (o_.evolves_density()) {
+      const auto at = [&](std::size_t k) { return static_cast<const double*>(reproducing_[k].data()); };
+      schemes::reproducing_fields<D> kernel;
+      kernel.A = at(1);
+      for (std::size_t a = 0; a < D; ++a) {
+        kernel.B[a] = at(2 + a);
+        kernel.grad_A[a] = at(2 + D + a);
+      }
+      for (std::size_t k = 0; k < kernel.grad_B.size(); ++k) kernel.grad_B[k] = at(2 + 2 * D + k);
+      return sum(schemes::remix<D, Kernel>{unit, gas, kernel, s.dV.data(), s.u.data(), at(0), kind_.data(),
+                                           support_over_dx_, out, density_rate_.data()});
+    }
     const bool second = o_.second_order();
     if (o_.shock.scheme == "gsph")
       return second ? sum(schemes::gsph<D, Kernel, true>{unit, gas, out})
@@ -579,7 +674,8 @@ class flow : public march::problem {
   void evaluate_with(const Kernel& unit) {
     refresh_state();
     find_densities(unit);
-    if (o_.second_order()) find_gradients(unit);
+    if (o_.evolves_density()) find_corrections(unit);
+    if (o_.second_order() || o_.evolves_density()) find_gradients(unit);
     find_forces(unit);
   }
 
@@ -592,11 +688,11 @@ class flow : public march::problem {
       }
       if constexpr (D > 1) rate[D + 1][i] -= o_.shock.gravity;
       rate[2 * D][i] = power_[i] / s.m[i];
+      if (o_.evolves_density()) rate[2 * D + 1][i] = density_rate_[i];
       if (!has_alpha()) return;
-      const double h = S_[i] / support_over_h_, decay = 0.2 * s.c[i] / h;
       const auto& q = o_.shock;
       rate[2 * D + 1][i] =
-          (q.alpha_min - alpha()[i]) * decay + std::max(-divergence_[i], 0.0) * std::max(q.alpha - alpha()[i], 0.0);
+          schemes::alpha_rate(alpha()[i], q.alpha_min, q.alpha, divergence_[i], s.c[i], S_[i] / support_over_h_);
     });
     for (std::size_t i = 0; i < s.fluid; ++i)
       if (!std::isfinite(rate[D][i] + rate[2 * D][i])) {
@@ -636,7 +732,8 @@ class flow : public march::problem {
 
   view particles_seen() const {
     const auto& s = w_.s;
-    view seen{ranks(), s.fluid, {}, {}, s.m.data(), told_density().data(), s.p.data(), s.dV.data(), s.material.data()};
+    view seen{ranks(),          s.fluid, {}, {}, s.m.data(), told_density().data(), s.p.data(), number_volume_.data(),
+              s.material.data()};
     for (std::size_t a = 0; a < D; ++a) {
       seen.x[a] = s.x[a].data();
       seen.v[a] = s.v[a].data();
@@ -654,7 +751,7 @@ class flow : public march::problem {
       const state right = setup_.exact(x, t);
       double dv2 = 0.0;
       for (std::size_t a = 0; a < D; ++a) dv2 += (s.v[a][i] - right.v[a]) * (s.v[a][i] - right.v[a]);
-      const double V = 1.0 / number_[i];
+      const double V = number_volume_[i];
       volume.add(V);
       rho.add(V * std::abs(told_density()[i] - right.rho));
       v.add(V * std::sqrt(dv2));
@@ -666,19 +763,41 @@ class flow : public march::problem {
             {"pressure_l1", ranks().exact(p) / all}};
   }
 
-  // gamma and p_infinity
+  const eos::caloric& caloric_of(std::size_t i) const {
+    return materials_[w_.s.material[i] == setup_.material_l ? 0 : 1];
+  }
+
+  struct start_state {
+    double u, c;  // J/kg, m/s
+  };
+  start_state start_of(const state& now) const {
+    if (o_.any_eos()) {
+      const bool left = now.material == setup_.material_l;
+      const eos::caloric& m = materials_[left ? 0 : 1];
+      const double u = m.internal_energy(now.rho, left ? *o_.shock.temperature_l : *o_.shock.temperature_r);
+      return {u, m.at(now.rho, u).c};
+    }
+    const auto [gamma, stiffness] = gas_of(now.material);
+    return {(now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho), std::sqrt(gamma * (now.p + stiffness) / now.rho)};
+  }
+
+  // gamma and p_infinity; with an equation of state K_S' of the start, and p_infinity follows the state
   std::pair<double, double> gas_of(std::int32_t material) const {
     const auto& q = o_.shock;
+    if (o_.any_eos()) return {stiffening_[material == setup_.material_l ? 0 : 1], 0.0};
     return material == setup_.material_l ? std::pair{*q.gamma_l, q.p_infinity_l}
                                          : std::pair{*q.gamma_r, q.p_infinity_r};
   }
 
   const options& o_;
   const setup setup_;
+  std::vector<eos::caloric> materials_;  // left, right; none: gases
+  std::vector<double> stiffening_;       // K_S' of each
   pairs::workspace<D> w_;
   images::image_set<D> images_;
   kernel_choice<D> unit_ = kernels::quintic_spline<D>(1.0);  // support 1
-  double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0;
+  double support_over_dx_ = 0.0, support_over_h_ = 0.0, target_ = 0.0, skin_ = 0.0, speed_scale_ = 0.0,
+         density_scale_ = 0.0;
   std::int64_t fluid_total_ = 0, crossings_ = 0;
   double time_ = 0.0;  // s, of the state
   bool settled_ = false;
@@ -686,10 +805,13 @@ class flow : public march::problem {
   samples samples_;
 
   particles::array S_, per_S_, weight_, slope_, dissipation_;  // of all particles
-  particles::array y_, f_, divergence_, curl_, number_, count_, count_slope_, power_, signal_, mass_density_;
+  particles::array y_, f_, divergence_, curl_, number_, number_volume_, count_, count_slope_, power_, signal_,
+      mass_density_;
   particles::array z_, correction_, gamma_, stiffness_;  // correction_, gamma_, stiffness_: of all particles
   std::array<particles::array, D> force_;
   std::array<particles::array, G> gradient_;
+  std::array<particles::array, R> reproducing_;
+  particles::array kind_, density_rate_;  // kind_: of all particles, which material
 };
 
 }  // namespace tetsuame::shocks

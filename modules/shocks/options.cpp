@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <eos/eos.hpp>
 #include <shocks/options.hpp>
 
 namespace tetsuame::shocks {
@@ -37,9 +38,10 @@ void declare(namelist::schema& schema, options& o) {
       "shock", "test", s.test,
       {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts"},
        .meaning = "what is at the start; left and right are inside and outside of a square or band"});
-  schema.add("shock", "scheme", s.scheme,
-             {.choices = {"ssph", "disph", "gsph", "gdisph"},
-              .meaning = "standard, density-independent; Godunov's forms of the two"});
+  schema.add(
+      "shock", "scheme", s.scheme,
+      {.choices = {"ssph", "disph", "gsph", "gdisph", "remix"},
+       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields"});
   schema.add("shock", "masses", s.masses,
              {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
   schema.add("shock", "weight", s.weight,
@@ -80,6 +82,21 @@ void declare(namelist::schema& schema, options& o) {
   };
   stiffened("l", "on the left", s.gamma_l, s.p_infinity_l);
   stiffened("r", "on the right", s.gamma_r, s.p_infinity_r);
+  std::vector<std::string> equations{""};
+  for (const auto name : eos::names()) equations.emplace_back(name);
+  const auto material = [&](const std::string& end, const char* where, std::string& name, std::optional<double>& T) {
+    schema.add("shock", "eos_" + end, name,
+               {.choices = equations,
+                .meaning = std::string("riemann, square: equation of state ") + where +
+                           ", with its own parameters; '': the gas of gamma and p_infinity"});
+    schema.add("shock", "temperature_" + end, T,
+               {.unit = "K",
+                .minimum = 0.0,
+                .exclusive_minimum = true,
+                .meaning = std::string("with an equation of state: ") + where + "; the density follows from it and p"});
+  };
+  material("l", "on the left", s.eos_l, s.temperature_l);
+  material("r", "on the right", s.eos_r, s.temperature_r);
   schema.add("shock", "window", s.window,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -124,6 +141,12 @@ void declare(namelist::schema& schema, options& o) {
   march::declare(schema, o.march, true);
 }
 
+eos::any eos_of(const std::string& name) {
+  eos::material_options m;
+  m.name = name;
+  return eos::make(m);
+}
+
 void resolve(const namelist::schema& schema, options& o) {
   if (!o.march.time.cfl) o.march.time.cfl = o.march.time.method == "euler" ? 0.1 : 0.4;
   march::resolve(o.march);
@@ -140,10 +163,37 @@ void resolve(const namelist::schema& schema, options& o) {
   }
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
   const auto& test = o.shock.test;
-  if (!o.shock.gamma_l) o.shock.gamma_l = o.shock.gamma;
-  if (!o.shock.gamma_r) o.shock.gamma_r = o.shock.gamma;
-  const auto& s = o.shock;
-  if (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma) {
+  auto& s = o.shock;
+  for (const bool left : {true, false}) {
+    const std::string end = left ? "l" : "r";
+    const std::string& name = left ? s.eos_l : s.eos_r;
+    const auto& T = left ? s.temperature_l : s.temperature_r;
+    if (T && name.empty()) schema.fail("shock", "temperature_" + end, "a temperature needs an equation of state");
+    if (name.empty()) continue;
+    if (test != "riemann" && test != "square")
+      schema.fail("shock", "eos_" + end, "the test '" + test + "' is of an ideal gas");
+    if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
+    if (left ? s.gamma_l : s.gamma_r)
+      schema.fail("shock", "gamma_" + end, "is of a gas, and there is an equation of state");
+    if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
+      schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
+    double& rho = left ? s.rho_l : s.rho_r;
+    const double follows = eos::density(eos_of(name), left ? s.p_l : s.p_r, *T);
+    if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
+      schema.fail("shock", "rho_" + end,
+                  fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
+    rho = follows;
+  }
+  if (s.eos_l.empty() != s.eos_r.empty())
+    schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
+  if (o.any_eos() && o.weighs_energy())
+    schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
+  if (!o.any_eos()) {
+    if (!s.gamma_l) s.gamma_l = s.gamma;
+    if (!s.gamma_r) s.gamma_r = s.gamma;
+  }
+  if (!o.any_eos() &&
+      (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma)) {
     if (test != "riemann" && test != "square")
       schema.fail("shock", "gamma_l", "the test '" + test + "' is of an ideal gas with one gamma");
     if (o.weighs_energy())

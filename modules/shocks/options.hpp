@@ -1,10 +1,11 @@
 // The input of gas with contacts and shocks:
 //   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
-//   &shock    test, scheme, state on either side, viscosity, Riemann solver, reconstruction
+//   &shock    test, scheme, state and material on either side, viscosity, Riemann solver, reconstruction
 //   &time, &kernel, &output, &run   march/options.hpp
 #pragma once
 
 #include <array>
+#include <eos/eos.hpp>
 #include <images/scene.hpp>
 #include <march/options.hpp>
 #include <optional>
@@ -17,14 +18,16 @@ struct shock_options {
   double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
   double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
   double gamma = 1.4;
-  std::optional<double> gamma_l, gamma_r;         // none: gamma
-  double p_infinity_l = 0.0, p_infinity_r = 0.0;  // Pa; stiffened gas
-  double window = 1.0;                            // of the box along x, about its middle: where errors are measured
-  double energy = 1.0, blast_radius = 2.0;        // J; in spacings
-  bool corner = false;                            // sedov: the centre is in a corner
-  double gravity = 0.0;                           // m/s2, towards -y
-  double layer = 0.025, perturbation = 0.01;      // m, m/s
-  std::int64_t waves = 2;                         // along x
+  std::optional<double> gamma_l, gamma_r;              // none: gamma
+  double p_infinity_l = 0.0, p_infinity_r = 0.0;       // Pa; stiffened gas
+  std::string eos_l, eos_r;                            // empty: the gas of gamma and p_infinity
+  std::optional<double> temperature_l, temperature_r;  // K
+  double window = 1.0;                        // of the box along x, about its middle: where errors are measured
+  double energy = 1.0, blast_radius = 2.0;    // J; in spacings
+  bool corner = false;                        // sedov: the centre is in a corner
+  double gravity = 0.0;                       // m/s2, towards -y
+  double layer = 0.025, perturbation = 0.01;  // m, m/s
+  std::int64_t waves = 2;                     // along x
   std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;
@@ -41,8 +44,12 @@ struct options {
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  bool evolves_density() const { return shock.scheme == "remix"; }
+  bool any_eos() const { return !shock.eos_l.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
 };
+
+eos::any eos_of(const std::string& name);  // with its own parameters
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);

@@ -3,7 +3,9 @@
 #include <exact/instability.hpp>
 #include <exact/sedov.hpp>
 #include <foundation/exact_sum.hpp>
+#include <memory>
 #include <numbers>
+#include <riemann/general.hpp>
 #include <shocks/setups.hpp>
 
 namespace tetsuame::shocks {
@@ -32,6 +34,37 @@ setup riemann_tube(const options& o) {
   setup t;
   t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.rho_l, mean)),
               lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.rho_r, mean))};
+  if (o.any_eos()) {
+    struct materials {
+      eos::caloric l, r;
+      riemann::general_tube tube;
+      explicit materials(const shock_options& q)
+          : l(eos_of(q.eos_l)),
+            r(eos_of(q.eos_r)),
+            tube({&l, q.rho_l, q.u_l, *q.temperature_l}, {&r, q.rho_r, q.u_r, *q.temperature_r}) {}
+    };
+    const auto both = std::make_shared<const materials>(s);
+    const auto& tube = both->tube;
+    t.exact = [both, s, middle](const point& x, double time) {
+      const double xi = (x[0] - middle) / time;
+      const bool left = time > 0.0 ? both->tube.on_left(xi) : x[0] < middle;
+      if (!(time > 0.0)) return left ? state{s.rho_l, s.p_l, {s.u_l}, 0} : state{s.rho_r, s.p_r, {s.u_r}, 1};
+      const auto w = both->tube.at(xi);
+      return state{w.rho, w.p, {w.v}, left ? 0 : 1};
+    };
+    t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
+    t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
+      return std::abs(x[0] - middle) <= width;
+    };
+    const auto &l = tube.star_l(), &r = tube.star_r();
+    t.known = {{"p_star", l.p},
+               {"u_star", l.v},
+               {"rho_star_l", l.rho},
+               {"rho_star_r", r.rho},
+               {"temperature_star_l", both->l.temperature(l.rho, l.u)},
+               {"temperature_star_r", both->r.temperature(r.rho, r.u)}};
+    return t;
+  }
   const exact::shock_tube tube({s.rho_l, s.u_l, s.p_l, *s.gamma_l, s.p_infinity_l},
                                {s.rho_r, s.u_r, s.p_r, *s.gamma_r, s.p_infinity_r});
   t.exact = [=](const point& x, double time) {

@@ -1,4 +1,4 @@
-"""The four schemes side by side on contacts and shocks."""
+"""The five schemes side by side on contacts and shocks."""
 import argparse
 from dataclasses import dataclass
 from html import escape
@@ -16,10 +16,10 @@ from .runner import COMPLETED, Outcome
 from .table import place, verdict
 
 NAME = "shock"
-TITLE = "SSPH, DISPH, GSPH and Godunov DISPH on contacts and shocks"
-ABOUT = "Run the program shock with its four schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
+TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
+ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
 BINARIES = ("shock",)
-SCHEMES = ("ssph", "disph", "gsph", "gdisph")
+SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,7 @@ TESTS = {
     "sod": Test("sod", (100, 200, 400), (50, 100, 200), "Sod's tube"),
     "strong": Test("strong", (100, 200, 400), (100, 200), "a pressure jump of 10⁵"),
     "vacuum": Test("vacuum", (140, 280, 560), (70, 140), "two streams that part and leave almost nothing between them"),
+    "melts": Test("melts_shock", (100, 200, 400), (50, 100), "liquid iron beside liquid silicate, a shock into the silicate"),
     "blasts": Test("blasts", (200, 400), (100,), "two blasts that meet; no exact solution", refined=True),
     "square": Test("square", (16, 32), (16, 24), "a dense square in pressure balance, particles on one lattice, t = 2", ("time.t_end=2",)),
     "square_equal_mass": Test("square", (16, 32), (16,), "the same of equal masses: two lattices meet, t = 1",
@@ -53,7 +54,7 @@ METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tests", default=",".join(TESTS), metavar="NAME,…", help="tests to run (default: %(default)s)")
-    parser.add_argument("--schemes", default=",".join(SCHEMES), metavar="NAME,…", help="schemes (default: all four)")
+    parser.add_argument("--schemes", default=",".join(SCHEMES), metavar="NAME,…", help="schemes (default: all five)")
     parser.add_argument("--particles", nargs="+", type=int, metavar="N",
                         help="particles along x, for every test named (default: each test's own)")
 
@@ -140,7 +141,7 @@ def l1(here: dict, there: dict) -> dict[str, float]:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     tests = list(dict.fromkeys(one["test"] for one in measured["runs"]))
-    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass or energy) and in where "
+    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and in where "
              "dissipation comes from (artificial viscosity or Riemann problems).</p>",
              "<h2>At a glance</h2>", glance(measured, tests),
              "<h2>Convergence</h2>",

@@ -164,7 +164,7 @@ def cost(measured: dict, path: Path) -> bool:
     figure, (ax,) = style.panels(1, 1, 0.3 + 0.42 * len(rates))
     width = 0.8 / len(ORDER)
     for k, (scheme, (label, colour)) in enumerate(style.SCHEME.items()):
-        seen = [(row + (k - 1.5) * width, found[scheme]) for row, found in enumerate(rates.values()) if scheme in found]
+        seen = [(row + (k - 0.5 * (len(ORDER) - 1)) * width, found[scheme]) for row, found in enumerate(rates.values()) if scheme in found]
         if seen:
             y, values = zip(*seen)
             ax.barh(y, [value / 1e6 for value in values], height=0.92 * width, color=colour, label=label)

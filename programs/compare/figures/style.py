@@ -13,7 +13,7 @@ DASHED = {"E"}
 
 # The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
 SCHEME = {"ssph": ("SSPH", "#E69F00"), "disph": ("DISPH", "#56B4E9"), "gsph": ("GSPH", "#D55E00"),
-          "gdisph": ("Godunov DISPH", "#0072B2")}
+          "gdisph": ("Godunov DISPH", "#0072B2"), "remix": ("REMIX", "#009E73")}
 
 INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
 WIDTH = 10.4  # inches: the report's column

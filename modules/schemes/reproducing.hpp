@@ -1,0 +1,163 @@
+// Kernels that reproduce linear fields on any arrangement of particles [W. K. Liu, S. Jun, Y. F. Zhang, Int. J. Numer.
+// Meth. Fluids 20, 1081 (1995); N. Frontiere, C. D. Raskin, J. M. Owen, J. Comput. Phys. 332, 160 (2017)]:
+//   W^R_ij = A_i [1 + B_i·x_ij] W_ij,   Σ_j V_j W^R_ij = 1,   Σ_j V_j x_ij W^R_ij = 0
+//   B = -m_2⁻¹ m_1,   A = 1/(m_0 + B·m_1),   m_0, m_1, m_2 = Σ_j V_j {1, x_ij, x_ij ⊗ x_ij} W_ij
+// with the mean of both ends' kernels for W_ij, and the gradients at x_i of all these, supports held (the particle
+// itself included in the sums). Where the neighbours lie so that m_2 cannot be inverted, B = 0: constants alone are
+// reproduced.
+#pragma once
+
+#include <operators/symmetric.hpp>
+#include <schemes/forces.hpp>
+
+namespace tetsuame::schemes {
+
+struct amplitude_tag {};
+struct tilt_tag {};
+struct grad_amplitude_tag {};
+struct grad_tilt_tag {};
+inline constexpr amplitude_tag of_amplitude;            // A
+inline constexpr tilt_tag of_tilt;                      // B, 1/m
+inline constexpr grad_amplitude_tag of_grad_amplitude;  // ∂A/∂x_b, 1/m
+inline constexpr grad_tilt_tag of_grad_tilt;            // [D a + b]: ∂B_a/∂x_b, 1/m²
+
+struct mean_kernel {
+  real W, F;  // 1/m^D, W'(r)/r in 1/m^(D+2)
+};
+template <int D, class Kernel>
+mean_kernel mean_kernel_of(const Kernel& unit, const auto& ij) {
+  mean_kernel mean{real(0.0), real(0.0)};
+  for (const real& per_S : {real(ij.own(of_per_support)), real(ij(of_per_support))}) {
+    real W, F;
+    const real q = ij.r * per_S, per_volume = 0.5 * power<D>(per_S);
+    if constexpr (requires { Kernel::shape(q, q, W, F); }) {
+      unit.both(q, q, W, F);
+      mean.F += per_volume * per_S * per_S * F;
+    } else {  // a spline's F is W'/r: here W'
+      unit.both(q, real(1.0), W, F);
+      mean.F += per_volume * per_S * ij.per_r * F;
+    }
+    mean.W += per_volume * W;
+  }
+  return mean;
+}
+
+template <int D, class Kernel>
+struct reproducing {
+  Kernel unit;
+  const double *volume, *per_S;
+  struct {
+    double *m0, *A;
+    std::array<double*, D> B, grad_A;
+    std::array<double*, static_cast<std::size_t>(D) * D> grad_B;
+  } out;
+
+  static constexpr std::size_t N = D, M = operators::symmetric_terms(D);
+  struct me {
+    real m0;
+    vec<real, D> m1, g0;         // g: the same sums with F x_ij for W
+    std::array<real, M> m2, g2;  // g2 is of x_ij once
+    std::array<vec<real, D>, M> g3;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(of_per_support, per_S)}; }
+  me begin(std::size_t) const {
+    me a;
+    a.m0 = real(0.0);
+    a.m1 = a.g0 = foundation::zero<real, D>();
+    for (auto* all : {&a.m2, &a.g2})
+      for (auto& s : *all) s = real(0.0);
+    for (auto& s : a.g3) s = foundation::zero<real, D>();
+    return a;
+  }
+  void add(me& a, const auto& ij) const {
+    const mean_kernel k = mean_kernel_of<D>(unit, ij);
+    const real V = ij(pairs::of_volume), VW = V * k.W, VF = V * k.F;
+    const auto& x = ij.x_ij;
+    a.m0 += VW;
+    a.m1 += VW * x;
+    a.g0 += VF * x;
+    for (std::size_t b = 0, n = 0; b < N; ++b)
+      for (std::size_t c = b; c < N; ++c, ++n) {
+        const real xx = x[b] * x[c];
+        a.m2[n] += VW * xx;
+        a.g2[n] += VF * xx;
+        a.g3[n] += (VF * xx) * x;
+      }
+  }
+  void end(std::size_t i, const me& a) const {
+    const auto place = [](std::size_t b, std::size_t c) { return operators::symmetric_place(b, c, N); };
+    const double m0 = pairs::sum(a.m0) + volume[i] * std::pow(per_S[i], D) * unit.self();
+    std::array<double, N> m1, B{};
+    std::array<std::array<double, N>, N> m2;
+    for (std::size_t b = 0; b < N; ++b) {
+      m1[b] = pairs::sum(a.m1[b]);
+      for (std::size_t c = 0; c < N; ++c) m2[b][c] = pairs::sum(a.m2[place(b, c)]);
+    }
+    const bool exists = operators::factorise(m2);
+    if (exists) {
+      B = operators::solve(m2, m1);
+      for (double& b : B) b = -b;
+    }
+    double of_B = m0;
+    for (std::size_t b = 0; b < N; ++b) of_B += B[b] * m1[b];
+    const double A = 1.0 / of_B;
+    out.m0[i] = m0;
+    out.A[i] = A;
+    for (std::size_t g = 0; g < N; ++g) {
+      // ∂m_0, ∂m_1, ∂m_2 along g
+      std::array<double, N> dm1, right, dB{};
+      for (std::size_t b = 0; b < N; ++b) {
+        dm1[b] = (b == g ? m0 : 0.0) + pairs::sum(a.g2[place(b, g)]);
+        right[b] = dm1[b];
+        for (std::size_t c = 0; c < N; ++c)
+          right[b] += ((c == g ? m1[b] : 0.0) + (b == g ? m1[c] : 0.0) + pairs::sum(a.g3[place(b, c)][g])) * B[c];
+      }
+      if (exists) {
+        dB = operators::solve(m2, right);
+        for (double& b : dB) b = -b;
+      }
+      double change = pairs::sum(a.g0[g]);
+      for (std::size_t b = 0; b < N; ++b) change += dB[b] * m1[b] + B[b] * dm1[b];
+      out.B[g][i] = B[g];
+      out.grad_A[g][i] = -A * A * change;
+      for (std::size_t b = 0; b < N; ++b) out.grad_B[N * b + g][i] = dB[b];
+    }
+  }
+};
+
+// What a term reads for it.
+template <int D>
+struct reproducing_fields {
+  const double* A;
+  std::array<const double*, D> B, grad_A;
+  std::array<const double*, static_cast<std::size_t>(D) * D> grad_B;
+
+  auto reads() const {
+    return std::tuple{pairs::read(of_amplitude, A), pairs::read(of_tilt, B), pairs::read(of_grad_amplitude, grad_A),
+                      pairs::read(of_grad_tilt, grad_B)};
+  }
+};
+
+// ½ [∂W^R_ij - ∂W^R_ji], 1/m^(D+1): changes sign with the order of i and j.
+template <int D>
+vec<real, D> reproducing_gradient(const mean_kernel& k, const auto& ij) {
+  const auto& x = ij.x_ij;
+  const auto one = [&](const auto& end, double sign) {
+    const real A = end(of_amplitude);
+    const auto B = end(of_tilt), grad_A = end(of_grad_amplitude);
+    const auto grad_B = end(of_grad_tilt);
+    const real linear = 1.0 + sign * foundation::dot(B, x);
+    vec<real, D> g;
+    for (std::size_t b = 0; b < D; ++b) {
+      real tilt = B[b];
+      for (std::size_t a = 0; a < D; ++a) tilt += sign * grad_B[D * a + b] * x[a];
+      g[b] = k.W * (grad_A[b] * linear + A * tilt) + (sign * A * linear * k.F) * x[b];
+    }
+    return g;
+  };
+  const auto at_i = one([&](auto tag) { return ij.own(tag); }, 1.0);
+  const auto at_j = one([&](auto tag) { return ij(tag); }, -1.0);
+  return 0.5 * (at_i - at_j);
+}
+
+}  // namespace tetsuame::schemes
