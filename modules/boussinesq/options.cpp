@@ -61,6 +61,13 @@ void declare(namelist::schema& schema, convection_options& o) {
                   "Jeffreys fluid: shear travels as waves), which lets inertia be smaller by about a third of "
                   "the particles along the height; auto: relaxed where zeta and xi are not given and the viscosity is "
                   "constant"});
+  schema.add(
+      g, "shear_damping", o.shear_damping,
+      {.minimum = 0.1,
+       .maximum = 1000.0,
+       .meaning =
+           "relaxed viscous response: rate of relaxation over k_0 c_s, k_0 = sqrt(2) pi/L, c_s the speed of "
+           "shear; larger: waves die faster, and inertia is heavier. Not given: 1, where the viscosity varies 10"});
   schema.add(g, "gravity_density", o.gravity_density,
              {.choices = {"boussinesq", "separated", "conventional", "equation_of_state"},
               .meaning = "gravity feels -alpha T', with p'/K_0 (GDS), or with the slowed fluid's zeta^2 p'/K_0; or the "
@@ -199,6 +206,16 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
 double sonic_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.35 : 0.12; }
 // Waves of compression then travel at 1.22 c_eff.
 double shear_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.7 : 0.4; }
+// Buoyancy of noise at the spacing, k, makes velocities k/(k_0 shear_damping) times those of the Stokes flow before
+// they are damped: where ν is low at the bottom those are large.
+double shear_damping(const convection_options& c) {
+  return c.shear_damping.value_or(c.viscosity_law == "constant" ? 1.0 : 10.0);
+}
+bool relaxes(const convection_options& c) {
+  if (c.operators == "sum") return false;
+  if (c.viscous_response != "auto") return c.viscous_response == "relaxed";
+  return c.viscosity_law == "constant";
+}
 
 void choose_slowing(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& c = o.convection;
@@ -224,13 +241,12 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
     p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / c.steady_mach;
     p.sonic_share = sonic_share(c);
-    const bool relaxed = c.viscous_response == "auto" ? c.viscosity_law == "constant" : c.viscous_response == "relaxed";
-    if (relaxed && c.operators != "sum") {
-      // As long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are damped by half of
-      // what would stop their swinging.
+    if (relaxes(c)) {
+      // With shear_damping 1 as long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are
+      // damped by half of what would stop their swinging.
       p.shear_share = shear_share(c);
       p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
-      p.relaxation_length = f.L / (std::numbers::sqrt2 * std::numbers::pi);
+      p.relaxation_length = f.L / (std::numbers::sqrt2 * std::numbers::pi * shear_damping(c));
     } else {
       p.c_end = 0.0;
     }
@@ -409,6 +425,9 @@ parameters resolve(const namelist::schema& schema, options& o) {
     c.pressure_diffusion = p.shear_share > 0.0 ? 0.02 : p.steady ? 0.2 : 0.4;
   if (c.viscous_response == "relaxed" && (!p.steady || c.operators == "sum"))
     schema.fail("convection", "viscous_response", "relaxed: for target = 'steady' with consistent operators");
+  if (c.shear_damping && (p.shear_share == 0.0 || p.c_end == 0.0))
+    schema.fail("convection", "shear_damping",
+                "is for the relaxed viscous response, where zeta and xi are not given (they would say it)");
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",

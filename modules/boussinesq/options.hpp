@@ -23,6 +23,7 @@ struct convection_options {
   std::string target = "auto";
   double steady_mach = 1.5;
   std::string viscous_response = "auto";
+  std::optional<double> shear_damping;  // not given: by the viscosity's law
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
   double p_top = 0.0;          // Pa

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <namelist/parse.hpp>
+#include <numbers>
 #include <random>
 
 using namespace tetsuame;
@@ -95,6 +96,23 @@ BOOST_AUTO_TEST_CASE(averages) {
   again.restore(r.flat());
   BOOST_TEST(again.size() == r.size());
   BOOST_TEST(again.over(1, 17.0).mean == r.over(1, 17.0).mean);
+}
+
+BOOST_AUTO_TEST_CASE(response_follows_the_viscosity) {
+  const double k_0 = std::sqrt(2.0) * std::numbers::pi;  // 1/L
+  const auto rate = [](const parameters& p) { return p.fluid.L / (p.relaxation_time * p.shear_speed); };
+  options constant, varies, given, at_once, two_rules;
+  BOOST_TEST(rate(resolved("&convection rayleigh = 1e4 /", constant)) == k_0, tt::tolerance(1e-12));
+  const std::string law = "&convection rayleigh = 1e4 viscous_response = 'relaxed' viscosity_law = 'blankenbach_2a' ";
+  const auto p = resolved(law + "viscosity_ramp = 1e17 /", varies);
+  BOOST_TEST(rate(p) == 10.0 * k_0, tt::tolerance(1e-12));
+  BOOST_TEST(p.nu_eff * (1.0 - p.instant_share) == p.relaxation_time * p.shear_speed * p.shear_speed,
+             tt::tolerance(1e-12));
+  BOOST_TEST(rate(resolved(law + "viscosity_ramp = 1e17 shear_damping = 3.0 /", given)) == 3.0 * k_0,
+             tt::tolerance(1e-12));
+  const std::string itself = "&convection rayleigh = 1e4 viscosity_law = 'blankenbach_2a' ";
+  BOOST_TEST(resolved(itself + "viscosity_ramp = 1e17 /", at_once).shear_speed == 0.0);
+  BOOST_CHECK_THROW(resolved(itself + "shear_damping = 3.0 /", two_rules), foundation::error);
 }
 
 BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
