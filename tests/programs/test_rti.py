@@ -262,7 +262,7 @@ class SurfaceTension(Case):
         self.assertLess(m["v_rms"], 0.005)
 
     def test_oscillation(self):
-        """Period of the viscous mode in a round box of this area, 1.10 (docs/theory/drop.md); smoothing costs (h/R)^2: 7 % at 32, 4 %
+        """Period of the viscous mode in a round box of this width, 1.10 (docs/figures/drop_oscillation.py); smoothing costs (h/R)^2: 7 % at 32, 4 %
         at 48."""
         m = self.drop(32, **{"drop.elongation": 1.2, "drop.density_drop": 7, "drop.density_outside": 3, "drop.bulk_modulus": 2000,
                              "drop.p_top": 100, "drop.viscosity_drop": 5e-3, "drop.viscosity_outside": 5e-3, "time.t_end": 2.2,
