@@ -124,7 +124,7 @@ struct parameters {
   std::optional<double> theory_fall;             // drop: m/s, downward
   std::vector<std::array<double, 3>> places;     // m, centres of the drops
   std::optional<double> fall_alone, fall_array;  // m/s, of several: one of them in this box, a regular array of them
-  double hindered = 1.0;                         // Richardson and Zaki's factor
+  std::optional<double> hindered;                // Richardson and Zaki's factor
   double oscillation_period = 0.0, bond_number = 0.0;  // drop with surface tension: s, 1
   std::string theory_about;
   std::vector<std::string> lines;
