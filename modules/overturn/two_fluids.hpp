@@ -668,22 +668,51 @@ class two_fluids : public march::problem {
     return x[1] > height && x[1] < p_.pond_top ? 1 : 0;
   }
 
-  void place_fluid() {
-    auto& w = world_.w;
-    auto& s = w.s;
-    std::vector<std::array<place, 2>> rows;
+  // Of every row of the start lattice, both materials at its pressure: that of the column, or, of several drops, of all
+  // that lies above, metal too. Their weight is then held, but for what makes them fall; with the column's pressure it
+  // would come as sound, at several times the speed of the fall.
+  std::vector<std::array<place, 2>> rows_at_rest() {
+    auto& s = world_.w.s;
+    const double dx = world_.w.dx;
+    const auto& lower = p_.base->lower();
     const barotropic drop{&(*p_.material)[1], o_.p_top, o_.temperature, warms_};
-    for (std::int64_t row = 0; row < o_.domain.particles[1]; ++row) {
-      const place here = p_.base->at((static_cast<double>(row) + 0.5) * w.dx);
-      const auto& lower = p_.base->lower();
-      const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
-      rows.push_back({at_pressure(lower, here.pressure), at_pressure(upper, here.pressure)});
-    }
-    const double V = std::pow(w.dx, D);
+    const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
+    const auto number = static_cast<std::size_t>(o_.domain.particles[1]);
+    std::vector<std::int64_t> metal(number, 0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       std::array<double, D> x;
       for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
       s.material[i] = material_at(x);
+      metal[static_cast<std::size_t>(x[1] / dx)] += is_metal(i) ? 1 : 0;
+    }
+    std::vector<std::array<place, 2>> rows(number);
+    const double in_row = static_cast<double>(world_.fluid_total) / static_cast<double>(number);
+    double above = o_.p_top;  // Pa, at the row's upper edge
+    for (std::size_t row = number; row-- > 0;) {
+      double pressure = p_.base->at((static_cast<double>(row) + 0.5) * dx).pressure;
+      if (many()) {
+        const double share = static_cast<double>(ranks().sum(metal[row])) / in_row;
+        double weight = 0.0;  // Pa, of half the row, at the pressure in its middle
+        for (int k = 0; k < 4; ++k)
+          weight = 0.5 * dx * o_.gravity *
+                   (share * at_pressure(upper, above + weight).density +
+                    (1.0 - share) * at_pressure(lower, above + weight).density);
+        pressure = above + weight;
+        above = pressure + weight;
+      }
+      rows[row] = {at_pressure(lower, pressure), at_pressure(upper, pressure)};
+    }
+    return rows;
+  }
+
+  void place_fluid() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const auto rows = rows_at_rest();
+    const double V = std::pow(w.dx, D);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      std::array<double, D> x;
+      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
       const auto row = static_cast<std::size_t>(x[1] / w.dx);
       const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
       s.m[i] = state.density * V;

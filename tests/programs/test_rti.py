@@ -5,7 +5,7 @@ import unittest
 from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, Case
 
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
-POND, PARTITIONING, TENSION = "pond_on_mantle", "partitioning", "drop_surface_tension"
+POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_surface_tension", "drop_emulsion"
 
 
 def size(n, dimension=2):
@@ -227,6 +227,55 @@ class Drop(Case):
         settings = {**size(18, 3), "drop.radius": 3.75e5, "drop.y": 9.75e5, "drop.measure_at": 0.6, "time.t_end": 900}
         m = self.run_program("drop", SPHERE, settings).summary["metrics"]
         self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.06)
+
+
+class Emulsion(Case):
+    SMALL = {"domain.particles_x": 32, "domain.particles_y": 48, "drop.drops": 3, "drop.radius": 1.6e5, "output.interval": 0}
+
+    def test_fall(self):
+        """Of drops as they lie at the start, against the Fourier series: before they have moved by a tenth of a radius."""
+        settings = {**self.SMALL, "drop.viscosity_drop": 6e12, "drop.viscosity_outside": 6e12, "time.t_end": 400,
+                    "drop.measure_until": 400}
+        m = self.run_program("drop", EMULSION, settings).summary["metrics"]
+        self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03)
+        self.assertLess(m["fall_velocity_theory"], 0.9 * m["fall_velocity_alone"])
+        self.assertAlmostEqual(m["volume_fraction"], 3 * 3.14159 * 1.6e5**2 / (9.6e5 * 1.44e6), delta=0.01)
+        self.assertEqual((m["bodies_start"], m["bodies"]), (3, 3))
+
+    def test_ranks_restart(self):
+        settings = {**self.SMALL, "time.steps": 40}
+        whole = self.run_program("drop", EMULSION, settings).summary
+        for ranks in (2, 3):
+            s = self.run_program("drop", EMULSION, settings, ranks=ranks).summary
+            self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+        self.run_program("drop", EMULSION, {**settings, "time.steps": 20, "run.checkpoint_interval": 20}, output="part")
+        s = self.run_program("drop", EMULSION, settings, output="part", options=["--restart", "latest"], ranks=2).summary
+        self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+        other = self.run_program("drop", EMULSION, {**settings, "drop.seed": 2}).summary
+        self.assertNotEqual(other["state_hash"], whole["state_hash"])
+
+    def test_coalescence(self):
+        """Two drops side by side, without weight: tension draws them into one, whose circumference is 1/sqrt(2) of both theirs (0.98 of
+        it, as the colour finds it); without tension nothing moves."""
+        source = self.here / "two.nml"
+        source.write_text("""
+            &domain  length_x = 1.0  length_y = 1.0  particles_x = 32  particles_y = 32  periodic_x = .true. /
+            &drop  places_x = 0.33, 0.67  places_y = 0.5, 0.5  radius = 0.14  density_drop = 1.0  density_outside = 1.0
+              bulk_modulus = 1000.0  viscosity_drop = 0.3  viscosity_outside = 0.3  gravity = 1e-9  p_top = 50.0  surface_tension = 1.0 /
+            &time  t_end = 1.2 /
+            &output  interval = 0.0 /""")
+        m = self.run_program("drop", source).summary["metrics"]
+        self.assertEqual((m["bodies_start"], m["bodies"], m["largest_body"]), (2, 1, 1))
+        self.assertAlmostEqual(m["surface_excess"], 0.98 / 2**0.5, delta=0.03)
+        m = self.run_program("drop", source, {"drop.surface_tension": 0, "time.t_end": 0.3}).summary["metrics"]
+        self.assertEqual((m["bodies_start"], m["bodies"], m["largest_body"]), (2, 2, 0.5))
+
+    def test_bad_input(self):
+        for change, word in [({"drop.drops": 40}, "do not fit"), ({"drop.measure_at": 0.5}, "measure_at"),
+                             ({"drop.measure_until": 2e4}, "end of the run")]:
+            with self.subTest(**change):
+                result = self.call("drop", *self.arguments(EMULSION, change, self.here / "none"))
+                self.assert_says(result, BAD_INPUT, word)
 
 
 class SurfaceTension(Case):
