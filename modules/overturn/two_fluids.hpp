@@ -4,7 +4,7 @@
 //   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
 //     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
-//   reference pressure p_r(y) = p_top + ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
+//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
 //     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
 //     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
 //     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
@@ -94,7 +94,7 @@ class two_fluids : public march::problem {
       for (const auto& material : *p.material)
         lightest = std::min(lightest, at_pressure({&material, o.p_top, o.temperature, warms_}, o.p_top).density);
       reference_slope_ = -o.gravity * lightest;
-      reference_floor_ = o.p_top - reference_slope_ * d.length[1];
+      reference_floor_ = -reference_slope_ * d.length[1];
     }
     limit_ = limit();
   }
