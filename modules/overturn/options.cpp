@@ -400,15 +400,16 @@ void find_cloud(const namelist::schema& schema, options& o, parameters& p) {
   const auto& d = o.domain;
   const bool deep = d.dimension == 3;
   const auto box = box_of(d);
-  for (const char* key : {"x", "y", "z", "measure_at"})
+  for (const char* key : {"x", "y", "z"})
     if (schema.given("drop", key)) schema.fail("drop", key, "is of one drop");
+  if (schema.given("drop", "measure_at") && o.measure_at != 0.5)  // which a resolved input has
+    schema.fail("drop", "measure_at", "is of one drop");
   if (o.shape != "round" || o.elongation != 1.0)
     schema.fail("drop", o.shape != "round" ? "shape" : "elongation", "several drops are round at the start");
   o.measure_at = 0.5;
-  if (!o.least_gap) o.least_gap = 2.0 * p.dx;
   if (!o.places[0].empty()) {
-    for (const char* key : {"seed", "least_gap"})
-      if (schema.given("drop", key)) schema.fail("drop", key, "is of drops that are drawn, and places are given");
+    if (o.least_gap) schema.fail("drop", "least_gap", "is of drops that are drawn, and places are given");
+    if (o.seed != 1) schema.fail("drop", "seed", "is of drops that are drawn, and places are given");
     for (std::size_t n = 0; n < o.places[0].size(); ++n) {
       const std::array<double, 3> at{o.places[0][n], o.places[1][n], deep ? o.places[2][n] : 0.0};
       for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
@@ -419,6 +420,7 @@ void find_cloud(const namelist::schema& schema, options& o, parameters& p) {
       p.places.push_back(at);
     }
   } else {
+    if (!o.least_gap) o.least_gap = 2.0 * p.dx;
     const auto drawn = drawn_places(box, o.radius, *o.least_gap, o.drops, o.seed);
     if (!drawn)
       schema.fail("drop", "drops",
@@ -495,8 +497,10 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
     find_tension(o, p, here.density, highest + o.radius);
     return;
   }
-  for (const char* key : {"seed", "least_gap", "measure_from", "measure_until"})
-    if (schema.given("drop", key)) schema.fail("drop", key, "is of several drops");
+  if (o.seed != 1) schema.fail("drop", "seed", "is of several drops");
+  for (const auto& [key, value] :
+       {std::pair{"least_gap", &o.least_gap}, {"measure_from", &o.measure_from}, {"measure_until", &o.measure_until}})
+    if (*value) schema.fail("drop", key, "is of several drops");
   const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
   for (std::size_t a = 0; a < 3; ++a)
     if (!o.centre[a]) o.centre[a] = middle[a];

@@ -270,7 +270,7 @@ class Emulsion(Case):
         self.assertEqual((m["bodies_start"], m["bodies"], m["largest_body"]), (2, 2, 0.5))
 
     def test_bad_input(self):
-        for change, word in [({"drop.drops": 40}, "do not fit"), ({"drop.measure_at": 0.5}, "measure_at"),
+        for change, word in [({"drop.drops": 40}, "do not fit"), ({"drop.measure_at": 0.6}, "measure_at"),
                              ({"drop.measure_until": 2e4}, "end of the run")]:
             with self.subTest(**change):
                 result = self.call("drop", *self.arguments(EMULSION, change, self.here / "none"))
