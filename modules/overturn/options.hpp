@@ -12,6 +12,7 @@
 #include <melting/enthalpy.hpp>
 #include <melting/melting.hpp>
 #include <memory>
+#include <overturn/cloud.hpp>
 #include <overturn/column.hpp>
 
 namespace tetsuame::overturn {
@@ -95,6 +96,10 @@ struct options {
   double measure_at = 0.7;                        // of the height
   std::string shape = "round";
   double elongation = 1.0;  // along y, over that across
+  std::int64_t drops = 1, seed = 1;
+  std::optional<double> least_gap;                    // m
+  std::array<std::vector<double>, 3> places{};        // m, of given drops
+  std::optional<double> measure_from, measure_until;  // s, of several drops
 
   scheme_options scheme;
   march::options march;
@@ -116,7 +121,10 @@ struct parameters {
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
   std::optional<double> growth, growth_incompressible;
   std::optional<theory::mode> mode;
-  std::optional<double> theory_fall;                   // drop: m/s, downward
+  std::optional<double> theory_fall;             // drop: m/s, downward
+  std::vector<std::array<double, 3>> places;     // m, centres of the drops
+  std::optional<double> fall_alone, fall_array;  // m/s, of several: one of them in this box, a regular array of them
+  std::optional<double> hindered;                // Richardson and Zaki's factor
   double oscillation_period = 0.0, bond_number = 0.0;  // drop with surface tension: s, 1
   std::string theory_about;
   std::vector<std::string> lines;
@@ -131,6 +139,7 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
+box_of_drops box_of(const domain_options& d);
 // What --theory prints.
 std::string theory_text(problem_kind kind, const options& o, const parameters& p);
 

@@ -22,6 +22,7 @@
 // Starts: every particle of the same volume, mass by the column at rest (column.hpp).
 #pragma once
 
+#include <algorithm>
 #include <diffusion/conduction.hpp>
 #include <images/scene.hpp>
 #include <march/problem.hpp>
@@ -40,6 +41,7 @@ namespace tetsuame::overturn {
 struct record {
   std::vector<double> time, mode, centroid, fall;          // s; m; m; m/s
   std::vector<double> stretch;                             // of a drop: 1
+  std::vector<double> bodies, largest_body;                // of metal (find_bodies); share of it
   std::vector<double> in_metal, partition, equilibration;  // of an element: means over the metal; 0 to 1
 };
 
@@ -198,7 +200,11 @@ class two_fluids : public march::problem {
                                             {"density_ratio_max", "1"},
                                             {"pressure_min", "Pa"}};
     if (tense_) all.push_back({"surface", J});
-    if (kind_ == problem_kind::drop) all.push_back({"stretch", "1"});
+    if (kind_ == problem_kind::drop) {
+      if (!many()) all.push_back({"stretch", "1"});
+      all.push_back({"bodies", "1"});
+      all.push_back({"largest_body", "1"});
+    }
     if (tense_ && kind_ == problem_kind::drop) all.push_back({"laplace_pressure", "Pa"});
     if (dissolved_)
       for (const char* name : {"element", "concentration_metal", "partition_coefficient", "equilibration"})
@@ -249,7 +255,7 @@ class two_fluids : public march::problem {
           (is_metal(i) ? inside_p : outside_p).add(excess);
         }
       }
-      if (kind_ == problem_kind::drop && is_metal(i)) {
+      if (kind_ == problem_kind::drop && !many() && is_metal(i)) {
         double x = s.x[0][i] - *o_.centre[0];
         if (o_.domain.periodic[0]) x = std::remainder(x, o_.domain.length[0]);
         across.add(s.m[i] * x * x);
@@ -330,11 +336,17 @@ class two_fluids : public march::problem {
                                ranks().minimum(p_low)};
     if (tense_) values.push_back(surface_);
     if (kind_ == problem_kind::drop) {
-      const double a = total(along), b = total(across);
-      record_.stretch.push_back((a - b) / (a + b));
-      values.push_back(record_.stretch.back());
+      if (!many()) {
+        const double a = total(along), b = total(across);
+        record_.stretch.push_back((a - b) / (a + b));
+        values.push_back(record_.stretch.back());
+      }
+      find_bodies();
+      values.push_back(record_.bodies.back());
+      values.push_back(record_.largest_body.back());
+      drop_volume_ = total(metal_volume) / static_cast<double>(p_.places.size());
+      if (!fraction_start_) fraction_start_ = total(metal_volume) / total(volume);
       if (tense_) {
-        drop_volume_ = total(metal_volume);
         laplace_pressure_ = total(inside_p) / total(inside) - total(outside_p) / total(outside);
         values.push_back(laplace_pressure_);
       }
@@ -401,23 +413,36 @@ class two_fluids : public march::problem {
       j["growth_rate_incompressible"] = or_null(p_.growth_incompressible);
       j["mode_amplitude"] = record_.mode.back();
     } else {
-      j["fall_velocity"] = or_null(fall_at(o_.measure_at * L));
+      const auto fall_measured = many() ? fall_between() : fall_at(o_.measure_at * L);
+      j["fall_velocity"] = or_null(fall_measured);
       j["fall_velocity_theory"] = or_null(p_.theory_fall);
-      j["stretch"] = record_.stretch.back();
+      if (many()) {
+        j["fall_velocity_alone"] = or_null(p_.fall_alone);
+        j["fall_velocity_array"] = or_null(p_.fall_array);
+        j["hindered_settling_factor"] = or_null(p_.hindered);
+        j["volume_fraction"] = *fraction_start_;
+        j["bodies_start"] = record_.bodies.front();
+      } else {
+        j["stretch"] = record_.stretch.back();
+      }
+      j["bodies"] = record_.bodies.back();
+      j["largest_body"] = record_.largest_body.back();
       if (tense_) {
         const auto number_or_null = [](double v) {
           return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr);
         };
-        const double radius = o_.radius, fall = fall_at(o_.measure_at * L).value_or(record_.fall.back());
+        const double radius = o_.radius, fall = fall_measured.value_or(record_.fall.back());
         const double rho = p_.base->at(o_.measure_at * L).density;
         j["laplace_pressure"] = number_or_null(laplace_pressure_);
         j["laplace_pressure_theory"] = (D - 1) * o_.surface_tension / radius_by_volume();
-        j["oscillation_period"] = or_null(oscillation_period());
-        j["oscillation_period_theory"] = p_.oscillation_period;
+        if (!many()) {
+          j["oscillation_period"] = or_null(oscillation_period());
+          j["oscillation_period_theory"] = p_.oscillation_period;
+        }
         j["bond_number"] = p_.bond_number;
         j["weber_number"] = rho * fall * fall * 2.0 * radius / o_.surface_tension;
         j["reynolds_number"] = rho * std::abs(fall) * 2.0 * radius / o_.material[0].viscosity;
-        j["surface_excess"] = surface_ / (o_.surface_tension * round_surface(radius_by_volume()));
+        j["surface_excess"] = surface_ / (o_.surface_tension * number_of_drops() * round_surface(radius_by_volume()));
       }
     }
     j["metal_centroid"] = record_.centroid.back() / L;
@@ -488,6 +513,8 @@ class two_fluids : public march::problem {
     g.blobs["centroid"] = record_.centroid;
     g.blobs["fall"] = record_.fall;
     g.blobs["stretch"] = record_.stretch;
+    g.blobs["bodies"] = record_.bodies;
+    g.blobs["largest_body"] = record_.largest_body;
     if (dissolved_) {
       g.blobs["in_metal"] = record_.in_metal;
       g.blobs["partition"] = record_.partition;
@@ -520,6 +547,7 @@ class two_fluids : public march::problem {
                            surface_,
                            drop_volume_,
                            laplace_pressure_,
+                           fraction_start_.value_or(0.0),
                            second_order_ ? 1.0 : 0.0};
   }
   void restore(const output::checkpoint_globals& g) override {
@@ -529,6 +557,8 @@ class two_fluids : public march::problem {
                g.blobs.at("centroid"),
                g.blobs.at("fall"),
                g.blobs.at("stretch"),
+               g.blobs.at("bodies"),
+               g.blobs.at("largest_body"),
                {},
                {},
                {}};
@@ -548,7 +578,8 @@ class two_fluids : public march::problem {
                                &heat_residual_,   &melt_fraction_, &metal_depth_,  &metal_below_, &dissipated_now_,
                                &dissipated_most_, &mach_max_,      &surface_,      &drop_volume_, &laplace_pressure_};
     for (std::size_t k = 0; k < to.size(); ++k) *to[k] = m[k + 1];
-    if (m[to.size() + 1] != 0.0) take_second_order();
+    if (kind_ == problem_kind::drop) fraction_start_ = m[to.size() + 1];
+    if (m[to.size() + 2] != 0.0) take_second_order();
   }
 
  private:
@@ -614,6 +645,12 @@ class two_fluids : public march::problem {
   std::int32_t material_at(const std::array<double, D>& x) const {
     if (kind_ == problem_kind::drop) {
       // In units of the half axes, whose product is that of a round drop.
+      if (many()) {
+        std::array<double, 3> at{};
+        std::copy(x.begin(), x.end(), at.begin());
+        return std::any_of(p_.places.begin(), p_.places.end(),
+                           [&](const auto& c) { return distance(box_of(o_.domain), at, c) < o_.radius; });
+      }
       double r2 = 0.0, most = 0.0;
       for (std::size_t a = 0; a < D; ++a) {
         const double half = o_.radius * std::pow(o_.elongation, a == 1 ? 1.0 - 1.0 / D : -1.0 / D);
@@ -631,22 +668,51 @@ class two_fluids : public march::problem {
     return x[1] > height && x[1] < p_.pond_top ? 1 : 0;
   }
 
-  void place_fluid() {
-    auto& w = world_.w;
-    auto& s = w.s;
-    std::vector<std::array<place, 2>> rows;
+  // Of every row of the start lattice, both materials at its pressure: that of the column, or, of several drops, of all
+  // that lies above, metal too. Their weight is then held, but for what makes them fall; with the column's pressure it
+  // would come as sound, at several times the speed of the fall.
+  std::vector<std::array<place, 2>> rows_at_rest() {
+    auto& s = world_.w.s;
+    const double dx = world_.w.dx;
+    const auto& lower = p_.base->lower();
     const barotropic drop{&(*p_.material)[1], o_.p_top, o_.temperature, warms_};
-    for (std::int64_t row = 0; row < o_.domain.particles[1]; ++row) {
-      const place here = p_.base->at((static_cast<double>(row) + 0.5) * w.dx);
-      const auto& lower = p_.base->lower();
-      const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
-      rows.push_back({at_pressure(lower, here.pressure), at_pressure(upper, here.pressure)});
-    }
-    const double V = std::pow(w.dx, D);
+    const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
+    const auto number = static_cast<std::size_t>(o_.domain.particles[1]);
+    std::vector<std::int64_t> metal(number, 0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       std::array<double, D> x;
       for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
       s.material[i] = material_at(x);
+      metal[static_cast<std::size_t>(x[1] / dx)] += is_metal(i) ? 1 : 0;
+    }
+    std::vector<std::array<place, 2>> rows(number);
+    const double in_row = static_cast<double>(world_.fluid_total) / static_cast<double>(number);
+    double above = o_.p_top;  // Pa, at the row's upper edge
+    for (std::size_t row = number; row-- > 0;) {
+      double pressure = p_.base->at((static_cast<double>(row) + 0.5) * dx).pressure;
+      if (many()) {
+        const double share = static_cast<double>(ranks().sum(metal[row])) / in_row;
+        double weight = 0.0;  // Pa, of half the row, at the pressure in its middle
+        for (int k = 0; k < 4; ++k)
+          weight = 0.5 * dx * o_.gravity *
+                   (share * at_pressure(upper, above + weight).density +
+                    (1.0 - share) * at_pressure(lower, above + weight).density);
+        pressure = above + weight;
+        above = pressure + weight;
+      }
+      rows[row] = {at_pressure(lower, pressure), at_pressure(upper, pressure)};
+    }
+    return rows;
+  }
+
+  void place_fluid() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    const auto rows = rows_at_rest();
+    const double V = std::pow(w.dx, D);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      std::array<double, D> x;
+      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
       const auto row = static_cast<std::size_t>(x[1] / w.dx);
       const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
       s.m[i] = state.density * V;
@@ -1027,8 +1093,8 @@ class two_fluids : public march::problem {
     const auto& L = o_.domain.length;
     const double weight = std::abs(p_.density_difference) * o_.gravity, a = o_.radius;
     if (kind_ == problem_kind::drop)
-      return weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
-             o_.surface_tension * round_surface(a);
+      return number_of_drops() * (weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
+                                  o_.surface_tension * round_surface(a));
     return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
   }
 
@@ -1036,7 +1102,34 @@ class two_fluids : public march::problem {
 
   // m² (2-D: m), of the round drop.
   static double round_surface(double radius) { return std::numbers::pi * radius * (D == 3 ? 4.0 * radius : 2.0); }
-  // m, of a round drop of the drop's volume as particles have it.
+  bool many() const { return kind_ == problem_kind::drop && p_.places.size() > 1; }
+  double number_of_drops() const { return static_cast<double>(p_.places.size()); }
+  // How many bodies the metal is in: sets of its particles that steps of up to 1.9 spacings hold together. Sheared
+  // particles lie in rows up to so far apart, and one undisturbed row of the other liquid, 2 spacings, still parts two
+  // drops. Less than a tenth of a drop is a fragment, and not counted. On every rank all metal at once.
+  void find_bodies() {
+    const auto& s = world_.w.s;
+    std::vector<double> mine;
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (is_metal(i))
+        for (std::size_t a = 0; a < D; ++a) mine.push_back(s.x[a][i]);
+    const auto local = static_cast<double>(mine.size());
+    mine.resize(static_cast<std::size_t>(ranks().maximum(local)), std::numeric_limits<double>::quiet_NaN());
+    const auto all = ranks().every(std::span<const double>(mine));
+    std::vector<std::array<double, 3>> points;
+    for (std::size_t k = 0; k + D <= all.size(); k += D) {
+      std::array<double, 3> x{};
+      std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(k), D, x.begin());
+      if (!std::isnan(x[0])) points.push_back(x);
+    }
+    const auto sizes = connected_sizes(box_of(o_.domain), points, 1.9 * world_.w.dx);
+    const auto metal = static_cast<double>(points.size());
+    record_.bodies.push_back(static_cast<double>(std::count_if(sizes.begin(), sizes.end(), [&](std::int64_t n) {
+      return static_cast<double>(n) * 10.0 * number_of_drops() >= metal;
+    })));
+    record_.largest_body.push_back(static_cast<double>(sizes.front()) / metal);
+  }
+  // m, of a round drop of one drop's volume as particles have it.
   double radius_by_volume() const {
     return D == 3 ? std::cbrt(0.75 * drop_volume_ / std::numbers::pi) : std::sqrt(drop_volume_ / std::numbers::pi);
   }
@@ -1094,10 +1187,11 @@ class two_fluids : public march::problem {
       return (1.0 - share) * record_.partition[k - 1] + share * record_.partition[k];
     };
     const auto& e = o_.element;
-    auto part = theory::mean_inside(
-        {D, radius_of(metal_volume), radius_of(volume), metal / metal_volume, (mass - metal) / (volume - metal_volume),
-         e.diffusivity_metal, e.diffusivity_silicate, e.concentration_metal, e.concentration_silicate, P_at},
-        record_.time);
+    const double one = 1.0 / number_of_drops();  // with its share of the silicate
+    auto part = theory::mean_inside({D, radius_of(one * metal_volume), radius_of(one * volume), metal / metal_volume,
+                                     (mass - metal) / (volume - metal_volume), e.diffusivity_metal,
+                                     e.diffusivity_silicate, e.concentration_metal, e.concentration_silicate, P_at},
+                                    record_.time);
     for (std::size_t k = 0; k < part.size(); ++k) part[k] = equilibration(part[k], record_.partition[k]);
     return part;
   }
@@ -1115,6 +1209,20 @@ class two_fluids : public march::problem {
     const double span = 0.02 * o_.domain.length[1];
     const auto above = when_below(y + 0.5 * span), below = when_below(y - 0.5 * span);
     return above && below ? std::optional(span / (*below - *above)) : std::nullopt;
+  }
+  // m/s, downward, of the metal's centroid over the time of the input's choice.
+  std::optional<double> fall_between() const {
+    const double from = o_.measure_from.value_or(record_.time.front()),
+                 until = o_.measure_until.value_or(record_.time.back());
+    if (!(until > from && from >= record_.time.front() && until <= record_.time.back())) return std::nullopt;
+    return (centroid_at(from) - centroid_at(until)) / (until - from);
+  }
+  double centroid_at(double t) const {
+    const auto k = static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(std::lower_bound(record_.time.begin(), record_.time.end(), t) - record_.time.begin(),
+                                   1, static_cast<std::ptrdiff_t>(record_.time.size()) - 1));
+    const double part = (t - record_.time[k - 1]) / (record_.time[k] - record_.time[k - 1]);
+    return (1.0 - part) * record_.centroid[k - 1] + part * record_.centroid[k];
   }
   double share(std::size_t k, double y) const {
     return (record_.centroid[k - 1] - y) / (record_.centroid[k - 1] - record_.centroid[k]);
@@ -1144,6 +1252,7 @@ class two_fluids : public march::problem {
   record record_;
   std::optional<double> energy_start_;
   double mach_max_ = 0.0;
+  std::optional<double> fraction_start_;                               // of drops: volume of the metal over all
   double surface_ = 0.0, laplace_pressure_ = 0.0, drop_volume_ = 0.0;  // J (2-D: J/m); Pa; m^D
   double mass_start_ = 0.0, mass_drift_ = 0.0;
   double dissipated_now_ = 0.0, dissipated_most_ = 0.0;  // J, at lines of the history

@@ -69,4 +69,59 @@ double fall_velocity(const drop_among_free_slip& d) {
   return equal + 0.25 * weight * a * a / d.viscosity * (1.0 / (2.0 + 2.0 * ratio) - 0.25);
 }
 
+double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::array<double, 3>> centres) {
+  if (d.viscosity != d.drop_viscosity)
+    foundation::fail_input("drops in a free-slip box: their viscosity must be that of the surroundings");
+  const bool deep = d.dimension == 3;
+  const std::size_t axes = deep ? 3 : 2;
+  for (const auto& centre : centres)
+    for (std::size_t a = 0; a < axes; ++a)
+      if (!(a != 1 && d.periodic[a]) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius))
+        foundation::fail_input("drops in a free-slip box: they must lie inside the box");
+  // Along each axis: wave numbers and N_k, and the wave at every centre.
+  struct wave_at_centres {
+    double k, weight;
+    std::vector<double> value;
+  };
+  const double most = deep ? 0.5 * largest_ka : largest_ka;
+  const auto along = [&](std::size_t a) {
+    std::vector<wave_at_centres> all;
+    if (a >= axes) {
+      all.push_back({0.0, 1.0, std::vector<double>(centres.size(), 1.0)});
+      return all;
+    }
+    const bool periodic = a != 1 && d.periodic[a];
+    const double unit = (periodic ? 2.0 : 1.0) * pi / d.length[a];
+    for (int m = 0; m * unit * d.radius <= most; ++m)
+      for (const bool sine : {false, true}) {
+        if (sine ? (m == 0 || !(a == 1 || periodic)) : a == 1) continue;
+        wave_at_centres w{m * unit, m == 0 ? 1.0 : 2.0, {}};
+        for (const auto& centre : centres)
+          w.value.push_back(sine ? std::sin(w.k * centre[a]) : std::cos(w.k * centre[a]));
+        all.push_back(std::move(w));
+      }
+    return all;
+  };
+  const auto along_x = along(0), along_y = along(1), along_z = along(2);
+  double sum = 0.0;
+  std::vector<double> both(centres.size());
+  for (const auto& x : along_x)
+    for (const auto& z : along_z) {
+      const double across = x.k * x.k + z.k * z.k;
+      if (across == 0.0) continue;
+      for (std::size_t j = 0; j < both.size(); ++j) both[j] = x.value[j] * z.value[j];
+      for (const auto& y : along_y) {
+        const double k2 = across + y.k * y.k, q = d.radius * std::sqrt(k2);
+        if (q > most) break;
+        double amplitude = 0.0;
+        for (std::size_t j = 0; j < both.size(); ++j) amplitude += both[j] * y.value[j];
+        const double s = form_factor(d.dimension, q) * amplitude;
+        sum += x.weight * y.weight * z.weight * across / (k2 * k2) * s * s;
+      }
+    }
+  const double volume = pi * d.radius * d.radius * (deep ? 4.0 / 3.0 * d.radius : 1.0);
+  const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
+  return d.density_difference * d.gravity * volume / (d.viscosity * box) * sum / static_cast<double>(centres.size());
+}
+
 }  // namespace tetsuame::theory

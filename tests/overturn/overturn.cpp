@@ -1,10 +1,13 @@
 // The start column, the fit of a growth rate, and the sums over the start lattice.
 #define BOOST_TEST_MODULE overturn
+#include <algorithm>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <kernels/kernel.hpp>
 #include <namelist/parse.hpp>
+#include <numbers>
+#include <overturn/cloud.hpp>
 #include <overturn/column.hpp>
 #include <overturn/growth.hpp>
 #include <overturn/lattice.hpp>
@@ -169,5 +172,96 @@ BOOST_AUTO_TEST_CASE(input_that_makes_no_sense) {
     options o;
     BOOST_CHECK_EXCEPTION(resolved(text, problem_kind::drop, o), foundation::error,
                           [](const auto& e) { return e.status() == foundation::exit_status::bad_input; });
+  }
+}
+
+// No two nearer than the gap, across periodic sides too, nor a wall; another seed, other places; too many are refused.
+BOOST_AUTO_TEST_CASE(drawn_drops_keep_their_distance) {
+  for (const int dimension : {2, 3}) {
+    const box_of_drops box{dimension, {2.0, 3.0, 1.5}, {true, false, false}};
+    const double radius = 0.15, gap = 0.05;
+    const auto places = drawn_places(box, radius, gap, 12, 7);
+    BOOST_REQUIRE(places.has_value());
+    double across = 10.0, straight = 10.0;
+    for (std::size_t i = 0; i < places->size(); ++i) {
+      const auto& a = (*places)[i];
+      for (std::size_t k = 1; k < static_cast<std::size_t>(dimension); ++k)
+        BOOST_TEST((a[k] >= radius + gap && a[k] <= box.length[k] - radius - gap));
+      for (std::size_t j = 0; j < i; ++j) {
+        const auto& b = (*places)[j];
+        // Over the images by hand.
+        for (const double shift : {-2.0, 0.0, 2.0}) {
+          const double d = std::hypot(a[0] - b[0] + shift, a[1] - b[1], a[2] - b[2]);
+          (shift == 0.0 ? straight : across) = std::min(shift == 0.0 ? straight : across, d);
+        }
+      }
+    }
+    BOOST_TEST(std::min(across, straight) >= 2.0 * radius + gap);
+    BOOST_TEST(across < 1.0);  // the sides are near enough to matter
+    BOOST_TEST((*drawn_places(box, radius, gap, 12, 7) == *places));
+    BOOST_TEST((*drawn_places(box, radius, gap, 12, 8) != *places));
+  }
+  // 60 disks of radius 0.15 would fill 0.71 of the plane: above the limit of 0.547.
+  BOOST_TEST(!drawn_places({2, {2.0, 3.0, 0.0}, {true, false, false}}, 0.15, 0.0, 60, 7).has_value());
+  BOOST_TEST(!drawn_places({2, {0.2, 3.0, 0.0}, {true, false, false}}, 0.15, 0.0, 1, 7).has_value());
+}
+
+// Against every pair by itself; a chain over the periodic side is one body.
+BOOST_AUTO_TEST_CASE(bodies_are_chains_of_near_points) {
+  const auto points = *drawn_places({3, {1.0, 1.0, 1.0}, {true, false, true}}, 1e-9, 0.0, 400, 3);
+  for (const int dimension : {2, 3})
+    for (const bool periodic : {false, true})
+      for (const double reach : {0.02, 0.05, 0.09, 0.6}) {
+        const box_of_drops box{dimension, {1.0, 1.0, 1.0}, {periodic, false, false}};
+        std::vector<std::size_t> label(points.size());
+        for (std::size_t i = 0; i < label.size(); ++i) label[i] = i;
+        for (bool changed = true; changed;) {
+          changed = false;
+          for (std::size_t i = 0; i < label.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+              double dx = std::abs(points[i][0] - points[j][0]);
+              if (periodic) dx = std::min(dx, 1.0 - dx);
+              const double d =
+                  std::hypot(dx, points[i][1] - points[j][1], dimension == 3 ? points[i][2] - points[j][2] : 0.0);
+              if (d <= reach && label[i] != label[j]) {
+                label[i] = label[j] = std::min(label[i], label[j]);
+                changed = true;
+              }
+            }
+        }
+        std::vector<std::int64_t> count(points.size(), 0), sizes;
+        for (const auto l : label) ++count[l];
+        for (const auto n : count)
+          if (n > 0) sizes.push_back(n);
+        std::sort(sizes.rbegin(), sizes.rend());
+        BOOST_TEST(connected_sizes(box, points, reach) == sizes, tt::per_element());
+      }
+  const std::vector<std::array<double, 3>> pair{{0.01, 0.5, 0.0}, {0.98, 0.5, 0.0}};
+  BOOST_TEST(connected_sizes({2, {1.0, 1.0, 0.0}, {false, false, false}}, pair, 0.05).size() == 2u);
+  BOOST_TEST(connected_sizes({2, {1.0, 1.0, 0.0}, {true, false, false}}, pair, 0.05).size() == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(many_drops_through_the_input) {
+  const std::string start =
+      "&domain length_x = 1e6 length_y = 1.5e6 particles_x = 40 particles_y = 60 periodic_x = .true. / &drop ";
+  const std::string walls = " / &walls floor = 'free_slip' lid = 'free_slip' /";
+  options o;
+  const auto p = resolved(start + "radius = 1e5 drops = 4 viscosity_drop = 6e12 viscosity_outside = 6e12" + walls,
+                          problem_kind::drop, o);
+  BOOST_TEST(p.places.size() == 4u);
+  BOOST_TEST(p.theory_fall.has_value());
+  BOOST_TEST(*p.fall_alone > 0.0);
+  BOOST_TEST(*p.fall_array > 0.0);
+  // At c = 4 pi 1e10/1.5e12, creeping.
+  BOOST_TEST(*p.hindered == std::pow(1.0 - 4.0 * std::numbers::pi / 150.0, 4.65), tt::tolerance(1e-9));
+  for (const char* bad :
+       {"radius = 1e5 drops = 40", "radius = 1e5 drops = 4 x = 3e5", "radius = 1e5 drops = 4 measure_at = 0.6",
+        "radius = 1e5 drops = 4 shape = 'square'", "radius = 1e5 seed = 3", "radius = 1e5 measure_from = 3.0",
+        "radius = 1e5 places_x = 3e5, 6e5 places_y = 3e5", "radius = 1e5 places_x = 3e5, 4e5 places_y = 3e5, 3e5",
+        "radius = 1e5 places_x = 3e5, 6e5 places_y = 3e5, 3e5 drops = 3",
+        "radius = 1e5 places_x = 3e5, 6e5 places_y = 3e5, 3e4", "radius = 1e5 places_x = 3e5 places_y = 3e5"}) {
+    options other;
+    BOOST_TEST_CONTEXT(bad)
+    BOOST_CHECK_THROW(resolved(start + bad + walls, problem_kind::drop, other), foundation::error);
   }
 }

@@ -5,7 +5,7 @@ import unittest
 from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, Case
 
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
-POND, PARTITIONING, TENSION = "pond_on_mantle", "partitioning", "drop_surface_tension"
+POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_surface_tension", "drop_emulsion"
 
 
 def size(n, dimension=2):
@@ -229,6 +229,54 @@ class Drop(Case):
         self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.06)
 
 
+class Emulsion(Case):
+    SMALL = {"domain.particles_x": 32, "domain.particles_y": 48, "drop.drops": 3, "drop.radius": 1.6e5, "output.interval": 0}
+
+    def test_fall(self):
+        """Of drops as they lie at the start, against the Fourier series: before they have moved by a tenth of a radius."""
+        settings = {**self.SMALL, "drop.viscosity_drop": 6e12, "drop.viscosity_outside": 6e12, "time.t_end": 400,
+                    "drop.measure_until": 400}
+        m = self.run_program("drop", EMULSION, settings).summary["metrics"]
+        self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03)
+        self.assertAlmostEqual(m["volume_fraction"], 3 * 3.14159 * 1.6e5**2 / (9.6e5 * 1.44e6), delta=0.01)
+        self.assertEqual((m["bodies_start"], m["bodies"]), (3, 3))
+
+    def test_ranks_restart(self):
+        settings = {**self.SMALL, "time.steps": 40}
+        whole = self.run_program("drop", EMULSION, settings).summary
+        for ranks in (2, 3):
+            s = self.run_program("drop", EMULSION, settings, ranks=ranks).summary
+            self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+        self.run_program("drop", EMULSION, {**settings, "time.steps": 20, "run.checkpoint_interval": 20}, output="part")
+        s = self.run_program("drop", EMULSION, settings, output="part", options=["--restart", "latest"], ranks=2).summary
+        self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+        other = self.run_program("drop", EMULSION, {**settings, "drop.seed": 2}).summary
+        self.assertNotEqual(other["state_hash"], whole["state_hash"])
+
+    def test_coalescence(self):
+        """Two drops side by side, without weight: tension draws them into one, whose circumference is 1/sqrt(2) of both theirs (0.98 of
+        it, as the colour finds it); without tension nothing moves."""
+        source = self.here / "two.nml"
+        source.write_text("""
+            &domain  length_x = 1.0  length_y = 1.0  particles_x = 32  particles_y = 32  periodic_x = .true. /
+            &drop  places_x = 0.33, 0.67  places_y = 0.5, 0.5  radius = 0.14  density_drop = 1.0  density_outside = 1.0
+              bulk_modulus = 1000.0  viscosity_drop = 0.3  viscosity_outside = 0.3  gravity = 1e-9  p_top = 50.0  surface_tension = 1.0 /
+            &time  t_end = 1.2 /
+            &output  interval = 0.0 /""")
+        m = self.run_program("drop", source).summary["metrics"]
+        self.assertEqual((m["bodies_start"], m["bodies"], m["largest_body"]), (2, 1, 1))
+        self.assertAlmostEqual(m["surface_excess"], 0.98 / 2**0.5, delta=0.03)
+        m = self.run_program("drop", source, {"drop.surface_tension": 0, "time.t_end": 0.3}).summary["metrics"]
+        self.assertEqual((m["bodies_start"], m["bodies"], m["largest_body"]), (2, 2, 0.5))
+
+    def test_bad_input(self):
+        for change, word in [({"drop.drops": 40}, "do not fit"), ({"drop.measure_at": 0.6}, "measure_at"),
+                             ({"drop.measure_until": 2e4}, "end of the run")]:
+            with self.subTest(**change):
+                result = self.call("drop", *self.arguments(EMULSION, change, self.here / "none"))
+                self.assert_says(result, BAD_INPUT, word)
+
+
 class SurfaceTension(Case):
     """A liquid drop in another without weight, radius a quarter of the box, in units of tension and box."""
 
@@ -262,7 +310,7 @@ class SurfaceTension(Case):
         self.assertLess(m["v_rms"], 0.005)
 
     def test_oscillation(self):
-        """Period of the viscous mode in a round box of this area, 1.10 (docs/theory/drop.md); smoothing costs (h/R)^2: 7 % at 32, 4 %
+        """Period of the viscous mode in a round box of this width, 1.10 (docs/figures/drop_oscillation.py); smoothing costs (h/R)^2: 7 % at 32, 4 %
         at 48."""
         m = self.drop(32, **{"drop.elongation": 1.2, "drop.density_drop": 7, "drop.density_outside": 3, "drop.bulk_modulus": 2000,
                              "drop.p_top": 100, "drop.viscosity_drop": 5e-3, "drop.viscosity_outside": 5e-3, "time.t_end": 2.2,

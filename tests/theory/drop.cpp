@@ -136,6 +136,33 @@ BOOST_AUTO_TEST_CASE(fourier_series_and_finite_differences) {
     }
 }
 
+// Of several drops: one as before; two that lie half a periodic box apart are one in a box of half the width; two side
+// by side between walls, mirror images of each other, are one with a wall between them.
+BOOST_AUTO_TEST_CASE(several_drops_as_a_fourier_series) {
+  using places = std::vector<std::array<double, 3>>;
+  for (const int dimension : {2, 3}) {
+    const bool deep = dimension == 3;
+    const auto box = [&](double width, bool periodic) {
+      return theory::drop_among_free_slip{
+          dimension, {width, 1.0, 0.8}, {periodic, false, deep && periodic}, 0.1, {0.3, 0.6, 0.35}, 1.5, 1.5, 2.0,
+          10.0};
+    };
+    for (const bool periodic : {false, true}) {
+      const auto one = box(0.7, periodic);
+      const double alone = theory::fall_velocity(one);
+      BOOST_TEST(close(theory::mean_fall_velocity(one, places{one.centre}), alone, deep ? 1e-3 : 1e-9));
+      const double second = periodic ? 0.3 + 0.7 : 1.4 - 0.3;
+      BOOST_TEST(close(theory::mean_fall_velocity(box(1.4, periodic), places{one.centre, {second, 0.6, 0.35}}), alone,
+                       deep ? 1e-3 : 1e-9));
+    }
+  }
+  theory::drop_among_free_slip unlike{2,  {1.0, 1.0, 1.0}, {true, false, false}, 0.1, {0.5, 0.5, 0.5}, 1.0, 2.0, 1.0,
+                                      1.0};
+  BOOST_CHECK_THROW(theory::mean_fall_velocity(unlike, places{unlike.centre}), tetsuame::foundation::error);
+  unlike.drop_viscosity = 1.0;
+  BOOST_CHECK_THROW(theory::mean_fall_velocity(unlike, places{{0.5, 0.95, 0.5}}), tetsuame::foundation::error);
+}
+
 // In three dimensions: Hadamard's and Rybczynski's velocity less the walls' part, which goes as radius over length.
 BOOST_AUTO_TEST_CASE(fourier_series_of_three_dimensions) {
   const double alone = theory::hadamard_rybczynski({0.1, 1.0, 1.0, 1.0, 1.0});
