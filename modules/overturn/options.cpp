@@ -17,6 +17,7 @@ namespace {
 using namelist::key_info;
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+constexpr std::array<double, 2> default_density{3000.0, 7000.0};  // kg/m3, of lower or outside, upper or drop
 const char* group_of(problem_kind kind) { return kind == problem_kind::drop ? "drop" : "rti"; }
 std::array<const char*, 2> names_of(problem_kind kind) {
   if (kind == problem_kind::drop) return {"outside", "drop"};
@@ -269,18 +270,30 @@ void find_elasticity(const options& o, parameters& p) {
         k.name, k.h_over_dx, mu.simple, mu.pure));
 }
 
+// Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
+using unused_key = std::pair<const char*, bool>;  // name, and whether its value is the default
+void refuse(const namelist::schema& schema, const char* group, std::initializer_list<unused_key> keys,
+            const std::string& why) {
+  for (const auto& [key, is_default] : keys)
+    if (schema.given(group, key) && !is_default) schema.fail(group, key, why);
+}
+
 void check_element(const namelist::schema& schema, const element_options& o) {
-  const auto refuse = [&](std::initializer_list<const char*> keys, const char* why) {
-    for (const char* key : keys)
-      if (schema.given("element", key)) schema.fail("element", key, why);
-  };
+  const element_options d;
   if (o.name == "none")
-    refuse({"diffusivity_silicate", "diffusivity_metal", "concentration_silicate", "concentration_metal"},
+    refuse(schema, "element",
+           {{"diffusivity_silicate", o.diffusivity_silicate == d.diffusivity_silicate},
+            {"diffusivity_metal", o.diffusivity_metal == d.diffusivity_metal},
+            {"concentration_silicate", o.concentration_silicate == d.concentration_silicate},
+            {"concentration_metal", o.concentration_metal == d.concentration_metal}},
            "there is no element: name is 'none'");
   else if (!(o.concentration_silicate + o.concentration_metal > 0.0))
     schema.fail("element", "concentration_silicate", "there is nothing of the element in either material");
-  if (o.name != "constant") refuse({"partition_coefficient"}, "belongs to name = 'constant'");
-  if (o.name == "none" || o.name == "constant") refuse({"iron_ratio"}, "belongs to a named element");
+  if (o.name != "constant")
+    refuse(schema, "element", {{"partition_coefficient", o.partition_coefficient == d.partition_coefficient}},
+           "belongs to name = 'constant'");
+  if (o.name == "none" || o.name == "constant")
+    refuse(schema, "element", {{"iron_ratio", o.iron_ratio == d.iron_ratio}}, "belongs to a named element");
 }
 
 // Temperatures at the start of the enthalpy law, and what else belongs to it alone.
@@ -302,10 +315,21 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
     schema.fail(group, o.pond_top ? "pond_top" : "cover_temperature", "belongs to temperature_law = 'enthalpy'");
   if (o.cover_temperature && !o.pond_top)
     schema.fail(group, "cover_temperature", "nothing covers the pond: no pond_top");
+  const melting_options d;
+  const unused_key solidus{"solidus", m.solidus == d.solidus}, liquidus{"liquidus", m.liquidus == d.liquidus},
+      least{"viscosity_min", m.viscosity_min == d.viscosity_min},
+      most{"viscosity_max", m.viscosity_max == d.viscosity_max};
   if (m.curve == "none") {
-    for (const char* key : {"solidus", "liquidus", "latent_heat", "viscosity_law", "viscosity_min", "viscosity_max",
-                            "inertia_viscosity", "composition"})
-      if (schema.given("melting", key)) schema.fail("melting", key, "nothing melts: curve is 'none'");
+    refuse(schema, "melting",
+           {solidus,
+            liquidus,
+            least,
+            most,
+            {"latent_heat", m.latent_heat == d.latent_heat || m.latent_heat == 0.0},
+            {"viscosity_law", m.viscosity_law == d.viscosity_law || m.viscosity_law == "constant"},
+            {"inertia_viscosity", m.inertia_viscosity == d.inertia_viscosity},
+            {"composition", m.composition == d.composition}},
+           "nothing melts: curve is 'none'");
     m.viscosity_law = "constant";
     m.latent_heat = 0.0;
     return;
@@ -313,12 +337,9 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
   if (!enthalpy) schema.fail("melting", "curve", std::string("&") + group + " temperature_law must be 'enthalpy'");
   if (m.curve == "constant" && !(m.liquidus > m.solidus))
     schema.fail("melting", "liquidus", "must be above the solidus");
-  if (m.curve == "mantle" && (schema.given("melting", "solidus") || schema.given("melting", "liquidus")))
-    schema.fail("melting", "curve", "'mantle' has a solidus and liquidus of its own");
+  if (m.curve == "mantle") refuse(schema, "melting", {solidus, liquidus}, "curve 'mantle' has one of its own");
   if (m.viscosity_max < m.viscosity_min) schema.fail("melting", "viscosity_max", "is below viscosity_min");
-  if (m.viscosity_law == "constant")
-    for (const char* key : {"viscosity_min", "viscosity_max"})
-      if (schema.given("melting", key)) schema.fail("melting", key, "viscosity_law is 'constant'");
+  if (m.viscosity_law == "constant") refuse(schema, "melting", {least, most}, "viscosity_law is 'constant'");
 }
 
 // Heat conducted across a flat contact at rest: two half spaces, as long as the heat has not reached floor and lid.
@@ -550,7 +571,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   o.march.kernel.skin = 0.4;
   o.march.output.history_interval = 10;
   o.march.time.t_end = 3000.0;
-  o.material[0].density = 3000.0;
+  for (const std::size_t n : {0, 1}) o.material[n].density = default_density[n];
   declare(schema, o.domain);
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
   for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
@@ -655,10 +676,11 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   for (const std::size_t n : {0, 1}) {
     const auto& m = o.material[n];
     const std::string which = names_of(kind)[n];
-    if (m.eos != "linear")
-      for (const char* key : {"density_", "bulk_modulus_"})
-        if (schema.given(group, key + which))
-          schema.fail(group, key + which, "is of the linear equation of state; '" + m.eos + "' has its own");
+    if (m.eos != "linear") {
+      const std::string density = "density_" + which, modulus = "bulk_modulus_" + which;
+      refuse(schema, group, {{density.c_str(), m.density == default_density[n]}, {modulus.c_str(), !m.bulk_modulus}},
+             "is of the linear equation of state; '" + m.eos + "' has its own");
+    }
     (*p.material)[n] = make(o, n);
   }
   const bool adiabatic = o.temperature_law == "adiabatic";

@@ -160,7 +160,7 @@ BOOST_AUTO_TEST_CASE(input_that_makes_no_sense) {
   for (const char* text :
        {"&rti wavelength = 4e5 /\n", "&rti interface = 1.5e6 /\n", "&walls sides = 'no_slip' /\n",
         "&rti delta = 0.1 /\n", "&walls lid = 'free_surface' /\n", "&rti conductivity = 1.0 /\n",
-        "&rti volume_element = 'from_weight' /\n", "&rti eos_upper = 'liquid_iron' density_upper = 7000.0 /\n",
+        "&rti volume_element = 'from_weight' /\n", "&rti eos_upper = 'liquid_iron' density_upper = 8000.0 /\n",
         "&rti viscous_order = 3 /\n", "&rti viscous_order = 1 /\n",
         "&rti volume = 'our_method' reference_pressure = 'lightest' /\n&walls lid = 'free_surface' /\n",
         "&rti wavelength_z = 1e6 /\n", "&domain particles_x = 50 /\n"}) {

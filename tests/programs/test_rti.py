@@ -122,6 +122,17 @@ class RayleighTaylor(Case):
                 hashes[str(change)] = self.run_program("rti", NOTE, {**settings, **change}).summary["state_hash"]
         self.assertEqual(len(set(hashes.values())), len(hashes), hashes)
 
+    def test_resolved_input_is_an_input(self):
+        """What a run says it was made with says the same when it is read back."""
+        for program, name in [("rti", LINEAR), ("rti", NOTE), ("rti", POSTER), ("rti", POND), ("drop", PARTITIONING), ("drop", TENSION),
+                              ("drop", "drop_emulsion")]:
+            with self.subTest(name):
+                first = self.run_program(program, name, {"time.steps": 1, "output.interval": 0})
+                resolved = first.directory / "resolved.nml"
+                again = self.run_program(program, resolved, {}, output=f"again_{name}")
+                self.assertEqual(again.summary["state_hash"], first.summary["state_hash"])
+                self.assertEqual((again.directory / "resolved.nml").read_text(), resolved.read_text())
+
     def test_notes_own_program_fails(self):
         """Program C as in the notes (Y^2/p, no diffusion in the density): the pressure at the top crosses zero, and the run says where."""
         result = self.run_program("rti", NOTE, {**size(24), "rti.volume": "our_method", "rti.pressure": "smoothed", "rti.delta": 0,
