@@ -91,8 +91,7 @@ class two_fluids : public march::problem {
     place_fluid();
     if (o.scheme.reference_pressure == "lightest") {
       double lightest = std::numeric_limits<double>::infinity();
-      for (const auto& material : *p.material)
-        lightest = std::min(lightest, at_pressure({&material, o.p_top, o.temperature, warms_}, o.p_top).density);
+      for (const std::size_t n : {0, 1}) lightest = std::min(lightest, on_curve(n, o.p_top).density);
       reference_slope_ = -o.gravity * lightest;
       reference_floor_ = -reference_slope_ * d.length[1];
     }
@@ -293,7 +292,7 @@ class two_fluids : public march::problem {
       }
     }
     const auto total = [&](const foundation::exact_sum& sum) { return ranks().exact(sum); };
-    const double E[] = {total(kinetic), total(potential), total(elastic), total(heat)};
+    const double E[] = {total(kinetic), total(potential), total(elastic) - reference_integral(), total(heat)};
     surface_ = tense_ ? total(surface) : 0.0;
     const double energy = E[0] + E[1] + E[2] + E[3] + surface_;
     if (!energy_start_) {
@@ -675,7 +674,7 @@ class two_fluids : public march::problem {
     auto& s = world_.w.s;
     const double dx = world_.w.dx;
     const auto& lower = p_.base->lower();
-    const barotropic drop{&(*p_.material)[1], o_.p_top, o_.temperature, warms_};
+    const barotropic drop = curve_of(1);
     const auto& upper = kind_ == problem_kind::drop ? drop : p_.base->upper();
     const auto number = static_cast<std::size_t>(o_.domain.particles[1]);
     std::vector<std::int64_t> metal(number, 0);
@@ -754,6 +753,10 @@ class two_fluids : public march::problem {
     limit_ = limit();
   }
 
+  // A material by itself: isotherm or adiabat through the lid's pressure and temperature.
+  barotropic curve_of(std::size_t n) const { return {&(*p_.material)[n], o_.p_top, o_.temperature, warms_}; }
+  place on_curve(std::size_t n, double pressure) const { return at_pressure(curve_of(n), pressure); }
+
   // Explicit steps: those of the lattice, for sound at the pressures of top and floor.
   integrators::step_limit limit() {
     const double dx = world_.w.dx;
@@ -764,7 +767,7 @@ class two_fluids : public march::problem {
     for (const std::size_t n : {0, 1})
       for (const double p : {o_.p_top, p_floor}) {
         const auto& material = (*p_.material)[n];
-        const auto state = at_pressure({&material, o_.p_top, o_.temperature, warms_}, p);
+        const auto state = on_curve(n, p);
         fastest_sound_ =
             std::max(fastest_sound_, eos::evaluate(material, state.density, state.temperature).sound_speed);
         const bool law = n == 0 && o_.melting.viscosity_law != "constant";
@@ -785,10 +788,7 @@ class two_fluids : public march::problem {
     // The stiffest capillary wave: of two spacings, ω² = σk³/(ρ + ρ').
     double capillary = 0.0;
     if (tense_) {
-      const auto density = [&](std::size_t n) {
-        return at_pressure({&(*p_.material)[n], o_.p_top, o_.temperature, warms_}, o_.p_top).density;
-      };
-      const double both = density(0) + density(1);
+      const double both = on_curve(0, o_.p_top).density + on_curve(1, o_.p_top).density;
       capillary = std::sqrt(o_.surface_tension * std::pow(std::numbers::pi / dx, 3) / both);
     }
     // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
@@ -1069,6 +1069,12 @@ class two_fluids : public march::problem {
     return scale * w.s.dV[i] * (first_pattern_ ? w.s.dV[i] : 1.0);
   }
   double reference_pressure(double y) const { return reference_floor_ + reference_slope_ * y; }  // Pa
+  // J (2-D: J/m), of p_r over the box: what Σ p_r ΔV stands for.
+  double reference_integral() const {
+    double mean = 0.5 * reference_floor_;
+    for (std::size_t a = 0; a < D; ++a) mean *= o_.domain.length[a];
+    return mean;
+  }
 
   // ---- energy -----------------------------------------------------------------------------
 
