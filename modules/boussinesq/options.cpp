@@ -211,6 +211,13 @@ double shear_share(const convection_options& c) { return c.viscosity_law == "con
 double shear_damping(const convection_options& c) {
   return c.shear_damping.value_or(c.viscosity_law == "constant" ? 1.0 : 10.0);
 }
+// The viscous response is relaxed: `length` (m) is the way of a wave of shear in the time of relaxation.
+void relax_shear(const convection_options& c, double length, parameters& p) {
+  p.sonic_share = sonic_share(c);
+  p.shear_share = shear_share(c);
+  p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
+  p.relaxation_length = length;
+}
 bool relaxes(const convection_options& c) {
   if (c.operators == "sum") return false;
   if (c.viscous_response != "auto") return c.viscous_response == "relaxed";
@@ -244,9 +251,7 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
     if (relaxes(c)) {
       // With shear_damping 1 as long as shear takes over 1/k, k = √2 π/L that of a roll as wide as high: its waves are
       // damped by half of what would stop their swinging.
-      p.shear_share = shear_share(c);
-      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
-      p.relaxation_length = f.L / (std::numbers::sqrt2 * std::numbers::pi * shear_damping(c));
+      relax_shear(c, f.L / (std::numbers::sqrt2 * std::numbers::pi * shear_damping(c)), p);
     } else {
       p.c_end = 0.0;
     }
@@ -277,10 +282,7 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
       if (p.nu_eff <= at_once)
         schema.fail("convection", "viscous_response",
                     "with this zeta and xi all of the viscosity can answer at once: choose 'instant'");
-      p.sonic_share = sonic_share(c);
-      p.shear_share = shear_share(c);
-      p.compression = c.viscosity_law == "constant" ? 1.0 : std::numbers::sqrt3;
-      p.relaxation_length = (p.nu_eff - at_once) / (p.shear_share * p.c_eff);
+      relax_shear(c, (p.nu_eff - at_once) / (shear_share(c) * p.c_eff), p);
       follow(p, dx);
     }
   }

@@ -110,9 +110,12 @@ double caloric::internal_energy(double rho, double T) const {
 
 double caloric::temperature(double rho, double u) const {
   if (const auto* own = std::get_if<tillotson>(&material_)) return own->temperature(rho, u);
-  const heat c = capacity(rho);
-  const double gained = u - isotherm(rho).u, of_T0 = c.a + c.b * T0_;
-  // b/2 dT^2 + c_V(T0) dT = gained, in the form that stands b = 0
+  return warmed(capacity(rho), u - isotherm(rho).u);
+}
+
+// b/2 dT^2 + c_V(T0) dT = gained, in the form that stands b = 0
+double caloric::warmed(const heat& c, double gained) const {
+  const double of_T0 = c.a + c.b * T0_;
   return T0_ + 2.0 * gained / (of_T0 + std::sqrt(of_T0 * of_T0 + 2.0 * c.b * gained));
 }
 
@@ -120,12 +123,12 @@ caloric_state caloric::at(double rho, double u) const {
   if (const auto* own = std::get_if<tillotson>(&material_)) {
     const double T = own->temperature(rho, u);
     const tillotson_state s = tillotson_pressure(own->material, rho, u);
-    return {s.p, T, std::sqrt(s.p_rho + s.p * s.p_u / (rho * rho)) + 0.0 * T};
+    // Beyond its table T is not a number, and no sound is then known either.
+    return {s.p, T, std::isnan(T) ? nan : std::sqrt(s.p_rho + s.p * s.p_u / (rho * rho))};
   }
   const part cold = isotherm(rho);
   const heat c = capacity(rho);
-  const double gained = u - cold.u, of_T0 = c.a + c.b * T0_;
-  const double T = T0_ + 2.0 * gained / (of_T0 + std::sqrt(of_T0 * of_T0 + 2.0 * c.b * gained));
+  const double T = warmed(c, u - cold.u);
   const properties s = evaluate(material_, rho, T);
   const double u_rho = (cold.slope + 0.5 * c.slope * c.b * (T * T - T0_ * T0_)) / rho;
   const double c2 = s.K_T / rho + s.alpha * s.K_T / s.c_V * (s.p / (rho * rho) - u_rho);
