@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <chrono>
 #include <cmath>
@@ -8,22 +7,13 @@
 #include <march/march.hpp>
 #include <memory>
 #include <optional>
-#include <output/directory.hpp>
-#include <output/log.hpp>
 #include <output/progress.hpp>
-#include <output/series.hpp>
 #include <simulation/interrupt.hpp>
-#include <simulation/restart.hpp>
+#include <simulation/run_directory.hpp>
 
 namespace tetsuame::march {
 
 namespace {
-
-using std::chrono::steady_clock;
-
-double since(steady_clock::time_point begin) {
-  return std::chrono::duration<double>(steady_clock::now() - begin).count();
-}
 
 struct loop {
   problem& p;
@@ -32,34 +22,19 @@ struct loop {
   const std::string& resolved;
 
   const domain::communicator& ranks = p.ranks();
-  int simd_lanes = 0;
+  simulation::run_directory files{ranks, line, resolved, static_cast<int>(p.simd_lanes())};
+  simulation::summary& report = files.report;
   std::unique_ptr<integrators::explicit_integrator> integrator;
-  std::int64_t step = 0, snapshots = 0;
-  double next_snapshot = 0.0;  // s
+  std::int64_t step = 0;
   bool is_steady = false;
-  std::optional<output::run_log> log;
-  std::optional<output::history> history;
-  output::series series;
-  std::string good_checkpoint;  // the newest; empty: none
-  simulation::summary report;
   double coarser_updates = 0.0;  // of particles, before there were as many as now
   std::int64_t coarser_evaluations = 0;
-  steady_clock::time_point began = steady_clock::now(), last_checkpoint = began;
-  double stepping_seconds = 0.0;
 
   bool controls_error() const {
     return o.time.method == "adaptive" ||
            ((o.time.method == "rkl2" || o.time.method == "rkc2") && o.time.error_control);
   }
   double t_end() const { return *o.time.t_end; }
-
-  void say(const std::string& text) {
-    if (log) log->write(text);
-  }
-  void tell(const std::string& text) {
-    say(text);
-    if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, text);
-  }
 
   // ---- stepping ---------------------------------------------------------------------------
 
@@ -136,8 +111,8 @@ struct loop {
     fresh.statistics = before.statistics;
     integrator->restore(fresh);
     count_particles();
-    tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
-                     report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
+    files.tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
+                           report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
     warn_about_step();
   }
   void count_particles() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles())); }
@@ -153,7 +128,8 @@ struct loop {
     const double t = integrator->time(), end = t_end();
     if (!(t + 1e-3 * longest > t))
       foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
-    if (controls_error()) return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, next_snapshot) : end);
+    if (controls_error())
+      return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, files.next_snapshot) : end);
     const double most = bound_dt > 0.0 ? std::min(longest, bound_dt) : longest;
     if (most < dt) return std::min(end, t + most);
     return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
@@ -166,7 +142,7 @@ struct loop {
         progress.finish(state());
         interrupt_run();
       }
-      const auto before = steady_clock::now();
+      const auto before = simulation::seconds_clock::now();
       refresh_lists();
       integrator->prepare();
       p.keep_memory();
@@ -178,7 +154,7 @@ struct loop {
       const bool moved_on = p.set_time(integrator->time());
       if (moved_on && !o.time.dt && !controls_error()) bound_dt = p.largest_step().dt;
       if (p.complete_step() || moved_on) integrator->state_changed();
-      stepping_seconds += since(before);
+      files.stepping_seconds += simulation::since(before);
       record();
       progress.update(state());
     }
@@ -195,24 +171,17 @@ struct loop {
             static_cast<std::uint64_t>(updates())};
   }
 
-  bool must_stop() const {
-    const bool late = o.run.wall_clock_limit > 0.0 && since(began) >= o.run.wall_clock_limit;
-    return ranks.maximum(simulation::stop_requested() || late ? 1.0 : 0.0) > 0.0;
-  }
+  bool must_stop() const { return ranks.maximum(simulation::stop_requested() || files.late(o.run) ? 1.0 : 0.0) > 0.0; }
 
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
-    throw foundation::error(
-        foundation::exit_status::interrupted,
-        fmt::format("stopped at step {}, t = {:.6g} s, after a checkpoint: continue with --restart latest", step,
-                    integrator->time()));
+    files.interrupt(step, "", integrator->time());
   }
 
   // ---- output -----------------------------------------------------------------------------
 
   void record() {
-    const double t = integrator->time();
-    const bool snapshot_due = o.output.interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9);
+    const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
     const bool measured = step % o.output.history_interval == 0 || finished();
     if (measured) {
       evaluate_here();
@@ -226,7 +195,7 @@ struct loop {
     const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
     // Rank 0's clock decides for all.
     const double age =
-        o.run.checkpoint_seconds > 0.0 ? ranks.maximum(ranks.rank == 0 ? since(last_checkpoint) : 0.0) : 0.0;
+        o.run.checkpoint_seconds > 0.0 ? ranks.maximum(ranks.rank == 0 ? files.checkpoint_age() : 0.0) : 0.0;
     if (measured) refine();
     if (by_steps || (o.run.checkpoint_seconds > 0.0 && age >= o.run.checkpoint_seconds)) write_checkpoint();
   }
@@ -240,7 +209,7 @@ struct loop {
   void append_history() {
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
     for (const double v : p.row(integrator->time())) values.push_back(v);
-    history->append(step, values);
+    files.history->append(step, values);
   }
 
   void write_snapshot() {
@@ -248,34 +217,18 @@ struct loop {
     header.time = integrator->time();
     header.step = step;
     std::vector<particles::array> extra;
-    const auto groups = p.snapshot(extra);
-    const std::string name = output::snapshot_name(static_cast<int>(snapshots));
-    output::write_snapshot(ranks.comm, line.output + "/" + name, header, groups,
-                           {line.program, simulation::version(), resolved});
-    output::add_to_series(ranks.comm, line.output, name, series);
-    ++snapshots;
-    while (o.output.interval > 0.0 && next_snapshot <= integrator->time() * (1.0 + 1e-9) + 1e-300)
-      next_snapshot += o.output.interval;
+    files.write_snapshot(header, p.snapshot(extra), o.output.interval);
   }
 
   void write_checkpoint() {
     output::checkpoint_globals g;
-    simulation::save(integrator->save(), g);
     p.save(g);
-    g.reals["next_snapshot"] = next_snapshot;
-    g.reals["stepping_seconds"] = stepping_seconds;
     g.reals["fixed_dt"] = dt;
     g.reals["bound_dt"] = bound_dt;
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
-    g.integers["step"] = step;
-    g.integers["simd_lanes"] = simd_lanes;
-    g.integers["snapshots"] = snapshots;
-    g.texts = {{"program", line.program}, {"input", resolved}, {"version", simulation::version()}};
     std::vector<std::int64_t> materials;
-    good_checkpoint = output::write_checkpoint(ranks.comm, line.output, step, g, {p.particles_table(materials)});
-    last_checkpoint = steady_clock::now();
-    say(fmt::format("checkpoint {} at step {}", good_checkpoint, step));
+    files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
@@ -284,50 +237,25 @@ struct loop {
     p.rebuild(false);
     p.set_time(0.0);
     make_integrator();
-    history = output::history::start(ranks.comm, line.output + "/history.csv", columns());
+    files.start_history(columns());
     evaluate_here();
     append_history();
     write_snapshot();
   }
 
-  output::latest_checkpoint read_saved() const {
-    output::latest_checkpoint saved;
-    if (line.restart == "latest")
-      saved = output::find_latest(ranks.comm, line.output);
-    else
-      saved = {line.restart, output::read_checkpoint(ranks.comm, line.restart), {}};
-    const auto& texts = saved.state.globals.texts;
-    simulation::check_restart(texts.at("program"), texts.at("input"), line.program, resolved);
-    return saved;
-  }
-
   void continue_from(const output::latest_checkpoint& saved) {
-    for (const auto& message : saved.messages) tell(message);
-    say("continuing from " + saved.path);
-    good_checkpoint = saved.path;
+    files.announce(saved);
     const auto& g = saved.state.globals;
-    if (const auto before = g.integers.at("simd_lanes"); before != simd_lanes)
-      say(fmt::format(
-          "the checkpoint was written with {} SIMD lanes, this run has {}: the last digits will differ from "
-          "the uninterrupted run's",
-          before, simd_lanes));
     p.restore(g);
     p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
     count_particles();
     make_integrator(g.reals.at("fixed_dt"));
     bound_dt = g.reals.at("bound_dt");
-    integrator->restore(simulation::integrator_memory(g));
+    step = files.continue_from(saved, *integrator, columns());
     p.set_time(integrator->time());
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
-    step = g.integers.at("step");
-    snapshots = g.integers.at("snapshots");
-    next_snapshot = g.reals.at("next_snapshot");
-    stepping_seconds = g.reals.at("stepping_seconds");
-    output::forget_checkpoints_after(ranks.comm, line.output, step);
-    history = output::history::resume(ranks.comm, line.output + "/history.csv", columns(), step);
-    series = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots));
     is_steady = p.steady();
     evaluate_here();
     // An interrupted run may have ended before it went on finer.
@@ -335,52 +263,22 @@ struct loop {
   }
 
   void fill_report() {
-    report.steps = step;
-    report.wall_seconds = since(began);
-    report.stepping_seconds = stepping_seconds;
-    if (!integrator) return;
-    report.time = integrator->time();
-    report.statistics = integrator->statistics();
-    report.particle_updates = updates();
-  }
-
-  std::optional<output::latest_checkpoint> prepare() {
-    using mode = output::directory_mode;
-    simd_lanes = static_cast<int>(p.simd_lanes());
-    if (ranks.maximum(simd_lanes) != ranks.minimum(simd_lanes))
-      foundation::fail_input(
-          "some ranks run on processors with AVX-512 and some without: results would depend on where a particle is. "
-          "Set TETSUAME_SIMD=avx2 in the environment of all ranks");
-    report.program = line.program;
-    report.dimension = p.header().dimension;
-    count_particles();
-    report.ranks = ranks.size;
-    report.threads = omp_get_max_threads();
-    report.simd_lanes = simd_lanes;
-    output::open_directory(ranks.comm, line.output,
-                           !line.restart.empty() ? mode::restart
-                           : line.force          ? mode::force
-                                                 : mode::fresh);
-    std::optional<output::latest_checkpoint> found;
-    if (!line.restart.empty()) found = read_saved();
-    log.emplace(ranks.comm, line.output + "/run.log");
-    say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, simulation::version(), ranks.size,
-                    omp_get_max_threads(), line.input));
-    for (const auto& text : p.about()) tell(text);
-    simulation::write_text(ranks, line.output + "/resolved.nml", resolved);
-    simulation::watch_signals();
-    return found;
+    files.fill_report(step, integrator.get());
+    if (integrator) report.particle_updates = updates();
   }
 
   void warn_about_step() {
     const auto limit = p.largest_step();
     if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
-      tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt, limit.name,
-                       limit.dt));
+      files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
+                             limit.name, limit.dt));
   }
 
   void carry_out() {
-    auto found = prepare();
+    report.dimension = p.header().dimension;
+    count_particles();
+    auto found = files.open();
+    for (const auto& text : p.about()) files.tell(text);
     try {
       if (found)
         continue_from(*found);
@@ -393,37 +291,15 @@ struct loop {
       fill_report();
       p.report(integrator->time(), report);
       report.state_hash = p.hash();
-      report.status = "completed";
-      report.message = fmt::format("completed {} steps, t = {:.6g} s{}", step, integrator->time(),
-                                   is_steady ? ", where the flow is steady" : "");
-      report.write(ranks, line.output);
-      say(report.message);
-      if (ranks.rank == 0) report.print();
+      files.complete(fmt::format("completed {} steps, t = {:.6g} s{}", step, integrator->time(),
+                                 is_steady ? ", where the flow is steady" : ""));
     } catch (const foundation::error& e) {
-      fail(e);
+      // The last good state is in the arrays: it goes to disk with the reason.
+      files.fail(e, step, [&] {
+        if (e.status() == foundation::exit_status::calculation_failed && integrator) write_checkpoint();
+        fill_report();
+      });
     }
-  }
-
-  // The last good state is in the arrays: it goes to disk with the reason.
-  [[noreturn]] void fail(const foundation::error& e) {
-    using foundation::exit_status;
-    std::string message = e.what();
-    if (e.status() == exit_status::calculation_failed) message = fmt::format("step {}: {}", step + 1, message);
-    if (e.status() == exit_status::file_failed)
-      message += good_checkpoint.empty() ? "; no checkpoint was written"
-                                         : "; " + good_checkpoint + " is good: continue with --restart latest";
-    report.status = e.status() == exit_status::interrupted ? "interrupted" : "failed";
-    report.message = message;
-    try {
-      if (e.status() == exit_status::calculation_failed && integrator) write_checkpoint();
-      fill_report();
-      report.write(ranks, line.output);
-      say(message);
-    } catch (const foundation::error& second) {
-      // The first reason is the one to be told; on a full disk neither can be written.
-      message += std::string("; and ") + second.what();
-    }
-    throw foundation::error(e.status(), message);
   }
 };
 

@@ -1,4 +1,3 @@
-#include <kernels/kernel.hpp>
 #include <march/options.hpp>
 
 namespace tetsuame::march {
@@ -29,31 +28,9 @@ void declare(namelist::schema& schema, options& o, bool lists_change) {
              {.minimum = 0.0,
               .exclusive_minimum = true,
               .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
-  schema.group("kernel", "smoothing kernel and neighbour lists");
-  std::vector<std::string> choices;
-  for (const auto& k : kernels::table) choices.emplace_back(k.name);
-  schema.add("kernel", "name", o.kernel.name, {.choices = choices, .meaning = "of the kernel"});
-  schema.add(
-      "kernel", "h_over_dx", o.kernel.h_over_dx,
-      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
-  if (lists_change)
-    schema.add("kernel", "skin", o.kernel.skin,
-               {.minimum = 0.0,
-                .maximum = 2.0,
-                .exclusive_minimum = true,
-                .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
-  schema.group("output", "what is written, and how often");
-  schema.add("output", "interval", o.output.interval,
-             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
-  schema.add("output", "history_interval", o.output.history_interval,
-             {.minimum = 1, .meaning = "steps between lines of history.csv"});
-  schema.group("run", "limits and checkpoints");
-  schema.add("run", "wall_clock_limit", o.run.wall_clock_limit,
-             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
-  schema.add("run", "checkpoint_interval", o.run.checkpoint_interval,
-             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
-  schema.add("run", "checkpoint_seconds", o.run.checkpoint_seconds,
-             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+  simulation::declare(schema, o.kernel, lists_change);
+  simulation::declare(schema, o.output);
+  simulation::declare(schema, o.run);
 }
 
 fractions stable_fractions(const std::string& method) {
@@ -66,7 +43,7 @@ fractions stable_fractions(const std::string& method) {
 }
 
 void resolve(options& o) {
-  if (o.kernel.h_over_dx == 0.0) o.kernel.h_over_dx = kernels::find(o.kernel.name).default_h_over_dx;
+  simulation::resolve(o.kernel);
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;
   if (!o.time.diffusive) o.time.diffusive = f.diffusive;

@@ -20,15 +20,9 @@ struct time_options {
   std::optional<double> cfl, diffusive;  // dt c/dx, dt D/dx^2
 };
 
-struct kernel_options {
-  std::string name = "wendland_c2";
-  double h_over_dx = 0.0;  // 0: the kernel's own
-  double skin = 0.2;       // of the particle spacing
-};
-
 struct options {
   time_options time;
-  kernel_options kernel;
+  simulation::kernel_options kernel{.name = "wendland_c2"};
   simulation::output_options output;
   simulation::run_options run;
 };

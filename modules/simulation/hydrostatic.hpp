@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <chrono>
 #include <filesystem>
@@ -11,11 +10,8 @@
 #include <integrators/explicit_integrator.hpp>
 #include <memory>
 #include <optional>
-#include <output/directory.hpp>
 #include <output/history.hpp>
-#include <output/log.hpp>
 #include <output/progress.hpp>
-#include <output/series.hpp>
 #include <simulation/command_line.hpp>
 #include <simulation/communication.hpp>
 #include <simulation/interrupt.hpp>
@@ -24,6 +20,7 @@
 #include <simulation/residuals.hpp>
 #include <simulation/restart.hpp>
 #include <simulation/right_hand_side.hpp>
+#include <simulation/run_directory.hpp>
 #include <simulation/state.hpp>
 #include <simulation/summary.hpp>
 #include <volume/hosono_iteration.hpp>
@@ -44,20 +41,13 @@ struct run {
   scene<D> world;
   volume_module how{};
   std::unique_ptr<integrators::explicit_integrator> integrator;
-  std::int64_t step = 0, snapshots = 0;
-  double next_snapshot = 0.0;       // s
+  std::int64_t step = 0;
   std::int64_t wall_crossings = 0;  // of this rank
   totals<D> start_totals;
 
-  std::optional<output::run_log> log;
-  std::optional<output::history> history;
+  run_directory files{ranks, line, resolved, simd_lanes};
+  summary& report = files.report;
   std::optional<residual_file> residuals;
-  output::series series;
-  std::optional<output::latest_checkpoint> found;  // to be continued
-  std::string good_checkpoint;                     // the newest; empty: none
-  summary report;
-  std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now(), last_checkpoint = began;
-  double stepping_seconds = 0.0;
   communication_meter communication;
 
   load_balance<D> balancer;
@@ -75,8 +65,6 @@ struct run {
 
   run(const command_line& command, const input& in)
       : line(command), o(in.values), resolved(in.resolved), balancer(in.values) {}
-
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); }
 
   // ---- evaluation and stepping ------------------------------------------------------------
 
@@ -124,10 +112,8 @@ struct run {
       for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
       speed2 = std::max(speed2, v2);
     }
-    const bool late = o.run.wall_clock_limit > 0.0 && seconds() >= o.run.wall_clock_limit;
-    const double since = std::chrono::duration<double>(std::chrono::steady_clock::now() - last_checkpoint).count();
-    std::array<double, 5> most{speed2, moved_since_lists(s), stop_requested() || late ? 1.0 : 0.0,
-                               ranks.rank == 0 ? since : 0.0, crossings > 0 ? 1.0 : 0.0};
+    std::array<double, 5> most{speed2, moved_since_lists(s), stop_requested() || files.late(o.run) ? 1.0 : 0.0,
+                               ranks.rank == 0 ? files.checkpoint_age() : 0.0, crossings > 0 ? 1.0 : 0.0};
     ranks.maximum(most);
     news = {most[0], most[1], most[2] > 0.0, most[3], most[4] > 0.0};
   }
@@ -167,7 +153,7 @@ struct run {
   }
 
   void note(const typename load_balance<D>::verdict& v) {
-    say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
+    files.say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
     if (balance_history)
       balance_history->append(step,
                               std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain,
@@ -232,7 +218,7 @@ struct run {
       const double t = integrator->time(), end = *o.time.t_end;
       return end - t < o.time.dt * (1.0 + 1e-6) && end - t > o.time.dt * (1.0 - 1e-6) ? t + 2.0 * o.time.dt : end;
     }
-    return o.output.interval > 0.0 ? std::min(*o.time.t_end, next_snapshot) : *o.time.t_end;
+    return o.output.interval > 0.0 ? std::min(*o.time.t_end, files.next_snapshot) : *o.time.t_end;
   }
 
   void advance() {
@@ -244,13 +230,13 @@ struct run {
         line_of_progress.finish(progress());
         interrupt_run();
       }
-      const auto before = std::chrono::steady_clock::now();
+      const auto before = seconds_clock::now();
       communication.begin();
       refresh_lists();
       timed_step();
       complete_step();
       communication.end();
-      stepping_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+      files.stepping_seconds += since(before);
       record();
       line_of_progress.update(progress());
     }
@@ -270,8 +256,7 @@ struct run {
   // ---- output -----------------------------------------------------------------------------
 
   void record() {
-    const double t = integrator->time();
-    const bool snapshot_due = o.output.interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9);
+    const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
     const bool row_due = step % o.output.history_interval == 0;
     if (snapshot_due || row_due || finished()) evaluate_here();
     if (row_due || finished()) append_history();
@@ -285,9 +270,9 @@ struct run {
     const foundation::stage timed(world.w.times, "output");
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
-    history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
-                                     e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic, t.potential,
-                                     t.internal, t.energy() - start_totals.energy()});
+    files.history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
+                                           e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic,
+                                           t.potential, t.internal, t.energy() - start_totals.energy()});
   }
 
   static std::vector<output::history_column> history_columns() {
@@ -314,51 +299,28 @@ struct run {
       header.periodic[a] = o.domain.periodic[a];
     }
     std::vector<particles::array> extra;
-    const auto groups = snapshot_groups(world, o.h_over_dx * world.w.dx, extra);
-    const std::string name = output::snapshot_name(static_cast<int>(snapshots));
-    output::write_snapshot(ranks.comm, line.output + "/" + name, header, groups, {line.program, version(), resolved});
-    output::add_to_series(ranks.comm, line.output, name, series);
-    ++snapshots;
-    while (o.output.interval > 0.0 && next_snapshot <= integrator->time() * (1.0 + 1e-9) + 1e-300)
-      next_snapshot += o.output.interval;
+    const auto groups = snapshot_groups(world, o.kernel.h_over_dx * world.w.dx, extra);
+    files.write_snapshot(header, groups, o.output.interval);
   }
 
   void write_checkpoint() {
     const foundation::stage timed(world.w.times, "output");
     output::checkpoint_globals g;
-    save(integrator->save(), g);
     save(start_totals, g);
-    g.reals["next_snapshot"] = next_snapshot;
-    g.reals["stepping_seconds"] = stepping_seconds;
-    g.integers["step"] = step;
-    g.integers["simd_lanes"] = simd_lanes;
-    g.integers["snapshots"] = snapshots;
     g.integers["wall_crossings"] = ranks.sum(wall_crossings);
     if constexpr (iterates) {
       g.integers["hosono_evaluations"] = how.evaluations;
       g.integers["hosono_passes"] = how.passes;
     }
-    g.texts = {{"program", line.program}, {"input", resolved}, {"version", version()}};
     std::vector<std::int64_t> materials;
-    const auto path =
-        output::write_checkpoint(ranks.comm, line.output, step, g, {checkpoint_table(world.w.s, materials)});
-    last_checkpoint = std::chrono::steady_clock::now();
-    good_checkpoint = path;
-    say(fmt::format("checkpoint {} at step {}", path, step));
-  }
-
-  void say(const std::string& text) {
-    if (log) log->write(text);
+    files.write_checkpoint(step, *integrator, std::move(g), checkpoint_table(world.w.s, materials));
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
 
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
-    throw foundation::error(
-        foundation::exit_status::interrupted,
-        fmt::format("stopped at step {} of {}, t = {:.6g} s, after a checkpoint: continue with --restart latest", step,
-                    o.time.steps, integrator->time()));
+    files.interrupt(step, fmt::format(" of {}", o.time.steps), integrator->time());
   }
 
   void start_anew() {
@@ -366,7 +328,7 @@ struct run {
     rebuild(world);
     balancer.first_lists(world, watch.elapsed());
     make_integrator(0.0);
-    history = output::history::start(ranks.comm, line.output + "/history.csv", history_columns());
+    files.start_history(history_columns());
     if (balancer.mode != "off")
       balance_history = output::history::start(ranks.comm, line.output + "/balance.csv", balance_columns());
     if constexpr (iterates) residuals = residual_file::start(ranks, line.output + "/residuals.csv");
@@ -376,57 +338,26 @@ struct run {
     write_snapshot();
   }
 
-  // Read and checked before anything is written: one that does not fit leaves the directory as it was.
-  output::latest_checkpoint read_saved() const {
-    output::latest_checkpoint saved;
-    if (line.restart == "latest")
-      saved = output::find_latest(ranks.comm, line.output);
-    else
-      saved = {line.restart, output::read_checkpoint(ranks.comm, line.restart), {}};
-    const auto& texts = saved.state.globals.texts;
-    check_restart(texts.at("program"), texts.at("input"), line.program, resolved);
-    return saved;
-  }
-
-  void continue_from_checkpoint() {
-    for (const auto& message : found->messages) {
-      say(message);
-      if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, message);
-    }
-    say("continuing from " + found->path);
-    good_checkpoint = found->path;
-    const output::checkpoint saved = std::move(found->state);
-    found.reset();
-    if (const auto before = saved.globals.integers.at("simd_lanes"); before != simd_lanes)
-      say(
-          fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
-                      "order, so the last digits will differ from the uninterrupted run's",
-                      before, simd_lanes));
-    fluid_from_checkpoint(saved.tables.at("fluid"), world.w.s);
+  void continue_from(const output::latest_checkpoint& saved) {
+    files.announce(saved);
+    fluid_from_checkpoint(saved.state.tables.at("fluid"), world.w.s);
     exchange_positions();
     const stopwatch watch;
     rebuild(world, keep_list_positions);
     balancer.first_lists(world, watch.elapsed());
     exchange_positions();
     make_integrator(0.0);
-    restore(saved.globals);
-    output::forget_checkpoints_after(ranks.comm, line.output, step);
-    history = output::history::resume(ranks.comm, line.output + "/history.csv", history_columns(), step);
+    step = files.continue_from(saved, *integrator, history_columns());
+    restore(saved.state.globals);
     if (balancer.mode != "off")
       balance_history = output::history::resume(ranks.comm, line.output + "/balance.csv", balance_columns(), step);
     if constexpr (iterates) residuals = residual_file::resume(ranks, line.output + "/residuals.csv", step);
-    series = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots));
     evaluate_here();
   }
 
   void restore(const output::checkpoint_globals& g) {
-    integrator->restore(integrator_memory(g));
     start_totals = totals_of_start<D>(g);
-    step = g.integers.at("step");
-    snapshots = g.integers.at("snapshots");
-    next_snapshot = g.reals.at("next_snapshot");
     wall_crossings = ranks.rank == 0 ? g.integers.at("wall_crossings") : 0;
-    stepping_seconds = g.reals.at("stepping_seconds");
     if constexpr (iterates) {
       how.evaluations = g.integers.at("hosono_evaluations");
       how.passes = g.integers.at("hosono_passes");
@@ -434,16 +365,10 @@ struct run {
   }
 
   void fill_report() {
-    report.program = line.program;
-    report.steps = step;
+    files.fill_report(step, integrator.get());
     report.dimension = D;
     report.fluid_particles = world.fluid_total;
     report.wall_particles = ranks.sum(static_cast<std::int64_t>(world.w.s.walls));
-    report.ranks = ranks.size;
-    report.threads = omp_get_max_threads();
-    report.simd_lanes = simd_lanes;
-    report.wall_seconds = seconds();
-    report.stepping_seconds = stepping_seconds;
     report.stages = world.w.times.seconds();
     report.metrics["wall_crossings"] = ranks.sum(wall_crossings);
     report.metrics["balance_decisions"] = balancer.decisions;
@@ -452,10 +377,6 @@ struct run {
     report.metrics["balance_seconds"] = ranks.maximum(balancer.seconds);
     report.metrics["time_spread"] = balancer.time_spread_now(ranks);
     communication.describe(world.w.d, report.metrics);
-    if (integrator) {
-      report.time = integrator->time();
-      report.statistics = integrator->statistics();
-    }
     if constexpr (iterates) {
       report.metrics["hosono_solver"] = how.how.solver;
       report.metrics["hosono_passes"] = how.passes;
@@ -489,20 +410,13 @@ struct run {
   void warn_about_step() {
     const auto least = measure_limits(world, o.time).least();
     if (o.time.method == "adaptive" || o.time.dt <= least.dt) return;
-    const auto text = fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up",
-                                  o.time.dt, least.name, least.dt);
-    say(text);
-    if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, text);
+    files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", o.time.dt,
+                           least.name, least.dt));
   }
 
   double start_kappa = 0.0;  // K_T/p of the start state, at its largest
 
-  void prepare() {
-    using mode = output::directory_mode;
-    if (ranks.maximum(simd_lanes) != ranks.minimum(simd_lanes))
-      foundation::fail_input(
-          "some ranks run on processors with AVX-512 and some without: results would depend on where a particle is. "
-          "Set TETSUAME_SIMD=avx2 in the environment of all ranks");
+  void set_up_world() {
     set_up(o, ranks, world);
     world.density_carried = volume_module::carried == volume::carries::density;
     world.weight_carried = volume_module::carried == volume::carries::weight;
@@ -512,74 +426,42 @@ struct run {
       volume::equation_of_state(world.w, world.w.s.fluid);
       start_kappa = volume::detail::largest_kappa(world.w);
     }
-    output::open_directory(ranks.comm, line.output,
-                           !line.restart.empty() ? mode::restart
-                           : line.force          ? mode::force
-                                                 : mode::fresh);
-    if (!line.restart.empty()) found = read_saved();
-    log.emplace(ranks.comm, line.output + "/run.log");
-    say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
-                    omp_get_max_threads(), line.input));
-    const auto& material = eos::about(world.w.materials[0]);
-    say(fmt::format("equation of state {}: {}{}", material.name, material.source,
-                    material.illustrative ? " (illustrative)" : ""));
-    write_text(ranks, line.output + "/resolved.nml", resolved);
-    watch_signals();
   }
 
   void carry_out() {
-    prepare();
+    set_up_world();
+    auto found = files.open();
+    const auto& material = eos::about(world.w.materials[0]);
+    files.say(fmt::format("equation of state {}: {}{}", material.name, material.source,
+                          material.illustrative ? " (illustrative)" : ""));
     try {
-      if (line.restart.empty())
-        start_anew();
+      if (found)
+        continue_from(*found);
       else
-        continue_from_checkpoint();
+        start_anew();
+      found.reset();
       warn_about_step();
       advance();
       evaluate_here();
       measure_report();
-      report.status = "completed";
-      report.message = fmt::format("completed {} steps, t = {:.6g} s", step, integrator->time());
-      finish();
+      fill_report();
+      files.complete(fmt::format("completed {} steps, t = {:.6g} s", step, integrator->time()));
     } catch (const foundation::error& e) {
-      fail(e);
+      files.fail(e, step, [&] { save_what_there_is(e); });
     }
   }
 
-  void finish() {
-    fill_report();
-    report.write(ranks, line.output);
-    say(report.message);
-    if (ranks.rank == 0) report.print();
-  }
-
   // The last good state is in the arrays: it goes to disk with the reason.
-  [[noreturn]] void fail(const foundation::error& e) {
-    using foundation::exit_status;
-    std::string message = e.what();
-    if (e.status() == exit_status::calculation_failed) message = fmt::format("step {}: {}", step + 1, message);
-    report.status = e.status() == exit_status::interrupted ? "interrupted" : "failed";
+  void save_what_there_is(const foundation::error& e) {
     if (const auto* diverged = dynamic_cast<const volume::divergence*>(&e)) {
       report.status = "diverged";
       report.diverged_step = step + 1;
       report.diverged_iteration = diverged->iteration();
     }
-    if (e.status() == exit_status::file_failed)
-      message += good_checkpoint.empty() ? "; no checkpoint was written"
-                                         : "; " + good_checkpoint + " is good: continue with --restart latest";
-    report.message = message;
-    try {
-      if constexpr (iterates)
-        if (residuals) residuals->append(step + 1, how.residuals);
-      if (e.status() == exit_status::calculation_failed && integrator) write_checkpoint();
-      fill_report();
-      report.write(ranks, line.output);
-      say(message);
-    } catch (const foundation::error& second) {
-      // The first reason is the one to be told; on a full disk neither can be written.
-      message += std::string("; and ") + second.what();
-    }
-    throw foundation::error(e.status(), message);
+    if constexpr (iterates)
+      if (residuals) residuals->append(step + 1, how.residuals);
+    if (e.status() == foundation::exit_status::calculation_failed && integrator) write_checkpoint();
+    fill_report();
   }
 };
 

@@ -105,21 +105,6 @@ void declare(namelist::schema& schema, time_options& o) {
   schema.add("time", "thermal", o.thermal, positive("", "largest dt k/(rho c_V dx^2)"));
 }
 
-void declare_kernel(namelist::schema& schema, options& o) {
-  schema.group("kernel", "smoothing kernel and neighbour lists");
-  std::vector<std::string> choices;
-  for (const auto& k : kernels::table) choices.emplace_back(k.name);
-  schema.add("kernel", "name", o.kernel, {.choices = choices, .meaning = "of the kernel"});
-  schema.add(
-      "kernel", "h_over_dx", o.h_over_dx,
-      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
-  schema.add("kernel", "skin", o.skin,
-             {.minimum = 0.0,
-              .maximum = 2.0,
-              .exclusive_minimum = true,
-              .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
-}
-
 void check_box(const namelist::schema& schema, options& o, double support) {
   const auto& d = o.domain;
   const double dx = o.dx();
@@ -141,6 +126,44 @@ void check_box(const namelist::schema& schema, options& o, double support) {
 
 }  // namespace
 
+void declare(namelist::schema& schema, kernel_options& o, bool lists_change) {
+  schema.group("kernel", "smoothing kernel and neighbour lists");
+  std::vector<std::string> choices;
+  for (const auto& k : kernels::table) choices.emplace_back(k.name);
+  schema.add("kernel", "name", o.name, {.choices = choices, .meaning = "of the kernel"});
+  schema.add(
+      "kernel", "h_over_dx", o.h_over_dx,
+      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
+  if (lists_change)
+    schema.add("kernel", "skin", o.skin,
+               {.minimum = 0.0,
+                .maximum = 2.0,
+                .exclusive_minimum = true,
+                .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
+}
+
+void resolve(kernel_options& o) {
+  if (o.h_over_dx == 0.0) o.h_over_dx = kernels::find(o.name).default_h_over_dx;
+}
+
+void declare(namelist::schema& schema, output_options& o) {
+  schema.group("output", "what is written, and how often");
+  schema.add("output", "interval", o.interval,
+             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
+  schema.add("output", "history_interval", o.history_interval,
+             {.minimum = 1, .meaning = "steps between lines of history.csv"});
+}
+
+void declare(namelist::schema& schema, run_options& o) {
+  schema.group("run", "limits and checkpoints");
+  schema.add("run", "wall_clock_limit", o.wall_clock_limit,
+             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
+  schema.add("run", "checkpoint_interval", o.checkpoint_interval,
+             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
+  schema.add("run", "checkpoint_seconds", o.checkpoint_seconds,
+             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+}
+
 void declare(namelist::schema& schema, options& o) {
   declare(schema, o.domain);
   declare(schema, o.initial);
@@ -148,7 +171,7 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
   declare(schema, o.material);
   declare(schema, o.time);
-  declare_kernel(schema, o);
+  declare(schema, o.kernel, true);
   walls::declare(schema, 3, o.walls);
   volume::declare(schema, o.smoothing);
   volume::declare(schema, o.hosono);
@@ -157,23 +180,13 @@ void declare(namelist::schema& schema, options& o) {
              {.minimum = 1,
               .maximum = 1e9,
               .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
-  schema.group("output", "what is written, and how often");
-  schema.add("output", "interval", o.output.interval,
-             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
-  schema.add("output", "history_interval", o.output.history_interval,
-             {.minimum = 1, .meaning = "steps between lines of history.csv"});
-  schema.group("run", "limits and checkpoints");
-  schema.add("run", "wall_clock_limit", o.run.wall_clock_limit,
-             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
-  schema.add("run", "checkpoint_interval", o.run.checkpoint_interval,
-             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
-  schema.add("run", "checkpoint_seconds", o.run.checkpoint_seconds,
-             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+  declare(schema, o.output);
+  declare(schema, o.run);
 }
 
 void resolve(const namelist::schema& schema, options& o) {
-  if (o.h_over_dx == 0.0) o.h_over_dx = kernels::find(o.kernel).default_h_over_dx;
-  const double support = kernels::find(o.kernel).support_over_h * o.h_over_dx * o.dx();
+  resolve(o.kernel);
+  const double support = kernels::find(o.kernel.name).support_over_h * o.kernel.h_over_dx * o.dx();
   check_box(schema, o, support);
   if (o.g == 0.0) o.initial.profile = "uniform";
   if (o.initial.profile == "hydrostatic" && o.domain.periodic[1])

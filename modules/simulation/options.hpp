@@ -43,6 +43,12 @@ struct time_options {
   double cfl = 0.5, viscous = 0.25, thermal = 0.25;  // fractions of Δx/c, ρ Δx²/η, ρ c_V Δx²/k
 };
 
+struct kernel_options {
+  std::string name = "quintic";
+  double h_over_dx = 0.0;  // 0: the kernel's own
+  double skin = 0.2;       // of the particle spacing
+};
+
 struct output_options {
   double interval = 0.0;               // s
   std::int64_t history_interval = 10;  // steps
@@ -66,9 +72,7 @@ struct options {
   double g = 0.0;  // m/s2, along -y
   material_options material;
   time_options time;
-  std::string kernel = "quintic";
-  double h_over_dx = 0.0;  // 0: the kernel's own
-  double skin = 0.2;       // of the particle spacing
+  kernel_options kernel;
   walls::options walls;
   volume::smoothing_options smoothing;
   volume::hosono_options hosono;
@@ -79,6 +83,13 @@ struct options {
 
   double dx() const { return domain.length[0] / static_cast<double>(domain.particles[0]); }
 };
+
+// The groups that every program with a time loop has. lists_change: whether particles move, so that a skin is worth
+// choosing.
+void declare(namelist::schema& schema, kernel_options& o, bool lists_change);
+void resolve(kernel_options& o);
+void declare(namelist::schema& schema, output_options& o);
+void declare(namelist::schema& schema, run_options& o);
 
 // Declares every group; all programs read the same inputs, so that one file runs on all of them.
 void declare(namelist::schema& schema, options& o);

@@ -240,12 +240,12 @@ template <int D>
 void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
   auto& w = scene.w;
   w.dx = o.dx();
-  w.kernel = kernels::make<D>(o.kernel, o.h_over_dx * w.dx);
+  w.kernel = kernels::make<D>(o.kernel.name, o.kernel.h_over_dx * w.dx);
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;
   if (o.material.conductivity == 0.0) w.uniform_transport = o.material.viscosity;
-  scene.skin = o.skin * w.dx;
+  scene.skin = o.kernel.skin * w.dx;
   scene.treatment = walls::make(o.walls.treatment);
   scene.walls.how = o.walls;
   domain::box<D> box;

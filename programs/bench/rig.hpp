@@ -58,8 +58,8 @@ simulation::options box(const request& asked) {
   }
   o.initial.profile = "uniform";
   o.g = 10.0;
-  o.kernel = "quintic";
-  o.h_over_dx = 1.2;
+  o.kernel.name = "quintic";
+  o.kernel.h_over_dx = 1.2;
   o.walls.treatment = walls::virtual_marker::name;
   o.material.eos.name = "liquid_iron";
   o.material.eos = eos::resolve(o.material.eos);

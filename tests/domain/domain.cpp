@@ -144,7 +144,7 @@ BOOST_AUTO_TEST_CASE(halo_in_three_dimensions) {
 // As narrow as a periodic box may be: the halo's ghosts are the box's images on both sides.
 BOOST_AUTO_TEST_CASE(halo_as_wide_as_the_box) {
   auto o = box<2>({16, 8}, true);
-  o.skin = 4.3;
+  o.kernel.skin = 4.3;
   check_halo<2>(make_scene<2>(o, domain::communicator::world(), 0.4));
 }
 

@@ -49,8 +49,8 @@ simulation::options box(std::array<std::int64_t, D> n, bool periodic, const std:
     o.domain.periodic[a] = periodic;
   }
   o.initial.profile = "uniform";
-  o.kernel = kernel;
-  o.h_over_dx = kernels::find(kernel).default_h_over_dx;
+  o.kernel.name = kernel;
+  o.kernel.h_over_dx = kernels::find(kernel).default_h_over_dx;
   o.walls.treatment = treatment;
   o.material.eos.reference_pressure = o.initial.pressure;
   return o;
