@@ -19,7 +19,8 @@ struct ssph {
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
     const real mm = ij.own(of_mass) * ij(of_mass);
-    add_with_viscosity(a, ij, F, real(mm * ij.own(of_slope) * F.i), real(mm * ij(of_slope) * F.j));
+    const real from_i = mm * ij.own(of_slope) * F.i, from_j = mm * ij(of_slope) * F.j;
+    add_with_viscosity(a, ij, F, from_i, from_j);
   }
   void end(std::size_t i, const me& a) const { write(out, i, a); }
 };

@@ -18,11 +18,7 @@ template <int D>
 class flow : public march::problem {
  public:
   flow(const options& o, const std::vector<level>& coarser) : g_{.o = o, .test = make_setup(o)}, coarser_(coarser) {
-    make_materials(g_);
-    add_fields(g_);
-    choose_kernel(g_);
-    make_box(g_);
-    place_particles(g_);
+    set_up(g_);
   }
 
   const domain::communicator& ranks() const override { return g_.ranks(); }
@@ -38,18 +34,7 @@ class flow : public march::problem {
     return header;
   }
 
-  std::vector<integrators::field> fields() override {
-    auto& s = g_.w.s;
-    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-    const double speed = g_.speed_scale;
-    std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g_.w.dx});
-    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
-    all.push_back({"u", s.u.data(), 0.0, speed * speed});
-    if (g_.has_alpha()) all.push_back({"alpha", g_.alpha().data(), 0.0, 1.0});
-    if (g_.o.evolves_density()) all.push_back({"density", g_.evolved().data(), 0.0, g_.density_scale});
-    return all;
-  }
+  std::vector<integrators::field> fields() override { return integrated_fields(g_); }
 
   bool evaluable() override {
     const auto& s = g_.w.s;
@@ -58,11 +43,7 @@ class flow : public march::problem {
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
-  void evaluate(std::span<double* const> rate) override {
-    std::visit([&](const auto& unit) { evaluate_with(g_, unit); }, g_.unit);
-    combine(g_, rate);
-    g_.w.agree();
-  }
+  void evaluate(std::span<double* const> rate) override { shocks::evaluate(g_, rate); }
 
   integrators::step_limit largest_step() override { return shocks::largest_step(g_); }
   double diffusion_radius() override { return 0.0; }
@@ -70,10 +51,7 @@ class flow : public march::problem {
   double allowance() const override { return shocks::allowance(g_); }
   double speed() override { return largest_speed(g_); }
 
-  void keep_memory() override {
-    next_supports(g_);
-    std::copy_n(g_.support().begin(), g_.w.s.fluid, g_.S.begin());
-  }
+  void keep_memory() override { next_supports(g_); }
   bool complete_step() override {
     const std::int64_t crossings = ranks().sum(images::reflect(g_.walls, g_.w.s));
     crossings_ += crossings;
@@ -89,15 +67,7 @@ class flow : public march::problem {
     const bool at_start = !settled_ && !as_they_were;
     settled_ = true;
     if (!at_start) return;
-    // The start lattice's supports are those of an endless lattice: next to a jump they are not yet the right ones.
-    for (int round = 0; round < 4; ++round) {
-      for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(g_, unit); }, g_.unit);
-      make_lists(g_, false);
-    }
-    if (!g_.o.weighs_volume()) return;
-    // With the sums of the start a particle's density is at first what the input says, at contacts too.
-    std::visit([&](const auto& unit) { find_state(g_, unit); }, g_.unit);
-    std::copy_n(g_.y.begin(), g_.w.s.fluid, g_.start_sum().begin());
+    settle(g_);
   }
 
   std::vector<output::history_column> columns() const override {

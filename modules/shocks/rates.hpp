@@ -3,6 +3,7 @@
 //   dx/dt = v, dv/dt = F/m, du/dt = power/m, dα/dt or dρ/dt where these are integrated
 #pragma once
 
+#include <integrators/explicit_integrator.hpp>
 #include <schemes/disph.hpp>
 #include <schemes/gdisph.hpp>
 #include <schemes/gradients.hpp>
@@ -124,7 +125,21 @@ void find_forces(world<D>& g, const Kernel& unit) {
                 : sum(g, schemes::gdisph<D, Kernel, false>{unit, gas, out});
 }
 
-// In the order of fields() in flow.hpp.
+template <int D>
+std::vector<integrators::field> integrated_fields(world<D>& g) {
+  auto& s = g.w.s;
+  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+  const double speed = g.speed_scale;
+  std::vector<integrators::field> all;
+  for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g.w.dx});
+  for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
+  all.push_back({"u", s.u.data(), 0.0, speed * speed});
+  if (g.has_alpha()) all.push_back({"alpha", g.alpha().data(), 0.0, 1.0});
+  if (g.o.evolves_density()) all.push_back({"density", g.evolved().data(), 0.0, g.density_scale});
+  return all;
+}
+
+// Of the integrated fields, in their order.
 template <int D>
 void combine(world<D>& g, std::span<double* const> rate) {
   const auto& s = g.w.s;
@@ -148,13 +163,20 @@ void combine(world<D>& g, std::span<double* const> rate) {
     }
 }
 
-template <int D, class Kernel>
-void evaluate_with(world<D>& g, const Kernel& unit) {
+// Collective.
+template <int D>
+void evaluate(world<D>& g, std::span<double* const> rate) {
   refresh_state(g);
-  find_state(g, unit);
-  if (g.o.evolves_density()) find_corrections(g, unit);
-  if (g.o.second_order() || g.o.evolves_density()) find_gradients(g, unit);
-  find_forces(g, unit);
+  std::visit(
+      [&](const auto& unit) {
+        find_state(g, unit);
+        if (g.o.evolves_density()) find_corrections(g, unit);
+        if (g.o.second_order() || g.o.evolves_density()) find_gradients(g, unit);
+        find_forces(g, unit);
+      },
+      g.unit);
+  combine(g, rate);
+  g.w.agree();
 }
 
 }  // namespace tetsuame::shocks

@@ -1,7 +1,9 @@
-// The start: what a particle carries, materials, kernel, box, and the particles of a rank in their places.
+// The start: what a particle carries, materials, kernel, box, the particles of a rank in their places, and
+// their supports.
 #pragma once
 
-#include <shocks/world.hpp>
+#include <shocks/lists.hpp>
+#include <shocks/state.hpp>
 
 namespace tetsuame::shocks {
 
@@ -118,6 +120,29 @@ void place_particles(world<D>& g) {
     g.support()[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
     g.alpha()[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
   }
+}
+
+template <int D>
+void set_up(world<D>& g) {
+  make_materials(g);
+  add_fields(g);
+  choose_kernel(g);
+  make_box(g);
+  place_particles(g);
+}
+
+// After the first lists. The start lattice's supports are those of an endless lattice: next to a jump they are not yet
+// the right ones.
+template <int D>
+void settle(world<D>& g) {
+  for (int round = 0; round < 4; ++round) {
+    for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(g, unit); }, g.unit);
+    make_lists(g, false);
+  }
+  if (!g.o.weighs_volume()) return;
+  // With the sums of the start a particle's density is at first what the input says, at contacts too.
+  std::visit([&](const auto& unit) { find_state(g, unit); }, g.unit);
+  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum().begin());
 }
 
 }  // namespace tetsuame::shocks

@@ -10,13 +10,14 @@
 
 namespace tetsuame::shocks {
 
-// The next step of Newton's method, by no more than the lists allow.
+// The next step of Newton's method, by no more than the lists allow. S is what the sums take.
 template <int D>
 void next_supports(world<D>& g) {
   const double target = std::pow(g.support_over_dx, D);
   foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
     const double S = g.support()[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
     g.support()[i] = std::min(next, g.list_support()[i] + g.room_to_grow());
+    g.S[i] = g.support()[i];
   });
 }
 
