@@ -4,17 +4,29 @@
 
 using namespace tetsuame;
 
+namespace {
+
+std::unique_ptr<march::problem> make(const shocks::options& o, const std::vector<shocks::level>& coarser) {
+  return o.dimension == 1   ? shocks::make_1d(o, coarser)
+         : o.dimension == 2 ? shocks::make_2d(o, coarser)
+                            : shocks::make_3d(o, coarser);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   shocks::options o;
+  std::vector<shocks::coarser_input> coarser;
   const simulation::program_input own{.program = "shock",
                                       .shorthands = {},
                                       .restarts = true,
                                       .declare = [&](namelist::schema& schema) { shocks::declare(schema, o); },
-                                      .complete = [&](const namelist::schema& schema) { shocks::resolve(schema, o); }};
+                                      .complete =
+                                          [&](const namelist::schema& schema) {
+                                            shocks::resolve(schema, o);
+                                            coarser = shocks::coarser_inputs(schema, o);
+                                          }};
   return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
-    const auto problem = o.dimension == 1   ? shocks::make_1d(o)
-                         : o.dimension == 2 ? shocks::make_2d(o)
-                                            : shocks::make_3d(o);
-    march::run(*problem, o.march, line, resolved);
+    shocks::run_all(o, resolved, coarser, line, make);
   });
 }

@@ -6,7 +6,7 @@
 //   dα/dt = (α_min - α) l c/h + max(-∇·v, 0) (α_max - α),   l = 0.2
 #pragma once
 
-#include <schemes/common.hpp>
+#include <schemes/forces.hpp>
 
 namespace tetsuame::schemes {
 
@@ -15,6 +15,29 @@ inline real viscous(const auto& ij, const two_slopes& F, const real& closing, co
   const real density = ij.own(of_density) + ij(of_density);
   const real alpha = ij.own(of_dissipation) + ij(of_dissipation);
   return -0.25 * ij.own(of_mass) * ij(of_mass) * alpha * signal * closing / density * (F.i + F.j);
+}
+
+// What a term with pressures of the ends' own and viscosity reads, but for the weight.
+template <int D>
+auto viscous_reads(const gas<D>& s) {
+  return std::tuple{pairs::read(pairs::of_velocity, s.v),
+                    pairs::read(of_mass, s.m),
+                    pairs::read(of_density, s.rho),
+                    pairs::read(of_sound, s.c),
+                    pairs::read(of_slope, s.slope),
+                    pairs::read(of_per_support, s.per_S),
+                    pairs::read(of_dissipation, s.dissipation)};
+}
+
+// The pair's share; from_i and from_j: of the pressures, N/m, the work of the first done on i.
+template <int D>
+void add_with_viscosity(sums<D>& a, const auto& ij, const two_slopes& F, const real& from_i, const real& from_j) {
+  const real v_x = ij.along(pairs::of_velocity), closing = lesser(real(v_x * ij.per_r), real(0.0));
+  const real signal = ij.own(of_sound) + ij(of_sound) - 3.0 * closing;
+  const real viscosity = viscous(ij, F, closing, signal);
+  a.force -= (from_i + from_j + viscosity) * ij.x_ij;
+  a.power += (from_i + 0.5 * viscosity) * v_x;
+  keep_signal(a, F, signal);
 }
 
 // B of ∇·v and |∇×v| (1/s), c (m/s), h (m): near 1 where gas is compressed, near 0 where it is sheared.

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <schemes/artificial_viscosity.hpp>
-#include <schemes/forces.hpp>
 
 namespace tetsuame::schemes {
 
@@ -18,28 +17,16 @@ struct disph {
 
   using me = sums<D>;
   auto reads() const {
-    return std::tuple{pairs::read(pairs::of_velocity, s.v),
-                      pairs::read(pairs::of_weight, s.weight),
-                      pairs::read(of_mass, s.m),
-                      pairs::read(of_density, s.rho),
-                      pairs::read(of_sound, s.c),
-                      pairs::read(of_slope, s.slope),
-                      pairs::read(of_correction, s.correction),
-                      pairs::read(of_per_support, s.per_S),
-                      pairs::read(of_dissipation, s.dissipation)};
+    return std::tuple_cat(viscous_reads(s), std::tuple{pairs::read(pairs::of_weight, s.weight),
+                                                       pairs::read(of_correction, s.correction)});
   }
   me begin(std::size_t) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
-    const real v_x = ij.along(pairs::of_velocity), closing = lesser(real(v_x * ij.per_r), real(0.0));
-    const real signal = ij.own(of_sound) + ij(of_sound) - 3.0 * closing;
     const real U_i = ij.own(pairs::of_weight), U_j = ij(pairs::of_weight);
     const real from_i = U_i * ij.own(of_slope) * (U_j + ij.own(of_correction)) * F.i;
     const real from_j = U_j * ij(of_slope) * (U_i + ij(of_correction)) * F.j;
-    const real viscosity = viscous(ij, F, closing, signal);
-    a.force -= (from_i + from_j + viscosity) * ij.x_ij;
-    a.power += (from_i + 0.5 * viscosity) * v_x;
-    keep_signal(a, F, signal);
+    add_with_viscosity(a, ij, F, from_i, from_j);
   }
   void end(std::size_t i, const me& a) const { write(out, i, a); }
 };

@@ -1,14 +1,13 @@
-// The problem in one, two and three dimensions, each compiled by itself (programs/shock).
+// The problem in one, two and three dimensions, each compiled by itself (programs/shock). coarser: runs before this
+// one, for the order of convergence.
 #pragma once
 
-#include <march/problem.hpp>
-#include <memory>
-#include <shocks/options.hpp>
+#include <shocks/convergence.hpp>
 
 namespace tetsuame::shocks {
 
-std::unique_ptr<march::problem> make_1d(const options& o);
-std::unique_ptr<march::problem> make_2d(const options& o);
-std::unique_ptr<march::problem> make_3d(const options& o);
+std::unique_ptr<march::problem> make_1d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<march::problem> make_2d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<march::problem> make_3d(const options& o, const std::vector<level>& coarser);
 
 }  // namespace tetsuame::shocks

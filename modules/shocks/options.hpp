@@ -22,6 +22,7 @@ struct shock_options {
   double p_infinity_l = 0.0, p_infinity_r = 0.0;       // Pa; stiffened gas
   std::string eos_l, eos_r;                            // empty: the gas of gamma and p_infinity
   std::optional<double> temperature_l, temperature_r;  // K
+  std::int64_t coarser = 0;                            // runs at 1/2, 1/4, … of the resolution before this one
   double window = 1.0;                        // of the box along x, about its middle: where errors are measured
   double energy = 1.0, blast_radius = 2.0;    // J; in spacings
   bool corner = false;                        // sedov: the centre is in a corner

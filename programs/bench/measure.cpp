@@ -5,11 +5,16 @@
 
 namespace tetsuame::bench {
 
+bool is_scheme(const std::string& name) {
+  return std::find(scheme_names.begin(), scheme_names.end(), name) != scheme_names.end();
+}
+
 void measure(const request& asked, const std::function<void(const result&)>& take) {
-  if (asked.dimension == 2)
-    measure_2d(asked, take);
+  const bool plane = asked.dimension == 2;
+  if (is_scheme(asked.name))
+    (plane ? measure_shock_2d : measure_shock_3d)(asked, take);
   else
-    measure_3d(asked, take);
+    (plane ? measure_2d : measure_3d)(asked, take);
 }
 
 double memory_needed(const request& asked) {

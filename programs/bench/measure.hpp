@@ -21,7 +21,11 @@ struct request {
   std::int64_t particles() const { return dimension == 2 ? side * side : side * side * side; }
 };
 
-inline const std::vector<std::string> case_names{"program_c", "program_f", "number_density", "transport"};
+// Of the hydrostatic programs (rig.hpp) and of program shock (shock_rig.hpp).
+inline const std::vector<std::string> scheme_names{"ssph", "disph", "gsph", "gdisph", "remix"};
+inline const std::vector<std::string> case_names{"program_c", "program_f", "number_density", "transport", "ssph",
+                                                 "disph",     "gsph",      "gdisph",         "remix"};
+bool is_scheme(const std::string& name);
 
 struct result {
   std::string name;
@@ -54,6 +58,8 @@ void measure(const request& asked, const std::function<void(const result&)>& tak
 // The same, one file a dimension: they take long to compile.
 void measure_2d(const request& asked, const std::function<void(const result&)>& take);
 void measure_3d(const request& asked, const std::function<void(const result&)>& take);
+void measure_shock_2d(const request& asked, const std::function<void(const result&)>& take);
+void measure_shock_3d(const request& asked, const std::function<void(const result&)>& take);
 
 // Roughly what a case takes at its largest moment, in bytes: refused beforehand rather than killed.
 double memory_needed(const request& asked);

@@ -5,9 +5,8 @@
 
 #include <omp.h>
 
-#include <bench/measure.hpp>
 #include <bench/scalar.hpp>
-#include <chrono>
+#include <bench/turns.hpp>
 #include <cmath>
 #include <gradient/pattern_1.hpp>
 #include <simulation/hydrostatic.hpp>
@@ -34,18 +33,6 @@ struct number_density {
   using gradient = tetsuame::gradient::pattern_1;
   static constexpr int passes = 2;
 };
-
-using clock = std::chrono::steady_clock;
-inline double since(clock::time_point start) { return std::chrono::duration<double>(clock::now() - start).count(); }
-
-// In [-1, 1), of a particle's ID and a salt (SplitMix64's finaliser, by S. Vigna).
-inline double scatter(std::int64_t id, std::uint64_t salt) {
-  std::uint64_t z = (static_cast<std::uint64_t>(id) + 1) * 0x9e3779b97f4a7c15U + salt * 0xd1342543de82ef95U;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  z ^= z >> 31;
-  return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
-}
 
 template <int D>
 simulation::options box(const request& asked) {
@@ -91,11 +78,9 @@ class rig {
     make_lists();
     run_.make_integrator(0.0);
     step();
-    count_pairs();
-    const double lists = static_cast<double>(world.w.list.start.capacity() * sizeof(world.w.list.start[0]) +
-                                             world.w.list.neighbours.capacity() * sizeof(world.w.list.neighbours[0]));
-    found_.list_bytes_per_particle = lists / static_cast<double>(s.fluid);
-    found_.bytes_per_particle = (heap_bytes() - heap_before_ - lists) / static_cast<double>(s.fluid);
+    const double support2 = world.w.support() * world.w.support();
+    count_pairs(found_, world.w, [&](std::size_t) { return support2; });
+    count_bytes(found_, world.w, heap_before_);
     found_.name = asked.name;
     found_.dimension = D;
     found_.particles = asked.particles();
@@ -104,13 +89,8 @@ class rig {
 
   // For each number of threads asked for. They take turns, so that what else the machine does falls on all of them.
   std::vector<result> measure() {
-    std::vector<result> all;
-    for (const int threads : asked_.threads) {
-      all.push_back(found_);
-      all.back().threads = threads;
-      if (double load = 0.0; getloadavg(&load, 1) == 1) all.back().load_average = load;
-    }
-    time_steps(all);
+    auto all = with_threads(found_, asked_.threads);
+    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, run_.world.w.times});
     if constexpr (std::is_same_v<Program, program_c>)
       if (run_.world.w.uniform_transport)
         for (result& r : all) {
@@ -137,78 +117,6 @@ class rig {
       run_.integrator->step(run_.next_stop());
     }
     run_.complete_step();
-  }
-
-  double time_of(auto&& work) {
-    const auto start = clock::now();
-    work();
-    return since(start);
-  }
-
-  // Rounds, in each of which every number of threads has its turn: new lists, the step that finds them new, ordinary
-  // steps. What the first step takes more than an ordinary one (what is kept while lists live) is charged to the lists.
-  void time_steps(std::vector<result>& all) {
-    struct record {
-      std::vector<double> lists, steps, rounds;  // s, s, and s an ordinary step of a round with its share of the lists
-      std::map<std::string, double> seconds;
-    };
-    std::vector<record> records(all.size());
-    constexpr std::size_t fewest = 3, most = 25;
-    const double turn = asked_.seconds / 10.0;
-    const auto begin = clock::now();
-    for (std::size_t n = 0; n < fewest || (n < most && since(begin) < asked_.seconds * static_cast<double>(all.size()));
-         ++n)
-      for (std::size_t k = 0; k < all.size(); ++k) {
-        omp_set_num_threads(all[k].threads);
-        auto& [lists, steps, rounds, seconds] = records[k];
-        lists.push_back(time_of([&] { make_lists(); }) + time_of([&] { step(); }));
-        run_.world.w.times.clear();
-        const auto start = clock::now();
-        std::vector<double> these;
-        do these.push_back(time_of([&] { step(); }));
-        while (since(start) < turn || these.size() < 3);
-        for (const auto& [name, s] : run_.world.w.times.seconds()) seconds[name] += s;
-        steps.insert(steps.end(), these.begin(), these.end());
-        const double ordinary = median(these);
-        rounds.push_back(ordinary + std::max(0.0, lists.back() - ordinary) / static_cast<double>(asked_.steps_a_list));
-      }
-
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      auto& [lists, steps, rounds, seconds] = records[k];
-      result& r = all[k];
-      const double ordinary = median(steps);
-      r.list_seconds = std::max(0.0, median(lists) - ordinary);
-      const double lists_a_step = r.list_seconds / static_cast<double>(asked_.steps_a_list);
-      r.step_seconds = ordinary + lists_a_step;
-      std::vector<double> ratios;
-      for (std::size_t n = 0; n < rounds.size(); ++n) ratios.push_back(records[0].rounds[n] / rounds[n]);
-      r.speedup_over_first = median(ratios);
-
-      double total = 0.0, staged = 0.0;
-      for (const double s : steps) total += s;
-      for (const auto& [name, s] : seconds) staged += s;
-      seconds["rest"] = std::max(0.0, total - staged);  // displacements, the largest speed, the walls' last guard
-      total = std::max(total, staged);
-      for (const auto& [name, s] : seconds) r.stages[name] = s / total * ordinary / r.step_seconds;
-      r.stages["lists"] = lists_a_step / r.step_seconds;
-    }
-  }
-
-  void count_pairs() {
-    const auto& w = run_.world.w;
-    const double support2 = w.support() * w.support();
-    std::size_t close = 0;
-    for (std::size_t i = 0; i < w.s.fluid; ++i)
-      for (std::size_t k = w.list.start[i]; k < w.list.start[i + 1]; ++k) {
-        double r2 = 0.0;
-        for (const auto& x : w.s.x) {
-          const double d = x[i] - x[static_cast<std::size_t>(w.list.neighbours[k])];
-          r2 += d * d;
-        }
-        close += r2 < support2 ? 1 : 0;
-      }
-    found_.neighbours = static_cast<double>(close) / static_cast<double>(w.s.fluid);
-    found_.list_entries = static_cast<double>(w.list.pairs) / static_cast<double>(w.s.fluid);
   }
 
   // Engine and scalar loop in turn on the same particles and list; the median of the pairs' ratios.

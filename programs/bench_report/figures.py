@@ -7,9 +7,11 @@ from compare.figures import style
 from . import others
 from .results import STAGES, choose, fewest_threads, kinds, label, typical
 
-COLOUR = {"program_c": "#0072B2", "program_f": "#009E73", "number_density": "#E69F00", "transport": "#CC79A7"}
+COLOUR = {"program_c": "#0072B2", "program_f": "#009E73", "number_density": "#E69F00", "transport": "#CC79A7",
+          "ssph": "#8C8C6E", "disph": "#56B4E9", "gsph": "#A0522D", "gdisph": "#D55E00", "remix": "#6A3D9A"}
 STAGE_COLOUR = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#CC3311", "pressure": "#66A5CC",
-                "gradient": "#4477AA", "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4"}
+                "gradient": "#4477AA", "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4",
+                "densities": "#99C7DB", "corrections": "#7FA889", "gradients": "#66A5CC", "forces": "#4477AA"}
 
 
 def draw_all(measured: list[dict]) -> dict[str, bytes]:

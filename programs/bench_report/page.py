@@ -44,8 +44,8 @@ def head(measured: list[dict]) -> str:
              f"version {escape(str(first['version']))}", f"load average up to {load:.1f}"]
     return ("<h1>Speed of the right-hand side</h1>\n"
             f"<p class=\"facts\">{' · '.join(facts)}</p>\n"
-            "<p>A box of liquid iron between two walls, periodic sideways, every particle off its lattice place, "
-            "stepped by the programs' own time loop (Euler). Medians. What bounds the speed: docs/performance.md.</p>")
+            "<p>A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
+            "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What bounds the speed: docs/performance.md.</p>")
 
 
 def image(png: bytes, caption: str) -> str:

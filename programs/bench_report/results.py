@@ -3,10 +3,12 @@ import json
 from pathlib import Path
 
 CASES = {"program_c": "program C", "program_f": "program F", "number_density": "number density",
-         "transport": "C with conduction and own viscosities"}
+         "transport": "C with conduction and own viscosities", "ssph": "gas, SSPH", "disph": "gas, DISPH",
+         "gsph": "gas, GSPH", "gdisph": "gas, Godunov DISPH", "remix": "gas, REMIX"}
 
 # In the order of a step; whatever else bench names comes after them.
-STAGES = ("lists", "halo", "volume", "walls", "pressure", "gradient", "rates", "integration", "rest")
+STAGES = ("lists", "halo", "volume", "walls", "pressure", "densities", "corrections", "gradient",
+          "gradients", "forces", "rates", "integration", "rest")
 
 
 class Unreadable(Exception):

@@ -1,8 +1,9 @@
 """Gas with contacts and shocks: errors against exact solutions, conservation, ranks, restarts."""
 
+import math
 import unittest
 
-from running import BAD_INPUT, Case
+from running import BAD_INPUT, INTERRUPTED, Case
 
 SCHEMES = ["ssph", "disph", "gsph", "gdisph", "remix"]
 
@@ -157,6 +158,62 @@ class Shock(Case):
                 self.assertLess(abs(s["conservation"]["energy"]), 1e-3)
                 self.assertLess(s["conservation"]["momentum"], 1e-12)
 
+    def test_order_of_convergence(self):
+        """With `coarser` the errors are those of the runs by themselves, and the order their least squares' slope."""
+        flat = {"domain.particles_x": 64, "time.t_end": 0.05}
+        for name, settings, scheme in [("sod", {"domain.particles_x": 200}, "gsph"), ("gresho", flat, "gdisph")]:
+            with self.subTest(name):
+                settings = {**settings, "shock.scheme": scheme}
+                s = self.summary(name, {**settings, "shock.coarser": 2}, output="orders_" + name)
+                n = settings["domain.particles_x"]
+                c = s["errors"]["convergence"]
+                self.assertEqual(c["particles_x"], [n // 4, n // 2, n])
+                self.assertEqual(c["left_out"], [])
+                alone = [self.summary(name, {**settings, "domain.particles_x": k}, output=f"alone_{name}_{k}")
+                         for k in c["particles_x"]]
+                self.assertEqual(s["state_hash"], alone[-1]["state_hash"])
+                for error in ("density_l1", "velocity_l1", "pressure_l1"):
+                    self.assertEqual(c[error], [one["errors"][error] for one in alone])
+                    # Three points a factor of two apart: the middle one has no weight.
+                    slope = math.log(c[error][0] / c[error][2]) / math.log(4)
+                    self.assertAlmostEqual(c["order"][error], slope, delta=1e-12)
+
+    def test_order_after_a_restart(self):
+        """Stopped in the coarser run or in the last one: the same orders to the last bit; and what is not there is named."""
+        settings = {"domain.particles_x": 200, "shock.coarser": 1, "run.checkpoint_interval": 20}
+        whole = self.summary("sod", settings, output="whole")
+        # The limit of the wall clock stops the coarser run at once, and the restarted one's successor again.
+        result = self.run_program("shock", "sod", {**settings, "run.wall_clock_limit": 1e-3}, output="stopped", expect=INTERRUPTED)
+        self.assertIn("with 100 particles along x", result.stderr)
+        s = self.summary("sod", settings, output="stopped", options=["--restart", "latest"])
+        self.assertEqual(s["errors"], whole["errors"])
+        # Ended early by its number of steps, so that it can go on: the coarser run is then at another time.
+        part = self.summary("sod", {**settings, "time.steps": 40}, output="part")
+        left_out = part["errors"]["convergence"]["left_out"]
+        self.assertEqual([one["particles_x"] for one in left_out], [100])
+        self.assertIn("t = ", left_out[0]["why"])
+        self.assertIsNone(part["errors"]["convergence"]["order"]["density_l1"])
+        s = self.summary("sod", settings, output="part", options=["--restart", "latest"], ranks=2)
+        self.assertEqual((s["state_hash"], s["errors"]), (whole["state_hash"], whole["errors"]))
+
+    def test_forces_without_terms_of_supports(self):
+        """Where all supports are the same there are none to leave out; at a contact of two lattices they hold the square."""
+        even = {"shock.rho_r": 1, "shock.u_l": 0.1, "shock.u_r": 0.1, "shock.p_r": 1, "domain.particles_x": 50,
+                "domain.periodic_x": "T", "time.steps": 5}
+        for scheme in ["ssph", "disph", "gdisph"]:
+            one, other = (self.summary("sod", {**even, "shock.scheme": scheme, "shock.support_terms": terms})["errors"]
+                          for terms in ("none", "number"))
+            self.assertAlmostEqual(one["velocity_l1"], other["velocity_l1"], delta=1e-12)
+        settings = {"domain.particles_x": 32, "shock.masses": "equal_mass", "time.t_end": 2, "shock.scheme": "disph"}
+        m = self.summary("square", {**settings, "shock.support_terms": "none"})["metrics"]
+        self.assertGreater(m["square_area_change"], 0.1)
+        # Sod's tube: the terms double the pulse at the head of the rarefaction.
+        for scheme in ["ssph", "disph", "gdisph"]:
+            none, number = (self.summary("sod", {"domain.particles_x": 200, "shock.scheme": scheme,
+                                                 "shock.support_terms": terms})["errors"]["density_l1"]
+                            for terms in ("none", "number"))
+            self.assertLess(none, number)
+
     def test_ranks_and_restart(self):
         settings = {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
                     "kernel.skin": 0.5, "time.t_end": 0.04}
@@ -177,11 +234,14 @@ class Shock(Case):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
                                  ("shock.gravity", 1, "rayleigh_taylor"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
-                                 ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov")]:
+                                 ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov"),
+                                 ("shock.coarser", 5, "400 particles"), ("shock.coarser", 6, "halved")]:
             with self.subTest(key):
                 result = self.run_program("shock", "sod", {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
+        result = self.run_program("shock", "square", {"shock.coarser": 1}, expect=BAD_INPUT)
+        self.assertIn("no exact solution", result.stderr)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,59 @@
+// What limits a step: sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)), and what the lists
+// cover.
+#pragma once
+
+#include <march/problem.hpp>
+#include <shocks/world.hpp>
+
+namespace tetsuame::shocks {
+
+template <int D>
+integrators::step_limit largest_step(const world<D>& g) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < g.w.s.fluid; ++i) {
+    const double spacing = g.S[i] / g.support_over_dx, signal = std::max(g.signal[i], 2.0 * g.sound_speed(i));
+    least = std::min(least, 2.0 * spacing / signal);
+  }
+  return {*g.o.march.time.cfl * g.ranks().minimum(least), "sound"};
+}
+
+// m, since the lists were made
+template <int D>
+double displacement(const world<D>& g) {
+  const auto& s = g.w.s;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double r2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
+    largest = r2 > largest || r2 != r2 ? r2 : largest;
+  }
+  return std::sqrt(g.ranks().maximum(largest));
+}
+
+template <int D>
+double allowance(const world<D>& g) {
+  return 0.5 * (g.skin - g.room_to_grow());
+}
+
+// Displacement, or the whole allowance where a support has no more room to grow.
+template <int D>
+double moved(world<D>& g) {
+  double growth = 0.0;
+  for (std::size_t i = 0; i < g.w.s.fluid; ++i) growth = std::max(growth, g.support()[i] - g.list_support()[i]);
+  const bool no_room = g.ranks().maximum(growth) >= g.room_to_grow() * (1.0 - 1e-9);
+  return no_room ? std::max(displacement(g), allowance(g)) : displacement(g);
+}
+
+template <int D>
+double largest_speed(const world<D>& g) {
+  const auto& s = g.w.s;
+  double v2 = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < D; ++a) sum += s.v[a][i] * s.v[a][i];
+    v2 = std::max(v2, sum);
+  }
+  return std::sqrt(g.ranks().maximum(v2));
+}
+
+}  // namespace tetsuame::shocks
