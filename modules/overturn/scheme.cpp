@@ -85,6 +85,12 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
   const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy" || o.surface_tension > 0.0;
   if (s.reference_pressure == "auto") s.reference_pressure = whole ? "none" : "lightest";
+  if (s.rows == "balanced" &&
+      !(s.volume == "our_method" && s.pressure == "non_smoothed" && s.reference_pressure == "none"))
+    schema.fail(group, "rows",
+                "'balanced' is derived for volume = 'our_method', pressure = 'non_smoothed' and no reference pressure");
+  if (s.rows == "balanced" && o.start == "coloured")
+    schema.fail(group, "rows", "'balanced' is of rows of one material each: start is 'coloured'");
   if (s.viscous_order == 1 || s.viscous_order == 3) schema.fail(group, "viscous_order", "is 2 or 4, or 0 for either");
   if (s.viscous_order == 4 && o.melting.viscosity_law != "constant")
     schema.fail(group, "viscous_order",

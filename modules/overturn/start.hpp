@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 #include <overturn/fluids.hpp>
+#include <overturn/rows.hpp>
 
 namespace tetsuame::overturn {
 
@@ -138,6 +139,31 @@ std::vector<std::array<place, 2>> rows_at_rest(fluids<D>& f) {
   return rows;
 }
 
+// Rows of one material each, moved and with pressures such that the sums hold them (rows.hpp). Returns their heights,
+// m.
+template <int D>
+std::vector<double> balance(const fluids<D>& f, std::vector<std::array<place, 2>>& rows) {
+  const auto& o = f.o;
+  const double dx = f.world.w.dx;
+  std::vector<row_of_rest> start(rows.size());
+  std::vector<double> heights(rows.size());
+  const auto upper = [&](std::size_t r) { return (static_cast<double>(r) + 0.5) * dx > f.p.interface; };
+  const auto curve = [&](std::size_t r) { return upper(r) ? f.p.base->upper() : f.p.base->lower(); };
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const place& here = rows[r][upper(r) ? 1 : 0];
+    start[r] = {(static_cast<double>(r) + 0.5) * dx, here.pressure, here.density};
+  }
+  const column_of_rows<D> column(f.world.w.kernel, dx, o.domain.length[1], o.walls.lid == "free_surface", o.gravity,
+                                 o.walls.pressure == "hydrostatic" ? o.gravity : 0.0);
+  const auto rest = balanced<D>(column, start, dx, o.gravity,
+                                [&](std::size_t r, double p) { return at_pressure(curve(r), p).density; });
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rows[r][upper(r) ? 1 : 0] = at_pressure(curve(r), rest[r].p);
+    heights[r] = rest[r].y;
+  }
+  return heights;
+}
+
 // Temperature and heat content of the enthalpy law.
 template <int D>
 void heat_up(fluids<D>& f, std::size_t i) {
@@ -172,10 +198,13 @@ template <int D>
 void place_fluid(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
-  const auto rows = rows_at_rest(f);
+  auto rows = rows_at_rest(f);
+  const auto heights = f.o.scheme.rows == "balanced" ? balance(f, rows) : std::vector<double>{};
   const double V = std::pow(w.dx, D);
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto& state = rows[static_cast<std::size_t>(s.x[1][i] / w.dx)][static_cast<std::size_t>(s.material[i])];
+    const auto row = static_cast<std::size_t>(s.x[1][i] / w.dx);
+    const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
+    if (!heights.empty()) s.x[1][i] = s.x_start[1][i] = heights[row];
     s.m[i] = state.density * V;
     s.rho[i] = f.rho_start()[i] = state.density;
     s.T[i] = f.T_start()[i] = state.temperature;
