@@ -19,12 +19,18 @@ struct fluids {
   bool carried = false, smoothed = false, first_pattern = false, from_weight = false, warms = false;
   bool enthalpy = false, melts = false;
   bool dissolved = false, tense = false;
-  std::size_t heat_at = 0, element_at = 0;              // of the extras
-  double self = 0.0, h = 0.0;                           // 1/m^D, m
-  double reference_floor = 0.0, reference_slope = 0.0;  // Pa, Pa/m
+  bool follows = false;                                     // supports the volumes
+  std::size_t heat_at = 0, element_at = 0, support_at = 0;  // of the extras
+  double self = 0.0, h = 0.0;                               // 1/m^D, m
+  double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
   std::int64_t crossings = 0;
+
+  // Where supports follow the volumes (supports.hpp): the kernel with support 1, that of the start, those in the sums.
+  kernels::any<D> unit = kernels::make<D>("quintic", 1.0);
+  double S_0 = 0.0;                                              // m
+  particles::array S, per_S, count, count_slope, follow_factor;  // m, 1/m, 1, 1, 1
 
   std::array<particles::array, D> force;
   particles::array stress, factor, W_sum, compression, heat, rho_rate, conducted;
@@ -40,6 +46,7 @@ struct fluids {
     std::vector<particles::array*> all{&stress,   &factor,    &W_sum, &compression, &heat,
                                        &rho_rate, &conducted, &melt,  &inertia,     &partition,
                                        &mobility, &metal,     &gain,  &area,        &squared_volume};
+    for (auto* a : {&S, &per_S, &count, &count_slope, &follow_factor}) all.push_back(a);
     for (auto* vectors : {&force, &tension_force, &colour_slope})
       for (auto& a : *vectors) all.push_back(&a);
     return all;
@@ -57,6 +64,10 @@ struct fluids {
   particles::array& content_start() { return world.w.s.extras[heat_at + 1].values; }
   const particles::array& content_start() const { return world.w.s.extras[heat_at + 1].values; }
   particles::array& element() { return world.w.s.extras[element_at].values; }
+  particles::array& support() { return world.w.s.extras[support_at].values; }
+  const particles::array& support() const { return world.w.s.extras[support_at].values; }
+  particles::array& list_support() { return world.w.s.extras[support_at + 1].values; }
+  const particles::array& list_support() const { return world.w.s.extras[support_at + 1].values; }
   const particles::array& element() const { return world.w.s.extras[element_at].values; }
 
   bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }

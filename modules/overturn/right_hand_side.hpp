@@ -7,7 +7,7 @@
 #pragma once
 
 #include <diffusion/conduction.hpp>
-#include <overturn/fluids.hpp>
+#include <overturn/supports.hpp>
 #include <overturn/surface_tension.hpp>
 #include <volume/shape.hpp>
 
@@ -66,6 +66,10 @@ void find_own_volumes(fluids<D>& f) {
     return;
   }
   const foundation::stage timed(w.times, "volumes");
+  if (f.follows) {
+    volumes_by_count(f);
+    return;
+  }
   w.sum(w.fluid(), kernel_sum<D>{f.self, f.W_sum.data()});
   foundation::for_all(s.fluid, [&](std::size_t i) {
     s.dV[i] = w.lattice_sum / f.W_sum[i];
@@ -89,10 +93,13 @@ void find_volumes(fluids<D>& f) {
     w.exchange_fluid({s.dV.data(), s.p_eos.data(), s.rho.data()});
   } else {
     w.exchange_fluid({s.dV.data(), s.p_eos.data()});
+    if (has_factor(f)) w.exchange_fluid({f.follow_factor.data()});
     foundation::for_all(s.fluid_ghosts,
                         [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
   }
   mirror(f, s.p_eos);
+  if (has_factor(f))
+    for_each_image(f.world, [&](std::size_t i, std::size_t j) { f.follow_factor[i] = f.follow_factor[j]; });
 }
 
 // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
@@ -203,6 +210,7 @@ void find_pressures(fluids<D>& f) {
     f.stress[i] = (s.p[i] - f.reference_pressure(s.x[1][i])) * element_of_work(f, i);
     f.factor[i] = f.first_pattern ? 1.0 : s.dV[i];
   });
+  if (has_factor(f)) foundation::for_all(n, [&](std::size_t i) { f.stress[i] *= f.follow_factor[i]; });
   f.stress[s.null()] = f.factor[s.null()] = 0.0;
 }
 
@@ -226,21 +234,22 @@ void sum_over_neighbours(fluids<D>& f) {
                   f.compression.data(),
                   f.heat.data()};
     for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-    w.sum(w.fluid(), all);
+    sum(f, all);
+    if (has_factor(f)) foundation::for_all(s.fluid, [&](std::size_t i) { f.compression[i] *= f.follow_factor[i]; });
   }
   if (f.carried) {
     const foundation::stage timed(w.times, "continuity");
-    w.sum(w.fluid(), density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity,
-                                     f.o.scheme.delta * f.h, f.rho_rate.data()});
+    sum(f, density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity,
+                           f.o.scheme.delta * f.h, f.rho_rate.data()});
   }
   if (f.o.conductivity > 0.0) {
     std::fill_n(f.conducted.begin(), s.fluid, 0.0);
-    w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
+    sum(f, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
   }
   if (f.dissolved) {
     const foundation::stage timed(w.times, "element");
-    w.sum(w.fluid(), element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(),
-                                         s.dV.data(), f.gain.data()});
+    sum(f, element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(), s.dV.data(),
+                               f.gain.data()});
   }
 }
 

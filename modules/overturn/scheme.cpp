@@ -36,6 +36,9 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
        .meaning = "a pressure p_r(y) that the forces between particles leave out and that lifts their volumes "
                   "instead: none, or that of a column of the lighter fluid (auto: lightest with the number density "
                   "in a closed box)"});
+  schema.add(group, "supports", o.supports,
+             {.choices = {"fixed", "volume"},
+              .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume"});
   schema.add(group, "normalise", o.normalise, {.meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
              {.minimum = 0.0,
@@ -66,6 +69,15 @@ eos::any make(const options& o, std::size_t n) {
   return eos::make(m);
 }
 
+// What the sums with supports of their own are derived for.
+void check_supports(const namelist::schema& schema, const char* group, const options& o) {
+  const auto& s = o.scheme;
+  if (s.pressure != "non_smoothed") schema.fail(group, "supports", "'volume' is derived for pressure = 'non_smoothed'");
+  if (s.volume == "number_density" && s.gradient != "pattern_1")
+    schema.fail(group, "supports", "'volume' with the number density is derived for gradient = 'pattern_1'");
+  if (o.surface_tension > 0.0) schema.fail(group, "supports", "surface tension has one support for all: 'fixed'");
+}
+
 void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p) {
   auto& s = o.scheme;
   if (s.pressure == "non_smoothed" && s.volume_element == "from_weight")
@@ -85,6 +97,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
   const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy" || o.surface_tension > 0.0;
   if (s.reference_pressure == "auto") s.reference_pressure = whole ? "none" : "lightest";
+  if (s.supports == "volume") check_supports(schema, group, o);
   if (s.rows == "balanced" &&
       !(s.volume == "our_method" && s.pressure == "non_smoothed" && s.reference_pressure == "none"))
     schema.fail(group, "rows",

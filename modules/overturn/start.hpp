@@ -209,6 +209,7 @@ void place_fluid(fluids<D>& f) {
     s.rho[i] = f.rho_start()[i] = state.density;
     s.T[i] = f.T_start()[i] = state.temperature;
     s.u[i] = f.dissipated()[i] = 0.0;
+    if (f.follows) f.support()[i] = f.S_0;
     const auto& e = f.o.element;
     if (f.dissolved) f.element()[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
     if (f.enthalpy) heat_up(f, i);
@@ -235,6 +236,8 @@ void set_up(fluids<D>& f) {
   w.g[1] = -o.gravity;
   f.self = std::visit([](const auto& k) { return k.self(); }, w.kernel);
   f.h = o.march.kernel.h_over_dx * w.dx;
+  f.S_0 = w.support();
+  f.unit = kernels::make<D>(o.march.kernel.name, 1.0 / kernels::find(o.march.kernel.name).support_over_h);
 }
 
 // What particles carry beside the usual.
@@ -254,6 +257,11 @@ void add_extras(fluids<D>& f) {
     f.element_at = s.extras.size();
     s.extras.push_back({"Concentration", "1", "of the element, amount per mass", role::integrated, {}});
   }
+  if (f.follows) {
+    f.support_at = s.extras.size();
+    s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
+    s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
+  }
   s.keeps_start = true;
 }
 
@@ -268,6 +276,7 @@ void choose_terms(fluids<D>& f) {
   f.carried = o.scheme.volume == "our_method";
   f.smoothed = o.scheme.pressure == "smoothed";
   f.first_pattern = o.scheme.gradient == "pattern_1";
+  f.follows = o.scheme.supports == "volume";
   f.from_weight = o.scheme.volume_element == "from_weight";
 }
 

@@ -23,6 +23,7 @@
 // told: report.hpp.
 #pragma once
 
+#include <images/supports.hpp>
 #include <march/problem.hpp>
 #include <output/columns.hpp>
 #include <overturn/report.hpp>
@@ -69,8 +70,18 @@ class two_fluids : public march::problem {
   }
 
   void evaluate(std::span<double* const> rate) override { overturn::evaluate(f_, rate); }
-  integrators::step_limit largest_step() override { return bounds_.step; }
-  double diffusion_radius() override { return bounds_.radius; }
+  // Sound and diffusion over the narrowest kernel.
+  integrators::step_limit largest_step() override {
+    const double n = narrowest(f_);
+    return {bounds_.step.dt * n * n, bounds_.step.name};
+  }
+  double diffusion_radius() override {
+    const double n = narrowest(f_);
+    return bounds_.radius / (n * n);
+  }
+  void keep_memory() override {
+    if (f_.follows) follow_volumes(f_);
+  }
 
   bool complete_step() override {
     const std::int64_t crossings = ranks().sum(images::reflect(f_.world.images, f_.world.w.s));
@@ -88,8 +99,12 @@ class two_fluids : public march::problem {
     return "the energy dissipated fell: the viscous sum is of second order from here on";
   }
 
-  double moved() override { return images::moved_since_lists(f_.world); }
-  double allowance() const override { return 0.5 * f_.world.skin; }
+  // Supports take a part of the skin, and particles the rest.
+  double moved() override {
+    const double moved = images::moved_since_lists(f_.world);
+    return f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9) ? std::max(moved, allowance()) : moved;
+  }
+  double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
   double speed() override {
     double v2 = 0.0;
     for (std::size_t i = 0; i < f_.world.w.s.fluid; ++i) v2 = std::max(v2, f_.speed2(i));
@@ -99,7 +114,10 @@ class two_fluids : public march::problem {
   void rebuild(bool as_they_were) override {
     auto& w = f_.world.w;
     auto& s = w.s;
-    images::rebuild(f_.world, as_they_were);
+    if (f_.follows)
+      images::rebuild_with_supports(f_.world, as_they_were, f_.support(), f_.list_support());
+    else
+      images::rebuild(f_.world, as_they_were);
     w.exchange_fluid({s.m.data()});
     for (std::size_t i = 0; i < s.total(); ++i) {
       s.eta[i] = f_.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
@@ -111,6 +129,7 @@ class two_fluids : public march::problem {
       for (std::size_t i = 0; i < s.total(); ++i) f_.metal[i] = f_.is_metal(i) ? 1.0 : 0.0;
     f_.stress[s.null()] = f_.factor[s.null()] = f_.squared_volume[s.null()] = 0.0;
     f_.partition[s.null()] = 1.0;
+    if (f_.follows) settle_supports(as_they_were);
   }
 
   std::vector<output::history_column> columns() const override { return columns_of(f_); }
@@ -132,6 +151,7 @@ class two_fluids : public march::problem {
     add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
     add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
     add("DensityReference", "kg/m^3", "density at the start, at rest", f_.rho_start());
+    if (f_.follows) add("Support", "m", "support of the kernel", f_.S);
     if (f_.dissolved) add("Concentration", "1", "of the element, amount per mass", f_.element());
     if (f_.enthalpy) {
       add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
@@ -153,6 +173,7 @@ class two_fluids : public march::problem {
     if (f_.carried) add(s.rho);
     if (f_.enthalpy) add(f_.content());
     if (f_.dissolved) add(f_.element());
+    if (f_.follows) add(f_.support());
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -167,9 +188,21 @@ class two_fluids : public march::problem {
   }
 
  private:
+  // Those of the start lattice are not yet the displaced particles'.
+  void settle_supports(bool as_they_were) {
+    take_supports(f_);
+    const bool first = !settled_ && !as_they_were;
+    settled_ = true;
+    for (int round = 0; first && round < 5; ++round) {
+      if (!f_.carried) count_neighbours(f_);
+      follow_volumes(f_);
+    }
+  }
+
   fluids<D> f_;
   measures m_;
   step_bounds bounds_;
+  bool settled_ = false;
 };
 
 }  // namespace tetsuame::overturn

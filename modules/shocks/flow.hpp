@@ -405,7 +405,7 @@ class flow : public march::problem {
     foundation::for_all(images_.source.size(), [&](std::size_t r) {
       for (double* a : fixed) a[s.first_wall() + r] = a[images_.source[r]];
     });
-    make_list<D>(w_, list_support(), skin_, edge);
+    images::make_list<D>(w_, list_support(), skin_, edge);
     if (as_they_were) exchange_positions();
     for (auto* a : {&S_, &per_S_, &weight_, &slope_, &correction_, &dissipation_}) a->assign(s.total() + 1, 0.0);
     for (auto* a : {&y_, &f_, &z_, &divergence_, &curl_, &number_, &number_volume_, &count_, &count_slope_, &power_,
