@@ -23,9 +23,9 @@
 // told: report.hpp.
 #pragma once
 
-#include <images/supports.hpp>
 #include <march/problem.hpp>
 #include <output/columns.hpp>
+#include <overturn/lists.hpp>
 #include <overturn/report.hpp>
 #include <overturn/right_hand_side.hpp>
 #include <overturn/step_limit.hpp>
@@ -112,24 +112,9 @@ class two_fluids : public march::problem {
   }
 
   void rebuild(bool as_they_were) override {
-    auto& w = f_.world.w;
-    auto& s = w.s;
-    if (f_.follows)
-      images::rebuild_with_supports(f_.world, as_they_were, f_.support(), f_.list_support());
-    else
-      images::rebuild(f_.world, as_they_were);
-    w.exchange_fluid({s.m.data()});
-    for (std::size_t i = 0; i < s.total(); ++i) {
-      s.eta[i] = f_.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
-      s.k[i] = f_.o.conductivity;
-    }
-    for (auto* all : f_.scratch())
-      if (all->size() < s.total() + 1) all->resize(s.total() + 1);
-    if (f_.tense)
-      for (std::size_t i = 0; i < s.total(); ++i) f_.metal[i] = f_.is_metal(i) ? 1.0 : 0.0;
-    f_.stress[s.null()] = f_.factor[s.null()] = f_.squared_volume[s.null()] = 0.0;
-    f_.partition[s.null()] = 1.0;
-    if (f_.follows) settle_supports(as_they_were);
+    make_lists(f_, as_they_were);
+    if (f_.follows && !settled_ && !as_they_were) settle_supports(f_);
+    settled_ = true;
   }
 
   std::vector<output::history_column> columns() const override { return columns_of(f_); }
@@ -188,21 +173,10 @@ class two_fluids : public march::problem {
   }
 
  private:
-  // Those of the start lattice are not yet the displaced particles'.
-  void settle_supports(bool as_they_were) {
-    take_supports(f_);
-    const bool first = !settled_ && !as_they_were;
-    settled_ = true;
-    for (int round = 0; first && round < 5; ++round) {
-      if (!f_.carried) count_neighbours(f_);
-      follow_volumes(f_);
-    }
-  }
-
   fluids<D> f_;
   measures m_;
   step_bounds bounds_;
-  bool settled_ = false;
+  bool settled_ = false;  // the supports of the start
 };
 
 }  // namespace tetsuame::overturn
