@@ -97,11 +97,14 @@ inline void solve_cholesky(std::vector<double>& A, std::vector<double>& b) {
   }
 }
 
-// One Gauss-Newton step for the changes z of height and pressure, in units of Δx and ρ g Δx of the start.
+inline constexpr double price_of_change = 0.1;  // λ
+
+// One Gauss-Newton step of the changes z of height and pressure, in units of Δx and ρ g Δx of the start.
 template <int D>
-void step_to_balance(const column_of_rows<D>& column, const std::vector<row_of_rest>& rows, std::vector<double>& z,
-                     const std::function<void(std::vector<row_of_rest>&, std::size_t, double)>& change) {
-  constexpr double lambda = 0.1, small = 1e-6;
+std::vector<double> step_to_balance(const column_of_rows<D>& column, const std::vector<row_of_rest>& rows,
+                                    const std::vector<double>& z,
+                                    const std::function<void(std::vector<row_of_rest>&, std::size_t, double)>& change) {
+  constexpr double lambda = price_of_change, small = 1e-6;
   const std::size_t n = rows.size(), unknowns = 2 * n;
   std::vector<double> A(unknowns * unknowns, 0.0), b(unknowns, 0.0), f(n), slope(unknowns * n, 0.0);
   for (std::size_t r = 0; r < n; ++r) f[r] = column.unbalance(rows, static_cast<int>(r));
@@ -127,7 +130,7 @@ void step_to_balance(const column_of_rows<D>& column, const std::vector<row_of_r
       for (std::size_t k = 0; k < unknowns; ++k) A[i * unknowns + k] += by * slope[r * unknowns + k];
     }
   solve_cholesky(A, b);
-  for (std::size_t i = 0; i < unknowns; ++i) z[i] += b[i];
+  return b;
 }
 
 // `density`: kg/m3 of the material of row r at a pressure.
@@ -141,13 +144,35 @@ std::vector<row_of_rest> balanced(const column_of_rows<D>& column, const std::ve
     else
       rows[k - n].p += by * start[k - n].rho * g * dx;
   };
-  std::vector<double> z(2 * n, 0.0);
-  auto rows = start;
-  for (int round = 0; round < 6; ++round) {
-    step_to_balance<D>(column, rows, z, change);
-    rows = start;
+  const auto changed = [&](const std::vector<double>& z) {
+    auto rows = start;
     for (std::size_t k = 0; k < 2 * n; ++k) change(rows, k, z[k]);
     for (std::size_t r = 0; r < n; ++r) rows[r].rho = density(r, rows[r].p);
+    return rows;
+  };
+  const auto squares = [&](const std::vector<row_of_rest>& rows, const std::vector<double>& z) {
+    double sum = 0.0;
+    for (std::size_t r = 0; r < n; ++r) sum += std::pow(column.unbalance(rows, static_cast<int>(r)), 2);
+    for (const double by : z) sum += std::pow(price_of_change * by, 2);
+    return sum;
+  };
+  std::vector<double> z(2 * n, 0.0);
+  auto rows = start;
+  double least = squares(rows, z);
+  // Steps that do not lower the sum are halved: with many neighbours the rows' forces are far from linear in shifts.
+  for (int round = 0; round < 12; ++round) {
+    const auto step = step_to_balance<D>(column, rows, z, change);
+    for (double part = 1.0; part > 1e-3; part *= 0.5) {
+      auto next = z;
+      for (std::size_t k = 0; k < 2 * n; ++k) next[k] += part * step[k];
+      const auto there = changed(next);
+      const double sum = squares(there, next);
+      if (!(sum < least)) continue;
+      z = next;
+      rows = there;
+      least = sum;
+      break;
+    }
   }
   return rows;
 }

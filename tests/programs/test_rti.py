@@ -125,7 +125,7 @@ class RayleighTaylor(Case):
 
     def test_rows_in_balance(self):
         """From rest, sums over the lattice leave a fifth of the weight at contact and surface; balanced rows start without a kick
-        (measured: 7.8 and 0.44 m/s after one step), and grow as before."""
+        (measured: 7.8 and 0.32 m/s after one step), and grow as before."""
         settings = {**size(32), "rti.start": "displaced", "rti.amplitude": 0, "time.steps": 1, "output.interval": 0,
                     "output.history_interval": 1}
         fastest = {}
