@@ -72,15 +72,19 @@ void set_up(scene<D>& scene, const domain::communicator& ranks, const box_option
   }
 }
 
+struct list_lengths {
+  double edge, reach;  // m: of the grid's cells; of halos and images
+};
+
 // Hands particles to their ranks, sorts them by cell and ID, makes halos, images and lists. as_they_were: lists are
 // made from the list positions, with which a restart has the same sums. Ghosts and images have their positions; other
-// fields are the caller's to refresh.
-template <int D>
-void rebuild(scene<D>& scene, bool as_they_were) {
+// fields are the caller's to refresh. lengths(): list_lengths, asked when particles are with their ranks;
+// make_lists(list_lengths).
+template <int D, class Lengths, class MakeLists>
+void rebuild_by(scene<D>& scene, bool as_they_were, const Lengths& lengths, const MakeLists& make_lists) {
   auto& w = scene.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "lists");
-  const double reach = w.support() + scene.skin;
   const auto exchange_positions = [&] {
     for (std::size_t a = 0; a < D; ++a)
       std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
@@ -91,19 +95,36 @@ void rebuild(scene<D>& scene, bool as_they_were) {
   else
     domain::wrap(w.d.region, s);
   domain::migrate(w.d, s);
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge(reach));
+  const list_lengths l = lengths();
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge);
   std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
   particles::reorder(s, 0, std::span<const std::size_t>(order));
   if (!as_they_were)
     for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
   domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
                        [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, 0, 0); });
-  make(scene.images, s, scene.fluid_total, reach);
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(reach));
-  cells::make_list<D>(
-      w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
-      cells::others{});
+  make(scene.images, s, scene.fluid_total, l.reach);
+  make_lists(l);
   if (as_they_were) exchange_positions();
+}
+
+// Of one support for all.
+template <int D>
+void rebuild(scene<D>& scene, bool as_they_were) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const double reach = w.support() + scene.skin;
+  rebuild_by(
+      scene, as_they_were,
+      [&] {
+        return list_lengths{cells::cell_edge(reach), reach};
+      },
+      [&](const list_lengths& l) {
+        const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), l.edge);
+        cells::make_list<D>(
+            w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
+            cells::others{});
+      });
 }
 
 // m, the largest displacement of any rank since the lists were made.

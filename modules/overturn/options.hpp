@@ -44,6 +44,8 @@ struct scheme_options {
   std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
   std::string volume_element = "own";
   std::string reference_pressure = "auto";
+  std::string supports = "fixed";
+  std::string rows = "lattice";  // of rti
   bool normalise = true;
   double delta = 0.1;
   std::string stress = "auto";

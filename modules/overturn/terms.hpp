@@ -81,6 +81,26 @@ struct smoothing {
   }
 };
 
+// Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
+pairs::real slope_of(const auto& ij, const pairs::real& A_i, const pairs::real& A_j) {
+  if constexpr (requires { ij.F_i; })
+    return A_i * ij.F_i + A_j * ij.F_j;
+  else
+    return (A_i + A_j) * ij.F;
+}
+pairs::real own_slope(const auto& ij) {
+  if constexpr (requires { ij.F_i; })
+    return ij.F_i;
+  else
+    return ij.F;
+}
+pairs::real r2_of_start(const auto& ij) {
+  if constexpr (requires { ij.r2_of_start; })
+    return ij.r2_of_start;
+  else
+    return ij.r2;
+}
+
 template <int D>
 struct forces {
   using real = pairs::real;
@@ -104,15 +124,15 @@ struct forces {
   void add(me& sums, const auto& ij) const {
     using namespace pairs;
     const real B_j = ij(of_factor);
-    const real slope = (ij.own(of_stress) * B_j + ij.own(of_factor) * ij(of_stress)) * ij.F;
+    const real slope = slope_of(ij, ij.own(of_stress) * B_j, ij.own(of_factor) * ij(of_stress));
     const real friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
-                          (ij(of_volume) * ij.F) * (a0 - a1 * ij.r2);
+                          (ij(of_volume) * ij.F) * (a0 - a1 * r2_of_start(ij));
     const auto v_ij = ij.difference(of_velocity);
     const real along = foundation::dot(v_ij, ij.x_ij);
     const real parallel = b != 0.0 ? real(b * friction * along / foundation::greater(ij.r2, real(1e-200))) : real(0.0);
     sums.force += (a * friction) * v_ij;
     sums.force += (parallel - slope) * ij.x_ij;
-    sums.compression += B_j * ij.F * along;
+    sums.compression += B_j * own_slope(ij) * along;
     sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
   }
   void end(std::size_t i, const me& sums) const {

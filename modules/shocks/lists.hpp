@@ -105,7 +105,7 @@ void make_lists(world<D>& g, bool as_they_were) {
   if (as_they_were) exchange_positions();
   const auto [edge, most] = sort_particles(g, as_they_were);
   make_ghosts_and_images(g, most);
-  make_list<D>(g.w, g.list_support(), g.skin, edge);
+  images::make_list<D>(g.w, g.list_support(), g.skin, edge);
   if (as_they_were) exchange_positions();
   resize_arrays(g);
   std::copy_n(g.support().begin(), s.fluid, g.S.begin());

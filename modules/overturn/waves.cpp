@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <overturn/groups.hpp>
+
+namespace tetsuame::overturn {
+
+void declare_waves(namelist::schema& schema, const char* group, options& o) {
+  schema.add(
+      group, "interface", o.interface,
+      {.unit = "m",
+       .minimum = 0.0,
+       .exclusive_minimum = true,
+       .meaning = "its height; rows whose centres are not above it are of the lower layer; not given: the middle"});
+  schema.add(group, "wavelength", o.wavelength, positive("m", "along x; not given: the box's width"));
+  schema.add(group, "wavelength_z", o.wavelength_z,
+             {.unit = "m", .minimum = 0.0, .meaning = "along z; 0: none (3-D only)"});
+  schema.add(group, "amplitude", o.amplitude,
+             {.unit = "m", .minimum = 0.0, .meaning = "of the interface at the start"});
+  schema.add(group, "start", o.start,
+             {.choices = {"eigenmode", "displaced", "coloured"},
+              .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
+                         "part at the wave"});
+  schema.add(
+      group, "rows", o.scheme.rows,
+      {.choices = {"lattice", "balanced"},
+       .meaning = "of the start: evenly spaced; or, with our_method, moved a little and with pressures such that "
+                  "the sums over neighbours hold their weight"});
+  schema.add(group, "pond_top", o.pond_top,
+             positive("m", "enthalpy law: the upper material lies below this height, the lower one once more above"));
+  schema.add(group, "cover_temperature", o.cover_temperature,
+             positive("K", "of what lies above pond_top; not given: temperature"));
+}
+
+namespace {
+
+theory::boundary boundary_of(const std::string& name) {
+  return name == "no_slip"     ? theory::boundary::no_slip
+         : name == "free_slip" ? theory::boundary::free_slip
+                               : theory::boundary::free_surface;
+}
+
+theory::two_layers layers(const options& o, const parameters& p, bool compressible) {
+  theory::two_layers t;
+  const auto fill = [&](theory::layer& l, std::size_t n, double thickness, const barotropic& b) {
+    l.thickness = thickness;
+    l.viscosity = o.material[n].viscosity;
+    l.bulk_viscosity = (p.stress_b == 0.0 ? -1.0 : 5.0) / 3.0 * l.viscosity;
+    if (compressible)
+      l.material = curve(b);
+    else
+      l.material = theory::linear_barotrope(o.material[n].eos == "linear"
+                                                ? o.material[n].density
+                                                : p.base->at(p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0)).density,
+                                            std::numeric_limits<double>::infinity());
+  };
+  fill(t.lower, 0, p.interface, p.base->lower());
+  fill(t.upper, 1, o.domain.length[1] - p.interface, p.base->upper());
+  t.gravity = o.gravity;
+  t.surface_tension = o.surface_tension;
+  t.top_pressure = o.p_top;
+  t.floor = boundary_of(o.walls.floor);
+  t.lid = boundary_of(o.walls.lid);
+  return t;
+}
+
+}  // namespace
+
+void find_waves(const namelist::schema& schema, options& o, parameters& p) {
+  const auto& d = o.domain;
+  if (!o.wavelength) o.wavelength = d.length[0];
+  p.k_x = 2.0 * std::numbers::pi / *o.wavelength;
+  if (o.wavelength_z > 0.0) {
+    if (d.dimension == 2) schema.fail("rti", "wavelength_z", "two dimensions have no z");
+    p.k_z = 2.0 * std::numbers::pi / o.wavelength_z;
+  }
+  const auto fits = [&](std::size_t a, double k, const char* key) {
+    const double halves = k * d.length[a] / std::numbers::pi, least = d.periodic[a] ? 2.0 : 1.0;
+    if (std::abs(halves / least - std::round(halves / least)) > 1e-6)
+      schema.fail("rti", key,
+                  fmt::format("the box holds {:.6g} waves along {}: it must hold a whole number of {}", 0.5 * halves,
+                              axis_names[a], d.periodic[a] ? "waves" : "half waves"));
+  };
+  fits(0, p.k_x, "wavelength");
+  if (p.k_z > 0.0) fits(2, p.k_z, "wavelength_z");
+  const bool walls = !d.periodic[0] || (d.dimension == 3 && !d.periodic[2]);
+  if (o.temperature_law == "enthalpy") {
+    p.theory_about = "materials that melt, or lie in three layers, have no growth rate";
+    if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
+    return;
+  }
+  if (walls && o.walls.sides == "no_slip") {
+    p.theory_about = "no-slip sides: there are no separate waves, and no theory to compare with";
+    if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
+    return;
+  }
+  const double k = std::hypot(p.k_x, p.k_z);
+  p.mode = theory::eigenmode(layers(o, p, true), k);
+  p.growth = p.mode->growth_rate;
+  p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+}
+
+}  // namespace tetsuame::overturn
