@@ -79,7 +79,9 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
   schema.add(g, "eos_dynamic_pressure", o.eos_dynamic_pressure,
              {.meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
-  schema.add(g, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos and viscosity by melt fraction"});
+  schema.add(
+      g, "p_top", o.p_top,
+      {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos and viscosity by melt fraction"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
   schema.add(g, "scheme", o.scheme,
@@ -112,7 +114,7 @@ void declare(namelist::schema& schema, convection_options& o) {
       {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential", "table", "melt"},
        .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64; of "
                   "viscosity_file; or by melt fraction between the mantle's solidus and liquidus at the pressure of a "
-                  "column at rest (the last two: temperatures are absolute; a Rayleigh number scales them)"});
+                  "column at rest (temperatures are absolute then); a Rayleigh number given scales the last two"});
   schema.add(g, "viscosity_file", o.viscosity_file,
              {.meaning = "law 'table': temperature (K), depth (m), viscosity (Pa s), a line for each pair, ascending, "
                          "depth fastest; ln nu is bilinear between"});
@@ -239,7 +241,8 @@ viscosity_table by_melt(const options& o, const parameters& p) {
       c.composition == "chondritic" ? melting::composition::chondritic : melting::composition::peridotitic;
   const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
   const double beyond = 0.1 * std::abs(T_bottom - T_top);
-  const double coldest = std::max(std::min(T_top, T_bottom) - beyond, 1.0), hottest = std::max(T_top, T_bottom) + beyond;
+  const double coldest = std::max(std::min(T_top, T_bottom) - beyond, 1.0),
+               hottest = std::max(T_top, T_bottom) + beyond;
   return {evenly(coldest, hottest, 512), evenly(0.0, p.fluid.L, 256), [&](double T, double depth) {
             const double P = pressure_at(o, p, depth);
             const double f = melting::melt_fraction(T, melting::solidus(P), melting::liquidus(kind, P));
@@ -275,8 +278,8 @@ void follow_table(const namelist::schema& schema, const options& o, parameters& 
   only_for("viscosity_min", c.viscosity_min != initially.viscosity_min, melt, "melt");
   only_for("viscosity_max", c.viscosity_max != initially.viscosity_max, melt, "melt");
   if (!table && !melt) return;
-  if (!(o.temperature_top() > 0.0))
-    schema.fail("convection", "viscosity_law", "needs absolute temperatures: that of the top must be above 0 K");
+  if (melt && !(std::min(o.temperature_top(), o.temperature_bottom()) > 0.0))
+    schema.fail("convection", "viscosity_law", "'melt' needs absolute temperatures: those of top and bottom above 0 K");
   if (c.viscosity_max < c.viscosity_min) schema.fail("convection", "viscosity_max", "is below viscosity_min");
   auto& f = p.fluid;
   p.tabulated = std::make_shared<viscosity_table>(table ? from_file(schema, o, f.L) : by_melt(o, p));
@@ -530,7 +533,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   if (c.lagging == "extrapolated" && !stabilised)
     schema.fail("convection", "lagging", "'extrapolated' is for time.method = 'rkl2' and 'rkc2'");
   if (c.lagging == "evaluation" && stabilised)
-    schema.fail("convection", "lagging", "with rkl2 and rkc2 what lags by a stage feeds the roughest waves: choose 'extrapolated'");
+    schema.fail("convection", "lagging",
+                "with rkl2 and rkc2 what lags by a stage feeds the roughest waves: choose 'extrapolated'");
   if (c.lagging == "evaluation" && (method == "euler" || method == "ab2"))
     schema.fail("convection", "lagging", "with one evaluation a step 'evaluation' is the same as 'step'");
   if (c.lagging != "step" && c.operators == "sum") schema.fail("convection", "lagging", "the plain sums keep nothing");

@@ -73,12 +73,14 @@ std::vector<row> rows_of(const std::string& path) {
     if (words.empty()) continue;
     if (rows.empty() && !named && words.front().starts_with("temperature")) {
       named = true;
-      if (words.size() < 3) fail_at(path, line, "three columns are wanted: temperature (K), depth (m), viscosity (Pa s)");
+      if (words.size() < 3)
+        fail_at(path, line, "three columns are wanted: temperature (K), depth (m), viscosity (Pa s)");
       continue;
     }
     if (words.size() != 3)
-      fail_at(path, line, fmt::format("three numbers are wanted, temperature (K), depth (m), viscosity (Pa s); there are {}",
-                                      words.size()));
+      fail_at(path, line,
+              fmt::format("three numbers are wanted, temperature (K), depth (m), viscosity (Pa s); there are {}",
+                          words.size()));
     std::array<double, 3> value{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto number = number_of(words[k]);
@@ -121,10 +123,11 @@ viscosity_table viscosity_table::read(const std::string& path) {
       table.T_.push_back(r.T);
     }
     if (r.T != table.T_.back() || r.depth != depths[k])
-      fail_at(path, r.line,
-              fmt::format("the table is not rectangular: {} K, {} m is wanted here, for every temperature has the depths "
-                          "of the first",
-                          table.T_.back(), depths[k]));
+      fail_at(
+          path, r.line,
+          fmt::format("the table is not rectangular: {} K, {} m is wanted here, for every temperature has the depths "
+                      "of the first",
+                      table.T_.back(), depths[k]));
     table.log_.push_back(std::log(r.viscosity));
   }
   if (rows.size() % depths.size() != 0)
