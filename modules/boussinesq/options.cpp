@@ -94,10 +94,11 @@ void declare(namelist::schema& schema, convection_options& o) {
        .meaning = "sum: plain sums, without curvature at walls; Laplacian with the sum of the second moments right, or "
                   "all of them; that with the deferred correction"});
   schema.add(g, "lagging", o.lagging,
-             {.choices = {"step", "evaluation", "extrapolated"},
+             {.choices = {"auto", "step", "evaluation", "extrapolated"},
               .meaning = "what the derivatives keep (deferred correction, tensor, gradients of the noise term, "
                          "curvatures at walls) is that of the start of the step, of the evaluation before, or "
-                         "extrapolated to the middle of the step (rkl2, rkc2)"});
+                         "extrapolated to the middle of the step (rkl2, rkc2); auto: extrapolated where it can be, "
+                         "else step"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -430,6 +431,21 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
   }
 }
 
+void choose_lagging(const namelist::schema& schema, options& o) {
+  auto& chosen = o.convection.lagging;
+  const auto& method = o.march.time.method;
+  const bool stabilised = method == "rkl2" || method == "rkc2", plain = o.convection.operators == "sum";
+  if (chosen == "auto") chosen = stabilised && !plain ? "extrapolated" : "step";
+  const auto refuse = [&](const char* choice, bool when, const char* why) {
+    if (chosen == choice && when) schema.fail("convection", "lagging", why);
+  };
+  refuse("extrapolated", plain, "the plain sums keep nothing");
+  refuse("evaluation", plain, "the plain sums keep nothing");
+  refuse("extrapolated", !stabilised, "'extrapolated' is for time.method = 'rkl2' and 'rkc2'");
+  refuse("evaluation", stabilised, "with rkl2 and rkc2 what lags by a stage feeds the roughest waves");
+  refuse("evaluation", method == "euler" || method == "ab2", "with one evaluation a step it is the same as 'step'");
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
@@ -528,16 +544,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_table(schema, o, p);
   choose_slowing(schema, o, p);
   choose_ramp(o, p);
-  const auto& method = o.march.time.method;
-  const bool stabilised = method == "rkl2" || method == "rkc2";
-  if (c.lagging == "extrapolated" && !stabilised)
-    schema.fail("convection", "lagging", "'extrapolated' is for time.method = 'rkl2' and 'rkc2'");
-  if (c.lagging == "evaluation" && stabilised)
-    schema.fail("convection", "lagging",
-                "with rkl2 and rkc2 what lags by a stage feeds the roughest waves: choose 'extrapolated'");
-  if (c.lagging == "evaluation" && (method == "euler" || method == "ab2"))
-    schema.fail("convection", "lagging", "with one evaluation a step 'evaluation' is the same as 'step'");
-  if (c.lagging != "step" && c.operators == "sum") schema.fail("convection", "lagging", "the plain sums keep nothing");
+  choose_lagging(schema, o);
   // Divergence that it makes goes with 1/ξ²: a tenth is as much where the response is relaxed. In a transient flow
   // viscosity may be too low to damp what the lagged correction feeds.
   if (c.operators != "sum" && !schema.given("convection", "pressure_diffusion"))

@@ -32,7 +32,7 @@ struct convection_options {
   std::string pressure = "eulerian";
   std::string scheme = "consistent";
   std::string operators = "corrected";
-  std::string lagging = "step";
+  std::string lagging = "auto";
   double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
