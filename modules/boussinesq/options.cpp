@@ -443,6 +443,7 @@ void choose_lagging(const namelist::schema& schema, options& o) {
   refuse("evaluation", plain, "the plain sums keep nothing");
   refuse("extrapolated", !stabilised, "'extrapolated' is for time.method = 'rkl2' and 'rkc2'");
   refuse("evaluation", stabilised, "with rkl2 and rkc2 what lags by a stage feeds the roughest waves");
+  refuse("evaluation", method == "adaptive", "a step tried again would have the memory of the one that failed");
   refuse("evaluation", method == "euler" || method == "ab2", "with one evaluation a step it is the same as 'step'");
 }
 

@@ -376,7 +376,8 @@ BOOST_AUTO_TEST_CASE(what_lags_is_for_the_methods_that_can) {
   BOOST_TEST(with("rk4", "evaluation") == "evaluation");
   BOOST_TEST(with("rk4", "auto") == "step");
   for (const char* method : {"rk4", "euler", "ab2"}) BOOST_CHECK_THROW(with(method, "extrapolated"), foundation::error);
-  for (const char* method : {"euler", "ab2"}) BOOST_CHECK_THROW(with(method, "evaluation"), foundation::error);
+  for (const char* method : {"euler", "ab2", "adaptive"})
+    BOOST_CHECK_THROW(with(method, "evaluation"), foundation::error);
   options plain;
   BOOST_CHECK_THROW(resolved("&convection lagging = 'evaluation' scheme = 'plain' /", plain), foundation::error);
 }

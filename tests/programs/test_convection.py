@@ -204,6 +204,19 @@ class Convection(Case):
         wrong = self.run_program("convection", "blankenbach_2a", {"convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"}, expect=BAD_INPUT)
         self.assertIn("the layer has 1000 K", wrong.stderr)
 
+    def test_viscosity_by_melt_fraction(self):
+        """Between its limits, low where it is hot, and felt by the flow."""
+        result = self.run_program("convection", "melting_layer", {**SHORT, **size(16), "convection.viscosity_ramp": 0})
+        self.assertGreater(result.summary["metrics"]["v_rms"], 0.1)
+        with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
+            eta, T = file["PartType0/Viscosity"][:], file["PartType0/Temperature"][:]
+        self.assertAlmostEqual(eta.min() / 3e18, 1, delta=1e-6)
+        self.assertLess(eta.max(), 2.5e20)  # 3.8e9 exp(3.5e5/(R T)) at 1700 K: 2.2e20
+        self.assertGreater(eta[T < 1720].min(), 1e20)
+        self.assertLess(eta[T > 2070].max(), 4e18)
+        wrong = self.run_program("convection", "melting_layer", {"convection.viscosity_max": 1e18}, expect=BAD_INPUT)
+        self.assertIn("is below viscosity_min", wrong.stderr)
+
     def test_plain_sums(self):
         """Not exact for linear fields: case 1a within 10 %, where the consistent operators are within 1 %."""
         s = self.run_program("convection", MANTLE, {**size(16), "convection.scheme": "plain", "kernel.name": "quintic", "convection.steady_tolerance": 0,
