@@ -26,8 +26,10 @@
 //
 // Levels: the run may start with coarser lattices; each one's steady flow is interpolated to the next.
 //
-// The deferred correction, the tensor B, w's sum, Q's gradients and no-slip curvatures lag behind: they are those of
-// the state at the start of the step.
+// The deferred correction, the tensor B, w's sum, Q's gradients and no-slip curvatures lag behind (lagging): they are
+// those of the state at the start of the step; of the evaluation before; or M_n + (M_n - M_(n-1))/2, the middle of the
+// step. The rate at the start of a step is evaluated once more with the latter, for of all stages of 'rkl2' and 'rkc2'
+// it has the largest weight, -1.1 to -1.9.
 #pragma once
 
 #include <boussinesq/interpolation.hpp>
@@ -193,6 +195,9 @@ class convection : public march::problem {
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
     for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
+    before_ = s.extras.size();
+    if (extrapolates())
+      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D; ++k) add("Before_" + std::to_string(k), "", role::memory);
     earlier_ = s.extras.size();
     if (o.march.time.method == "ab2")
       for (std::size_t k = 0; k < D + fields_; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
@@ -252,22 +257,42 @@ class convection : public march::problem {
     return 4.0 * D * std::max(largest_viscosity(), p_.fluid.kappa) / (dx * dx);
   }
 
-  void expect_memory(bool expected) override { whole_ = expected; }
+  void expect_memory(bool expected) override { whole_ = expected || o_.convection.lagging == "evaluation"; }
   void keep_memory() override {
+    take_memory();
+    v_max_ = fastest();
+    faster_ = v_max_ > 0.0 ? std::max(1.0, ranks().maximum(displacing_) / v_max_) : 1.5;
+  }
+  bool asks_again() const override { return extrapolates(); }
+  void renew_memory() override {
+    if (o_.convection.lagging == "evaluation") take_memory();
+  }
+  bool extrapolates() const { return o_.convection.lagging == "extrapolated"; }
+  // Of what the last evaluation summed; extrapolated: by half a step, as long as the one before.
+  void take_memory() {
     auto& s = world_.w.s;
+    const bool extrapolated = extrapolates();
+    const double onwards = has_before_ ? 0.5 : 0.0;
     // Plain sums keep nothing: no correction then, and images of the first order.
     if (!plain_sums())
       foundation::for_all(s.fluid, [&](std::size_t i) {
-        for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = plain_[k][i];
+        std::size_t before = before_;
+        const auto keep = [&](std::size_t k, double now) {
+          s.extras[k].values[i] = now;
+          if (!extrapolated) return;
+          double& earlier = s.extras[before++].values[i];
+          s.extras[k].values[i] += onwards * (now - earlier);
+          earlier = now;
+        };
+        for (std::size_t k = 0; k < fields_; ++k) keep(lap_ + k, plain_[k][i]);
         for (std::size_t k = 0; k < fields_; ++k)
-          for (std::size_t a = 0; a < D; ++a) s.extras[grad_ + k * D + a].values[i] = gradient_[k][a][i];
-        for (std::size_t k = 0; k < S; ++k) s.extras[tensor_ + k].values[i] = next_B_[k][i];
+          for (std::size_t a = 0; a < D; ++a) keep(grad_ + k * D + a, gradient_[k][a][i]);
+        for (std::size_t k = 0; k < S; ++k) keep(tensor_ + k, next_B_[k][i]);
         const auto stress = graded_stress(i);
-        for (std::size_t a = 0; a < D; ++a) s.extras[stress_ + a].values[i] = stress[a];
+        for (std::size_t a = 0; a < D; ++a) keep(stress_ + a, stress[a]);
       });
+    has_before_ = extrapolated;
     refresh_memory();
-    v_max_ = fastest();
-    faster_ = v_max_ > 0.0 ? std::max(1.0, ranks().maximum(displacing_) / v_max_) : 1.5;
   }
 
   bool set_time(double t) override {
@@ -326,6 +351,7 @@ class convection : public march::problem {
     foundation::exact_sum weight, squares, carried, drift, dissipated, cooling, work;
     std::array<foundation::exact_sum, D> momentum;
     foundation::exact_sum speeds;
+    std::int64_t outside = 0;
     peaks_ = {};
     double fastest = 0.0;
     const auto& p = pressure_of();
@@ -347,6 +373,7 @@ class convection : public march::problem {
       carried.add(V * s.v[1][i] * (s.T[i] - reference(s.x[1][i])));
       dissipated.add(V * dissipation(i, viscosity(i)));
       work.add(V * buoyancy(s.x[1][i], s.T[i], p[i]) * s.v[1][i]);
+      if (p_.tabulated && !p_.tabulated->covers(s.T[i], f.L - s.x[1][i])) ++outside;
       cooling.add(V * buoyancy_slope(s.x[1][i], s.T[i]) * s.v[1][i] * s.T[i]);
       drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
     }
@@ -354,6 +381,7 @@ class convection : public march::problem {
     v_rms_ = std::sqrt(ranks().exact(squares) / total);
     mach_ = std::sqrt(ranks().maximum(fastest)) / p_.c_eff;
     density_drift_ = ranks().exact(drift) / static_cast<double>(world_.fluid_total);
+    outside_ = std::max(outside_, static_cast<double>(ranks().sum(outside)) / static_cast<double>(world_.fluid_total));
     const double scale = ranks().exact(speeds);
     momentum_ = 0.0;
     for (std::size_t a = 0; a < D; ++a) momentum_ = std::max(momentum_, std::abs(ranks().exact(momentum[a])));
@@ -439,6 +467,7 @@ class convection : public march::problem {
     const double friction = j["viscous_heating"], work = j["buoyancy_work"];
     j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
     j["prandtl_effective"] = p_.nu_eff / f.kappa;
+    if (p_.tabulated) j["outside_viscosity_table"] = outside_;
     j["viscous_response"] = relaxed_ ? "relaxed" : "instant";
     j["zeta"] = p_.slowing.zeta;
     j["xi"] = p_.slowing.xi;
@@ -472,13 +501,17 @@ class convection : public march::problem {
     g.reals["faster"] = faster_;
     g.reals["v_rms"] = v_rms_;
     g.reals["level_began"] = level_began_;
+    g.reals["outside"] = outside_;
     g.integers["level"] = level_;
+    g.integers["has_before"] = has_before_ ? 1 : 0;
     g.integers["wall_crossings"] = crossings_;
     g.blobs["samples"] = samples_.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
     lay(g.integers.at("level"));
+    has_before_ = g.integers.at("has_before") != 0;
     level_began_ = g.reals.at("level_began");
+    outside_ = g.reals.at("outside");
     v_max_ = g.reals.at("v_max");
     faster_ = g.reals.at("faster");
     crossings_ = g.integers.at("wall_crossings");
@@ -538,15 +571,12 @@ class convection : public march::problem {
     return p_.weighed ? p_.weighed->slope(y, T) : p_.fluid.alpha * p_.fluid.g;
   }
 
-  void follow_viscosity() {
-    const auto& c = o_.convection;
-    const double exponent = 0.5 * (c.depth_exponent - c.temperature_exponent);  // in the middle
-    follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * exponent));
-  }
+  void follow_viscosity() { follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * p_.log_middle)); }
 
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
   double viscosity(double y, double T) const {  // m2/s
     if (!varies()) return nu_;
+    if (p_.tabulated) return nu_ * std::exp(reached_ * (p_.tabulated->log(T, p_.fluid.L - y) - p_.log_reference));
     const auto& c = o_.convection;
     return nu_ * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
                                       c.depth_exponent * (1.0 - y / p_.fluid.L)));
@@ -760,9 +790,16 @@ class convection : public march::problem {
     if (!varies()) return stress;
     const auto& c = o_.convection;
     const std::size_t z = viscous_first_;
-    for (std::size_t a = 0; a < D; ++a)
-      slope[a] = -reached_ * c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
-    slope[1] -= reached_ * c.depth_exponent / p_.fluid.L;
+    if (p_.tabulated) {
+      const auto& s = world_.w.s;
+      const auto of_log = p_.tabulated->slope(s.T[i], p_.fluid.L - s.x[1][i]);
+      for (std::size_t a = 0; a < D; ++a) slope[a] = reached_ * of_log.per_T * gradient_[D][a][i];
+      slope[1] -= reached_ * of_log.per_depth;
+    } else {
+      for (std::size_t a = 0; a < D; ++a)
+        slope[a] = -reached_ * c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
+      slope[1] -= reached_ * c.depth_exponent / p_.fluid.L;
+    }
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
         stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * slope[b] - gradient_[z + b][b][i] * slope[a];
@@ -891,6 +928,7 @@ class convection : public march::problem {
     images::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
                    kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
     for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
+    has_before_ = false;
     for (std::size_t a = 0, k = 0; a < D; ++a)
       for (std::size_t b = a; b < D; ++b, ++k)
         std::fill_n(s.extras[tensor_ + k].values.begin(), s.fluid, a == b ? 1.0 : 0.0);
@@ -1052,7 +1090,7 @@ class convection : public march::problem {
   double level_began_ = 0.0;   // s
   std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
-  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0,
+  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0, before_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
@@ -1064,6 +1102,7 @@ class convection : public march::problem {
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
   double nu_ = p_.fluid.nu;  // m2/s, without the exponents
+  bool has_before_ = false;  // memory of the step before, to extrapolate from
   bool whole_ = true;        // the next evaluation is one that is kept
   double v_max_ = 0.0;       // m/s, at the start of the step
   double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading
@@ -1072,6 +1111,7 @@ class convection : public march::problem {
   record samples_;
   std::array<peak, D> peaks_{};
   double v_rms_ = 0.0, mach_ = 0.0, density_drift_ = 0.0, momentum_ = 0.0;
+  double outside_ = 0.0;  // the largest share of particles that the viscosity's table did not cover
 };
 
 }  // namespace tetsuame::boussinesq

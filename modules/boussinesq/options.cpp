@@ -3,6 +3,7 @@
 #include <boussinesq/options.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <melting/melting.hpp>
 #include <numbers>
 
 namespace tetsuame::boussinesq {
@@ -78,7 +79,9 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
   schema.add(g, "eos_dynamic_pressure", o.eos_dynamic_pressure,
              {.meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
-  schema.add(g, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos"});
+  schema.add(
+      g, "p_top", o.p_top,
+      {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos and viscosity by melt fraction"});
   schema.add(g, "pressure", o.pressure,
              {.choices = {"eulerian", "lagrangian"}, .meaning = "rate of pressure at a place, or along the flow"});
   schema.add(g, "scheme", o.scheme,
@@ -90,6 +93,12 @@ void declare(namelist::schema& schema, convection_options& o) {
       {.choices = {"sum", "trace", "consistent", "corrected"},
        .meaning = "sum: plain sums, without curvature at walls; Laplacian with the sum of the second moments right, or "
                   "all of them; that with the deferred correction"});
+  schema.add(g, "lagging", o.lagging,
+             {.choices = {"auto", "step", "evaluation", "extrapolated"},
+              .meaning = "what the derivatives keep (deferred correction, tensor, gradients of the noise term, "
+                         "curvatures at walls) is that of the start of the step, of the evaluation before, or "
+                         "extrapolated to the middle of the step (rkl2, rkc2); auto: extrapolated where it can be, "
+                         "else step"});
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -103,8 +112,20 @@ void declare(namelist::schema& schema, convection_options& o) {
              {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
   schema.add(
       g, "viscosity_law", o.viscosity_law,
-      {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential"},
-       .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64"});
+      {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential", "table", "melt"},
+       .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64; of "
+                  "viscosity_file; or by melt fraction between the mantle's solidus and liquidus at the pressure of a "
+                  "column at rest (temperatures are absolute then); a Rayleigh number given scales the last two"});
+  schema.add(g, "viscosity_file", o.viscosity_file,
+             {.meaning = "law 'table': temperature (K), depth (m), viscosity (Pa s), a line for each pair, ascending, "
+                         "depth fastest; ln nu is bilinear between"});
+  schema.add(g, "composition", o.composition,
+             {.choices = {"peridotitic", "chondritic"}, .meaning = "law 'melt': of the liquidus above 20 GPa"});
+  const auto limit = [&](const char* key, double& value, const char* meaning) {
+    schema.add(g, key, value, {.unit = "Pa s", .minimum = 0.0, .exclusive_minimum = true, .meaning = meaning});
+  };
+  limit("viscosity_min", o.viscosity_min, "law 'melt': the viscosity is not below this");
+  limit("viscosity_max", o.viscosity_max, "law 'melt': nor above this");
   schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
   schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
   schema.add(
@@ -153,7 +174,7 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
     };
     refuse("eos", c.eos != "linear");
     refuse("eos_dynamic_pressure", !c.eos_dynamic_pressure);
-    refuse("p_top", c.p_top != 0.0);
+    refuse("p_top", c.p_top != 0.0 && c.viscosity_law != "melt");
     return;
   }
   const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
@@ -201,6 +222,89 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
       w.temperature(0.0), w.expansivity(f.L), w.expansivity(0.0), least, most, p.dissipation_number));
 }
 
+// Pressure of a column at rest, Pa.
+double pressure_at(const options& o, const parameters& p, double depth) {
+  if (p.weighed) return p.weighed->pressure(p.fluid.L - depth);
+  return o.convection.p_top + p.fluid.rho * p.fluid.g * depth;
+}
+
+std::vector<double> evenly(double first, double last, std::size_t steps) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k <= steps; ++k)
+    all.push_back(std::lerp(first, last, static_cast<double>(k) / static_cast<double>(steps)));
+  return all;
+}
+
+// Melt fraction f between solidus and liquidus, a suspension (melting/melting.hpp).
+viscosity_table by_melt(const options& o, const parameters& p) {
+  const auto& c = o.convection;
+  const auto kind =
+      c.composition == "chondritic" ? melting::composition::chondritic : melting::composition::peridotitic;
+  const double T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
+  const double beyond = 0.1 * std::abs(T_bottom - T_top);
+  const double coldest = std::max(std::min(T_top, T_bottom) - beyond, 1.0),
+               hottest = std::max(T_top, T_bottom) + beyond;
+  return {evenly(coldest, hottest, 512), evenly(0.0, p.fluid.L, 256), [&](double T, double depth) {
+            const double P = pressure_at(o, p, depth);
+            const double f = melting::melt_fraction(T, melting::solidus(P), melting::liquidus(kind, P));
+            return std::clamp(melting::suspension_viscosity(T, f), c.viscosity_min, c.viscosity_max);
+          }};
+}
+
+viscosity_table from_file(const namelist::schema& schema, const options& o, double L) {
+  const auto& c = o.convection;
+  if (c.viscosity_file.empty())
+    schema.fail("convection", "viscosity_file", "viscosity_law = 'table' needs the name of its file");
+  auto table = viscosity_table::read(c.viscosity_file);
+  for (const double T : {o.temperature_top(), o.temperature_bottom()})
+    for (const double depth : {0.0, L})
+      if (!table.covers(T, depth))
+        schema.fail("convection", "viscosity_file",
+                    fmt::format("'{}' has {} to {} K and {} to {} m; the layer has {} K and a depth of {} m",
+                                c.viscosity_file, table.temperatures().front(), table.temperatures().back(),
+                                table.depths().front(), table.depths().back(), T, depth));
+  return table;
+}
+
+// The laws without exponents: reference and middle, the latter of the conductive state.
+void follow_table(const namelist::schema& schema, const options& o, parameters& p) {
+  const auto& c = o.convection;
+  const convection_options initially;
+  const bool table = c.viscosity_law == "table", melt = c.viscosity_law == "melt";
+  const auto only_for = [&](const char* key, bool differs, bool used, const char* law) {
+    if (differs && !used) schema.fail("convection", key, fmt::format("is for viscosity_law = '{}'", law));
+  };
+  only_for("viscosity_file", !c.viscosity_file.empty(), table, "table");
+  only_for("composition", c.composition != initially.composition, melt, "melt");
+  only_for("viscosity_min", c.viscosity_min != initially.viscosity_min, melt, "melt");
+  only_for("viscosity_max", c.viscosity_max != initially.viscosity_max, melt, "melt");
+  if (!table && !melt) return;
+  if (melt && !(std::min(o.temperature_top(), o.temperature_bottom()) > 0.0))
+    schema.fail("convection", "viscosity_law", "'melt' needs absolute temperatures: those of top and bottom above 0 K");
+  if (c.viscosity_max < c.viscosity_min) schema.fail("convection", "viscosity_max", "is below viscosity_min");
+  auto& f = p.fluid;
+  p.tabulated = std::make_shared<viscosity_table>(table ? from_file(schema, o, f.L) : by_melt(o, p));
+  p.log_reference = p.tabulated->log(o.temperature_top(), 0.0);
+  if (!c.rayleigh && !c.prandtl) f.nu = std::exp(p.log_reference) / f.rho;
+  constexpr int n = 100;
+  double least = p.log_reference, most = least;
+  for (int k = 0; k < n; ++k) {
+    const double s = (k + 0.5) / n,
+                 here = p.tabulated->log(std::lerp(o.temperature_top(), o.temperature_bottom(), s), s * f.L);
+    p.log_middle += (here - p.log_reference) / n;
+    least = std::min(least, here), most = std::max(most, here);
+  }
+  p.lines.push_back(fmt::format(
+      "viscosity by {}: {:.4g} to {:.4g} Pa s in the conductive state{}; Rayleigh number and xi are those of the top's "
+      "viscosity, {:.4g} Pa s",
+      table ? "'" + c.viscosity_file + "'" : "melt fraction", f.rho * f.nu * std::exp(least - p.log_reference),
+      f.rho * f.nu * std::exp(most - p.log_reference),
+      c.rayleigh || c.prandtl ? fmt::format(" (scaled by {:.4g} to the Rayleigh number asked for)",
+                                            f.rho * f.nu / std::exp(p.log_reference))
+                              : "",
+      f.rho * f.nu));
+}
+
 // Of the viscosity that answers at once: viscous and sonic limits of the step then agree; below kappa nothing is
 // gained. Where the viscosity varies, compression counts three times.
 double sonic_share(const convection_options& c) { return c.viscosity_law == "constant" ? 0.35 : 0.12; }
@@ -245,7 +349,7 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
   if (p.steady && !wanted.zeta && !wanted.xi) {
     // At the viscosity of the middle: the reference is that of the cold top.
     auto middle = f;
-    middle.nu *= std::exp(0.5 * (c.depth_exponent - c.temperature_exponent));
+    middle.nu *= std::exp(p.log_middle);
     p.c_eff = p.c_end = relaxation::stokes_speed(middle, true) / c.steady_mach;
     p.sonic_share = sonic_share(c);
     if (relaxes(c)) {
@@ -327,6 +431,22 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
   }
 }
 
+void choose_lagging(const namelist::schema& schema, options& o) {
+  auto& chosen = o.convection.lagging;
+  const auto& method = o.march.time.method;
+  const bool stabilised = method == "rkl2" || method == "rkc2", plain = o.convection.operators == "sum";
+  if (chosen == "auto") chosen = stabilised && !plain ? "extrapolated" : "step";
+  const auto refuse = [&](const char* choice, bool when, const char* why) {
+    if (chosen == choice && when) schema.fail("convection", "lagging", why);
+  };
+  refuse("extrapolated", plain, "the plain sums keep nothing");
+  refuse("evaluation", plain, "the plain sums keep nothing");
+  refuse("extrapolated", !stabilised, "'extrapolated' is for time.method = 'rkl2' and 'rkc2'");
+  refuse("evaluation", stabilised, "with rkl2 and rkc2 what lags by a stage feeds the roughest waves");
+  refuse("evaluation", method == "adaptive", "a step tried again would have the memory of the one that failed");
+  refuse("evaluation", method == "euler" || method == "ab2", "with one evaluation a step it is the same as 'step'");
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
@@ -402,7 +522,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   make_consistent(o, material, dT);
   p.fluid.nu = material.viscosity / material.density;
   p.fluid.alpha = material.expansivity;
-  if (c.viscosity_law == "constant" && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
+  const bool exponents = c.viscosity_law != "constant" && c.viscosity_law != "table" && c.viscosity_law != "melt";
+  if (!exponents && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
     schema.fail("convection", "viscosity_law", "exponents belong to the 'exponential' law");
   const auto follow_law = [&](const char* law, double of_temperature, double of_depth) {
     if (c.viscosity_law != law) return;
@@ -419,8 +540,12 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_law("blankenbach_2b", std::log(16384.0), std::log(64.0));
   if (c.viscosity_start && *c.viscosity_start != 1.0 && c.viscosity_ramp.value_or(0.0) == 0.0)
     schema.fail("convection", "viscosity_start", "needs a viscosity_ramp, the time over which it goes");
+  weigh(schema, o, p);
+  p.log_middle = 0.5 * (c.depth_exponent - c.temperature_exponent);
+  follow_table(schema, o, p);
   choose_slowing(schema, o, p);
   choose_ramp(o, p);
+  choose_lagging(schema, o);
   // Divergence that it makes goes with 1/ξ²: a tenth is as much where the response is relaxed. In a transient flow
   // viscosity may be too low to damp what the lagged correction feeds.
   if (c.operators != "sum" && !schema.given("convection", "pressure_diffusion"))
@@ -438,7 +563,6 @@ parameters resolve(const namelist::schema& schema, options& o) {
     if (d.particles[a] % (std::int64_t{1} << c.levels) != 0)
       schema.fail("convection", "levels",
                   fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
-  weigh(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <boussinesq/gravity_density.hpp>
+#include <boussinesq/viscosity.hpp>
 #include <images/scene.hpp>
 #include <march/options.hpp>
 #include <memory>
@@ -31,9 +32,16 @@ struct convection_options {
   std::string pressure = "eulerian";
   std::string scheme = "consistent";
   std::string operators = "corrected";
+  std::string lagging = "auto";
   double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
+  std::string viscosity_file;  // of the 'table' law
+
+  // Of the 'melt' law.
+  std::string composition = "peridotitic";
+  double viscosity_min = 1e19, viscosity_max = 1e23;  // Pa s
+
   std::optional<double> viscosity_ramp;   // s; not given: chosen
   std::optional<double> viscosity_start;  // not given: chosen
   double heating = 0.0;                   // W/kg
@@ -78,6 +86,10 @@ struct parameters {
   std::shared_ptr<const gravity_density> weighed;  // by an equation of state; null: by the Boussinesq law
   double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
   std::vector<std::string> lines;  // what was chosen, and why
+
+  std::shared_ptr<const viscosity_table> tabulated;  // null: by exponents
+  double log_reference;                              // of that table's viscosity at the top, ln(Pa s): that of fluid.nu
+  double log_middle;                                 // ln of the viscosity in the middle over that of the top
 };
 
 void declare(namelist::schema& schema, options& o);

@@ -1,5 +1,6 @@
 """Convection to a steady state at several resolutions, against published and calculated values."""
 import argparse
+import math
 import re
 from html import escape
 from pathlib import Path
@@ -169,10 +170,12 @@ def shown(one: dict, name: str) -> str:
     value = one["values"].get(name)
     if value is None:
         return "–"
-    # As many digits as its uncertainty has meaning for.
-    digits = 5 if name.startswith("nusselt") else 4 if abs(value["value"]) < 10 else 3
-    bar = f" ± {value['uncertainty']:.1g}" if value["uncertainty"] else ""
-    return f"{value['value']:.{digits - 1}f}{bar}"
+    digits = 4 if name.startswith("nusselt") else 3 if abs(value["value"]) < 10 else 2
+    if not value["uncertainty"]:
+        return f"{value['value']:.{digits}f}"
+    # As many as the uncertainty has meaning for.
+    digits = max(0, -math.floor(math.log10(value["uncertainty"])))
+    return f"{value['value']:.{digits}f} ± {value['uncertainty']:.{digits}f}"
 
 
 def right(one: dict, name: str) -> str:
@@ -186,7 +189,10 @@ def error(one: dict, name: str) -> str:
 
 
 def percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:+.2f} %".replace("-", "−")
+    if value is None:
+        return "–"
+    shown = f"{100 * value:+.2f} %".replace("-", "−")
+    return "0.00 %" if shown[1:] == "0.00 %" else shown
 
 
 def count(value: float | None) -> str:

@@ -14,14 +14,17 @@ class Steady:
     source: str
 
 
+def same_heat(nusselt: float) -> dict[str, float]:
+    """Where the flow is steady the same heat goes through all heights, and friction takes the work of buoyancy."""
+    return {f"nusselt_{where}": nusselt for where in ("volume", "top", "bottom", "dissipation")}
+
+
 def blankenbach(rayleigh, nusselt, v_rms, q1, q2, q3, q4) -> Steady:
-    return Steady(rayleigh, None, {"nusselt_volume": nusselt, "nusselt_top": nusselt, "nusselt_bottom": nusselt,
-                                   "v_rms": v_rms, "q1": q1, "q2": q2, "q3": q3, "q4": q4}, BLANKENBACH)
+    return Steady(rayleigh, None, {**same_heat(nusselt), "v_rms": v_rms, "q1": q1, "q2": q2, "q3": q3, "q4": q4}, BLANKENBACH)
 
 
 def square(rayleigh, prandtl, nusselt, v_rms, u_max, v_max) -> Steady:
-    return Steady(rayleigh, prandtl, {"nusselt_volume": nusselt, "nusselt_top": nusselt, "nusselt_bottom": nusselt,
-                                      "v_rms": v_rms, "u_max": u_max, "v_max": v_max}, SQUARE)
+    return Steady(rayleigh, prandtl, {**same_heat(nusselt), "v_rms": v_rms, "u_max": u_max, "v_max": v_max}, SQUARE)
 
 
 STEADY = {

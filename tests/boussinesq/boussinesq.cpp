@@ -4,9 +4,13 @@
 #include <boussinesq/interpolation.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
+#include <boussinesq/viscosity.hpp>
 #include <boussinesq/wall_gradient.hpp>
 #include <cmath>
+#include <filesystem>
 #include <foundation/error.hpp>
+#include <fstream>
+#include <melting/melting.hpp>
 #include <namelist/parse.hpp>
 #include <numbers>
 #include <random>
@@ -244,4 +248,136 @@ BOOST_AUTO_TEST_CASE(input_of_gravity_by_an_equation_of_state) {
   options cold, plain;
   BOOST_CHECK_THROW(resolved("&convection gravity_density = 'equation_of_state' /\n", cold), foundation::error);
   BOOST_CHECK_THROW(resolved("&convection eos = 'liquid_iron' /\n", plain), foundation::error);
+}
+
+// ---- viscosity by a table, and by melt fraction -----------------------------------------------
+
+namespace {
+
+struct table_file {
+  std::string path = (std::filesystem::temp_directory_path() / "tetsuame_viscosity_test.txt").string();
+  explicit table_file(const std::string& text) { std::ofstream(path) << text; }
+  ~table_file() { std::filesystem::remove(path); }
+  table_file(const table_file&) = delete;
+  table_file& operator=(const table_file&) = delete;
+};
+
+std::string complaint(const std::string& text) {
+  const table_file file(text);
+  try {
+    viscosity_table::read(file.path);
+  } catch (const foundation::error& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(table_is_exact_for_an_exponential) {
+  const auto law = [](double T, double z) { return 1e20 * std::exp(-0.01 * T + 3e-6 * z); };
+  const viscosity_table table({300.0, 500.0, 1300.0}, {0.0, 1e5, 1e6}, law);
+  for (const double T : {220.0, 300.0, 317.0, 500.0, 1299.0, 1380.0})
+    for (const double z : {-5e4, 0.0, 3e4, 4e5, 1.05e6}) {
+      BOOST_TEST(table.log(T, z) == std::log(law(T, z)), tt::tolerance(1e-12) << "at " << T << " K, " << z << " m");
+      BOOST_TEST(table.slope(T, z).per_T == -0.01, tt::tolerance(1e-9));
+      BOOST_TEST(table.slope(T, z).per_depth == 3e-6, tt::tolerance(1e-9));
+    }
+  // A tenth of the extent beyond the grid it is constant.
+  BOOST_TEST(table.log(9000.0, 0.0) == std::log(law(1400.0, 0.0)), tt::tolerance(1e-12));
+  BOOST_TEST(table.slope(9000.0, 0.0).per_T == 0.0);
+  BOOST_TEST(table.slope(9000.0, 0.0).per_depth == 3e-6, tt::tolerance(1e-9));
+  BOOST_TEST(table.covers(300.0, 1e6));
+  BOOST_TEST(!table.covers(299.0, 1e6));
+  BOOST_TEST(!table.covers(300.0, -1.0));
+}
+
+BOOST_AUTO_TEST_CASE(slopes_of_a_table_are_those_of_its_values) {
+  const viscosity_table table({1.0, 2.0, 4.0}, {0.0, 3.0},
+                              [](double T, double z) { return std::exp(T * T * (1.0 + z)); });
+  for (const double T : {1.3, 2.9})
+    for (const double z : {0.4, 2.2}) {
+      const double d = 1e-6;
+      const auto slope = table.slope(T, z);
+      BOOST_TEST(slope.per_T == (table.log(T + d, z) - table.log(T - d, z)) / (2.0 * d), tt::tolerance(1e-7));
+      BOOST_TEST(slope.per_depth == (table.log(T, z + d) - table.log(T, z - d)) / (2.0 * d), tt::tolerance(1e-7));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(table_from_a_file) {
+  {
+    const table_file file(
+        "# a comment\ntemperature, depth, viscosity\n300, 0, 1e20\n300, 1e6, 1e22 # deep\n\n900 0 1e18\n900\t1e6 "
+        "1e21\n");
+    const auto table = viscosity_table::read(file.path);
+    BOOST_TEST(table.temperatures() == (std::vector<double>{300.0, 900.0}), tt::per_element());
+    BOOST_TEST(table.depths() == (std::vector<double>{0.0, 1e6}), tt::per_element());
+    BOOST_TEST(table.log(600.0, 0.0) == std::log(1e19), tt::tolerance(1e-12));
+    BOOST_TEST(table.log(300.0, 5e5) == std::log(1e21), tt::tolerance(1e-12));
+  }
+  const table_file one_depth("300 0 1e20\n900 0 1e18\n");
+  BOOST_TEST(viscosity_table::read(one_depth.path).log(600.0, 7e5) == std::log(1e19), tt::tolerance(1e-12));
+  for (const auto& [text, why] : std::vector<std::pair<std::string, std::string>>{
+           {"", "no values"},
+           {"300 0\n", "line 1: three numbers"},
+           {"300 0 abc\n", "'abc' is not a finite number"},
+           {"300 0 inf\n", "'inf' is not a finite number"},
+           {"300 0 1e20\n300 1 -5\n", "line 2: the viscosity must be above 0"},
+           {"300 5 1e20\n300 1 1e20\n", "depths must ascend"},
+           {"300 0 1e20\n200 0 1e20\n", "temperatures must ascend"},
+           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n", "there are 1 of 2 depths"},
+           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n400 2 1e20\n", "line 4: the table is not rectangular"},
+           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n500 1 1e20\n", "line 4: the table is not rectangular"}})
+    BOOST_TEST(complaint(text).find(why) != std::string::npos, "'" << text << "': " << complaint(text));
+  BOOST_CHECK_THROW(viscosity_table::read("/nowhere/at all"), foundation::error);
+}
+
+BOOST_AUTO_TEST_CASE(viscosity_by_melt_fraction) {
+  const std::string law = "&convection viscosity_law = 'melt' viscosity_min = 1e18 viscosity_max = 1e21 p_top = 2e9 ";
+  const std::string walls = "&walls temperature_top = 1700 temperature_bottom = 3500 /\n";
+  options o;
+  const auto p = resolved(walls + law + "/", o);
+  BOOST_TEST_REQUIRE(p.tabulated != nullptr);
+  const double L = p.fluid.L;
+  for (const double depth : {0.0, 0.25 * L, L})
+    for (const double T : {1700.0, 2105.0, 3500.0}) {
+      const double P = 2e9 + p.fluid.rho * p.fluid.g * depth;
+      const double f =
+          melting::melt_fraction(T, melting::solidus(P), melting::liquidus(melting::composition::peridotitic, P));
+      const double right = std::clamp(melting::suspension_viscosity(T, f), 1e18, 1e21);
+      // Between two of 513 temperatures it may fall by the whole contrast.
+      if (right == 1e18 || right == 1e21)
+        BOOST_TEST(std::exp(p.tabulated->log(T, depth)) == right, tt::tolerance(1e-9)
+                                                                      << "at " << T << " K, " << depth << " m");
+    }
+  BOOST_TEST(p.fluid.nu * p.fluid.rho == std::exp(p.tabulated->log(1700.0, 0.0)), tt::tolerance(1e-12));
+  options scaled, cold, reversed, unused, missing;
+  BOOST_TEST(relaxation::rayleigh(resolved(walls + law + "rayleigh = 1e5 /", scaled).fluid) == 1e5,
+             tt::tolerance(1e-12));
+  BOOST_CHECK_THROW(resolved(law + "/", cold), foundation::error);
+  BOOST_CHECK_THROW(
+      resolved(walls + "&convection viscosity_law = 'melt' viscosity_min = 1e22 viscosity_max = 1e21 /", reversed),
+      foundation::error);
+  BOOST_CHECK_THROW(resolved("&convection viscosity_min = 1e18 /", unused), foundation::error);
+  BOOST_CHECK_THROW(resolved("&convection viscosity_law = 'table' /", missing), foundation::error);
+}
+
+BOOST_AUTO_TEST_CASE(what_lags_is_for_the_methods_that_can) {
+  const auto with = [](const std::string& method, const std::string& lagging) {
+    options o;
+    resolved("&convection lagging = '" + lagging + "' / &time method = '" + method + "' /", o);
+    return o.convection.lagging;
+  };
+  for (const char* method : {"rkl2", "rkc2"}) {
+    BOOST_TEST(with(method, "auto") == "extrapolated");
+    BOOST_TEST(with(method, "step") == "step");
+    BOOST_CHECK_THROW(with(method, "evaluation"), foundation::error);
+  }
+  BOOST_TEST(with("rk4", "evaluation") == "evaluation");
+  BOOST_TEST(with("rk4", "auto") == "step");
+  for (const char* method : {"rk4", "euler", "ab2"}) BOOST_CHECK_THROW(with(method, "extrapolated"), foundation::error);
+  for (const char* method : {"euler", "ab2", "adaptive"})
+    BOOST_CHECK_THROW(with(method, "evaluation"), foundation::error);
+  options plain;
+  BOOST_CHECK_THROW(resolved("&convection lagging = 'evaluation' scheme = 'plain' /", plain), foundation::error);
 }

@@ -62,6 +62,16 @@ class Parts(unittest.TestCase):
                 said = re.sub(r"0+$", "", f"{known.values[key]:.6f}")
                 self.assertIn(said[:6], text, f"{name}: {key}")
 
+    def test_numbers_are_shown_as_far_as_they_are_certain(self):
+        def shown(name, value, uncertainty):
+            return convection.shown({"values": {name: {"value": value, "uncertainty": uncertainty}}}, name)
+        self.assertEqual(shown("v_rms", 42.865432, 0.0031), "42.865 ± 0.003")
+        self.assertEqual(shown("nusselt_volume", 2.1639712, 2.4e-5), "2.16397 ± 0.00002")
+        self.assertEqual(shown("v_rms", 184.26, 12.0), "184 ± 12")
+        self.assertEqual(shown("nusselt_top", 4.88441, None), "4.8844")
+        self.assertEqual(convection.percent(-4e-6), "0.00 %")
+        self.assertEqual(convection.percent(-0.0121), "−1.21 %")
+
     def test_width_of_a_box(self):
         self.assertEqual(convection.aspect(ROOT / "inputs" / "blankenbach_2b.nml"), 2.5)
         self.assertEqual(convection.aspect(ROOT / "inputs" / "blankenbach_1a.nml"), 1.0)

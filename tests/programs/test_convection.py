@@ -185,6 +185,38 @@ class Convection(Case):
         self.assertLess(T.max(), 1050)
         self.assertGreater(T.min(), -50)
 
+    def test_viscosity_by_a_table(self):
+        """A table of case 2a's exponential, in which ln nu is linear, is that law."""
+        table = self.here / "viscosity.txt"
+        table.write_text("temperature depth viscosity\n" + "".join(
+            f"{T} {depth} {1e23 * 1000 ** (-T / 1000)!r}\n" for T in [-1000, 200, 600, 2000] for depth in [-1e6, 3e5, 2e6]))
+        settings = {**SHORT, **size(16)}
+        law = self.run_program("convection", "blankenbach_2a", settings)
+        other = self.run_program("convection", "blankenbach_2a", {**settings, "convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"})
+        self.assertGreater(law.summary["metrics"]["v_rms"], 1)
+        self.assertEqual(other.summary["metrics"]["outside_viscosity_table"], 0)
+        for a, b in zip(law.rows()[1][-1], other.rows()[1][-1]):
+            self.assertAlmostEqual(float(a), float(b), delta=1e-8 * abs(float(a)) + 1e-9)
+        table.write_text(table.read_text().replace("2000 2000000.0", "2000 1000000.0"))
+        wrong = self.run_program("convection", "blankenbach_2a", {"convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"}, expect=BAD_INPUT)
+        self.assertIn("line 13: the table is not rectangular", wrong.stderr)
+        table.write_text("0 0 1e23\n900 0 1e20\n")
+        wrong = self.run_program("convection", "blankenbach_2a", {"convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"}, expect=BAD_INPUT)
+        self.assertIn("the layer has 1000 K", wrong.stderr)
+
+    def test_viscosity_by_melt_fraction(self):
+        """Between its limits, low where it is hot, and felt by the flow."""
+        result = self.run_program("convection", "melting_layer", {**SHORT, **size(16), "convection.viscosity_ramp": 0})
+        self.assertGreater(result.summary["metrics"]["v_rms"], 0.1)
+        with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
+            eta, T = file["PartType0/Viscosity"][:], file["PartType0/Temperature"][:]
+        self.assertAlmostEqual(eta.min() / 3e18, 1, delta=1e-6)
+        self.assertLess(eta.max(), 2.5e20)  # 3.8e9 exp(3.5e5/(R T)) at 1700 K: 2.2e20
+        self.assertGreater(eta[T < 1720].min(), 1e20)
+        self.assertLess(eta[T > 2070].max(), 4e18)
+        wrong = self.run_program("convection", "melting_layer", {"convection.viscosity_max": 1e18}, expect=BAD_INPUT)
+        self.assertIn("is below viscosity_min", wrong.stderr)
+
     def test_plain_sums(self):
         """Not exact for linear fields: case 1a within 10 %, where the consistent operators are within 1 %."""
         s = self.run_program("convection", MANTLE, {**size(16), "convection.scheme": "plain", "kernel.name": "quintic", "convection.steady_tolerance": 0,
@@ -207,6 +239,8 @@ class Convection(Case):
         for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscous_response": "instant", "convection.gravity_density": "separated"}),
                            (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2", "convection.viscous_response": "relaxed"}),
                            (MANTLE, {"convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
+                           (MANTLE, {"convection.lagging": "extrapolated", "time.method": "rkl2", "convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
+                           (AIR, {"convection.lagging": "evaluation"}),
                            (AIR, {"domain.periodic_x": ".true."})]:
             with self.subTest(name, **more):
                 settings = {**SHORT, **size(20), "initial.perturbation": 0.2, **more}
@@ -241,7 +275,7 @@ class Convection(Case):
                        {"convection.viscous_heating": ".true."}, {"convection.adiabatic_heating": ".true."}, {"walls.slip_top": "no_slip"},
                        {"convection.viscosity_start": 10.0, "convection.viscosity_ramp": 1e18},
                        {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
-                       {"convection.target": "transient"}, {"convection.viscous_response": "instant"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"domain.periodic_x": ".true."}]:
+                       {"convection.target": "transient"}, {"convection.viscous_response": "instant"}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}, {"time.method": "rkc2", "convection.lagging": "step"}, {"convection.lagging": "evaluation"}, {"domain.periodic_x": ".true."}]:
             with self.subTest(**change):
                 s = self.run_program("convection", MANTLE, {**settings, **change}).summary
                 hashes[str(change)] = s["state_hash"]

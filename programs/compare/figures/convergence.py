@@ -42,7 +42,9 @@ def draw(panels: list[tuple[str, list[Curve]]], ylabel: str, path: Path) -> bool
         low, high = ax.get_ylim()
         plain = FuncFormatter(lambda value, _: f"{value:.2g}")
         ax.yaxis.set_major_formatter(plain)
-        ax.yaxis.set_minor_formatter(plain if high < 12 * low else NullFormatter())
+        # Between two powers of ten all labels would touch one another.
+        some = FuncFormatter(lambda value, _: f"{value:.2g}" if f"{value:e}"[0] in "25" else "")
+        ax.yaxis.set_minor_formatter(plain if high < 4 * low else some if high < 100 * low else NullFormatter())
         ax.tick_params(axis="y", which="minor", labelsize=7.5)
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(-0.02, -0.2), handlelength=1.2, borderaxespad=0)
     style.save(figure, path)

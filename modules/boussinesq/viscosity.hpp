@@ -1,0 +1,43 @@
+// Viscosity by temperature and depth (m below the top) that no formula of two exponents gives: from a file, or by melt
+// fraction. ln ν is bilinear between the values of a rectangular grid,
+//   ln ν(T, z) = Σ_jk w_j(T) w_k(z) ln ν_jk,
+// exact where ν is exponential in T and z. Beyond the grid, where images of the fluid behind walls are and what
+// overshoots, it goes on straight for a tenth of the grid's extent, and is constant from there.
+//
+// File: text, a line for each value, three columns divided by blanks or commas: temperature (K), depth (m), dynamic
+// viscosity (Pa s). Temperatures ascend; at each the same depths ascend (depth changes fastest). '#' begins a comment;
+// the first line may name the columns.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tetsuame::boussinesq {
+
+class viscosity_table {
+ public:
+  struct slopes {
+    double per_T, per_depth;  // of ln ν: 1/K, 1/m
+  };
+
+  // `viscosity`: Pa s, of T (K) and depth (m), > 0; at all pairs of the two lists, which ascend and are not empty.
+  viscosity_table(std::vector<double> T, std::vector<double> depth,
+                  const std::function<double(double T, double depth)>& viscosity);
+  // fail_input with file, line and reason where it is no such table.
+  static viscosity_table read(const std::string& path);
+
+  double log(double T, double depth) const;  // ln(Pa s)
+  slopes slope(double T, double depth) const;
+  bool covers(double T, double depth) const;
+
+  const std::vector<double>& temperatures() const { return T_; }
+  const std::vector<double>& depths() const { return depth_; }
+
+ private:
+  viscosity_table() = default;
+  std::vector<double> T_, depth_;
+  std::vector<double> log_;  // depth changes fastest
+};
+
+}  // namespace tetsuame::boussinesq
