@@ -33,6 +33,7 @@
 #pragma once
 
 #include <boussinesq/interpolation.hpp>
+#include <boussinesq/line_viscosity.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/wall_gradient.hpp>
@@ -89,11 +90,11 @@ struct noise {
 };
 
 // Divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i, from forces along the lines between particles:
-//   (d + 2) (2d/m) V [Σ F (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F e e r],  m = -V Σ F r²,  ν_ij = (ν_i ν_j)^½
+//   (d + 2) (2d/m) V [Σ F (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F e e r],  m = -V Σ F r²
 // [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
-// soon as ν changes severalfold from one particle to the next. The second sum, zero on a lattice, makes linear
-// velocities exact. v - β P(v) for v is the deferred correction of flows without divergence, β = R/(4(d + 4)).
-// first: v, or z in its place, among the fields.
+// soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
+// lattice, makes linear velocities exact. v - β P(v) for v is the deferred correction of flows without divergence, β =
+// R/(4(d + 4)). first: v, or z in its place, among the fields.
 template <int D, std::size_t first>
 struct graded_viscosity {
   using real = pairs::real;
@@ -123,7 +124,7 @@ struct graded_viscosity {
     const real per_r2 = ij.F / foundation::greater(ij.r2, real(1e-300));
     real along(0.0);
     for (std::size_t b = 0; b < D; ++b) along += (v[first + b] - beta * P[first + b]) * r[b];
-    a.sum += (per_r2 * ij(of_viscosity_root) * along) * r;
+    a.sum += (per_r2 * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q) a.third[n++] += (per_r2 * r[p] * r[q]) * r;
@@ -133,7 +134,7 @@ struct graded_viscosity {
     constexpr auto d = static_cast<double>(D);
     const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
     for (std::size_t p = 0; p < D; ++p) {
-      double force = pairs::sum(a.sum[p]) / root[i];
+      double force = pairs::sum(a.sum[p]);
       for (std::size_t q = 0; q < D; ++q)
         for (std::size_t c = 0; c < D; ++c)
           force -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);

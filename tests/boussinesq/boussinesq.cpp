@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE boussinesq
 #include <boost/test/unit_test.hpp>
 #include <boussinesq/interpolation.hpp>
+#include <boussinesq/line_viscosity.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/viscosity.hpp>
@@ -100,6 +101,21 @@ BOOST_AUTO_TEST_CASE(averages) {
   again.restore(r.flat());
   BOOST_TEST(again.size() == r.size());
   BOOST_TEST(again.over(1, 17.0).mean == r.over(1, 17.0).mean);
+}
+
+// ν = exp(g y), a shear stress 1 + y: u' = (1 + y) exp(-g y). Two neighbours at y = ±1 of a particle at 0 give its
+// divergence, 1 (with ν_ij = (ν_i ν_j)^½ it would be 4 % more at g = 1).
+BOOST_AUTO_TEST_CASE(viscosity_of_a_line) {
+  const double g = 1.0;
+  const auto root = [&](double y) { return std::exp(0.5 * g * y); };
+  const auto u = [&](double y) { return ((1.0 + 1.0 / g) - (1.0 + 1.0 / g + y) * std::exp(-g * y)) / g; };
+  double force = 0.0;
+  for (const double y : {-1.0, 1.0}) force += line_viscosity(root(0.0), root(y)) * u(y);
+  BOOST_TEST(force == 1.0, tt::tolerance(1e-3));
+  // The same force on both ends, and no weight grows without bound.
+  BOOST_TEST(4.0 * line_viscosity(2.0, 30.0) == 900.0 * line_viscosity(30.0, 2.0), tt::tolerance(1e-12));
+  BOOST_TEST(line_viscosity(1.0, 1e6) < 6.0);
+  BOOST_TEST(line_viscosity(3.0, 3.0) == 1.0, tt::tolerance(1e-12));
 }
 
 BOOST_AUTO_TEST_CASE(response_follows_the_viscosity) {

@@ -217,6 +217,18 @@ class Convection(Case):
         wrong = self.run_program("convection", "melting_layer", {"convection.viscosity_max": 1e18}, expect=BAD_INPUT)
         self.assertIn("is below viscosity_min", wrong.stderr)
 
+    def test_contrast_with_depth(self):
+        """Case 2b's law: on this coarse lattice ν changes thirtyfold from one particle to the next. The flow lasts until the contrast is full and
+        longer, with temperatures nearly between those of the walls (with ν_ij = (ν_i ν_j)^½ it blows up on the way)."""
+        result = self.run_program("convection", "blankenbach_2b", {"domain.particles_x": 60, "domain.particles_y": 24, "convection.levels": 0,
+                                                                   "convection.viscosity_ramp": 2e16, "time.t_end": 2.2e16})
+        self.assertGreater(result.summary["metrics"]["v_rms"], 50)
+        self.assertLess(result.summary["metrics"]["v_rms"], 300)
+        with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
+            T = file["PartType0/Temperature"][:]
+        self.assertLess(T.max(), 1050)
+        self.assertGreater(T.min(), -50)
+
     def test_plain_sums(self):
         """Not exact for linear fields: case 1a within 10 %, where the consistent operators are within 1 %."""
         s = self.run_program("convection", MANTLE, {**size(16), "convection.scheme": "plain", "kernel.name": "quintic", "convection.steady_tolerance": 0,
