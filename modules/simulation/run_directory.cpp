@@ -85,7 +85,8 @@ void run_directory::announce(const output::latest_checkpoint& saved) {
   say("continuing from " + saved.path);
   good_checkpoint_ = saved.path;
   if (const auto before = saved.state.globals.integers.at("simd_lanes"); before != simd_lanes)
-    say(fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
+    say(
+        fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
                     "order, so the last digits will differ from the uninterrupted run's",
                     before, simd_lanes));
 }
