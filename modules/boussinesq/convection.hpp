@@ -32,8 +32,8 @@
 // it has the largest weight, -1.1 to -1.9.
 #pragma once
 
+#include <boussinesq/graded_viscosity.hpp>
 #include <boussinesq/interpolation.hpp>
-#include <boussinesq/line_viscosity.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/wall_gradient.hpp>
@@ -47,9 +47,6 @@ namespace tetsuame::boussinesq {
 
 struct slopes_tag {};
 inline constexpr slopes_tag of_slopes;
-
-struct viscosity_root_tag {};
-inline constexpr viscosity_root_tag of_viscosity_root;
 
 // Q(v), Q(T), Q(p) and Q(z) above, of the K fields of operators::consistent. Graded: Q(p) takes the part
 // min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
@@ -86,60 +83,6 @@ struct noise {
   }
   void end(std::size_t i, const me& a) const {
     for (std::size_t k = 0; k < K; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
-  }
-};
-
-// Divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i, from forces along the lines between particles:
-//   (d + 2) (2d/m) V [Σ F (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F e e r],  m = -V Σ F r²
-// [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
-// soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
-// lattice, makes linear velocities exact. v - β P(v) for v is the deferred correction of flows without divergence, β =
-// R/(4(d + 4)). first: v, or z in its place, among the fields.
-template <int D, std::size_t first>
-struct graded_viscosity {
-  using real = pairs::real;
-  static constexpr std::size_t S = operators::symmetric_terms(D);
-
-  const double* root;                                    // ν^½
-  double beta;                                           // m2
-  std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
-  std::array<double*, D> out;                            // 1/(m s)
-
-  struct me {
-    pairs::vec<real, D> sum;
-    std::array<pairs::vec<real, D>, S> third;  // Σ F e e r
-    real m;
-  };
-  auto reads() const { return std::tuple{pairs::read(of_viscosity_root, root)}; }
-  me begin(std::size_t) const {
-    me a;
-    a.sum = foundation::zero<real, D>();
-    for (auto& t : a.third) t = foundation::zero<real, D>();
-    a.m = real(0.0);
-    return a;
-  }
-  void add(me& a, const auto& ij) const {
-    const auto& r = ij.x_ij;
-    const auto v = ij.difference(operators::of_fields), P = ij.difference(operators::of_laplacians);
-    const real per_r2 = ij.F / foundation::greater(ij.r2, real(1e-300));
-    real along(0.0);
-    for (std::size_t b = 0; b < D; ++b) along += (v[first + b] - beta * P[first + b]) * r[b];
-    a.sum += (per_r2 * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
-    std::size_t n = 0;
-    for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = p; q < D; ++q) a.third[n++] += (per_r2 * r[p] * r[q]) * r;
-    a.m += ij.F * ij.r2;
-  }
-  void end(std::size_t i, const me& a) const {
-    constexpr auto d = static_cast<double>(D);
-    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
-    for (std::size_t p = 0; p < D; ++p) {
-      double force = pairs::sum(a.sum[p]);
-      for (std::size_t q = 0; q < D; ++q)
-        for (std::size_t c = 0; c < D; ++c)
-          force -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
-      out[p][i] = scale * force;
-    }
   }
 };
 
@@ -196,9 +139,14 @@ class convection : public march::problem {
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
     for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
+    force_ = s.extras.size();
+    for (std::size_t k = 0; k < D && varies(); ++k) add("ViscousForce_" + std::to_string(k), "m/s^2", role::memory);
+    angles_ = s.extras.size();
+    for (std::size_t k = 0; k < N && varies(); ++k) add("LineWeight_" + std::to_string(k), "1", role::memory);
     before_ = s.extras.size();
     if (extrapolates())
-      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D; ++k) add("Before_" + std::to_string(k), "", role::memory);
+      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (varies() ? D + N : 0); ++k)
+        add("Before_" + std::to_string(k), "", role::memory);
     earlier_ = s.extras.size();
     if (o.march.time.method == "ab2")
       for (std::size_t k = 0; k < D + fields_; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
@@ -291,6 +239,10 @@ class convection : public march::problem {
         for (std::size_t k = 0; k < S; ++k) keep(tensor_ + k, next_B_[k][i]);
         const auto stress = graded_stress(i);
         for (std::size_t a = 0; a < D; ++a) keep(stress_ + a, stress[a]);
+        if (!varies()) return;
+        const double nu = viscosity(i);
+        for (std::size_t a = 0; a < D; ++a) keep(force_ + a, nu * plain_viscous_[a][i]);
+        for (std::size_t k = 0; k < N; ++k) keep(angles_ + k, next_angles_[k][i]);
       });
     has_before_ = extrapolated;
     refresh_memory();
@@ -523,7 +475,7 @@ class convection : public march::problem {
  private:
   // Fields of the operators: v, T, p, and z where the viscous response is relaxed.
   static constexpr std::size_t plain_fields = D + 2, most_fields = 2 * D + 2;
-  static constexpr std::size_t S = operators::symmetric_terms(D);
+  static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms<D>;
   static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
   // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
   // not they heat.
@@ -602,8 +554,9 @@ class convection : public march::problem {
       for (auto* group : {&laplacian_, &plain_, &noise_}) all.push_back(&(*group)[k]);
     }
     for (auto& a : next_B_) all.push_back(&a);
-    for (auto* group : {&uneven_, &viscous_})
+    for (auto* group : {&uneven_, &viscous_, &plain_viscous_})
       for (auto& a : *group) all.push_back(&a);
+    for (auto& a : next_angles_) all.push_back(&a);
     return all;
   }
 
@@ -692,6 +645,7 @@ class convection : public march::problem {
     for (std::size_t k = 0; k < fields_; ++k) fields.push_back(s.extras[lap_ + k].values.data());
     for (std::size_t k = 0; k < fields_ * D; ++k) fields.push_back(s.extras[grad_ + k].values.data());
     for (std::size_t a = 0; a < D; ++a) fields.push_back(s.extras[stress_ + a].values.data());
+    for (std::size_t k = 0; k < D + N && varies(); ++k) fields.push_back(s.extras[force_ + k].values.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
@@ -704,6 +658,28 @@ class convection : public march::problem {
         if (wall.thermal == images::heat::fixed_temperature) sign[D] = -sign[D];
       });
       for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
+      if (varies()) mirror_viscous_memory(r);
+    });
+  }
+
+  // The viscous force along a wall is even. Across one that lets slip it goes on smoothly through its value there, ν
+  // ∇ln ν times the rate of strain; where there is no slip it is taken as even.
+  void mirror_viscous_memory(std::size_t r) {
+    auto& s = world_.w.s;
+    const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    const double nu = viscosity(j);
+    for (std::size_t a = 0; a < D; ++a) s.extras[force_ + a].values[i] = s.extras[force_ + a].values[j];
+    for (std::size_t k = 0; k < N; ++k) s.extras[angles_ + k].values[i] = s.extras[angles_ + k].values[j];
+    images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+      if (!wall.no_slip) {
+        double& across = s.extras[force_ + wall.axis].values[i];
+        across = 2.0 * nu * s.extras[stress_ + wall.axis].values[j] - across;
+      }
+      if constexpr (D == 2)
+        for (const std::size_t sine : {1, 3}) {
+          double& odd = s.extras[angles_ + sine].values[i];
+          odd = -odd;
+        }
     });
   }
 
@@ -771,10 +747,17 @@ class convection : public march::problem {
         w.sum(w.fluid(), derivatives, smooth, more...);
     };
     if constexpr (graded) {
-      graded_viscosity<D, first> viscous{s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}};
+      graded_viscosity<D, first> viscous{
+          s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}, {}, {}, {}, {}};
       for (std::size_t a = 0; a < D; ++a) {
         viscous.out[a] = viscous_[a].data();
+        viscous.plain[a] = plain_viscous_[a].data();
+        viscous.force[a] = s.extras[force_ + a].values.data();
         for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
+      }
+      for (std::size_t k = 0; k < N; ++k) {
+        viscous.angular[k] = s.extras[angles_ + k].values.data();
+        viscous.next_angular[k] = next_angles_[k].data();
       }
       sum(viscous);
     } else {
@@ -1091,14 +1074,16 @@ class convection : public march::problem {
   double level_began_ = 0.0;   // s
   std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
-  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0, before_ = 0,
+  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0, force_ = 0, angles_ = 0,
+              before_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
   std::array<std::array<particles::array, D>, most_fields> gradient_;
   std::array<particles::array, most_fields> laplacian_, plain_, noise_;
   std::array<particles::array, S> next_B_;
-  std::array<particles::array, D> uneven_, viscous_;
+  std::array<particles::array, D> uneven_, viscous_, plain_viscous_;
+  std::array<particles::array, N> next_angles_;
   particles::array W_sum_;
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it

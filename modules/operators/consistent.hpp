@@ -15,6 +15,7 @@
 // gradient in L is G(f - 2β P) as well: beside a small sum of r, and zero on a lattice.)
 #pragma once
 
+#include <kernels/kernel.hpp>
 #include <operators/symmetric.hpp>
 #include <pairs/pairs.hpp>
 
