@@ -143,9 +143,10 @@ class convection : public march::problem {
     for (std::size_t k = 0; k < D && varies(); ++k) add("ViscousForce_" + std::to_string(k), "m/s^2", role::memory);
     angles_ = s.extras.size();
     for (std::size_t k = 0; k < N && varies(); ++k) add("LineWeight_" + std::to_string(k), "1", role::memory);
+    if (varies()) add("EarlierViscosity", "m^2/s", role::memory);
     before_ = s.extras.size();
     if (extrapolates())
-      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (varies() ? D + N : 0); ++k)
+      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (varies() ? D + N + 1 : 0); ++k)
         add("Before_" + std::to_string(k), "", role::memory);
     earlier_ = s.extras.size();
     if (o.march.time.method == "ab2")
@@ -243,6 +244,7 @@ class convection : public march::problem {
         const double nu = viscosity(i);
         for (std::size_t a = 0; a < D; ++a) keep(force_ + a, nu * plain_viscous_[a][i]);
         for (std::size_t k = 0; k < N; ++k) keep(angles_ + k, next_angles_[k][i]);
+        keep(angles_ + N, nu);
       });
     has_before_ = extrapolated;
     refresh_memory();
@@ -645,7 +647,7 @@ class convection : public march::problem {
     for (std::size_t k = 0; k < fields_; ++k) fields.push_back(s.extras[lap_ + k].values.data());
     for (std::size_t k = 0; k < fields_ * D; ++k) fields.push_back(s.extras[grad_ + k].values.data());
     for (std::size_t a = 0; a < D; ++a) fields.push_back(s.extras[stress_ + a].values.data());
-    for (std::size_t k = 0; k < D + N && varies(); ++k) fields.push_back(s.extras[force_ + k].values.data());
+    for (std::size_t k = 0; k < D + N + 1 && varies(); ++k) fields.push_back(s.extras[force_ + k].values.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
@@ -667,7 +669,7 @@ class convection : public march::problem {
   void mirror_viscous_memory(std::size_t r) {
     auto& s = world_.w.s;
     const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
-    const double nu = viscosity(j);
+    const double nu = s.extras[angles_ + N].values[j];
     for (std::size_t a = 0; a < D; ++a) s.extras[force_ + a].values[i] = s.extras[force_ + a].values[j];
     for (std::size_t k = 0; k < N; ++k) s.extras[angles_ + k].values[i] = s.extras[angles_ + k].values[j];
     images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
