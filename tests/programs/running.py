@@ -24,7 +24,7 @@ COMPLETED, BAD_INPUT, CALCULATION_FAILED, FILE_FAILED, INTERRUPTED = 0, 2, 3, 4,
 ALL = ["disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f"]
 
 # Above the longest run of any test here, so that a hanging program fails its test and not all of them.
-LIMIT_S = 90
+LIMIT_S = 240
 
 ENVIRONMENT = {
     "OMP_WAIT_POLICY": "passive",
