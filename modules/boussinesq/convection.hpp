@@ -140,13 +140,13 @@ class convection : public march::problem {
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
     for (std::size_t k = 1; k < S; ++k) add("LaplacianWeight_" + std::to_string(k), "1", role::memory);
     force_ = s.extras.size();
-    for (std::size_t k = 0; k < D && varies(); ++k) add("ViscousForce_" + std::to_string(k), "m/s^2", role::memory);
+    for (std::size_t k = 0; k < D && isotropic(); ++k) add("ViscousForce_" + std::to_string(k), "m/s^2", role::memory);
     angles_ = s.extras.size();
-    for (std::size_t k = 0; k < N && varies(); ++k) add("LineWeight_" + std::to_string(k), "1", role::memory);
-    if (varies()) add("EarlierViscosity", "m^2/s", role::memory);
+    for (std::size_t k = 0; k < N && isotropic(); ++k) add("LineWeight_" + std::to_string(k), "1", role::memory);
+    if (isotropic()) add("EarlierViscosity", "m^2/s", role::memory);
     before_ = s.extras.size();
     if (extrapolates())
-      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (varies() ? D + N + 1 : 0); ++k)
+      for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (isotropic() ? D + N + 1 : 0); ++k)
         add("Before_" + std::to_string(k), "", role::memory);
     earlier_ = s.extras.size();
     if (o.march.time.method == "ab2")
@@ -240,7 +240,7 @@ class convection : public march::problem {
         for (std::size_t k = 0; k < S; ++k) keep(tensor_ + k, next_B_[k][i]);
         const auto stress = graded_stress(i);
         for (std::size_t a = 0; a < D; ++a) keep(stress_ + a, stress[a]);
-        if (!varies()) return;
+        if (!isotropic()) return;
         const double nu = viscosity(i);
         for (std::size_t a = 0; a < D; ++a) keep(force_ + a, nu * plain_viscous_[a][i]);
         for (std::size_t k = 0; k < N; ++k) keep(angles_ + k, next_angles_[k][i]);
@@ -528,6 +528,7 @@ class convection : public march::problem {
 
   void follow_viscosity() { follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * p_.log_middle)); }
 
+  bool isotropic() const { return o_.convection.line_forces == "isotropic"; }
   bool varies() const { return o_.convection.viscosity_law != "constant"; }
   double viscosity(double y, double T) const {  // m2/s
     if (!varies()) return nu_;
@@ -647,7 +648,7 @@ class convection : public march::problem {
     for (std::size_t k = 0; k < fields_; ++k) fields.push_back(s.extras[lap_ + k].values.data());
     for (std::size_t k = 0; k < fields_ * D; ++k) fields.push_back(s.extras[grad_ + k].values.data());
     for (std::size_t a = 0; a < D; ++a) fields.push_back(s.extras[stress_ + a].values.data());
-    for (std::size_t k = 0; k < D + N + 1 && varies(); ++k) fields.push_back(s.extras[force_ + k].values.data());
+    for (std::size_t k = 0; k < D + N + 1 && isotropic(); ++k) fields.push_back(s.extras[force_ + k].values.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
@@ -660,7 +661,7 @@ class convection : public march::problem {
         if (wall.thermal == images::heat::fixed_temperature) sign[D] = -sign[D];
       });
       for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
-      if (varies()) mirror_viscous_memory(r);
+      if (isotropic()) mirror_viscous_memory(r);
     });
   }
 
@@ -749,16 +750,17 @@ class convection : public march::problem {
         w.sum(w.fluid(), derivatives, smooth, more...);
     };
     if constexpr (graded) {
+      if (!isotropic()) nothing_.assign(s.total() + 1, 0.0);
       graded_viscosity<D, first> viscous{
-          s.extras[root_].values.data(), beta_ * (D + 2.0) / (D + 4.0), {}, {}, {}, {}, {}, {}};
+          s.extras[root_].values.data(), isotropic(), beta_ * (D + 2.0) / (D + 4.0), {}, {}, {}, {}, {}, {}};
       for (std::size_t a = 0; a < D; ++a) {
         viscous.out[a] = viscous_[a].data();
         viscous.plain[a] = plain_viscous_[a].data();
-        viscous.force[a] = s.extras[force_ + a].values.data();
+        viscous.force[a] = isotropic() ? s.extras[force_ + a].values.data() : nothing_.data();
         for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
       }
       for (std::size_t k = 0; k < N; ++k) {
-        viscous.angular[k] = s.extras[angles_ + k].values.data();
+        viscous.angular[k] = isotropic() ? s.extras[angles_ + k].values.data() : nothing_.data();
         viscous.next_angular[k] = next_angles_[k].data();
       }
       sum(viscous);
@@ -1086,6 +1088,7 @@ class convection : public march::problem {
   std::array<particles::array, S> next_B_;
   std::array<particles::array, D> uneven_, viscous_, plain_viscous_;
   std::array<particles::array, N> next_angles_;
+  particles::array nothing_;  // zeros, in the place of what equal lines do not have
   particles::array W_sum_;
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it

@@ -4,15 +4,18 @@
 // [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
 // soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
 // lattice, makes linear velocities exact.
-// s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the line's angle φ, in 2-D, with a such that
+//
+// s_ij = 1, or isotropic (line_forces): s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
+// line's angle φ, in 2-D, with a such that
 //   Σ F r² s_ij n(e) = 0
 // then Σ F s e e e e r² is isotropic, as viscosity must be: with s = 1 shear along the rows of a square lattice feels
 // 0.83 ν, and 1.17 ν along its diagonals (Wendland C2, h = 1.3 Δx). |a| is kept so small that s > 0: every pair takes
 // energy.
 //
 // Where the stress τ is smooth the sum is ∇·τ + β ∇²(∇·τ), whatever the contrast, β = R/(4(d + 4)), of flows without
-// divergence, as ν_ij is that of the mean fluidity. So the deferred correction is A - β ∇²(ν A)/ν, of an earlier A;
-// v - β P(v) in the place of v, right for one ν, would take the part β (∇ln ν)² of the force away.
+// divergence, as ν_ij is that of the mean fluidity. With isotropic forces the deferred correction is A - β ∇²(ν A)/ν,
+// of an earlier A. With s = 1 it is v - β P(v) in the place of v, which is right for one ν and takes the part β (∇ln
+// ν)² of the force away.
 #pragma once
 
 #include <boussinesq/line_viscosity.hpp>
@@ -39,7 +42,8 @@ struct graded_viscosity {
   using real = pairs::real;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms<D>;
 
-  const double* root;                                    // ν^½
+  const double* root;  // ν^½
+  bool isotropic;
   double beta;                                           // m2
   std::array<const double*, D> force;                    // ν A of an earlier evaluation, m/s2
   std::array<const double*, N> angular;                  // a
@@ -72,25 +76,28 @@ struct graded_viscosity {
     const auto v = ij.difference(operators::of_fields);
     const real per_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300)), F_r2 = ij.F * ij.r2;
     real s(1.0);
-    if constexpr (D == 2) {
-      const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
-      const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
-      const auto mine = ij.own(of_angles), other = ij(of_angles);
-      real half(0.0), halves(0.0);
-      for (std::size_t k = 0; k < N; ++k) {
-        half += 0.5 * other[k] * n[k];
-        halves += 0.5 * (mine[k] + other[k]) * n[k];
+    if constexpr (D == 2)
+      if (isotropic) {
+        const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
+        const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
+        const auto mine = ij.own(of_angles), other = ij(of_angles);
+        real half(0.0), halves(0.0);
+        for (std::size_t k = 0; k < N; ++k) {
+          half += 0.5 * other[k] * n[k];
+          halves += 0.5 * (mine[k] + other[k]) * n[k];
+        }
+        s += halves;
+        const real of_other = F_r2 * (1.0 + half);
+        for (std::size_t k = 0, place = 0; k < N; ++k) {
+          a.b[k] += of_other * n[k];
+          for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
+        }
       }
-      s += halves;
-      const real of_other = F_r2 * (1.0 + half);
-      for (std::size_t k = 0, place = 0; k < N; ++k) {
-        a.b[k] += of_other * n[k];
-        for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
-      }
-    }
     const real part = ij.F * per_r2 * s;
+    const auto P = ij.difference(operators::of_laplacians);
+    const double of_velocity = isotropic ? 0.0 : beta;
     real along(0.0);
-    for (std::size_t b = 0; b < D; ++b) along += v[first + b] * r[b];
+    for (std::size_t b = 0; b < D; ++b) along += (v[first + b] - of_velocity * P[first + b]) * r[b];
     a.sum += (part * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
     a.force += ij.F * ij.difference(of_forces);
     std::size_t n = 0;
@@ -109,9 +116,10 @@ struct graded_viscosity {
         for (std::size_t c = 0; c < D; ++c)
           force_i -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
       plain[p][i] = scale * force_i;
-      out[p][i] = plain[p][i] - beta * of_laplacian * pairs::sum(a.force[p]) / nu;
+      out[p][i] = plain[p][i] - (isotropic ? beta : 0.0) * of_laplacian * pairs::sum(a.force[p]) / nu;
     }
-    if constexpr (D == 2) next_angles(i, a);
+    if constexpr (D == 2)
+      if (isotropic) next_angles(i, a);
   }
 
  private:

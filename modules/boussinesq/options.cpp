@@ -111,6 +111,11 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "shifting", o.shifting,
              {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
   schema.add(
+      g, "line_forces", o.line_forces,
+      {.choices = {"equal", "isotropic"},
+       .meaning = "viscosity that varies, 2-D: all lines between particles alike, or weighted so that the "
+                  "viscosity is the same in all directions; the latter needs boundary layers that are resolved"});
+  schema.add(
       g, "viscosity_law", o.viscosity_law,
       {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential", "table", "melt"},
        .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64; of "
@@ -507,6 +512,8 @@ parameters resolve(const namelist::schema& schema, options& o) {
   unless_given("target", c.target, "transient");
   unless_given("pressure_diffusion", c.pressure_diffusion, 0.0);
   unless_given("remap_diffusion", c.remap_diffusion, 0.0);
+  if (c.line_forces == "isotropic" && (c.viscosity_law == "constant" || o.physics.domain.dimension != 2))
+    schema.fail("convection", "line_forces", "'isotropic' is for a viscosity that varies, in two dimensions");
   if (c.operators == "sum" && c.viscosity_law != "constant")
     schema.fail("convection", "viscosity_law", "the plain sums are for one viscosity");
   if (c.operators == "sum" && (c.pressure_diffusion != 0.0 || c.remap_diffusion != 0.0))

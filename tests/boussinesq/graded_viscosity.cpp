@@ -53,7 +53,7 @@ forces force_of(const images::scene<2>& scene, const vector_field& v, const std:
   const double beta = operators::lattice_beta<2>(scene.w.kernel, scene.w.dx);
   bool singular = false;
   operators::consistent<2, 2, false, 0U> gradients{{}, {}, {}, 1.0, beta, {}, &singular};
-  graded_viscosity<2, 0> viscous{root.data(), beta * 4.0 / 6.0, {}, {}, {}, {}, {}, {}};
+  graded_viscosity<2, 0> viscous{root.data(), true, beta * 4.0 / 6.0, {}, {}, {}, {}, {}, {}};
   std::array<std::array<particles::array, 2>, 2> gradient;
   forces out;
   for (std::size_t a = 0; a < 2; ++a) {

@@ -251,6 +251,7 @@ class Convection(Case):
         for name, more in [(MANTLE, {}), (MANTLE, {"convection.viscous_response": "instant", "convection.gravity_density": "separated"}),
                            (MANTLE, {"convection.viscosity_law": "blankenbach_2a", "time.method": "ab2", "convection.viscous_response": "relaxed"}),
                            (MANTLE, {"convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
+                           (MANTLE, {"convection.line_forces": "isotropic", "convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
                            (MANTLE, {"convection.lagging": "extrapolated", "time.method": "rkl2", "convection.viscosity_ramp": 1e16, "convection.viscosity_law": "blankenbach_2a"}),
                            (AIR, {"convection.lagging": "evaluation"}),
                            (AIR, {"domain.periodic_x": ".true."})]:
