@@ -14,8 +14,8 @@
 //
 // Where the stress τ is smooth the sum is ∇·τ + β ∇²(∇·τ), whatever the contrast, β = R/(4(d + 4)), of flows without
 // divergence, as ν_ij is that of the mean fluidity. With isotropic forces the deferred correction is A - β ∇²(ν A)/ν,
-// of an earlier A. With s = 1 it is v - β P(v) in the place of v, which is right for one ν and takes the part β (∇ln
-// ν)² of the force away.
+// of an earlier A; with s = 1 there is none. (v - β P(v) in the place of v, right for one ν, would take the part β (∇ln
+// ν)² of the force away: all of it where ν grows by exp(3.6) within a spacing.)
 #pragma once
 
 #include <boussinesq/line_viscosity.hpp>
@@ -94,10 +94,8 @@ struct graded_viscosity {
         }
       }
     const real part = ij.F * per_r2 * s;
-    const auto P = ij.difference(operators::of_laplacians);
-    const double of_velocity = isotropic ? 0.0 : beta;
     real along(0.0);
-    for (std::size_t b = 0; b < D; ++b) along += (v[first + b] - of_velocity * P[first + b]) * r[b];
+    for (std::size_t b = 0; b < D; ++b) along += v[first + b] * r[b];
     a.sum += (part * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
     a.force += ij.F * ij.difference(of_forces);
     std::size_t n = 0;
