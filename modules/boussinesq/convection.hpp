@@ -477,7 +477,7 @@ class convection : public march::problem {
  private:
   // Fields of the operators: v, T, p, and z where the viscous response is relaxed.
   static constexpr std::size_t plain_fields = D + 2, most_fields = 2 * D + 2;
-  static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms<D>;
+  static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms;
   static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
   // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
   // not they heat.
@@ -750,24 +750,38 @@ class convection : public march::problem {
         w.sum(w.fluid(), derivatives, smooth, more...);
     };
     if constexpr (graded) {
-      if (!isotropic()) nothing_.assign(s.total() + 1, 0.0);
-      graded_viscosity<D, first> viscous{
-          s.extras[root_].values.data(), isotropic(), beta_ * (D + 2.0) / (D + 4.0), {}, {}, {}, {}, {}, {}};
-      for (std::size_t a = 0; a < D; ++a) {
-        viscous.out[a] = viscous_[a].data();
-        viscous.plain[a] = plain_viscous_[a].data();
-        viscous.force[a] = isotropic() ? s.extras[force_ + a].values.data() : nothing_.data();
-        for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
-      }
-      for (std::size_t k = 0; k < N; ++k) {
-        viscous.angular[k] = isotropic() ? s.extras[angles_ + k].values.data() : nothing_.data();
-        viscous.next_angular[k] = next_angles_[k].data();
-      }
-      sum(viscous);
+      const auto add_viscous = [&](auto viscous) {
+        viscous.root = s.extras[root_].values.data();
+        for (std::size_t a = 0; a < D; ++a) {
+          viscous.out[a] = viscous_[a].data();
+          for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
+        }
+        sum(viscous);
+      };
+      if constexpr (D == 2)
+        isotropic() ? add_viscous(isotropic_viscosity<first>()) : add_viscous(graded_viscosity<D, first, false>{});
+      else
+        add_viscous(graded_viscosity<D, first, false>{});
     } else {
       sum();
     }
     if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
+  }
+  // With what isotropic forces lag behind.
+  template <std::size_t first>
+  auto isotropic_viscosity() {
+    auto& extras = world_.w.s.extras;
+    graded_viscosity<D, first, true> viscous{};
+    viscous.beta = beta_ * (D + 2.0) / (D + 4.0);
+    for (std::size_t a = 0; a < D; ++a) {
+      viscous.force[a] = extras[force_ + a].values.data();
+      viscous.plain[a] = plain_viscous_[a].data();
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+      viscous.angular[k] = extras[angles_ + k].values.data();
+      viscous.next_angular[k] = next_angles_[k].data();
+    }
+    return viscous;
   }
 
   // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s); of z where that makes the force. With ∇²v it is the divergence of 2 ν (e - ½
@@ -1088,7 +1102,6 @@ class convection : public march::problem {
   std::array<particles::array, S> next_B_;
   std::array<particles::array, D> uneven_, viscous_, plain_viscous_;
   std::array<particles::array, N> next_angles_;
-  particles::array nothing_;  // zeros, in the place of what equal lines do not have
   particles::array W_sum_;
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it

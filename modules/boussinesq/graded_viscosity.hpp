@@ -32,24 +32,24 @@ inline constexpr forces_tag of_forces;
 struct angles_tag {};
 inline constexpr angles_tag of_angles;
 
-// Numbers of a. In 3-D there is none; one that stays zero stands there.
-template <int D>
-inline constexpr std::size_t angular_terms = D == 2 ? 4 : 1;
+inline constexpr std::size_t angular_terms = 4;  // numbers of a
 
 // first: v, or what stands in its place, among the fields of the operators.
-template <int D, std::size_t first>
+template <int D, std::size_t first, bool isotropic>
 struct graded_viscosity {
+  static_assert(D == 2 || !isotropic);
   using real = pairs::real;
-  static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms<D>;
+  static constexpr std::size_t S = operators::symmetric_terms(D), N = isotropic ? angular_terms : 0;
 
-  const double* root;  // ν^½
-  bool isotropic;
-  double beta;                                           // m2
-  std::array<const double*, D> force;                    // ν A of an earlier evaluation, m/s2
-  std::array<const double*, N> angular;                  // a
+  const double* root;                                    // ν^½
   std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
-  std::array<double*, D> out, plain;                     // 1/(m s): corrected, and A
-  std::array<double*, N> next_angular;
+  std::array<double*, D> out;                            // 1/(m s)
+  // Isotropic only: R/(4(d + 4)), m2; ν A of an earlier evaluation, m/s2; A, 1/(m s); a, and the next.
+  double beta = 0.0;
+  std::array<const double*, D> force = {};
+  std::array<double*, D> plain = {};
+  std::array<const double*, N> angular = {};
+  std::array<double*, N> next_angular = {};
 
   struct me {
     pairs::vec<real, D> sum, force;
@@ -59,8 +59,11 @@ struct graded_viscosity {
     std::array<real, N*(N + 1) / 2> M;         // Σ F r² n n
   };
   auto reads() const {
-    return std::tuple{pairs::read(of_viscosity_root, root), pairs::read(of_forces, force),
-                      pairs::read(of_angles, angular)};
+    const auto of_root = pairs::read(of_viscosity_root, root);
+    if constexpr (isotropic)
+      return std::tuple{of_root, pairs::read(of_forces, force), pairs::read(of_angles, angular)};
+    else
+      return std::tuple{of_root};
   }
   me begin(std::size_t) const {
     me a;
@@ -76,48 +79,53 @@ struct graded_viscosity {
     const auto v = ij.difference(operators::of_fields);
     const real per_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300)), F_r2 = ij.F * ij.r2;
     real s(1.0);
-    if constexpr (D == 2)
-      if (isotropic) {
-        const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
-        const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
-        const auto mine = ij.own(of_angles), other = ij(of_angles);
-        real half(0.0), halves(0.0);
-        for (std::size_t k = 0; k < N; ++k) {
-          half += 0.5 * other[k] * n[k];
-          halves += 0.5 * (mine[k] + other[k]) * n[k];
-        }
-        s += halves;
-        const real of_other = F_r2 * (1.0 + half);
-        for (std::size_t k = 0, place = 0; k < N; ++k) {
-          a.b[k] += of_other * n[k];
-          for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
-        }
+    if constexpr (isotropic) {
+      const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
+      const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
+      const auto mine = ij.own(of_angles), other = ij(of_angles);
+      real half(0.0), halves(0.0);
+      for (std::size_t k = 0; k < N; ++k) {
+        half += 0.5 * other[k] * n[k];
+        halves += 0.5 * (mine[k] + other[k]) * n[k];
       }
+      s += halves;
+      const real of_other = F_r2 * (1.0 + half);
+      for (std::size_t k = 0, place = 0; k < N; ++k) {
+        a.b[k] += of_other * n[k];
+        for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
+      }
+    }
+    if constexpr (isotropic) {
+      a.force += ij.F * ij.difference(of_forces);
+      a.second += F_r2;
+    }
     const real part = ij.F * per_r2 * s;
     real along(0.0);
     for (std::size_t b = 0; b < D; ++b) along += v[first + b] * r[b];
     a.sum += (part * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
-    a.force += ij.F * ij.difference(of_forces);
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q) a.third[n++] += (part * r[p] * r[q]) * r;
     a.m += F_r2 * s;
-    a.second += F_r2;
   }
   void end(std::size_t i, const me& a) const {
     constexpr auto d = static_cast<double>(D);
-    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m), of_laplacian = -2.0 * d / pairs::sum(a.second);
-    const double nu = root[i] * root[i];
+    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
     for (std::size_t p = 0; p < D; ++p) {
       double force_i = pairs::sum(a.sum[p]);
       for (std::size_t q = 0; q < D; ++q)
         for (std::size_t c = 0; c < D; ++c)
           force_i -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
-      plain[p][i] = scale * force_i;
-      out[p][i] = plain[p][i] - (isotropic ? beta : 0.0) * of_laplacian * pairs::sum(a.force[p]) / nu;
+      out[p][i] = scale * force_i;
     }
-    if constexpr (D == 2)
-      if (isotropic) next_angles(i, a);
+    if constexpr (isotropic) {
+      const double of_laplacian = -2.0 * d / pairs::sum(a.second), nu = root[i] * root[i];
+      for (std::size_t p = 0; p < D; ++p) {
+        plain[p][i] = out[p][i];
+        out[p][i] -= beta * of_laplacian * pairs::sum(a.force[p]) / nu;
+      }
+      next_angles(i, a);
+    }
   }
 
  private:

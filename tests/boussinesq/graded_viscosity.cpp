@@ -38,7 +38,7 @@ struct forces {
 // Of velocities and viscosities given wherever there are particles; what lags comes from `passes` evaluations.
 forces force_of(const images::scene<2>& scene, const vector_field& v, const std::function<double(double)>& nu,
                 bool isotropic, int passes) {
-  constexpr std::size_t N = angular_terms<2>;
+  constexpr std::size_t N = angular_terms;
   const auto& s = scene.w.s;
   const auto filled = [&](double value) { return particles::array(s.total() + 1, value); };
   std::array<particles::array, 2> velocity{filled(0.0), filled(0.0)}, force = velocity, P = velocity;
@@ -53,7 +53,9 @@ forces force_of(const images::scene<2>& scene, const vector_field& v, const std:
   const double beta = operators::lattice_beta<2>(scene.w.kernel, scene.w.dx);
   bool singular = false;
   operators::consistent<2, 2, false, 0U> gradients{{}, {}, {}, 1.0, beta, {}, &singular};
-  graded_viscosity<2, 0> viscous{root.data(), true, beta * 4.0 / 6.0, {}, {}, {}, {}, {}, {}};
+  graded_viscosity<2, 0, true> viscous{};
+  viscous.root = root.data();
+  viscous.beta = beta * 4.0 / 6.0;
   std::array<std::array<particles::array, 2>, 2> gradient;
   forces out;
   for (std::size_t a = 0; a < 2; ++a) {
