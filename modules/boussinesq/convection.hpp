@@ -557,7 +557,7 @@ class convection : public march::problem {
       for (auto* group : {&laplacian_, &plain_, &noise_}) all.push_back(&(*group)[k]);
     }
     for (auto& a : next_B_) all.push_back(&a);
-    for (auto* group : {&uneven_, &viscous_, &plain_viscous_})
+    for (auto* group : {&uneven_, &viscous_, &plain_viscous_, &log_slope_})
       for (auto& a : *group) all.push_back(&a);
     for (auto& a : next_angles_) all.push_back(&a);
     return all;
@@ -754,6 +754,7 @@ class convection : public march::problem {
         viscous.root = s.extras[root_].values.data();
         for (std::size_t a = 0; a < D; ++a) {
           viscous.out[a] = viscous_[a].data();
+          viscous.slope[a] = log_slope_[a].data();
           for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
         }
         sum(viscous);
@@ -788,23 +789,12 @@ class convection : public march::problem {
   // ∇·v) over ν, e the rate of strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0
   // alone would feed it.
   std::array<double, D> graded_stress(std::size_t i) const {
-    std::array<double, D> slope{}, stress{};
+    std::array<double, D> stress{};
     if (!varies()) return stress;
-    const auto& c = o_.convection;
     const std::size_t z = viscous_first_;
-    if (p_.tabulated) {
-      const auto& s = world_.w.s;
-      const auto of_log = p_.tabulated->slope(s.T[i], p_.fluid.L - s.x[1][i]);
-      for (std::size_t a = 0; a < D; ++a) slope[a] = reached_ * of_log.per_T * gradient_[D][a][i];
-      slope[1] -= reached_ * of_log.per_depth;
-    } else {
-      for (std::size_t a = 0; a < D; ++a)
-        slope[a] = -reached_ * c.temperature_exponent / p_.fluid.dT * gradient_[D][a][i];
-      slope[1] -= reached_ * c.depth_exponent / p_.fluid.L;
-    }
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
-        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * slope[b] - gradient_[z + b][b][i] * slope[a];
+        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * log_slope_[b][i] - gradient_[z + b][b][i] * log_slope_[a][i];
     return stress;
   }
 
@@ -1100,7 +1090,7 @@ class convection : public march::problem {
   std::array<std::array<particles::array, D>, most_fields> gradient_;
   std::array<particles::array, most_fields> laplacian_, plain_, noise_;
   std::array<particles::array, S> next_B_;
-  std::array<particles::array, D> uneven_, viscous_, plain_viscous_;
+  std::array<particles::array, D> uneven_, viscous_, plain_viscous_, log_slope_;
   std::array<particles::array, N> next_angles_;
   particles::array W_sum_;
 

@@ -44,6 +44,7 @@ struct graded_viscosity {
   const double* root;                                    // ν^½
   std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
   std::array<double*, D> out;                            // 1/(m s)
+  std::array<double*, D> slope;                          // ∇ln ν as the lines see it, 1/m
   // Isotropic only: R/(4(d + 4)), m2; ν A of an earlier evaluation, m/s2; A, 1/(m s); a, and the next.
   double beta = 0.0;
   std::array<const double*, D> force = {};
@@ -52,7 +53,7 @@ struct graded_viscosity {
   std::array<double*, N> next_angular = {};
 
   struct me {
-    pairs::vec<real, D> sum, force;
+    pairs::vec<real, D> sum, force, slope;
     std::array<pairs::vec<real, D>, S> third;  // Σ F s e e r
     real m, second;                            // Σ F s r², Σ F r²
     std::array<real, N> b;                     // Σ F r² (1 + ½ a_j·n) n
@@ -67,7 +68,7 @@ struct graded_viscosity {
   }
   me begin(std::size_t) const {
     me a;
-    a.sum = a.force = foundation::zero<real, D>();
+    a.sum = a.force = a.slope = foundation::zero<real, D>();
     for (auto& t : a.third) t = foundation::zero<real, D>();
     a.m = a.second = real(0.0);
     a.b.fill(real(0.0));
@@ -95,14 +96,14 @@ struct graded_viscosity {
         for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
       }
     }
-    if constexpr (isotropic) {
-      a.force += ij.F * ij.difference(of_forces);
-      a.second += F_r2;
-    }
+    if constexpr (isotropic) a.force += ij.F * ij.difference(of_forces);
+    a.second += F_r2;
     const real part = ij.F * per_r2 * s;
     real along(0.0);
     for (std::size_t b = 0; b < D; ++b) along += v[first + b] * r[b];
-    a.sum += (part * along * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root))) * r;
+    const real nu = line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
+    a.sum += (part * along * nu) * r;
+    a.slope += (ij.F * (nu - 1.0)) * r;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q) a.third[n++] += (part * r[p] * r[q]) * r;
@@ -118,8 +119,10 @@ struct graded_viscosity {
           force_i -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
       out[p][i] = scale * force_i;
     }
+    const double of_laplacian = -2.0 * d / pairs::sum(a.second);
+    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * pairs::sum(a.slope[p]);
     if constexpr (isotropic) {
-      const double of_laplacian = -2.0 * d / pairs::sum(a.second), nu = root[i] * root[i];
+      const double nu = root[i] * root[i];
       for (std::size_t p = 0; p < D; ++p) {
         plain[p][i] = out[p][i];
         out[p][i] -= beta * of_laplacian * pairs::sum(a.force[p]) / nu;
