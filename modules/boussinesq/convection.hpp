@@ -32,6 +32,7 @@
 // it has the largest weight, -1.1 to -1.9.
 #pragma once
 
+#include <boussinesq/contrast.hpp>
 #include <boussinesq/graded_viscosity.hpp>
 #include <boussinesq/interpolation.hpp>
 #include <boussinesq/options.hpp>
@@ -134,7 +135,8 @@ class convection : public march::problem {
     for (std::size_t k = 1; k < fields_; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
     grad_ = add("Gradient_0", "", role::memory);
     for (std::size_t k = 1; k < fields_ * D; ++k) add("Gradient_" + std::to_string(k), "", role::memory);
-    root_ = add("ViscosityRoot", "m/s^(1/2)", role::memory);
+    root_ = add("ViscosityRoot", "m/s^(1/2)", role::derived);
+    own_viscosity_ = add("OwnViscosity", "m^2/s", role::derived);
     stress_ = add("GradedStress_0", "1/(m s)", role::memory);
     for (std::size_t k = 1; k < D; ++k) add("GradedStress_" + std::to_string(k), "1/(m s)", role::memory);
     tensor_ = add("LaplacianWeight_0", "1", role::memory);
@@ -204,7 +206,17 @@ class convection : public march::problem {
   }
   double diffusion_radius() override {
     const double dx = world_.w.dx;
-    return 4.0 * D * std::max(largest_viscosity(), p_.fluid.kappa) / (dx * dx);
+    return 4.0 * D * std::max(viscous_contrast_ * largest_viscosity(), p_.fluid.kappa) / (dx * dx);
+  }
+  // The fixed step of 'rk4' is bound by what lags behind; to its limit of stability there are factors of 2.7 (damping)
+  // and 3.8 (sound) with one viscosity, found from the eigenvalues of the rates.
+  double longest_step() override {
+    if (!p_.steady || !varies()) return std::numeric_limits<double>::infinity();
+    const auto& method = o_.march.time.method;
+    const double margin = method == "rk4" ? std::hypot(viscous_contrast_ / 2.7, sound_contrast_ / 3.8)
+                          : method == "rkl2" || method == "rkc2" ? sound_contrast_
+                                                                 : std::max(viscous_contrast_, sound_contrast_);
+    return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
   }
 
   void expect_memory(bool expected) override { whole_ = expected || o_.convection.lagging == "evaluation"; }
@@ -212,6 +224,15 @@ class convection : public march::problem {
     take_memory();
     v_max_ = fastest();
     faster_ = v_max_ > 0.0 ? std::max(1.0, ranks().maximum(displacing_) / v_max_) : 1.5;
+    if (varies()) {
+      const auto largest = [&](const particles::array& a) {
+        double most = 1.0;
+        for (std::size_t i = 0; i < world_.w.s.fluid; ++i) most = std::max(most, a[i]);
+        return ranks().maximum(most);
+      };
+      viscous_contrast_ = largest(viscous_stiffer_);
+      sound_contrast_ = std::sqrt(largest(coupled_));
+    }
   }
   bool asks_again() const override { return extrapolates(); }
   void renew_memory() override {
@@ -551,7 +572,7 @@ class convection : public march::problem {
   }
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&W_sum_};
+    std::vector<particles::array*> all{&W_sum_, &viscous_stiffer_, &coupled_};
     for (std::size_t k = 0; k < fields_; ++k) {
       for (auto& component : gradient_[k]) all.push_back(&component);
       for (auto* group : {&laplacian_, &plain_, &noise_}) all.push_back(&(*group)[k]);
@@ -568,12 +589,12 @@ class convection : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     const foundation::stage timed(w.times, "halo");
-    if (varies()) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity_root(i, s.x[1][i]); });
+    if (varies()) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity(i, s.x[1][i]); });
     const auto fields = field_arrays();
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), fields_), &s.x);
     images::move(world_.images, s);
     if (varies())
-      foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity_root(s.fluid + g, s.x[1][s.fluid + g]); });
+      foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(s.fluid + g, s.x[1][s.fluid + g]); });
     foundation::for_all(world_.images.source.size(), [&](std::size_t r) { mirror_state(r); });
   }
 
@@ -632,10 +653,15 @@ class convection : public march::problem {
       for (std::size_t a = 0; a < D; ++a) s.extras[grad_ + k * D + a].values[i] = gradient[k][a];
     s.T[i] = T;
     pressure_of()[i] = p;
-    if (varies()) set_viscosity_root(i, y);
+    if (!varies()) return;
+    set_viscosity(i, y);
+    s.extras[own_viscosity_].values[i] = s.extras[own_viscosity_].values[j];
   }
-  void set_viscosity_root(std::size_t i, double y) {
-    world_.w.s.extras[root_].values[i] = std::sqrt(viscosity(y, world_.w.s.T[i]));
+  void set_viscosity(std::size_t i, double y) {
+    auto& s = world_.w.s;
+    const double nu = viscosity(y, s.T[i]);
+    s.extras[own_viscosity_].values[i] = nu;
+    s.extras[root_].values[i] = std::sqrt(nu);
   }
 
   // Ghosts and images of the plain Laplacians: odd where their field is, but for a velocity that does not slip, whose
@@ -744,7 +770,11 @@ class convection : public march::problem {
     for (std::size_t k = 0; k < K; ++k) smooth.out[k] = noise_[k].data();
     for (std::size_t k = 0; k < K * D; ++k) smooth.gradients[k] = s.extras[grad_ + k].values.data();
     const auto sum = [&](const auto&... more) {
-      if constexpr (whole)
+      if constexpr (whole && graded)
+        w.sum(w.fluid(), derivatives, smooth, uneven, more...,
+              contrast{s.extras[root_].values.data(), s.extras[own_viscosity_].values.data(), viscous_stiffer_.data(),
+                       coupled_.data()});
+      else if constexpr (whole)
         w.sum(w.fluid(), derivatives, smooth, uneven, more...);
       else
         w.sum(w.fluid(), derivatives, smooth, more...);
@@ -794,7 +824,8 @@ class convection : public march::problem {
     const std::size_t z = viscous_first_;
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
-        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * log_slope_[b][i] - gradient_[z + b][b][i] * log_slope_[a][i];
+        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * log_slope_[b][i] -
+                     gradient_[z + b][b][i] * log_slope_[a][i];
     return stress;
   }
 
@@ -1082,8 +1113,8 @@ class convection : public march::problem {
   double level_began_ = 0.0;   // s
   std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
-  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, stress_ = 0, tensor_ = 0, force_ = 0, angles_ = 0,
-              before_ = 0,
+  std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, own_viscosity_ = 0, stress_ = 0, tensor_ = 0,
+              force_ = 0, angles_ = 0, before_ = 0,
               earlier_ = 0;  // first of each in the extras
   double volume_ = 0.0, beta_ = 0.0, h_ = 0.0, W_self_ = 0.0, per_W_dx_ = 0.0;
 
@@ -1092,7 +1123,8 @@ class convection : public march::problem {
   std::array<particles::array, S> next_B_;
   std::array<particles::array, D> uneven_, viscous_, plain_viscous_, log_slope_;
   std::array<particles::array, N> next_angles_;
-  particles::array W_sum_;
+  particles::array W_sum_, viscous_stiffer_, coupled_;
+  double viscous_contrast_ = 1.0, sound_contrast_ = 1.0;  // of the start of the step, contrast.hpp
 
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
   double nu_ = p_.fluid.nu;  // m2/s, without the exponents

@@ -16,6 +16,9 @@
 // divergence, as ν_ij is that of the mean fluidity. With isotropic forces the deferred correction is A - β ∇²(ν A)/ν,
 // of an earlier A; with s = 1 there is none. (v - β P(v) in the place of v, right for one ν, would take the part β (∇ln
 // ν)² of the force away: all of it where ν grows by exp(3.6) within a spacing.)
+// ∇ln ν as the lines see it, for walls, is (2d/Σ F r²) Σ F (ν_ij/ν_i - 1) r: half the step of ln ν along a line is
+// ν_ij/ν_i - 1, and that has bounds (-1, 5). The chain rule's, ∂ln ν/∂T ∇T, has none: where a law is steep over less
+// than a spacing the pressure that a wall answers with becomes many times what the lines can bear.
 #pragma once
 
 #include <boussinesq/line_viscosity.hpp>

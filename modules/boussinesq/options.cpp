@@ -110,11 +110,10 @@ void declare(namelist::schema& schema, convection_options& o) {
               .meaning = "of the noise in temperature and velocity, times the speed with which particles are spread"});
   schema.add(g, "shifting", o.shifting,
              {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
-  schema.add(
-      g, "line_forces", o.line_forces,
-      {.choices = {"equal", "isotropic"},
-       .meaning = "viscosity that varies, 2-D: all lines between particles alike, or weighted so that the "
-                  "viscosity is the same in all directions; the latter needs boundary layers that are resolved"});
+  schema.add(g, "line_forces", o.line_forces,
+             {.choices = {"auto", "equal", "isotropic"},
+              .meaning = "viscosity that varies: all lines between particles alike, or (2-D only, there the choice of "
+                         "'auto') weighted so that the viscosity is the same in all directions"});
   schema.add(
       g, "viscosity_law", o.viscosity_law,
       {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential", "table", "melt"},
@@ -512,8 +511,10 @@ parameters resolve(const namelist::schema& schema, options& o) {
   unless_given("target", c.target, "transient");
   unless_given("pressure_diffusion", c.pressure_diffusion, 0.0);
   unless_given("remap_diffusion", c.remap_diffusion, 0.0);
-  if (c.line_forces == "isotropic" && (c.viscosity_law == "constant" || o.physics.domain.dimension != 2))
+  const bool weighted = c.viscosity_law != "constant" && o.physics.domain.dimension == 2;
+  if (c.line_forces == "isotropic" && !weighted)
     schema.fail("convection", "line_forces", "'isotropic' is for a viscosity that varies, in two dimensions");
+  if (c.line_forces == "auto") c.line_forces = weighted ? "isotropic" : "equal";
   if (c.operators == "sum" && c.viscosity_law != "constant")
     schema.fail("convection", "viscosity_law", "the plain sums are for one viscosity");
   if (c.operators == "sum" && (c.pressure_diffusion != 0.0 || c.remap_diffusion != 0.0))

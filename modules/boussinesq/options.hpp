@@ -34,7 +34,7 @@ struct convection_options {
   std::string operators = "corrected";
   std::string lagging = "auto";
   double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
-  std::string line_forces = "equal";  // or isotropic: weights of the lines whose viscosity varies
+  std::string line_forces = "auto";  // equal or isotropic: weights of the lines whose viscosity varies
   std::string viscosity_law = "constant";
   double temperature_exponent = 0.0, depth_exponent = 0.0;
   std::string viscosity_file;  // of the 'table' law

@@ -145,14 +145,6 @@ double viscosity_table::log(double T, double depth) const {
   return std::lerp(low, high, z.s);
 }
 
-viscosity_table::slopes viscosity_table::slope(double T, double depth) const {
-  const auto t = find(T_, T), z = find(depth_, depth);
-  const std::size_t n = depth_.size();
-  const double a = log_[t.first * n + z.first], b = log_[t.next * n + z.first], c = log_[t.first * n + z.next],
-               d = log_[t.next * n + z.next];
-  return {std::lerp(b - a, d - c, z.s) * t.per, std::lerp(c - a, d - b, t.s) * z.per};
-}
-
 bool viscosity_table::covers(double T, double depth) const {
   const auto within = [](const std::vector<double>& x, double at) {
     return x.size() == 1 || (at >= x.front() && at <= x.back());

@@ -17,10 +17,6 @@ namespace tetsuame::boussinesq {
 
 class viscosity_table {
  public:
-  struct slopes {
-    double per_T, per_depth;  // of ln ν: 1/K, 1/m
-  };
-
   // `viscosity`: Pa s, of T (K) and depth (m), > 0; at all pairs of the two lists, which ascend and are not empty.
   viscosity_table(std::vector<double> T, std::vector<double> depth,
                   const std::function<double(double T, double depth)>& viscosity);
@@ -28,7 +24,6 @@ class viscosity_table {
   static viscosity_table read(const std::string& path);
 
   double log(double T, double depth) const;  // ln(Pa s)
-  slopes slope(double T, double depth) const;
   bool covers(double T, double depth) const;
 
   const std::vector<double>& temperatures() const { return T_; }

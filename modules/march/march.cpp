@@ -132,9 +132,10 @@ struct loop {
     const double t = integrator->time(), end = t_end();
     if (!(t + 1e-3 * longest > t))
       foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
+    const double bound = std::min(longest, p.longest_step());
     if (controls_error())
-      return std::min(t + longest, o.output.interval > 0.0 ? std::min(end, files.next_snapshot) : end);
-    const double most = bound_dt > 0.0 ? std::min(longest, bound_dt) : longest;
+      return std::min(t + bound, o.output.interval > 0.0 ? std::min(end, files.next_snapshot) : end);
+    const double most = bound_dt > 0.0 ? std::min(bound, bound_dt) : bound;
     if (most < dt) return std::min(end, t + most);
     return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
   }

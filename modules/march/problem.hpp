@@ -3,6 +3,7 @@
 
 #include <domain/communicator.hpp>
 #include <integrators/explicit_integrator.hpp>
+#include <limits>
 #include <output/checkpoint.hpp>
 #include <output/history.hpp>
 #include <output/snapshot.hpp>
@@ -32,6 +33,8 @@ class problem {
   virtual void evaluate(std::span<double* const> rate) = 0;
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
   virtual double diffusion_radius() = 0;               // 1/s, a bound for 'rkl2' and 'rkc2'
+  // s, of the present state, once its rate is known: a bound for the next step, whatever its length was to be.
+  virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 
   // Whether keep_memory may follow the next evaluations; else what serves that alone can be left out. True at first.
   virtual void expect_memory(bool) {}

@@ -1,5 +1,6 @@
 // The viscous force where the viscosity varies, on the lattice and in disorder.
 #include <boost/test/unit_test.hpp>
+#include <boussinesq/contrast.hpp>
 #include <boussinesq/graded_viscosity.hpp>
 #include <cmath>
 #include <functional>
@@ -7,6 +8,7 @@
 
 #include "../support/scene.hpp"
 
+namespace tt = boost::test_tools;
 using namespace tetsuame;
 using namespace tetsuame::boussinesq;
 using tetsuame::test::alone;
@@ -33,6 +35,7 @@ images::scene<2> box(double jitter) {
 
 struct forces {
   std::array<particles::array, 2> plain, corrected;  // over nu
+  std::array<particles::array, 2> slope;             // of ln nu
 };
 
 // Of velocities and viscosities given wherever there are particles; what lags comes from `passes` evaluations.
@@ -59,7 +62,8 @@ forces force_of(const images::scene<2>& scene, const vector_field& v, const std:
   std::array<std::array<particles::array, 2>, 2> gradient;
   forces out;
   for (std::size_t a = 0; a < 2; ++a) {
-    out.plain[a] = out.corrected[a] = filled(0.0);
+    out.plain[a] = out.corrected[a] = out.slope[a] = filled(0.0);
+    viscous.slope[a] = out.slope[a].data();
     gradients.f[a] = velocity[a].data();
     gradients.P[a] = P[a].data();
     viscous.force[a] = force[a].data();
@@ -149,4 +153,67 @@ BOOST_AUTO_TEST_CASE(shear_in_disorder) {
                isotropic = error(scene, force_of(scene, v, nu, true, 12).plain, exact);
   BOOST_TEST_MESSAGE("error " << without << " with s = 1, " << isotropic << " isotropic");
   BOOST_TEST(isotropic < 0.7 * without);
+}
+
+// Right for a smooth viscosity, and bounded where it jumps: the chain rule would give a hundred.
+BOOST_AUTO_TEST_CASE(slope_of_the_logarithm) {
+  const auto at_rest = [](place) { return place{0.0, 0.0}; };
+  const auto in_middle = [](const images::scene<2>& scene, const particles::array& f, const auto& check) {
+    for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
+      if (std::abs(scene.w.s.x[1][i] - 16.0) < 8.0) check(f[i]);
+  };
+  for (const double jitter : {0.0, 0.1}) {
+    const auto scene = box(jitter);
+    for (const double g : {-0.6, 0.1, 0.6}) {
+      const auto f = force_of(
+          scene, at_rest, [&](double y) { return std::exp(g * (y - 16.0)); }, true, 2);
+      const double share = jitter == 0.0 ? 0.02 : 0.25;
+      in_middle(scene, f.slope[1], [&](double slope) { BOOST_TEST(std::abs(slope - g) < share * std::abs(g)); });
+    }
+    const auto jump = force_of(
+        scene, at_rest, [](double y) { return y < 16.0 ? 1.0 : 1e40; }, true, 2);
+    in_middle(scene, jump.slope[1], [](double slope) {
+      BOOST_TEST(slope > -0.2);
+      BOOST_TEST(slope < 6.0);
+    });
+  }
+}
+
+BOOST_AUTO_TEST_CASE(stiffness_of_a_contrast) {
+  const auto scene = box(0.0);
+  const auto& s = scene.w.s;
+  const double g = 0.8, reach = scene.w.support();
+  particles::array root(s.total() + 1, 1.0), own(s.total() + 1, 1.0), viscous(s.total() + 1, 0.0), coupled = viscous;
+  const auto sum = [&] {
+    scene.w.sum(scene.w.fluid(), contrast{root.data(), own.data(), viscous.data(), coupled.data()});
+  };
+  sum();
+  BOOST_TEST(viscous[0] == 1.0, tt::tolerance(1e-14));
+  BOOST_TEST(coupled[0] == 1.0, tt::tolerance(1e-14));
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    own[i] = std::exp(g * (s.x[1][i] - 16.0));
+    root[i] = std::sqrt(own[i]);
+  }
+  sum();
+  // The same over the lattice's places, by hand.
+  std::array<double, 4> by_hand{};
+  std::visit(
+      [&](const auto& k) {
+        for (int a = -3; a <= 3; ++a)
+          for (int b = -3; b <= 3; ++b) {
+            const double r = std::hypot(a, b);
+            if (r == 0.0 || r >= reach) continue;
+            const double F = k.gradient_over_r(r), up = std::exp(g * b);
+            by_hand[0] += F;
+            by_hand[1] += F * 6.0 * up / (1.0 + 4.0 * std::sqrt(up) + up);
+            by_hand[2] += F * r;
+            by_hand[3] += F * r * up;
+          }
+      },
+      scene.w.kernel);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    if (std::abs(s.x[1][i] - 16.0) > 8.0) continue;
+    BOOST_TEST(viscous[i] == by_hand[1] / by_hand[0], tt::tolerance(1e-12));
+    BOOST_TEST(coupled[i] == by_hand[3] / by_hand[2], tt::tolerance(1e-12));
+  }
 }
