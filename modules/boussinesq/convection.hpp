@@ -35,9 +35,10 @@
 #include <boussinesq/contrast.hpp>
 #include <boussinesq/graded_viscosity.hpp>
 #include <boussinesq/interpolation.hpp>
+#include <boussinesq/measures.hpp>
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
-#include <boussinesq/wall_gradient.hpp>
+#include <boussinesq/terms.hpp>
 #include <march/problem.hpp>
 #include <operators/consistent.hpp>
 #include <operators/sums.hpp>
@@ -45,71 +46,6 @@
 #include <simulation/state.hpp>
 
 namespace tetsuame::boussinesq {
-
-struct slopes_tag {};
-inline constexpr slopes_tag of_slopes;
-
-// Q(v), Q(T), Q(p) and Q(z) above, of the K fields of operators::consistent. Graded: Q(p) takes the part
-// min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
-template <int D, int fields, bool graded>
-struct noise {
-  using real = pairs::real;
-  static constexpr std::size_t K = fields;
-  std::array<const double*, K * D> gradients;  // of each field
-  double V;                                    // m^D
-  std::array<double*, K> out;                  // of each field, over m^2
-
-  struct me {
-    std::array<real, K> sum;
-  };
-  auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
-  me begin(std::size_t) const {
-    me a;
-    a.sum.fill(real(0.0));
-    return a;
-  }
-  void add(me& a, const auto& ij) const {
-    const auto G = ij.own(of_slopes) + ij(of_slopes);
-    const auto f_ij = ij.difference(operators::of_fields);
-    for (std::size_t k = 0; k < K; ++k) {
-      real steps = 2.0 * f_ij[k];
-      for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
-      if constexpr (graded)
-        if (k == D + 1) {
-          const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
-          steps *= mine / foundation::greater(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
-        }
-      a.sum[k] += ij.F * steps;
-    }
-  }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < K; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
-  }
-};
-
-// Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
-template <int D>
-struct unevenness {
-  using real = pairs::real;
-  double V, W_self, per_W_dx;
-  std::array<double*, D> out;
-  double* W_sum;
-
-  struct me {
-    pairs::vec<real, D> sum;
-    real W;
-  };
-  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    const real q = ij.W * per_W_dx, q2 = q * q;
-    a.sum += (ij.F * (1.0 + 0.2 * q2 * q2)) * ij.x_ij;
-    a.W += ij.W;
-  }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
-    W_sum[i] = W_self + pairs::sum(a.W);
-  }
-};
 
 template <int D>
 class convection : public march::problem {
@@ -356,7 +292,7 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) momentum_ = std::max(momentum_, std::abs(ranks().exact(momentum[a])));
     momentum_ = scale > 0.0 ? momentum_ / scale : 0.0;
     for (std::size_t a = 0; a < D; ++a) agree_on_peak(peaks_[a]);
-    const auto walls = wall_heat();
+    const auto walls = wall_heat(world_, particles_, o_.physics.domain.length[0], f.L / f.dT);
     std::vector<double> m{1.0 + mean.carried / (unit * f.dT),
                           walls.top,
                           walls.bottom,
@@ -492,7 +428,6 @@ class convection : public march::problem {
   // Fields of the operators: v, T, p, and z where the viscous response is relaxed.
   static constexpr std::size_t plain_fields = D + 2, most_fields = 2 * D + 2;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms;
-  static constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
   // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
   // not they heat.
   static constexpr std::array<const char*, 14> measures{"nusselt_volume",
@@ -514,8 +449,6 @@ class convection : public march::problem {
   struct box_means {
     double carried, v2, friction, cooling, work;
   };
-  // Products at the particles, interpolated to the places of the lattice and summed there. Particles at walls stand in
-  // rows, whose volumes 1/ΣW has wrong by a hundredth: sums with those are of the first order (1b, n = 64: 0.1 %).
   box_means means() {
     auto& s = world_.w.s;
     constexpr std::size_t products = 5;
@@ -534,41 +467,8 @@ class convection : public march::problem {
       product[2][i] = buoyancy(y, T, p[i]) * rising;
       product[3][i] = buoyancy_slope(y, T) * rising * T;
     });
-    std::array<const double*, products> f;
-    for (std::size_t k = 0; k < products; ++k) f[k] = product[k].data();
-    std::array<foundation::exact_sum, products> sum;
-    const interpolation<D> at(s, world_.w.support());
-    bool covered = true;
-    for_each_place(particles_, world_.w.dx, [&](std::int64_t, const std::array<double, D>& x) {
-      const auto found = at(x, f);
-      covered = covered && found.has_value();
-      for (std::size_t k = 0; k < products && found; ++k) sum[k].add((*found)[k]);
-    });
-    if (ranks().minimum(covered ? 1.0 : 0.0) == 0.0) {  // voids: the flow blows up; the particles' own mean
-      sum = {};
-      for (std::size_t k = 0; k < products; ++k)
-        for (std::size_t i = 0; i < s.fluid; ++i) sum[k].add(product[k][i]);
-    }
-    std::array<double, products> mean;
-    for (std::size_t k = 0; k < products; ++k)
-      mean[k] = ranks().exact(sum[k]) / static_cast<double>(world_.fluid_total);
+    const auto mean = mean_over_box(world_, particles_, product);
     return {.carried = mean[0], .v2 = mean[1], .friction = mean[4], .cooling = mean[3], .work = mean[2]};
-  }
-
-  // Of a lattice of so many places, dx apart, those of this rank's cell, by ascending number.
-  void for_each_place(const std::array<std::int64_t, 3>& n, double dx, const auto& visit) const {
-    const auto cell = world_.w.d.cell();
-    std::int64_t total = 1;
-    for (std::size_t a = 0; a < D; ++a) total *= n[a];
-    for (std::int64_t id = 0; id < total; ++id) {
-      std::array<double, D> x;
-      std::int64_t rest = id;
-      for (std::size_t a = 0; a < D; ++a) {
-        x[a] = (static_cast<double>(rest % n[a]) + 0.5) * dx;
-        rest /= n[a];
-      }
-      if (world_.w.d.within(cell, x)) visit(id, x);
-    }
   }
 
   struct peak {
@@ -1034,7 +934,7 @@ class convection : public march::problem {
     std::vector<std::int64_t> ids;
     std::vector<std::array<double, D>> places;
     std::vector<std::array<double, most_fields>> values;
-    for_each_place(particles_of_level(o_, level_ - 1), 0.5 * world_.w.dx,
+    for_each_place(world_, particles_of_level(o_, level_ - 1), 0.5 * world_.w.dx,
                    [&](std::int64_t id, const std::array<double, D>& x) {
                      ids.push_back(id);
                      places.push_back(x);
@@ -1090,63 +990,6 @@ class convection : public march::problem {
       candidate = candidate && mine.x[b] == x;
       mine.x[b] = x;
     }
-  }
-
-  struct wall_measures {
-    double top, bottom;
-    std::array<double, 4> corners;  // top left, top right, bottom right, bottom left
-  };
-
-  // Heat through top and bottom over that of conduction, and gradients at the corners, in units of ΔT/L.
-  wall_measures wall_heat() {
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    wall_measures m{none, none, {none, none, none, none}};
-    for (const auto& wall : world_.images.sides) {
-      if (wall.axis != 1 || wall.thermal != images::heat::fixed_temperature) continue;
-      const bool top = wall.inward < 0.0;
-      auto [mean, left, right] = wall_gradients(wall);
-      const double sign = top ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid
-      (top ? m.top : m.bottom) = sign * mean;
-      m.corners[top ? 0 : 3] = sign * left;
-      m.corners[top ? 1 : 2] = sign * right;
-    }
-    return m;
-  }
-
-  std::array<double, 3> wall_gradients(const images::side<D>& wall) {
-    const auto& s = world_.w.s;
-    const auto& length = o_.physics.domain.length;
-    const double dx = world_.w.dx, radius = fit_radius * dx, unit = p_.fluid.L / p_.fluid.dT;
-    std::vector<near_wall> near;
-    for (std::size_t i = 0; i < s.total(); ++i) {
-      const double y = wall.distance(s.x[1][i]);
-      if (y <= 0.0 || y >= radius) continue;
-      near.push_back({y, {s.x[0][i], D == 3 ? s.x[2 % D][i] : 0.0}, s.T[i] - wall.temperature, s.id[i]});
-    }
-    sort(near);
-    const auto cell = world_.w.d.cell();
-    const auto here = [&](double x, double z) {
-      std::array<double, D> place;
-      place[0] = x;
-      place[1] = wall.position + wall.inward * 1e-6 * dx;
-      if (D == 3) place[2 % D] = z;
-      return world_.w.d.within(cell, place);
-    };
-    foundation::exact_sum sum;
-    std::int64_t places = 0;
-    const std::int64_t depth = D == 3 ? particles_[2] : 1;
-    for (std::int64_t n = 0; n < particles_[0]; ++n)
-      for (std::int64_t l = 0; l < depth; ++l) {
-        const double x = (static_cast<double>(n) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
-        ++places;
-        if (here(x, z)) sum.add(unit * wall_gradient(near, {x, z}, radius, D));
-      }
-    const auto corner = [&](double x) {
-      const double lowest = std::numeric_limits<double>::lowest();
-      const double inside = std::min(std::max(x, 1e-6 * dx), length[0] - 1e-6 * dx);
-      return ranks().maximum(here(inside, 0.0) ? unit * wall_gradient(near, {x, 0.0}, radius, D) : lowest);
-    };
-    return {ranks().exact(sum) / static_cast<double>(places), corner(0.0), corner(length[0])};
   }
 
   const options& o_;
