@@ -153,7 +153,6 @@ struct loop {
       p.keep_memory();
       if (p.asks_again()) integrator->state_changed();
       // The other methods may take the last stage's rate for the first of the next step.
-      if (const char* j = std::getenv("JAC"); j && step == std::atoi(j)) dump_jacobian();
       p.expect_memory(o.time.method != "rk4");
       in_step = true;
       integrator->step(next_stop());
@@ -169,37 +168,6 @@ struct loop {
       progress.update(state());
     }
     progress.finish(state());
-  }
-
-  void dump_jacobian() {
-    auto f = p.fields();
-    const std::size_t n = p.local_particles(), m = f.size();
-    std::vector<particles::array> rates(m, particles::array(n));
-    std::vector<double*> r;
-    for (auto& a : rates) r.push_back(a.data());
-    FILE* out = std::fopen(std::getenv("JACF"), "wb");
-    auto put = [&](const double* a) { std::fwrite(a, 8, n, out); };
-    double head[4] = {double(n), double(m), dt, longest};
-    std::fwrite(head, 8, 4, out);
-    for (auto& g : f) put(g.data);
-    p.evaluate(r);
-    for (auto* a : r) put(a);
-    std::vector<std::size_t> which{2, 3, 4, 5};
-    for (auto k : which) {
-      double most = 0;
-      for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::abs(f[k].data[i]));
-      const double eps = 1e-5 * most;
-      std::fwrite(&eps, 8, 1, out);
-      for (std::size_t i = 0; i < n; ++i) {
-        const double was = f[k].data[i];
-        f[k].data[i] = was + eps;
-        p.evaluate(r);
-        for (auto c : which) put(r[c]);
-        f[k].data[i] = was;
-      }
-    }
-    std::fclose(out);
-    std::exit(0);
   }
 
   output::progress_state state() const {
