@@ -160,7 +160,7 @@ class convection : public march::problem {
     take_memory();
     v_max_ = fastest();
     faster_ = v_max_ > 0.0 ? std::max(1.0, ranks().maximum(displacing_) / v_max_) : 1.5;
-    if (varies()) {
+    if (p_.steady && varies()) {  // else inertia does not go with ν
       const auto largest = [&](const particles::array& a) {
         double most = 1.0;
         for (std::size_t i = 0; i < world_.w.s.fluid; ++i) most = std::max(most, a[i]);
