@@ -37,14 +37,17 @@ std::array<double, K> mean_over_box(const images::scene<D>& scene, const std::ar
   const auto& ranks = scene.w.d.ranks;
   std::array<const double*, K> f;
   for (std::size_t k = 0; k < K; ++k) f[k] = values[k].data();
-  std::array<foundation::exact_sum, K> sum;
+  std::vector<std::array<double, D>> places;
+  for_each_place(scene, n, scene.w.dx, [&](std::int64_t, const auto& x) { places.push_back(x); });
   const interpolation<D> at(scene.w.s, scene.w.support());
+  std::vector<std::optional<std::array<double, K>>> found(places.size());
+  foundation::for_all(places.size(), [&](std::size_t i) { found[i] = at(places[i], f); });
+  std::array<foundation::exact_sum, K> sum;
   bool covered = true;
-  for_each_place(scene, n, scene.w.dx, [&](std::int64_t, const std::array<double, D>& x) {
-    const auto found = at(x, f);
-    covered = covered && found.has_value();
-    for (std::size_t k = 0; k < K && found; ++k) sum[k].add((*found)[k]);
-  });
+  for (const auto& values_there : found) {
+    covered = covered && values_there.has_value();
+    for (std::size_t k = 0; k < K && values_there; ++k) sum[k].add((*values_there)[k]);
+  }
   if (ranks.minimum(covered ? 1.0 : 0.0) == 0.0) {
     sum = {};
     for (std::size_t k = 0; k < K; ++k)

@@ -20,17 +20,16 @@ using foundation::fail_input;
 // Between values `first` and the next of a list: part s of the way. One value only: nothing depends on it.
 struct place {
   std::size_t first, next;
-  double s, per;  // per: 1/distance, 0 where the function is constant
+  double s;
 };
 
 place find(const std::vector<double>& x, double at) {
-  if (x.size() == 1) return {0, 0, 0.0, 0.0};
+  if (x.size() == 1) return {0, 0, 0.0};
   const double beyond = 0.1 * (x.back() - x.front());
   const double held = std::clamp(at, x.front() - beyond, x.back() + beyond);
   const auto after = std::upper_bound(x.begin() + 1, x.end() - 1, held);
   const auto next = static_cast<std::size_t>(after - x.begin());
-  const double per = 1.0 / (x[next] - x[next - 1]);
-  return {next - 1, next, (held - x[next - 1]) * per, held == at ? per : 0.0};
+  return {next - 1, next, (held - x[next - 1]) / (x[next] - x[next - 1])};
 }
 
 struct row {
