@@ -211,7 +211,8 @@ void run(const simulation::command_line& line, const options& o, const std::stri
   const auto begin = clock::now();
   virtual_run<D> v(o);
   output::open_directory(MPI_COMM_WORLD, line.output,
-                         line.force ? output::directory_mode::force : output::directory_mode::fresh);
+                         line.force ? output::directory_mode::force : output::directory_mode::fresh,
+                         {"cuts.csv", "times.csv"});
   output::write_text(MPI_COMM_WORLD, line.output + "/resolved.nml", resolved);
   output::run_log log(MPI_COMM_WORLD, line.output + "/run.log");
   auto history = output::history::start(MPI_COMM_WORLD, line.output + "/history.csv", columns(o));

@@ -189,9 +189,9 @@ struct explicit_integrator::implementation {
   void weights(N_Vector state, N_Vector weight) const;
   void know_rate();
   double first_dt(double t_stop);
-  plan choose(double t_stop);
-  plan choose_fixed(double t_stop) const;
-  void cut_for_stop(double t_stop, plan& p) const;
+  plan choose(double t_stop, const std::string& stop_is);
+  plan choose_fixed(double t_stop, const std::string& stop_is) const;
+  void cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const;
   outcome attempt(double dt);
   outcome attempt_with_arkode(double dt);
   outcome attempt_here(double dt);
@@ -336,15 +336,16 @@ double explicit_integrator::implementation::first_dt(double t_stop) {
   return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
 }
 
-explicit_integrator::implementation::plan explicit_integrator::implementation::choose_fixed(double t_stop) const {
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose_fixed(
+    double t_stop, const std::string& stop_is) const {
   const double rest = t_stop - t, dt = options.dt;
   // Rounding accumulated over many steps must not leave a sliver before an output time.
-  if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, "fixed", true, false};
-  if (rest < dt) return {rest, "output", true, true};
-  return {dt, "fixed", false, false};
+  if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, options.dt_is, true, false};
+  if (rest < dt) return {rest, stop_is, true, true};
+  return {dt, options.dt_is, false, false};
 }
 
-void explicit_integrator::implementation::cut_for_stop(double t_stop, plan& p) const {
+void explicit_integrator::implementation::cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const {
   const double rest = t_stop - t;
   if (p.dt >= rest) {
     p.cut_for_output = p.dt > rest;
@@ -356,13 +357,14 @@ void explicit_integrator::implementation::cut_for_stop(double t_stop, plan& p) c
     p.cut_for_output = true;
     p.dt = 0.5 * rest;
   }
-  if (p.cut_for_output) p.limited_by = "output";
+  if (p.cut_for_output) p.limited_by = stop_is;
 }
 
-explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop) {
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop,
+                                                                                      const std::string& stop_is) {
   if (!adaptive) {
     if (is_stabilised) know_radius(false);
-    return choose_fixed(t_stop);
+    return choose_fixed(t_stop, stop_is);
   }
   if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
   plan p{statistics.next_dt, "accuracy", false, false};
@@ -378,7 +380,7 @@ explicit_integrator::implementation::plan explicit_integrator::implementation::c
     know_radius(false);
     if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
   }
-  cut_for_stop(t_stop, p);
+  cut_for_stop(t_stop, stop_is, p);
   return p;
 }
 
@@ -643,11 +645,11 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
 
 explicit_integrator::~explicit_integrator() = default;
 
-double explicit_integrator::step(double t_stop) {
+double explicit_integrator::step(double t_stop, const std::string& stop_is) {
   implementation& s = *self_;
   if (!(t_stop > s.t)) fail_input(fmt::format("the stop time {} s must lie after t = {} s", t_stop, s.t));
   s.know_rate();
-  implementation::plan p = s.choose(t_stop);
+  implementation::plan p = s.choose(t_stop, stop_is);
 
   int failures = 0;
   for (;; ++failures) {

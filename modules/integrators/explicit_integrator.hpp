@@ -65,6 +65,7 @@ struct explicit_options {
   std::string method = "euler";
   int order = 3;                                            // of 'adaptive': 2 to 5
   double dt = 0.0;                                          // s; fixed: the step. adaptive: the first one, 0: chosen
+  std::string dt_is = "fixed";                              // what set a fixed step, for the statistics
   double rtol = 1e-4;                                       // adaptive
   double dt_max = std::numeric_limits<double>::infinity();  // s, adaptive
   double safety = 0.9;                                      // adaptive
@@ -109,7 +110,7 @@ struct explicit_statistics {
   int stages = 0;                    // 'rkl2', 'rkc2': of the last attempt
   double radius = 0.0;               // 1/s, the spectral radius used
   long long radius_evaluations = 0;  // those of f for power iterations, counted in `evaluations` too
-  // steps by what set dt: 'fixed', 'accuracy', 'output', 'maximum', 'stages' or a limit's name
+  // steps by what set dt: 'fixed', 'accuracy', 'maximum', 'stages', or the name of a limit or a stop
   std::map<std::string, long long> limited_by;
 };
 
@@ -133,10 +134,10 @@ class explicit_integrator {
   explicit_integrator(const explicit_integrator&) = delete;
   explicit_integrator& operator=(const explicit_integrator&) = delete;
 
-  // One accepted step, never past t_stop; returns the new time, which is t_stop itself when it
-  // was reached. Throws what f threw, or fail_calculation; the particle arrays then hold the
+  // One accepted step, never past t_stop, which stop_is names for the statistics; returns the new time, which is
+  // t_stop itself when it was reached. Throws what f threw, or fail_calculation; the particle arrays then hold the
   // state before the step again.
-  double step(double t_stop);
+  double step(double t_stop, const std::string& stop_is = "output");
   double time() const;
   // Evaluates f at the present state unless it is known from the last step: for callers whose f has
   // a memory (a start value, say) that may move on only then.

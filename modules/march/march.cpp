@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <output/progress.hpp>
-#include <simulation/interrupt.hpp>
 #include <simulation/run_directory.hpp>
 
 namespace tetsuame::march {
@@ -24,7 +23,7 @@ struct loop {
   const domain::communicator& ranks = p.ranks();
   simulation::run_directory files{ranks, line, resolved, static_cast<int>(p.simd_lanes())};
   simulation::summary& report = files.report;
-  std::unique_ptr<integrators::explicit_integrator> integrator;
+  std::unique_ptr<integrators::explicit_integrator> integrator{};
   std::int64_t step = 0;
   bool is_steady = false;
   double coarser_updates = 0.0;  // of particles, before there were as many as now
@@ -72,7 +71,9 @@ struct loop {
     how.order = static_cast<int>(o.time.order);
     how.rtol = o.time.rtol;
     how.error_control = controls_error();
-    how.dt = o.time.dt ? *o.time.dt : kept > 0.0 ? kept : p.largest_step().dt;
+    const auto limit = p.largest_step();
+    how.dt = o.time.dt ? *o.time.dt : kept > 0.0 ? kept : limit.dt;
+    how.dt_is = dt_is = o.time.dt ? "fixed" : limit.name;
     if (how.error_control && !o.time.dt) how.dt = 0.0;
     integrators::radius_function radius;
     if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.diffusion_radius(); };
@@ -82,8 +83,9 @@ struct loop {
         [this](double) { return p.largest_step(); }, radius);
     dt = how.dt;
   }
-  double dt = 0.0;        // s, fixed
-  double bound_dt = 0.0;  // s, of equations that have changed since dt was chosen; 0: they have not
+  double dt = 0.0;                         // s, fixed
+  std::string dt_is{};                     // what set it
+  integrators::step_limit bound{0.0, {}};  // of equations that have changed since dt was chosen; 0: they have not
 
   // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
   // Particles may gain speed on the way.
@@ -109,7 +111,7 @@ struct loop {
     p.rebuild(false);
     p.set_time(before.t);
     make_integrator();
-    bound_dt = 0.0;
+    bound = {0.0, {}};
     integrators::explicit_memory fresh;
     fresh.t = before.t;
     fresh.statistics = before.statistics;
@@ -127,25 +129,28 @@ struct loop {
 
   bool finished() const { return step >= o.time.steps || is_steady || integrator->time() >= t_end() * (1.0 - 1e-12); }
 
-  // Where the next step must stop: fixed steps keep their length but for the last one.
-  double next_stop() const {
-    const double t = integrator->time(), end = t_end();
+  // Where the next step must end. Fixed steps keep their length but for what the state asks, output times and the end.
+  simulation::next_end choose_end() const {
+    const double t = integrator->time(), interval = o.output.interval;
     if (!(t + 1e-3 * longest > t))
       foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
-    const double bound = std::min(longest, p.longest_step());
-    if (controls_error())
-      return std::min(t + bound, o.output.interval > 0.0 ? std::min(end, files.next_snapshot) : end);
-    const double most = bound_dt > 0.0 ? std::min(bound, bound_dt) : bound;
-    if (most < dt) return std::min(end, t + most);
-    return std::abs(end - t - dt) < dt * 1e-6 ? t + 2.0 * dt : end;
+    integrators::step_limit most{longest, "displacement"};
+    if (const double own = p.longest_step(); own < most.dt) most = {own, "accuracy"};
+    if (controls_error()) {
+      const double last = files.last_end(t_end(), interval);
+      return t + most.dt < last ? simulation::next_end{t + most.dt, most.name} : simulation::next_end{last, "output"};
+    }
+    if (bound.dt > 0.0 && bound.dt < most.dt) most = bound;
+    if (!(most.dt < dt)) most = {dt, dt_is};
+    return files.end_of_fixed_step(t, most.dt, most.name, t_end(), interval);
   }
 
   void advance() {
     output::progress progress(ranks.rank == 0, stderr, state());
     while (!finished()) {
-      if (must_stop()) {
+      if (const double reason = ranks.maximum(files.stop_reason(o.run)); reason > 0.0) {
         progress.finish(state());
-        interrupt_run();
+        interrupt_run(reason);
       }
       const auto before = simulation::seconds_clock::now();
       refresh_lists();
@@ -155,13 +160,14 @@ struct loop {
       // The other methods may take the last stage's rate for the first of the next step.
       p.expect_memory(o.time.method != "rk4");
       in_step = true;
-      integrator->step(next_stop());
+      const auto end = choose_end();
+      integrator->step(end.t, end.by);
       in_step = false;
       stages_done = 0;
       p.expect_memory(true);
       ++step;
       const bool moved_on = p.set_time(integrator->time());
-      if (moved_on && !o.time.dt && !controls_error()) bound_dt = p.largest_step().dt;
+      if (moved_on && !o.time.dt && !controls_error()) bound = p.largest_step();
       if (p.complete_step() || moved_on) integrator->state_changed();
       files.stepping_seconds += simulation::since(before);
       record();
@@ -180,33 +186,41 @@ struct loop {
             static_cast<std::uint64_t>(updates())};
   }
 
-  bool must_stop() const { return ranks.maximum(simulation::stop_requested() || files.late(o.run) ? 1.0 : 0.0) > 0.0; }
-
-  [[noreturn]] void interrupt_run() {
+  [[noreturn]] void interrupt_run(double reason) {
     write_checkpoint();
-    files.interrupt(step, "", integrator->time());
+    files.interrupt(reason, step, "", integrator->time());
   }
 
   // ---- output -----------------------------------------------------------------------------
 
   void record() {
     const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
-    const bool measured = step % o.output.history_interval == 0 || finished();
-    if (measured) {
-      evaluate_here();
+    const bool line_due = step % o.output.history_interval == 0;
+    if (snapshot_due || line_due) evaluate_here();
+    if (line_due) {
       append_history();
       is_steady = p.steady();
-      if (snapshot_due || finished()) write_snapshot();
-    } else if (snapshot_due) {
-      evaluate_here();
-      write_snapshot();
     }
-    const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
+    if (snapshot_due) write_snapshot();
+    if (line_due) refine();
+    if (finished() || checkpoint_is_due()) write_checkpoint();
+  }
+
+  // The last checkpoint stands before what only the end of a run has, a line and a snapshot that were not due: a run
+  // that is continued from it is one that was not stopped.
+  void record_end() {
+    if (checkpoint_step != step) write_checkpoint();
+    evaluate_here();
+    if (line_step != step) append_history();
+    if (snapshot_step != step) write_snapshot();
+  }
+  std::int64_t line_step = -1, snapshot_step = -1, checkpoint_step = -1;  // the last of each
+
+  bool checkpoint_is_due() const {
+    if (o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0) return true;
     // Rank 0's clock decides for all.
-    const double age =
-        o.run.checkpoint_seconds > 0.0 ? ranks.maximum(ranks.rank == 0 ? files.checkpoint_age() : 0.0) : 0.0;
-    if (measured) refine();
-    if (by_steps || (o.run.checkpoint_seconds > 0.0 && age >= o.run.checkpoint_seconds)) write_checkpoint();
+    return o.run.checkpoint_seconds > 0.0 &&
+           ranks.maximum(ranks.rank == 0 ? files.checkpoint_age() : 0.0) >= o.run.checkpoint_seconds;
   }
 
   std::vector<output::history_column> columns() const {
@@ -219,6 +233,7 @@ struct loop {
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
     for (const double v : p.row(integrator->time())) values.push_back(v);
     files.history->append(step, values);
+    line_step = step;
   }
 
   void write_snapshot() {
@@ -227,17 +242,22 @@ struct loop {
     header.step = step;
     std::vector<particles::array> extra;
     files.write_snapshot(header, p.snapshot(extra), o.output.interval);
+    snapshot_step = step;
   }
 
   void write_checkpoint() {
     output::checkpoint_globals g;
     p.save(g);
     g.reals["fixed_dt"] = dt;
-    g.reals["bound_dt"] = bound_dt;
+    g.reals["bound_dt"] = bound.dt;
+    g.texts["bound_is"] = bound.name;
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
     std::vector<std::int64_t> materials;
+    g.integers["line_step"] = line_step;
+    g.integers["snapshot_step"] = snapshot_step;
     files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
+    checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
@@ -246,6 +266,7 @@ struct loop {
     p.rebuild(false);
     p.set_time(0.0);
     make_integrator();
+    files.begin();
     files.start_history(columns());
     evaluate_here();
     append_history();
@@ -253,16 +274,18 @@ struct loop {
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
-    files.announce(saved);
     const auto& g = saved.state.globals;
     p.restore(g);
     p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
     count_particles();
     make_integrator(g.reals.at("fixed_dt"));
-    bound_dt = g.reals.at("bound_dt");
+    bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns());
     p.set_time(integrator->time());
+    line_step = g.integers.at("line_step");
+    snapshot_step = g.integers.at("snapshot_step");
+    checkpoint_step = step;
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
     is_steady = p.steady();
@@ -274,6 +297,11 @@ struct loop {
   void fill_report() {
     files.fill_report(step, integrator.get());
     if (integrator) report.particle_updates = updates();
+  }
+
+  std::string reason_of_early_end() const {
+    if (integrator->time() >= t_end() * (1.0 - 1e-12)) return {};
+    return fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end());
   }
 
   void warn_about_step() {
@@ -296,12 +324,11 @@ struct loop {
       found.reset();
       warn_about_step();
       advance();
-      evaluate_here();
+      record_end();
       fill_report();
       p.report(integrator->time(), report);
       report.state_hash = p.hash();
-      files.complete(fmt::format("completed {} steps, t = {:.6g} s{}", step, integrator->time(),
-                                 is_steady ? ", where the flow is steady" : ""));
+      files.complete(step, integrator->time(), is_steady ? ", where the flow is steady" : reason_of_early_end());
     } catch (const foundation::error& e) {
       // The last good state is in the arrays: it goes to disk with the reason.
       files.fail(e, step, [&] {

@@ -1,4 +1,5 @@
 #include <exception>
+#include <new>
 #include <output/agree.hpp>
 
 namespace tetsuame::output {
@@ -47,6 +48,8 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
     } catch (const foundation::error& e) {
       problem = e.what();
       status = e.status();
+    } catch (const std::bad_alloc&) {
+      throw;  // ends all ranks
     } catch (const std::exception& e) {
       problem = e.what();
     }

@@ -15,6 +15,7 @@
 #include <output/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
+#include <output/hdf5_layout.hpp>
 #include <system_error>
 
 namespace tetsuame::output {
@@ -23,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv", "series.xdmf",
-                                    "run.log",      "cuts.csv",     "times.csv",   "balance.csv"};
+constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv",
+                                    "series.xdmf",  "run.log",      "balance.csv"};
 
 // The digits of PREFIX<digits>SUFFIX, as a number.
 std::optional<std::int64_t> number_in(const std::string& name, const std::string& prefix, const std::string& suffix) {
@@ -46,16 +47,57 @@ std::vector<std::string> names_in(const std::string& directory) {
   return names;
 }
 
-void make(const std::string& directory) {
+// Makes it and what leads to it. Returns those that were made, the innermost first.
+std::vector<std::string> make(const std::string& directory) {
+  std::vector<std::string> made;
   std::error_code problem;
+  auto path = fs::absolute(directory).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  for (; !fs::exists(path, problem) && path != path.root_path(); path = path.parent_path())
+    made.push_back(path.string());
   fs::create_directories(directory, problem);
   if (problem) foundation::fail_file(fmt::format("cannot create directory {}: {}", directory, problem.message()));
+  return made;
 }
 
 void refuse_unwritable(const std::string& directory) {
   const auto probe = (fs::path(directory) / "run.log.tmp").string();
-  { const descriptor file(probe, O_WRONLY | O_CREAT); }
+  create_temporary(probe);
   remove_quietly(probe);
+}
+
+std::string final_name(const std::string& name) {
+  return name.ends_with(".tmp") ? name.substr(0, name.size() - 4) : name;
+}
+
+std::string first_bytes(const std::string& path, std::size_t bytes) {
+  std::string text(bytes, '\0');
+  try {
+    const descriptor file(path, O_RDONLY);
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, pread(file.get(), text.data(), bytes, 0))));
+  } catch (const foundation::error&) {
+    text.clear();
+  }
+  return text;
+}
+
+bool is_our_snapshot(const std::string& path) {
+  try {
+    const descriptor plain_file(path, O_RDONLY);
+    return !list_datasets(path, "/Provenance").empty();
+  } catch (const foundation::error&) {
+    return false;
+  }
+}
+
+// Of a file that has one of our names: did a run write it? Somebody else's table or HDF5 file may be called the same.
+bool written_by_a_run(const fs::path& path) {
+  const auto name = path.filename().string();
+  if (name.ends_with(".tmp") || fs::is_symlink(path)) return true;
+  if (name.ends_with(".csv")) return first_bytes(path.string(), 8) == "step [1]";
+  if (number_in(name, "checkpoint_", ".h5")) return first_bytes(path.string(), 19) == "tetsuame checkpoint";
+  if (number_in(name, "snapshot_", ".h5")) return is_our_snapshot(path.string());
+  return true;
 }
 
 void remove_files(const std::string& directory, const std::vector<std::string>& names) {
@@ -87,40 +129,72 @@ void lock(const std::string& directory) {
         directory));
 }
 
-void open_on_this_rank(const std::string& directory, directory_mode mode) {
+// Returns the directories that were made.
+std::vector<std::string> claim(const std::string& directory, directory_mode mode) {
   std::error_code ignored;
   const bool exists = fs::exists(directory, ignored);
   if (exists && !fs::is_directory(directory, ignored))
     foundation::fail_input(fmt::format("output {} is a file: give a directory by --output", directory));
   if (!exists && mode == directory_mode::restart)
     foundation::fail_file(fmt::format("cannot continue in {}: there is no such directory", directory));
-  if (!exists) make(directory);
+  auto made = exists ? std::vector<std::string>() : make(directory);
   lock(directory);
-
-  auto names = names_in(directory);
-  if (mode == directory_mode::fresh && !names.empty())
+  if (mode == directory_mode::fresh && !names_in(directory).empty())
     foundation::fail_input(fmt::format(
         "output directory {} is not empty: name another by --output, replace its results by --force, or continue "
         "them by --restart latest; nothing was written",
         directory));
   refuse_unwritable(directory);
-  std::erase_if(names, [&](const std::string& name) {
-    return !is_our_file(name) || (mode == directory_mode::restart && !name.ends_with(".tmp"));
-  });
-  remove_files(directory, names);
+  return made;
 }
 
 }  // namespace
 
 bool is_our_file(const std::string& name) {
-  const auto final_name = name.ends_with(".tmp") ? name.substr(0, name.size() - 4) : name;
-  return std::find(plain_names.begin(), plain_names.end(), final_name) != plain_names.end() ||
-         number_in(final_name, "snapshot_", ".h5") || number_in(final_name, "checkpoint_", ".h5");
+  const auto last = final_name(name);
+  return std::find(plain_names.begin(), plain_names.end(), last) != plain_names.end() ||
+         number_in(last, "snapshot_", ".h5") || number_in(last, "checkpoint_", ".h5");
 }
 
-void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode) {
+bool holds_a_run(const std::string& directory) {
+  std::error_code ignored;
+  if (!fs::is_directory(directory, ignored)) return false;
+  const auto names = names_in(directory);
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return is_our_file(name) && written_by_a_run(fs::path(directory) / name);
+  });
+}
+
+claimed_directory::claimed_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
+                                     std::vector<std::string> own_names)
+    : comm_(comm), directory_(directory), own_names_(std::move(own_names)) {
   let_size_limits_fail_writes();
-  on_rank_0(comm, [&] { open_on_this_rank(directory, mode); });
+  on_rank_0(comm, [&] { made_ = claim(directory, mode); });
+}
+
+claimed_directory::~claimed_directory() {
+  for (const auto& path : made_)
+    if (::rmdir(path.c_str()) != 0) break;
+}
+
+void claimed_directory::clear(directory_mode mode, const std::string& kept) {
+  const auto belongs = [&](const std::string& name) {
+    const bool own = std::find(own_names_.begin(), own_names_.end(), final_name(name)) != own_names_.end();
+    if (!own && !is_our_file(name)) return false;
+    if (mode == directory_mode::restart) return name.ends_with(".tmp");
+    return name != kept && (own || written_by_a_run(fs::path(directory_) / name));
+  };
+  on_rank_0(comm_, [&] {
+    auto names = names_in(directory_);
+    std::erase_if(names, [&](const std::string& name) { return !belongs(name); });
+    remove_files(directory_, names);
+  });
+  made_.clear();
+}
+
+void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
+                    const std::vector<std::string>& own_names) {
+  claimed_directory(comm, directory, mode, own_names).clear(mode);
 }
 
 std::vector<std::pair<std::int64_t, std::string>> numbered_files(const std::string& directory,

@@ -16,15 +16,43 @@ enum class directory_mode {
   restart,  // --restart: an earlier run is continued in it
 };
 
-// Collective: rank 0 looks, all agree.
-//   fail_input  the directory is not empty (fresh), the path is a file, or another run writes there: nothing was
-//   written fail_file   it cannot be made or written, or there is nothing to continue (restart)
-// Removes what a killed run left half written (*.tmp of our own names). From here on a
-// file-size limit fails a write instead of ending the program by a signal.
-void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode);
+// An output directory that this process holds until it ends; the two steps of opening one, for a run that has to read
+// or to set up something before it may change anything.
+class claimed_directory {
+ public:
+  // Collective: rank 0 looks, all agree. Makes the directory where it may, and keeps other runs out.
+  //   fail_input   the directory is not empty (fresh), the path is a file, or another run writes there
+  //   fail_file    it cannot be made or written, or there is nothing to continue (restart)
+  // Nothing that stands in it was touched. From here on a file-size limit fails a write instead of ending the program
+  // by a signal. own_names: beside those that every run gives to its files, what this program calls its own.
+  claimed_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
+                    std::vector<std::string> own_names = {});
+  // Removes the directories that were made, as far as they are empty still.
+  ~claimed_directory();
+  claimed_directory(const claimed_directory&) = delete;
+  claimed_directory& operator=(const claimed_directory&) = delete;
+
+  // Collective. Removes what a killed run left half written (*.tmp of our own names), and with `force` the results of
+  // an earlier run, but for the file `kept`. A table, a snapshot or a checkpoint that no run wrote stays, whatever it
+  // is called.
+  void clear(directory_mode mode, const std::string& kept = {});
+
+ private:
+  MPI_Comm comm_;
+  std::string directory_;
+  std::vector<std::string> own_names_;
+  std::vector<std::string> made_;  // rank 0; the innermost first
+};
+
+// Claims and clears.
+void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
+                    const std::vector<std::string>& own_names = {});
 
 // Is this one of the names that a run gives to its files?
 bool is_our_file(const std::string& name);
+
+// On this rank: whether the directory holds a file that a run wrote.
+bool holds_a_run(const std::string& directory);
 
 // On this rank: the files PREFIX<digits>SUFFIX with their numbers, ascending.
 std::vector<std::pair<std::int64_t, std::string>> numbered_files(const std::string& directory,

@@ -21,8 +21,20 @@ void fail_system(const std::string& verb, const std::string& path) {
   foundation::fail_file(fmt::format("cannot {} {}: {}", verb, path, std::strerror(code)));
 }
 
-descriptor::descriptor(const std::string& path, int flags) : fd_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {
-  if (fd_ < 0) fail_system((flags & O_ACCMODE) == O_RDONLY ? "read" : "write", path);
+descriptor::descriptor(const std::string& path, int flags) {
+  const bool reads = (flags & O_ACCMODE) == O_RDONLY;
+  const char* verb = reads ? "read" : "write";
+  // O_NONBLOCK: a pipe opens, or fails, at once.
+  descriptor opened;
+  opened.fd_ = open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK | (reads ? 0 : O_NOFOLLOW), 0666);
+  if (opened.fd_ < 0 && errno == ELOOP && !reads)
+    foundation::fail_file(fmt::format("cannot write {}: it is a symbolic link, which is not followed", path));
+  if (opened.fd_ < 0) fail_system(verb, path);
+  struct stat about {};
+  if (fstat(opened.fd_, &about) != 0) fail_system(verb, path);
+  if ((flags & O_DIRECTORY) == 0 && !S_ISREG(about.st_mode))
+    foundation::fail_file(fmt::format("cannot {} {}: it is not a plain file", verb, path));
+  std::swap(fd_, opened.fd_);
 }
 descriptor::descriptor(descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
 descriptor& descriptor::operator=(descriptor&& other) noexcept {
@@ -31,6 +43,19 @@ descriptor& descriptor::operator=(descriptor&& other) noexcept {
 }
 descriptor::~descriptor() {
   if (fd_ >= 0) close(fd_);
+}
+
+stream append_to(const std::string& path) {
+  const descriptor file(path, O_WRONLY | O_APPEND | O_CREAT);
+  const int kept = fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
+  stream out(kept < 0 ? nullptr : fdopen(kept, "a"));
+  if (!out) {
+    const int code = errno;
+    if (kept >= 0) close(kept);
+    errno = code;
+    fail_system("write", path);
+  }
+  return out;
 }
 
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
@@ -69,15 +94,20 @@ void reserve(const descriptor& file, const std::string& path, std::uint64_t byte
 
 std::string temporary_name(const std::string& path) { return path + ".tmp"; }
 
-void sync(const descriptor& file, const std::string& path) {
-  if (fsync(file.get()) != 0 && errno != EINVAL && errno != EROFS) fail_system("write", path);
+descriptor create_temporary(const std::string& path) {
+  remove_quietly(path);
+  return descriptor(path, O_WRONLY | O_CREAT | O_EXCL);
+}
+
+void sync(int file, const std::string& path) {
+  if (fsync(file) != 0 && errno != EINVAL && errno != EROFS) fail_system("write", path);
 }
 
 void replace_by_temporary(const std::string& path) {
   if (std::rename(temporary_name(path).c_str(), path.c_str()) != 0) fail_system("replace", path);
   const auto parent = std::filesystem::path(path).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
-  sync(descriptor(folder, O_RDONLY | O_DIRECTORY), folder);
+  sync(descriptor(folder, O_RDONLY | O_DIRECTORY).get(), folder);
 }
 
 void remove_quietly(const std::string& path) {
@@ -88,9 +118,9 @@ void remove_quietly(const std::string& path) {
 void replace_text(const std::string& path, const std::string& text) {
   const auto temporary = temporary_name(path);
   try {
-    const descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    const auto file = create_temporary(temporary);
     write_at(file, path, text.data(), text.size(), 0);
-    sync(file, path);
+    sync(file.get(), path);
     replace_by_temporary(path);
   } catch (...) {
     remove_quietly(temporary);

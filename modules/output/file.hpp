@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,7 +16,8 @@ namespace tetsuame::output {
 class descriptor {
  public:
   descriptor() = default;
-  // Throws fail_file with path and reason.
+  // A plain file, or with O_DIRECTORY a directory. What is written to is no symbolic link, which could lead anywhere;
+  // a pipe is refused instead of waited for. Throws fail_file with path and reason.
   descriptor(const std::string& path, int flags);
   descriptor(descriptor&& other) noexcept;
   descriptor& operator=(descriptor&& other) noexcept;
@@ -29,6 +32,13 @@ class descriptor {
 // "cannot VERB PATH: reason of errno"
 [[noreturn]] void fail_system(const std::string& verb, const std::string& path);
 
+// A stream that adds to the end of a plain file, made where it is missing. Throws as a descriptor does.
+struct stream_closer {
+  void operator()(std::FILE* f) const { std::fclose(f); }
+};
+using stream = std::unique_ptr<std::FILE, stream_closer>;
+stream append_to(const std::string& path);
+
 // All bytes at the offset, however many calls it takes. Throw fail_file with path and reason.
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
               std::uint64_t offset);
@@ -39,7 +49,9 @@ void read_at(const descriptor& file, const std::string& path, void* data, std::s
 void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes);
 
 std::string temporary_name(const std::string& path);  // path + ".tmp"
-void sync(const descriptor& file, const std::string& path);
+// A new file of that name; whatever had it is removed, and no link followed.
+descriptor create_temporary(const std::string& path);
+void sync(int file, const std::string& path);
 // rename(temporary_name(path), path), made lasting by a sync of the directory.
 void replace_by_temporary(const std::string& path);
 void remove_quietly(const std::string& path);

@@ -186,7 +186,7 @@ std::uint64_t bytes_of(const dataset& d) {
 }
 
 std::uint64_t create_layout(const std::string& path, layout& contents) {
-  reserve(descriptor(path, O_WRONLY | O_CREAT | O_TRUNC), path, upper_estimate(contents));
+  reserve(create_temporary(path), path, upper_estimate(contents));
 
   const quiet silence;
   const file_context file{path, "write"};

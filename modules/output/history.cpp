@@ -1,12 +1,10 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
-#include <charconv>
 #include <filesystem>
 #include <foundation/error.hpp>
-#include <fstream>
-#include <iterator>
 #include <output/agree.hpp>
-#include <output/file.hpp>
 #include <output/history.hpp>
 
 namespace tetsuame::output {
@@ -19,47 +17,78 @@ std::string header_of(const std::vector<history_column>& columns) {
   return line + "\n";
 }
 
-// The whole lines up to the step.
-std::string kept_lines(const std::string& path, const std::string& header, std::int64_t last_step) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad()) foundation::fail_file(fmt::format("cannot read {}", path));
-  if (!text.starts_with(header))
-    foundation::fail_file(fmt::format(
-        "cannot continue {}: its columns are not those of this run. Move it away to start a new one", path));
-  std::string kept = header;
-  for (std::size_t at = header.size(), end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
-    std::int64_t step = 0;
-    const auto [after, problem] = std::from_chars(text.data() + at, text.data() + end, step);
-    if (problem != std::errc() || *after != ',')
-      foundation::fail_file(fmt::format("cannot continue {}: a line does not begin with a step: \"{}\"", path,
-                                        text.substr(at, end - at)));
-    if (step <= last_step) kept += text.substr(at, end + 1 - at);
-  }
-  return kept;
+// The first `bytes` of the file, or less where it is shorter.
+std::string beginning_of(const std::string& path, std::uint64_t bytes) {
+  const descriptor file(path, O_RDONLY);
+  struct stat about {};
+  if (fstat(file.get(), &about) != 0) fail_system("read", path);
+  std::string text(std::min(bytes, static_cast<std::uint64_t>(about.st_size)), '\0');
+  read_at(file, path, text.data(), text.size(), 0);
+  return text;
+}
+
+// The lines up to the mark; none where there are none to keep.
+std::string kept_text(const std::string& path, const table_mark& mark) {
+  std::error_code missing;
+  const auto here = std::filesystem::symlink_status(path, missing);
+  if (!std::filesystem::exists(here)) return {};
+  const auto text = beginning_of(path, static_cast<std::uint64_t>(std::max<std::int64_t>(0, mark.bytes)));
+  if (text.empty()) return {};
+  checksum sum;
+  add_bytes(sum, 0, text.data(), text.size());
+  if (static_cast<std::int64_t>(text.size()) != mark.bytes || hex(sum) != mark.sum)
+    foundation::fail_file(
+        fmt::format("cannot continue {}: its first {} bytes are not those that the checkpoint knows: it is damaged, or "
+                    "was edited. Move it away to start a new one",
+                    path, mark.bytes));
+  return text;
 }
 
 }  // namespace
 
-history::history(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
+void history::growing_sum::add(const std::string& text) {
+  constexpr std::size_t word = sizeof(std::uint64_t);
+  rest += text;
+  const std::size_t whole = rest.size() / word * word;
+  add_bytes(whole_words, bytes / word, rest.data(), whole);
+  rest.erase(0, whole);
+  bytes += text.size();
+}
+
+checksum history::growing_sum::now() const {
+  checksum sum = whole_words;
+  add_bytes(sum, bytes / sizeof(std::uint64_t), rest.data(), rest.size());
+  return sum;
+}
+
+history::history(MPI_Comm comm, const std::string& path, const std::string& contents) : comm_(comm), path_(path) {
   on_rank_0(comm, [&] {
-    file_.reset(std::fopen(path.c_str(), "ae"));
-    if (!file_) fail_system("write", path);
+    replace_text(path, contents);
+    file_ = append_to(path);
+    sum_.add(contents);
   });
 }
 
 history history::start(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns) {
-  write_text(comm, path, header_of(columns));
-  return history(comm, path);
+  return history(comm, path, header_of(columns));
 }
 
 history history::resume(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns,
-                        std::int64_t step) {
+                        const table_mark& mark) {
+  const auto header = header_of(columns);
+  std::string kept;
   on_rank_0(comm, [&] {
-    const auto header = header_of(columns);
-    replace_text(path, std::filesystem::exists(path) ? kept_lines(path, header, step) : header);
+    kept = kept_text(path, mark);
+    if (kept.empty()) kept = header;
+    if (!kept.starts_with(header))
+      foundation::fail_file(fmt::format(
+          "cannot continue {}: its columns are not those of this run. Move it away to start a new one", path));
   });
-  return history(comm, path);
+  return history(comm, path, kept);
+}
+
+void history::check(MPI_Comm comm, const std::string& path, const table_mark& mark) {
+  on_rank_0(comm, [&] { kept_text(path, mark); });
 }
 
 void history::append(std::int64_t step, std::span<const double> values, const std::string& text) {
@@ -70,7 +99,13 @@ void history::append(std::int64_t step, std::span<const double> values, const st
     line += '\n';
     if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0)
       fail_system("write", path_);
+    sum_.add(line);
   });
+}
+
+table_mark history::mark() {
+  on_rank_0(comm_, [&] { sync(fileno(file_.get()), path_); });
+  return {static_cast<std::int64_t>(sum_.bytes), hex(sum_.now())};
 }
 
 }  // namespace tetsuame::output

@@ -1,12 +1,12 @@
-// history.csv: a time series, one line at a time, flushed, so that it can be watched
-// while the run goes on. The first line names the columns with their units: time [s].
+// history.csv and tables like it: a time series, one line at a time, flushed, so that it can be watched while the run
+// goes on. The first line names the columns with their units: time [s].
 #pragma once
 
 #include <mpi.h>
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
+#include <output/file.hpp>
+#include <output/hash.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,30 +17,49 @@ struct history_column {
   std::string name, units;  // without commas and line ends; units "1" if there are none
 };
 
+// How far a table had come, kept in a checkpoint: its length, and the checksum of so many bytes.
+struct table_mark {
+  std::int64_t bytes = 0;
+  std::string sum;  // 32 digits
+};
+
 class history {
  public:
   // Collective. A new file; one of that name is replaced. The first column, "step", is
   // added to those given. Throws fail_file on every rank.
   static history start(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns);
-  // Collective; after a restart from the given step. Lines of later steps, and a last
-  // line cut short, are dropped, so that no step stands twice; without a file it starts
-  // one. Throws fail_file on every rank, also if the columns are others.
+  // Collective; after a restart from the checkpoint that has this mark. What was written later is dropped, so that no
+  // step stands twice. Where there is no file, or an empty one, a new one is begun. Throws fail_file on every rank if
+  // the columns are others, or the part that is to be kept is not what was written.
   static history resume(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns,
-                        std::int64_t step);
+                        const table_mark& mark);
+
+  // Collective: that resume() would find what the mark says, or nothing. Throws fail_file on every rank.
+  static void check(MPI_Comm comm, const std::string& path, const table_mark& mark);
 
   // Collective. Values in the columns' order, of which rank 0's are written with all
   // their digits; then the text, if there is one, in quotes (it has none itself). Throws fail_file on every rank.
   void append(std::int64_t step, std::span<const double> values, const std::string& text = {});
 
+  // Collective. Of what was written so far, which is brought to the disk first. Meaningful on rank 0.
+  table_mark mark();
+
  private:
-  struct closer {
-    void operator()(std::FILE* f) const { std::fclose(f); }
+  // The checksum of a text that grows.
+  struct growing_sum {
+    checksum whole_words;
+    std::uint64_t bytes = 0;
+    std::string rest;  // less than a word
+
+    void add(const std::string& text);
+    checksum now() const;
   };
-  history(MPI_Comm comm, const std::string& path);
+  history(MPI_Comm comm, const std::string& path, const std::string& contents);
 
   MPI_Comm comm_;
   std::string path_;
-  std::unique_ptr<std::FILE, closer> file_;  // rank 0
+  stream file_;  // rank 0
+  growing_sum sum_;
 };
 
 }  // namespace tetsuame::output

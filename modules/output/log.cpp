@@ -3,15 +3,13 @@
 
 #include <ctime>
 #include <output/agree.hpp>
-#include <output/file.hpp>
 #include <output/log.hpp>
 
 namespace tetsuame::output {
 
 run_log::run_log(MPI_Comm comm, const std::string& path) {
   on_rank_0(comm, [&] {
-    file_.reset(std::fopen(path.c_str(), "ae"));
-    if (!file_) fail_system("write", path);
+    file_ = append_to(path);
     const auto line =
         fmt::format("--- {:%Y-%m-%d %H:%M:%S} UTC, {} ranks\n", fmt::gmtime(std::time(nullptr)), size_of(comm));
     std::fputs(line.c_str(), file_.get());

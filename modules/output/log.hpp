@@ -4,8 +4,7 @@
 #include <mpi.h>
 
 #include <chrono>
-#include <cstdio>
-#include <memory>
+#include <output/file.hpp>
 #include <string>
 
 namespace tetsuame::output {
@@ -20,11 +19,8 @@ class run_log {
   void write(const std::string& text);
 
  private:
-  struct closer {
-    void operator()(std::FILE* f) const { std::fclose(f); }
-  };
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  std::unique_ptr<std::FILE, closer> file_;
+  stream file_;
 };
 
 }  // namespace tetsuame::output

@@ -1,20 +1,40 @@
+#include <fcntl.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <output/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
+#include <output/hdf5_layout.hpp>
 #include <output/series.hpp>
 
 namespace tetsuame::output {
 
 namespace {
 
+struct series_group {
+  int type = 0;
+  std::vector<stored_dataset> datasets;
+  std::size_t connectivity_bytes = 4;  // of one number
+};
+
+struct series_entry {
+  std::string file;   // name inside the directory
+  double time = 0.0;  // s
+  std::vector<series_group> groups;
+};
+
+constexpr std::string_view first_lines =
+    "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+    "    <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+constexpr std::string_view last_lines = "    </Grid>\n  </Domain>\n</Xdmf>\n";
+
 series_entry describe(const std::string& directory, const std::string& file) {
   const auto path = (std::filesystem::path(directory) / file).string();
+  const descriptor plain_file(path, O_RDONLY);  // HDF5 would wait for a pipe
   series_entry entry{file, read_real_attribute(path, "/Header", "Time"), {}};
   const auto top = list_datasets(path, "/");
   for (const int type : {0, 1}) {
@@ -65,49 +85,68 @@ std::string grid_text(const std::string& file, const series_group& group) {
       geometry, values);
 }
 
-void write_series(const std::string& directory, const series& all) {
-  replace_text((std::filesystem::path(directory) / "series.xdmf").string(), xdmf_text(all));
+std::string text_of(const series_entry& entry) {
+  auto text = fmt::format(
+      "      <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
+      "        <Time Value=\"{}\"/>\n",
+      entry.file, entry.time);
+  for (const auto& group : entry.groups) text += grid_text(entry.file, group);
+  return text + "      </Grid>\n";
+}
+
+std::string path_in(const std::string& directory) {
+  return (std::filesystem::path(directory) / "series.xdmf").string();
+}
+
+// Replaces the file by one of these snapshots.
+void write_whole(const std::string& directory, const std::vector<std::string>& snapshots, series& all) {
+  std::string text(first_lines);
+  for (const auto& name : snapshots) {
+    try {
+      text += text_of(describe(directory, name));
+    } catch (const std::exception& e) {
+      all.messages.push_back(fmt::format("{}; series.xdmf goes on without it", e.what()));
+    }
+  }
+  all.end = text.size();
+  replace_text(path_in(directory), text.append(last_lines));
+}
+
+// Whether the file still ends where it did after the last snapshot.
+bool stands(const std::string& path, const series& all) {
+  std::error_code problem;
+  const auto bytes = std::filesystem::file_size(path, problem);
+  return !problem && bytes == all.end + last_lines.size();
+}
+
+std::vector<std::string> snapshots_below(const std::string& directory, std::int64_t next) {
+  std::vector<std::string> names;
+  for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5"))
+    if (number < next) names.push_back(name);
+  return names;
 }
 
 }  // namespace
 
-std::string xdmf_text(const series& all) {
-  std::string text =
-      "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
-      "    <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const auto& entry : all.entries) {
-    text += fmt::format(
-        "      <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
-        "        <Time Value=\"{}\"/>\n",
-        entry.file, entry.time);
-    for (const auto& group : entry.groups) text += grid_text(entry.file, group);
-    text += "      </Grid>\n";
-  }
-  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
-}
-
 void add_to_series(MPI_Comm comm, const std::string& directory, const std::string& snapshot_file, series& all) {
   on_rank_0(comm, [&] {
-    all.entries.push_back(describe(directory, snapshot_file));
-    write_series(directory, all);
+    const auto path = path_in(directory);
+    if (all.end == 0) return write_whole(directory, {snapshot_file}, all);
+    if (!stands(path, all))  // somebody removed or changed it
+      return write_whole(directory, snapshots_below(directory, std::numeric_limits<std::int64_t>::max()), all);
+    const auto text = text_of(describe(directory, snapshot_file));
+    const auto added = text + std::string(last_lines);
+    write_at(descriptor(path, O_WRONLY), path, added.data(), added.size(), all.end);
+    all.end += text.size();
   });
 }
 
 series continue_series(MPI_Comm comm, const std::string& directory, int next) {
   series all;
   on_rank_0(comm, [&] {
-    for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5")) {
-      if (number >= next) {
-        remove_quietly((std::filesystem::path(directory) / name).string());
-        continue;
-      }
-      try {
-        all.entries.push_back(describe(directory, name));
-      } catch (const std::exception& e) {
-        all.messages.push_back(fmt::format("{}; series.xdmf goes on without it", e.what()));
-      }
-    }
-    write_series(directory, all);
+    for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5"))
+      if (number >= next) remove_quietly((std::filesystem::path(directory) / name).string());
+    write_whole(directory, snapshots_below(directory, next), all);
   });
   return all;
 }

@@ -63,7 +63,7 @@ void shared_file::read_raw(std::uint64_t offset, void* data, std::size_t bytes) 
 void shared_file::check() { agree(comm_, problem_); }
 
 void shared_file::finish() {
-  guarded(problem_, [&] { sync(file_, path_); });
+  guarded(problem_, [&] { sync(file_.get(), path_); });
   check();
   on_rank_0(comm_, [&] { replace_by_temporary(path_); });
   finished_ = true;

@@ -16,6 +16,19 @@ namespace {
 using foundation::error;
 using foundation::exit_status;
 
+// A run that goes on has its input in its directory.
+void take_input_of_run(command_line& line) {
+  namespace fs = std::filesystem;
+  if (line.restart != "latest" && line.output.empty())
+    line.output = fs::path(line.restart).has_parent_path() ? fs::path(line.restart).parent_path().string() : ".";
+  if (line.output.empty()) throw CLI::RequiredError("INPUT, or --output DIR of the run that is to go on,");
+  const auto of = line.restart == "latest" ? fs::path(line.output) : fs::path(line.restart).parent_path();
+  line.input = (of / "resolved.nml").string();
+  std::error_code missing;
+  if (fs::exists(line.input, missing) && !fs::is_regular_file(line.input, missing))
+    throw CLI::ValidationError(line.input + " is not a plain file");
+}
+
 // Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
 int parse(int argc, char** argv, bool speaks, const program_input& in, command_line& line) {
   CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
@@ -27,7 +40,9 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
   app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")
       ->type_name("DIR");
   if (in.restarts)
-    app.add_option("--restart", line.restart, "continue from a checkpoint, or from the latest in the output directory")
+    app.add_option("--restart", line.restart,
+                   "continue from a checkpoint, or from the latest in the output directory; without INPUT, as that run "
+                   "was told")
         ->type_name("FILE|latest");
   std::vector<std::string> short_values(in.shorthands.size());
   for (std::size_t k = 0; k < short_values.size(); ++k)
@@ -41,8 +56,10 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
   app.set_version_flag("--version", version());
   try {
     app.parse(argc, argv);
+    if (line.input.empty() && !line.restart.empty()) take_input_of_run(line);
     if (!line.describe && line.input.empty()) throw CLI::RequiredError("INPUT");
-    if (line.force && !line.restart.empty()) throw CLI::ValidationError("--force and --restart exclude each other");
+    if (line.force && line.restart == "latest")
+      throw CLI::ValidationError("--force and --restart latest exclude each other");
     for (std::size_t k = 0; k < short_values.size(); ++k)
       if (!short_values[k].empty()) line.set.push_back(in.shorthands[k].key + "=" + short_values[k]);
   } catch (const CLI::Success& e) {
@@ -61,7 +78,8 @@ std::string read_text(const domain::communicator& ranks, const std::string& path
   if (ranks.rank == 0) {
     std::ifstream file(path, std::ios::binary);
     std::ostringstream all;
-    if (std::filesystem::is_directory(path))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
       problem = path + ": is a directory, not a namelist file";
     else if (!file || !(all << file.rdbuf()))
       problem = path + ": the input file cannot be read, or is empty; is the path right?";
@@ -100,6 +118,13 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const pro
   }
 }
 
+// Where one rank cannot go on, and the others may be waiting for it.
+void end_all(const domain::communicator& ranks) {
+  std::fflush(nullptr);
+  if (ranks.size == 1) std::_Exit(static_cast<int>(exit_status::calculation_failed));
+  MPI_Abort(ranks.comm, static_cast<int>(exit_status::calculation_failed));
+}
+
 }  // namespace
 
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
@@ -128,10 +153,14 @@ int start(int argc, char** argv, const program_input& input,
   if (status < 0) {
     try {
       status = run_guarded(ranks, line, input, run);
+    } catch (const std::bad_alloc&) {
+      std::fprintf(stderr,
+                   "%s: out of memory on rank %d of %d: take more nodes, fewer ranks on each, or fewer particles\n",
+                   input.program.c_str(), ranks.rank, ranks.size);
+      end_all(ranks);
     } catch (const std::exception& e) {
-      // Not ours: out of memory, say. Other ranks may wait for this one.
       std::fprintf(stderr, "%s: rank %d: %s\n", input.program.c_str(), ranks.rank, e.what());
-      MPI_Abort(ranks.comm, static_cast<int>(exit_status::calculation_failed));
+      end_all(ranks);
     }
   }
   MPI_Finalize();

@@ -14,7 +14,6 @@
 #include <output/progress.hpp>
 #include <simulation/command_line.hpp>
 #include <simulation/communication.hpp>
-#include <simulation/interrupt.hpp>
 #include <simulation/load_balance.hpp>
 #include <simulation/measures.hpp>
 #include <simulation/residuals.hpp>
@@ -51,14 +50,14 @@ struct run {
   communication_meter communication;
 
   load_balance<D> balancer;
-  std::optional<output::history> balance_history;
+  output::history* balance_history = nullptr;
   // Cuts from elsewhere, asked for whenever lists are made anew, in the balancer's place; the same on every rank.
   std::function<balance::cuts<D>(const balance::cuts<D>&)> other_cuts;
 
   // What all ranks know together after a step.
   struct {
     double speed2 = 0.0, moved2 = 0.0;  // m2/s2, m2, the largest; the latter since the lists were made
-    bool stop = false;                  // a signal came, or the wall-clock limit is reached
+    double stop = 0.0;                  // why to stop; 0: nobody asks for it
     double since_checkpoint = 0.0;      // s, by rank 0's clock
     bool crossed = false;               // a particle was put back inside the walls
   } news;
@@ -112,10 +111,10 @@ struct run {
       for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
       speed2 = std::max(speed2, v2);
     }
-    std::array<double, 5> most{speed2, moved_since_lists(s), stop_requested() || files.late(o.run) ? 1.0 : 0.0,
+    std::array<double, 5> most{speed2, moved_since_lists(s), files.stop_reason(o.run),
                                ranks.rank == 0 ? files.checkpoint_age() : 0.0, crossings > 0 ? 1.0 : 0.0};
     ranks.maximum(most);
-    news = {most[0], most[1], most[2] > 0.0, most[3], most[4] > 0.0};
+    news = {most[0], most[1], most[2], most[3], most[4] > 0.0};
   }
 
   // New lists before the next step could outrun the old ones; new cuts where these pay.
@@ -147,7 +146,7 @@ struct run {
     }
     if (ranks.size == 1 || !balancer.due(lists_are_due)) return {};
     const foundation::stage timed(world.w.times, "balance");
-    auto verdict = balancer.decide(world, lists_are_due, o.time.steps - step);
+    auto verdict = balancer.decide(world, lists_are_due, last_step() - step);
     if (verdict && verdict->decision.move) move_cuts(o, world, verdict->cuts);
     return verdict;
   }
@@ -180,7 +179,8 @@ struct run {
     {
       const foundation::stage timed(world.w.times, "integration");
       start_from_present_state();
-      integrator->step(next_stop());
+      const auto end = choose_end();
+      integrator->step(end.t, end.by);
     }
     balancer.computing += watch.busy();
     ++balancer.steps;
@@ -210,15 +210,15 @@ struct run {
     if (news.crossed) integrator->state_changed();
   }
 
-  bool finished() const { return step >= o.time.steps || integrator->time() >= *o.time.t_end * (1.0 - 1e-12); }
+  double t_end() const { return o.time.end(); }
+  bool finished() const { return step >= last_step() || integrator->time() >= t_end() * (1.0 - 1e-12); }
+  std::int64_t last_step() const { return o.time.last_step(o.output.interval); }
 
-  // Where the next step must stop: fixed steps keep their length but for the last one.
-  double next_stop() const {
-    if (o.time.method != "adaptive") {
-      const double t = integrator->time(), end = *o.time.t_end;
-      return end - t < o.time.dt * (1.0 + 1e-6) && end - t > o.time.dt * (1.0 - 1e-6) ? t + 2.0 * o.time.dt : end;
-    }
-    return o.output.interval > 0.0 ? std::min(*o.time.t_end, files.next_snapshot) : *o.time.t_end;
+  // Where the next step must end. Fixed steps keep their length but for output times and the end.
+  next_end choose_end() const {
+    const double interval = o.output.interval;
+    if (o.time.method == "adaptive") return {files.last_end(t_end(), interval), "output"};
+    return files.end_of_fixed_step(integrator->time(), o.time.dt, "fixed", t_end(), interval);
   }
 
   void advance() {
@@ -226,7 +226,7 @@ struct run {
     output::progress line_of_progress(ranks.rank == 0, stderr, now);
     hear_news(0);
     while (!finished()) {
-      if (news.stop) {
+      if (news.stop > 0.0) {
         line_of_progress.finish(progress());
         interrupt_run();
       }
@@ -246,9 +246,9 @@ struct run {
   output::progress_state progress() const {
     const auto& statistics = integrator->statistics();
     return {step,
-            o.time.method == "adaptive" ? 0 : o.time.steps,
+            last_step() < o.time.steps + 1 ? o.time.steps : 0,
             integrator->time(),
-            *o.time.t_end,
+            t_end(),
             statistics.last_dt,
             static_cast<std::uint64_t>(statistics.evaluations) * static_cast<std::uint64_t>(world.fluid_total)};
   }
@@ -257,14 +257,24 @@ struct run {
 
   void record() {
     const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
-    const bool row_due = step % o.output.history_interval == 0;
-    if (snapshot_due || row_due || finished()) evaluate_here();
-    if (row_due || finished()) append_history();
-    if (snapshot_due || finished()) write_snapshot();
+    const bool line_due = step % o.output.history_interval == 0;
+    if (snapshot_due || line_due) evaluate_here();
+    if (line_due) append_history();
+    if (snapshot_due) write_snapshot();
     const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
-    if (by_steps || (o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds))
-      write_checkpoint();
+    const bool by_time = o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds;
+    if (finished() || by_steps || by_time) write_checkpoint();
   }
+
+  // The last checkpoint stands before what only the end of a run has, a line and a snapshot that were not due: a run
+  // that is continued from it is one that was not stopped.
+  void record_end() {
+    if (checkpoint_step != step) write_checkpoint();
+    evaluate_here();
+    if (line_step != step) append_history();
+    if (snapshot_step != step) write_snapshot();
+  }
+  std::int64_t line_step = -1, snapshot_step = -1, checkpoint_step = -1;  // the last of each
 
   void append_history() {
     const foundation::stage timed(world.w.times, "output");
@@ -273,6 +283,7 @@ struct run {
     files.history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
                                            e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic,
                                            t.potential, t.internal, t.energy() - start_totals.energy()});
+    line_step = step;
   }
 
   static std::vector<output::history_column> history_columns() {
@@ -301,6 +312,7 @@ struct run {
     std::vector<particles::array> extra;
     const auto groups = snapshot_groups(world, o.kernel.h_over_dx * world.w.dx, extra);
     files.write_snapshot(header, groups, o.output.interval);
+    snapshot_step = step;
   }
 
   void write_checkpoint() {
@@ -313,14 +325,18 @@ struct run {
       g.integers["hosono_passes"] = how.passes;
     }
     std::vector<std::int64_t> materials;
+    g.integers["line_step"] = line_step;
+    g.integers["snapshot_step"] = snapshot_step;
     files.write_checkpoint(step, *integrator, std::move(g), checkpoint_table(world.w.s, materials));
+    checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
 
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
-    files.interrupt(step, fmt::format(" of {}", o.time.steps), integrator->time());
+    files.interrupt(news.stop, step, last_step() > o.time.steps ? "" : fmt::format(" of {}", o.time.steps),
+                    integrator->time());
   }
 
   void start_anew() {
@@ -328,10 +344,9 @@ struct run {
     rebuild(world);
     balancer.first_lists(world, watch.elapsed());
     make_integrator(0.0);
+    files.begin();
     files.start_history(history_columns());
-    if (balancer.mode != "off")
-      balance_history = output::history::start(ranks.comm, line.output + "/balance.csv", balance_columns());
-    if constexpr (iterates) residuals = residual_file::start(ranks, line.output + "/residuals.csv");
+    start_other_tables();
     evaluate_here();
     start_totals = measure_totals(world);
     append_history();
@@ -339,7 +354,6 @@ struct run {
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
-    files.announce(saved);
     fluid_from_checkpoint(saved.state.tables.at("fluid"), world.w.s);
     exchange_positions();
     const stopwatch watch;
@@ -349,14 +363,20 @@ struct run {
     make_integrator(0.0);
     step = files.continue_from(saved, *integrator, history_columns());
     restore(saved.state.globals);
-    if (balancer.mode != "off")
-      balance_history = output::history::resume(ranks.comm, line.output + "/balance.csv", balance_columns(), step);
-    if constexpr (iterates) residuals = residual_file::resume(ranks, line.output + "/residuals.csv", step);
+    start_other_tables();
     evaluate_here();
+  }
+
+  void start_other_tables() {
+    if (balancer.mode != "off") balance_history = &files.table("balance.csv", balance_columns());
+    if constexpr (iterates) residuals.emplace(files.table("residuals.csv", residual_file::columns()));
   }
 
   void restore(const output::checkpoint_globals& g) {
     start_totals = totals_of_start<D>(g);
+    line_step = g.integers.at("line_step");
+    snapshot_step = g.integers.at("snapshot_step");
+    checkpoint_step = step;
     wall_crossings = ranks.rank == 0 ? g.integers.at("wall_crossings") : 0;
     if constexpr (iterates) {
       how.evaluations = g.integers.at("hosono_evaluations");
@@ -442,13 +462,18 @@ struct run {
       found.reset();
       warn_about_step();
       advance();
-      evaluate_here();
+      record_end();
       measure_report();
       fill_report();
-      files.complete(fmt::format("completed {} steps, t = {:.6g} s", step, integrator->time()));
+      files.complete(step, integrator->time(), reason_of_early_end());
     } catch (const foundation::error& e) {
       files.fail(e, step, [&] { save_what_there_is(e); });
     }
+  }
+
+  std::string reason_of_early_end() const {
+    if (integrator->time() >= t_end() * (1.0 - 1e-9)) return {};
+    return fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end());
   }
 
   // The last good state is in the arrays: it goes to disk with the reason.

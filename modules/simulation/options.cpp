@@ -199,9 +199,14 @@ void resolve(const namelist::schema& schema, options& o) {
   } catch (const foundation::error& e) {
     schema.fail("material", "eos", e.what());
   }
-  if (!o.time.t_end) o.time.t_end = static_cast<double>(o.time.steps) * o.time.dt;
-  // In the adaptive case `steps` has done its work by setting the end.
-  if (o.time.method == "adaptive" && !schema.given("time", "t_end")) o.time.steps = std::int64_t{1} << 50;
+}
+
+std::int64_t time_options::last_step(double output_interval) const {
+  constexpr std::int64_t unlimited = std::int64_t{1} << 50;
+  if (t_end) return steps;
+  const double steps_between = output_interval / dt;
+  const bool all_equal = std::abs(steps_between - std::round(steps_between)) <= 1e-6;
+  return method == "adaptive" || !all_equal ? unlimited : steps;
 }
 
 }  // namespace tetsuame::simulation

@@ -35,12 +35,16 @@ struct time_options {
   std::int64_t order = 3;
   double dt = 1e-3;  // s
   std::int64_t steps = 1000;
-  std::optional<double> t_end;  // s
+  std::optional<double> t_end;  // s; not given: of so many steps dt
   double rtol = 1e-4;
   double atol_position = 1e-6;                                                // of the particle spacing
   double atol_velocity = 1e-6, atol_temperature = 1e-6, atol_density = 1e-9;  // m/s, K, kg/m3
   double atol_weight = 1e-9, atol_energy = 1e-3;                              // J, J/kg
   double cfl = 0.5, viscous = 0.25, thermal = 0.25;  // fractions of Δx/c, ρ Δx²/η, ρ c_V Δx²/k
+
+  double end() const { return t_end ? *t_end : static_cast<double>(steps) * dt; }  // s
+  // `steps` has done its work by setting the end where steps are not all dt long.
+  std::int64_t last_step(double output_interval) const;
 };
 
 struct kernel_options {

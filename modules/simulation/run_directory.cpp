@@ -1,25 +1,67 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <cmath>
+#include <filesystem>
 #include <foundation/error.hpp>
-#include <output/directory.hpp>
+#include <fstream>
+#include <limits>
+#include <output/agree.hpp>
+#include <output/file.hpp>
 #include <simulation/interrupt.hpp>
 #include <simulation/restart.hpp>
 #include <simulation/run_directory.hpp>
+#include <sstream>
 
 namespace tetsuame::simulation {
 
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double no_reason = 0.0, wall_clock_reason = 1.0, file_reason = 2.0;  // a signal: 100 and its number
+constexpr double first_signal_reason = 100.0;
+
+std::string told_by(double reason) {
+  if (reason == wall_clock_reason) return "at the wall-clock limit";
+  if (reason == file_reason) return "by the file stop";
+  return "by " + signal_name(static_cast<int>(reason - first_signal_reason));
+}
+
+// How resolved.nml begins.
+std::string first_line_for(const std::string& program) { return "! " + program + ", every key as run\n"; }
+
+bool is_inside(const std::string& file, const std::string& directory) {
+  std::error_code ignored;
+  const auto parent = fs::path(file).parent_path();
+  return fs::equivalent(parent.empty() ? fs::path(".") : parent, directory, ignored);
+}
+
+std::string text_of_plain_file(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return {};
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream all;
+  all << file.rdbuf();
+  return all.str();
+}
+
+}  // namespace
+
 void run_directory::say(const std::string& text) {
-  if (log_) log_->write(text);
+  if (log_)
+    log_->write(text);
+  else
+    unsaid_.push_back(text);
 }
 
 void run_directory::tell(const std::string& text) {
   say(text);
-  if (ranks.rank == 0) fmt::print(stderr, "{}: {}\n", line.program, text);
+  // Not fmt::print, which throws when the stream cannot be written: a closed window must not end the run.
+  if (ranks.rank == 0) std::fputs((line.program + ": " + text + "\n").c_str(), stderr);
 }
 
 std::optional<output::latest_checkpoint> run_directory::open() {
-  using mode = output::directory_mode;
   if (ranks.maximum(simd_lanes) != ranks.minimum(simd_lanes))
     foundation::fail_input(
         "some ranks run on processors with AVX-512 and some without: results would depend on where a particle is. "
@@ -28,18 +70,45 @@ std::optional<output::latest_checkpoint> run_directory::open() {
   report.ranks = ranks.size;
   report.threads = omp_get_max_threads();
   report.simd_lanes = simd_lanes;
-  output::open_directory(ranks.comm, line.output,
-                         !line.restart.empty() ? mode::restart
-                         : line.force          ? mode::force
-                                               : mode::fresh);
-  std::optional<output::latest_checkpoint> found;
-  if (!line.restart.empty()) found = read_saved();
-  log_.emplace(ranks.comm, line.output + "/run.log");
+  using enum output::directory_mode;
+  watch_signals();
+  if (line.restart.empty()) {
+    mode_ = line.force ? force : fresh;
+    place_.emplace(ranks.comm, line.output, mode_);
+    return {};
+  }
+  if (line.restart == "latest") {
+    mode_ = restart;
+    place_.emplace(ranks.comm, line.output, mode_);
+    return read_saved();
+  }
+  // A checkpoint that is named may start a directory of its own.
+  auto found = read_saved();
+  place_.emplace(ranks.comm, line.output, force);
+  mode_ = holds_another_run(found.state) ? force : restart;
+  if (mode_ == force && !line.force)
+    foundation::fail_input(fmt::format(
+        "output directory {} holds another run than that of checkpoint {}: name another directory by --output, or "
+        "replace that run by --force; nothing was written",
+        line.output, line.restart));
+  return found;
+}
+
+// Of a restart: whether the checkpoint lies among what the run wrote before.
+bool run_directory::continues_here() const {
+  return line.restart == "latest" || (mode_ == output::directory_mode::restart && is_inside(line.restart, line.output));
+}
+
+void run_directory::begin() {
+  const bool named = !line.restart.empty() && line.restart != "latest" && is_inside(line.restart, line.output);
+  place_->clear(mode_, named ? fs::path(line.restart).filename().string() : "");
+  if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
+  log_.emplace(ranks.comm, path_of("run.log"));
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
-  write_text(ranks, line.output + "/resolved.nml", resolved);
-  watch_signals();
-  return found;
+  for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
+  write_text(ranks, path_of("resolved.nml"), first_line_for(line.program) + resolved);
+  keep_good(good_checkpoint_);
 }
 
 output::latest_checkpoint run_directory::read_saved() const {
@@ -53,17 +122,67 @@ output::latest_checkpoint run_directory::read_saved() const {
   return saved;
 }
 
-void run_directory::start_history(const std::vector<output::history_column>& columns) {
-  history = output::history::start(ranks.comm, line.output + "/history.csv", columns);
+// Which would be lost, if this checkpoint were continued here.
+bool run_directory::holds_another_run(const output::checkpoint& saved) const {
+  std::string another;
+  output::on_rank_0(ranks.comm, [&] {
+    if (!output::holds_a_run(line.output)) return;
+    another = is_inside(line.restart, line.output) ? "" : "yes";
+    const auto here = text_of_plain_file(path_of("resolved.nml"));
+    if (here.empty()) return;
+    const auto first_line = first_line_for(line.program);
+    if (!here.starts_with(first_line)) return void(another = "yes");
+    try {
+      check_restart(line.program, saved.globals.texts.at("input"), line.program, here.substr(first_line.size()));
+    } catch (const foundation::error&) {
+      another = "yes";
+    }
+  });
+  return output::broadcast(ranks.comm, another) == "yes";
+}
+
+output::history& run_directory::table(const std::string& name, const std::vector<output::history_column>& columns) {
+  const auto mark = marks_.find(name);
+  const auto path = path_of(name);
+  std::error_code ignored;
+  const bool lost = mark != marks_.end() && ranks.rank == 0 && !(fs::file_size(path, ignored) > 0);
+  auto made = mark == marks_.end() ? output::history::start(ranks.comm, path, columns)
+                                   : output::history::resume(ranks.comm, path, columns, mark->second);
+  if (lost && continues_here()) tell(fmt::format("{} was lost: it begins anew", path));
+  return tables_.insert_or_assign(name, std::move(made)).first->second;
+}
+
+next_end run_directory::end_of_fixed_step(double t, double dt, const std::string& dt_is, double t_end,
+                                          double interval) const {
+  const double stop = last_end(t_end, interval), rest = stop - t, steps = rest / dt;
+  const bool to_output = interval > 0.0 && next_snapshot <= t_end * (1.0 + 1e-9);
+  // So many steps bring it there: what rounding did to t over many steps is no reason for another length.
+  if (const double whole = std::round(steps); whole >= 1.0 && std::abs(steps - whole) <= 1e-6)
+    return {t + 2.0 * dt, dt_is};
+  if (!to_output) return {stop, "output"};
+  const double n = std::ceil(steps);
+  return {n <= 1.0 ? stop : t + rest / n, rest / n < 0.9 * dt ? "output" : dt_is};
 }
 
 void run_directory::write_snapshot(const output::snapshot_header& header,
                                    const std::vector<output::particle_group>& groups, double interval) {
   const std::string name = output::snapshot_name(static_cast<int>(snapshots_));
-  output::write_snapshot(ranks.comm, line.output + "/" + name, header, groups, {line.program, version(), resolved});
+  output::write_snapshot(ranks.comm, path_of(name), header, groups, {line.program, version(), resolved});
   output::add_to_series(ranks.comm, line.output, name, series_);
   ++snapshots_;
-  while (interval > 0.0 && next_snapshot <= header.time * (1.0 + 1e-9) + 1e-300) next_snapshot += interval;
+  if (!(interval > 0.0) || next_snapshot > header.time * (1.0 + 1e-9)) return;
+  next_snapshot = interval * (std::floor(header.time * (1.0 + 1e-9) / interval) + 1.0);
+  // An interval below the spacing of numbers at this time.
+  if (!(next_snapshot > header.time)) next_snapshot = std::nextafter(header.time, std::numeric_limits<double>::max());
+}
+
+void run_directory::keep_good(const std::string& checkpoint) {
+  good_checkpoint_ = checkpoint;
+  if (ranks.rank != 0) return;
+  const std::string until = good_checkpoint_.empty()
+                                ? "no checkpoint stands yet"
+                                : "until it stands, --restart latest continues from " + good_checkpoint_;
+  tell_on_signal(fmt::format(": {} stops after this step, with a checkpoint; {}\n", line.program, until));
 }
 
 void run_directory::write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,
@@ -74,21 +193,17 @@ void run_directory::write_checkpoint(std::int64_t step, const integrators::expli
   g.integers["step"] = step;
   g.integers["simd_lanes"] = simd_lanes;
   g.integers["snapshots"] = snapshots_;
-  g.texts = {{"program", line.program}, {"input", resolved}, {"version", version()}};
-  good_checkpoint_ = output::write_checkpoint(ranks.comm, line.output, step, g, {fluid});
+  g.texts["program"] = line.program;
+  g.texts["input"] = resolved;
+  g.texts["version"] = version();
+  for (auto& [name, table] : tables_) {
+    const auto mark = table.mark();
+    g.integers["bytes of " + name] = mark.bytes;
+    g.texts["sum of " + name] = mark.sum;
+  }
+  keep_good(output::write_checkpoint(ranks.comm, line.output, step, g, {fluid}));
   checkpointed_ = seconds_clock::now();
   say(fmt::format("checkpoint {} at step {}", good_checkpoint_, step));
-}
-
-void run_directory::announce(const output::latest_checkpoint& saved) {
-  for (const auto& message : saved.messages) tell(message);
-  say("continuing from " + saved.path);
-  good_checkpoint_ = saved.path;
-  if (const auto before = saved.state.globals.integers.at("simd_lanes"); before != simd_lanes)
-    say(
-        fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
-                    "order, so the last digits will differ from the uninterrupted run's",
-                    before, simd_lanes));
 }
 
 std::int64_t run_directory::continue_from(const output::latest_checkpoint& saved,
@@ -100,9 +215,27 @@ std::int64_t run_directory::continue_from(const output::latest_checkpoint& saved
   snapshots_ = g.integers.at("snapshots");
   next_snapshot = g.reals.at("next_snapshot");
   stepping_seconds = g.reals.at("stepping_seconds");
+  g.integers.at("bytes of history.csv");  // of every checkpoint of this version
+  constexpr std::string_view prefix = "sum of ";
+  for (const auto& [key, sum] : g.texts)
+    if (key.starts_with(prefix)) {
+      const auto name = key.substr(prefix.size());
+      marks_[name] = {g.integers.at("bytes of " + name), sum};
+      if (continues_here()) output::history::check(ranks.comm, path_of(name), marks_[name]);
+    }
+
+  for (const auto& message : saved.messages) tell(message);
+  say("continuing from " + saved.path);
+  if (const auto before = g.integers.at("simd_lanes"); before != simd_lanes)
+    say(
+        fmt::format("the checkpoint was written with {} SIMD lanes, this run has {}: sums are rounded in another "
+                    "order, so the last digits will differ from the uninterrupted run's",
+                    before, simd_lanes));
+  begin();
+  start_history(columns);
   output::forget_checkpoints_after(ranks.comm, line.output, step);
-  history = output::history::resume(ranks.comm, line.output + "/history.csv", columns, step);
   series_ = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots_));
+  keep_good(saved.path);
   return step;
 }
 
@@ -115,31 +248,49 @@ void run_directory::fill_report(std::int64_t step, const integrators::explicit_i
   report.statistics = integrator->statistics();
 }
 
-void run_directory::complete(const std::string& message) {
+void run_directory::complete(std::int64_t step, double t, const std::string& remark) {
   report.status = "completed";
-  report.message = message;
+  report.message = fmt::format("completed {} steps, t = {:.6g} s{}", step, t, remark);
   report.write(ranks, line.output);
-  say(message);
+  if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
+  say(report.message);
   if (ranks.rank == 0) report.print();
 }
 
-void run_directory::interrupt(std::int64_t step, const std::string& of_steps, double t) {
+bool run_directory::stop_file_is_there() {
+  constexpr double patience = 0.2;  // s between two looks, which cost something on a cluster's file system
+  if (ranks.rank != 0 || since(looked_) < patience) return false;
+  looked_ = seconds_clock::now();
+  std::error_code ignored;
+  return fs::is_regular_file(fs::symlink_status(path_of("stop"), ignored));
+}
+
+double run_directory::stop_reason(const run_options& o) {
+  if (const int signal = stop_requested(); signal != 0) return first_signal_reason + signal;
+  if (stop_file_is_there()) return file_reason;
+  return o.wall_clock_limit > 0.0 && age() >= o.wall_clock_limit ? wall_clock_reason : no_reason;
+}
+
+void run_directory::interrupt(double reason, std::int64_t step, const std::string& of_steps, double t) {
+  if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   throw foundation::error(
       foundation::exit_status::interrupted,
-      fmt::format("stopped at step {}{}, t = {:.6g} s, after a checkpoint: continue with --restart latest", step,
-                  of_steps, t));
+      fmt::format("stopped {} at step {}{}, t = {:.6g} s, after a checkpoint: continue with --restart latest",
+                  told_by(reason), step, of_steps, t));
 }
 
 void run_directory::fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save) {
   using foundation::exit_status;
   std::string message = e.what();
   if (e.status() == exit_status::calculation_failed) message = fmt::format("step {}: {}", step + 1, message);
+  if (!log_ && e.status() != exit_status::calculation_failed) throw foundation::error(e.status(), message);
   if (e.status() == exit_status::file_failed)
     message += good_checkpoint_.empty() ? "; no checkpoint was written"
                                         : "; " + good_checkpoint_ + " is good: continue with --restart latest";
   report.status = e.status() == exit_status::interrupted ? "interrupted" : "failed";
   report.message = message;
   try {
+    if (!log_) begin();
     save();
     report.write(ranks, line.output);
     say(message);

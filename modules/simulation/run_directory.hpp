@@ -6,8 +6,10 @@
 #include <domain/communicator.hpp>
 #include <functional>
 #include <integrators/explicit_integrator.hpp>
+#include <map>
 #include <optional>
 #include <output/checkpoint.hpp>
+#include <output/directory.hpp>
 #include <output/history.hpp>
 #include <output/log.hpp>
 #include <output/series.hpp>
@@ -25,6 +27,12 @@ inline double since(seconds_clock::time_point begin) {
   return std::chrono::duration<double>(seconds_clock::now() - begin).count();
 }
 
+// Where the next step should end, and what decided that.
+struct next_end {
+  double t;        // s
+  std::string by;  // for the statistics
+};
+
 // All functions but say(), tell() and the ages are collective.
 struct run_directory {
   const domain::communicator& ranks;
@@ -37,26 +45,39 @@ struct run_directory {
       : ranks(ranks_of_run), line(command), resolved(input), simd_lanes(lanes) {}
 
   summary report;
-  std::optional<output::history> history;
-  double stepping_seconds = 0.0;  // of the run, over its interruptions
-  double next_snapshot = 0.0;     // s
+  output::history* history = nullptr;  // history.csv, once it is begun
+  double stepping_seconds = 0.0;       // of the run, over its interruptions
+  double next_snapshot = 0.0;          // s
 
-  // Makes the directory, or reads the checkpoint that is to be continued, which is checked before anything is written;
-  // begins run.log and resolved.nml, and heeds signals. Throws bad_input where ranks have different SIMD lanes, where
-  // the directory holds another run, or where the checkpoint is of another input; file_failed where nothing can be
-  // written or no checkpoint is whole.
+  // Claims the directory, or reads the checkpoint that is to be continued, and heeds signals. Nothing is written yet.
+  // Throws bad_input where ranks have different SIMD lanes, where the directory holds another run, or where the
+  // checkpoint is of another input; file_failed where nothing can be written or no checkpoint is whole.
   std::optional<output::latest_checkpoint> open();
+  // The run is set up: removes what --force replaces, begins run.log and resolved.nml.
+  void begin();
 
   void say(const std::string& text);   // to the log
   void tell(const std::string& text);  // and to the terminal
 
   double age() const { return since(began_); }                    // s, of this run, by this rank's clock
   double checkpoint_age() const { return since(checkpointed_); }  // s, of the last checkpoint or of this run
-  bool late(const run_options& o) const { return o.wall_clock_limit > 0.0 && age() >= o.wall_clock_limit; }
 
-  void start_history(const std::vector<output::history_column>& columns);
+  // Why this rank would have the run stop: 0 not at all; a signal, the file DIR/stop, or the wall-clock limit. The
+  // largest of all ranks' counts, and is what interrupt() is to be told.
+  double stop_reason(const run_options& o);
+
+  // A table of the run, made anew or continued as the checkpoint knows it, by its name in the directory.
+  output::history& table(const std::string& name, const std::vector<output::history_column>& columns);
+  void start_history(const std::vector<output::history_column>& columns) { history = &table("history.csv", columns); }
 
   bool snapshot_due(double t, double interval) const { return interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9); }
+  // For steps of a fixed length that dt_is says the reason of: those before an output time are equal and a little
+  // shorter where it is no multiple of dt away; the last one before t_end is cut.
+  next_end end_of_fixed_step(double t, double dt, const std::string& dt_is, double t_end, double interval) const;
+  // For steps that are chosen one by one.
+  double last_end(double t_end, double interval) const {
+    return interval > 0.0 ? std::min(t_end, next_snapshot) : t_end;
+  }
   // The header's time and step say when. interval: s, of the model, from one to the next; 0: none is due.
   void write_snapshot(const output::snapshot_header& header, const std::vector<output::particle_group>& groups,
                       double interval);
@@ -68,26 +89,34 @@ struct run_directory {
   // is returned.
   std::int64_t continue_from(const output::latest_checkpoint& saved, integrators::explicit_integrator& integrator,
                              const std::vector<output::history_column>& columns);
-  // Before the particles are taken up: what the log should have of it.
-  void announce(const output::latest_checkpoint& saved);
 
   // None: a run that failed before its first step could be prepared.
   void fill_report(std::int64_t step, const integrators::explicit_integrator* integrator);
-  void complete(const std::string& message);
+  void complete(std::int64_t step, double t, const std::string& remark);
   // The exit of a run that was told to stop, after its checkpoint.
-  [[noreturn]] static void interrupt(std::int64_t step, const std::string& of_steps, double t);
+  [[noreturn]] void interrupt(double reason, std::int64_t step, const std::string& of_steps, double t);
   // Ends the run with the reason in summary and log, and throws it again. save: puts to disk and into the report what
-  // there is; it may change the report's status.
+  // there is; it may change the report's status. What fails before the run began leaves no trace in the directory.
   [[noreturn]] void fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save);
 
  private:
+  bool continues_here() const;
+  std::string path_of(const std::string& name) const { return line.output + "/" + name; }
   output::latest_checkpoint read_saved() const;
+  bool holds_another_run(const output::checkpoint& saved) const;
+  void keep_good(const std::string& checkpoint);
+  bool stop_file_is_there();
 
   std::int64_t snapshots_ = 0;
+  std::optional<output::claimed_directory> place_;
+  output::directory_mode mode_ = output::directory_mode::fresh;
   std::optional<output::run_log> log_;
+  std::vector<std::string> unsaid_;  // of before the log
+  std::map<std::string, output::table_mark> marks_;
+  std::map<std::string, output::history> tables_;
   output::series series_;
   std::string good_checkpoint_;  // the newest; empty: none
-  seconds_clock::time_point began_ = seconds_clock::now(), checkpointed_ = began_;
+  seconds_clock::time_point began_ = seconds_clock::now(), checkpointed_ = began_, looked_ = began_;
 };
 
 }  // namespace tetsuame::simulation

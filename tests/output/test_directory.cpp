@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <output/directory.hpp>
+#include <output/snapshot.hpp>
 
 #include "scratch.hpp"
 
@@ -23,10 +24,25 @@ void fill(const std::string& directory, const std::vector<std::string>& names) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
+// Files of a run, as it begins them.
+void fill_as_a_run(const std::string& directory) {
+  fill(directory, {"checkpoint_00000010.h5", "history.csv", "resolved.nml", "run.log", "series.xdmf",
+                   "snapshot_0002.h5.tmp", "summary.json"});
+  if (rank() == 0) {
+    overwrite(directory + "/history.csv", "step [1],time [s]\n");
+    overwrite(directory + "/checkpoint_00000010.h5", "tetsuame checkpoint 1 \n");
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  output::write_snapshot(MPI_COMM_WORLD, directory + "/snapshot_0001.h5", {}, {}, {"disph_c", "1", "&run\n/\n"});
+}
+
 const std::vector<std::string> ours = {
     "checkpoint_00000010.h5", "history.csv",          "resolved.nml", "run.log", "series.xdmf",
     "snapshot_0001.h5",       "snapshot_0002.h5.tmp", "summary.json"};
-const std::vector<std::string> others = {"checkpoint_old.h5", "notes.txt", "snapshot_1.h5.bak", "snapshot_.h5"};
+// Also those that have a name as a run might give it, but that no run wrote.
+const std::vector<std::string> others = {"balance.csv",       "checkpoint_2024.h5", "checkpoint_old.h5",
+                                         "notes.txt",         "residuals.csv",      "snapshot_.h5",
+                                         "snapshot_1.h5.bak", "snapshot_2024.h5",   "times.csv"};
 
 }  // namespace
 
@@ -51,7 +67,7 @@ BOOST_AUTO_TEST_CASE(a_filled_directory_is_refused_untouched) {
 
 BOOST_AUTO_TEST_CASE(force_removes_our_files_only) {
   const auto directory = fresh_directory("directory_force");
-  fill(directory, ours);
+  fill_as_a_run(directory);
   fill(directory, others);
   open(directory, directory_mode::force);
   auto left = others;

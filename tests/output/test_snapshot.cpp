@@ -69,7 +69,7 @@ BOOST_AUTO_TEST_CASE(a_series_goes_on_after_a_restart) {
   MPI_Barrier(MPI_COMM_WORLD);
   series = output::continue_series(MPI_COMM_WORLD, directory, 3);
   if (rank() == 0) {
-    BOOST_TEST(series.entries.size() == 2U);
+    BOOST_TEST(contents(directory + "/series.xdmf").find("snapshot_0001") == std::string::npos);
     BOOST_TEST(series.messages.size() == 1U);
   }
 }

@@ -1,5 +1,6 @@
 // history.csv, summary.json, resolved.nml, run.log and the progress line.
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
@@ -21,35 +22,89 @@ const std::vector<output::history_column> columns = {{"time", "s"}, {"kinetic en
 
 BOOST_AUTO_TEST_CASE(history_after_a_restart_has_no_step_twice) {
   const auto path = fresh_directory("history") + "/history.csv";
+  output::table_mark of_step_20;
   {
     auto h = output::history::start(MPI_COMM_WORLD, path, columns);
-    for (const int step : {0, 10, 20, 30}) h.append(step, std::array{0.1 * step, 1.0 / 3.0});
+    for (const int step : {0, 10, 20, 30}) {
+      h.append(step, std::array{0.1 * step, 1.0 / 3.0});
+      if (step == 20) of_step_20 = h.mark();
+    }
     // Flushed after each line: a reader sees it while the file is still open.
     BOOST_TEST(contents(path).ends_with("30,3,0.3333333333333333\n"));
     MPI_Barrier(MPI_COMM_WORLD);
   }
   if (rank() == 0) overwrite(path, contents(path) + "40,4,0.33");  // killed within a line
   MPI_Barrier(MPI_COMM_WORLD);
-  auto h = output::history::resume(MPI_COMM_WORLD, path, columns, 20);
+  auto h = output::history::resume(MPI_COMM_WORLD, path, columns, of_step_20);
   h.append(30, std::array{-0.0, std::nan("")});
   BOOST_TEST(contents(path) ==
              "step [1],time [s],kinetic energy [J/m]\n0,0,0.3333333333333333\n10,1,0.3333333333333333\n"
              "20,2,0.3333333333333333\n30,-0,nan\n");
   MPI_Barrier(MPI_COMM_WORLD);
+  // The mark of a table that was resumed is that of one that was not.
+  const auto mark = h.mark();
   if (rank() == 0) overwrite(path, contents(path) + "40,4,0.33");
   MPI_Barrier(MPI_COMM_WORLD);
-  output::history::resume(MPI_COMM_WORLD, path, columns, 1000);
+  output::history::resume(MPI_COMM_WORLD, path, columns, mark);
   BOOST_TEST(contents(path).ends_with("30,-0,nan\n"));
+}
+
+BOOST_AUTO_TEST_CASE(a_history_that_is_not_what_was_written_is_refused) {
+  const auto path = fresh_directory("history_damaged") + "/history.csv";
+  output::table_mark mark;
+  {
+    auto h = output::history::start(MPI_COMM_WORLD, path, columns);
+    for (const int step : {0, 10, 20}) h.append(step, std::array{0.1 * step, 1.0 / 3.0});
+    mark = h.mark();
+  }
+  const auto whole = contents(path);
+  for (const auto& damaged :
+       {[](std::string text) { return text[text.size() / 2] ^= 1, text; }(whole), whole.substr(0, whole.size() - 1)}) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (rank() == 0) overwrite(path, damaged);
+    MPI_Barrier(MPI_COMM_WORLD);
+    std::string message;
+    BOOST_TEST(fails(exit_status::file_failed, message,
+                     [&] { output::history::resume(MPI_COMM_WORLD, path, columns, mark); }));
+    BOOST_TEST(message.find("history.csv") != std::string::npos, message);
+    BOOST_TEST(contents(path) == damaged);
+  }
+  // An empty one is as good as none.
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) overwrite(path, "");
+  MPI_Barrier(MPI_COMM_WORLD);
+  output::history::resume(MPI_COMM_WORLD, path, columns, mark);
+  BOOST_TEST(contents(path) == "step [1],time [s],kinetic energy [J/m]\n");
+}
+
+BOOST_AUTO_TEST_CASE(links_and_pipes_are_not_written_to) {
+  const auto directory = fresh_directory("links");
+  if (rank() == 0) {
+    overwrite(directory + "/elsewhere", "mine");
+    fs::create_symlink("elsewhere", directory + "/run.log");
+    fs::create_symlink("nowhere", directory + "/resolved.nml.tmp");
+    BOOST_REQUIRE(::mkfifo((directory + "/pipe").c_str(), 0600) == 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::string message;
+  BOOST_TEST(
+      fails(exit_status::file_failed, message, [&] { output::run_log(MPI_COMM_WORLD, directory + "/run.log"); }));
+  BOOST_TEST(message.find("symbolic link") != std::string::npos, message);
+  BOOST_TEST(fails(exit_status::file_failed, message, [&] { output::run_log(MPI_COMM_WORLD, directory + "/pipe"); }));
+  output::write_text(MPI_COMM_WORLD, directory + "/resolved.nml", "text");
+  BOOST_TEST(contents(directory + "/elsewhere") == "mine");
+  BOOST_TEST(contents(directory + "/resolved.nml") == "text");
+  BOOST_TEST(!fs::exists(directory + "/nowhere"));
 }
 
 BOOST_AUTO_TEST_CASE(history_of_other_columns_is_not_continued) {
   const auto path = fresh_directory("history_other") + "/history.csv";
-  output::history::resume(MPI_COMM_WORLD, path, columns, 0);
+  output::table_mark mark = output::history::start(MPI_COMM_WORLD, path, columns).mark();
   const auto before = contents(path);
   BOOST_TEST(before == "step [1],time [s],kinetic energy [J/m]\n");
   std::string message;
   BOOST_TEST(fails(exit_status::file_failed, message, [&] {
-    output::history::resume(MPI_COMM_WORLD, path, {{"time", "h"}}, 0);
+    output::history::resume(MPI_COMM_WORLD, path, {{"time", "h"}}, mark);
   }));
   BOOST_TEST(contents(path) == before);
 }
