@@ -285,7 +285,7 @@ struct loop {
     p.set_time(integrator->time());
     line_step = g.integers.at("line_step");
     snapshot_step = g.integers.at("snapshot_step");
-    checkpoint_step = step;
+    if (files.continues_here()) checkpoint_step = step;
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
     is_steady = p.steady();

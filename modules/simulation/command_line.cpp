@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <new>
 #include <simulation/command_line.hpp>
+#include <simulation/start_mpi.hpp>
 #include <sstream>
 
 namespace tetsuame::simulation {
@@ -144,8 +146,7 @@ int start(int argc, char** argv, const std::string& program, const std::string& 
 
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string&)>& run) {
-  int provided = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  start_mpi(argc, argv);
   const auto ranks = domain::communicator::world();
   command_line line;
   line.program = input.program;

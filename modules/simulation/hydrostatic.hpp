@@ -376,7 +376,7 @@ struct run {
     start_totals = totals_of_start<D>(g);
     line_step = g.integers.at("line_step");
     snapshot_step = g.integers.at("snapshot_step");
-    checkpoint_step = step;
+    if (files.continues_here()) checkpoint_step = step;
     wall_crossings = ranks.rank == 0 ? g.integers.at("wall_crossings") : 0;
     if constexpr (iterates) {
       how.evaluations = g.integers.at("hosono_evaluations");

@@ -94,7 +94,6 @@ std::optional<output::latest_checkpoint> run_directory::open() {
   return found;
 }
 
-// Of a restart: whether the checkpoint lies among what the run wrote before.
 bool run_directory::continues_here() const {
   return line.restart == "latest" || (mode_ == output::directory_mode::restart && is_inside(line.restart, line.output));
 }

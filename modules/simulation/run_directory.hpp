@@ -90,6 +90,9 @@ struct run_directory {
   std::int64_t continue_from(const output::latest_checkpoint& saved, integrators::explicit_integrator& integrator,
                              const std::vector<output::history_column>& columns);
 
+  // Of a restart: whether the checkpoint lies among what the run wrote before.
+  bool continues_here() const;
+
   // None: a run that failed before its first step could be prepared.
   void fill_report(std::int64_t step, const integrators::explicit_integrator* integrator);
   void complete(std::int64_t step, double t, const std::string& remark);
@@ -100,7 +103,6 @@ struct run_directory {
   [[noreturn]] void fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save);
 
  private:
-  bool continues_here() const;
   std::string path_of(const std::string& name) const { return line.output + "/" + name; }
   output::latest_checkpoint read_saved() const;
   bool holds_another_run(const output::checkpoint& saved) const;

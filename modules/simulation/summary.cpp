@@ -56,21 +56,22 @@ void summary::write(const domain::communicator& where, const std::string& direct
 }
 
 void summary::print() const {
-  fmt::print("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message, wall_seconds,
-             statistics.evaluations);
-  if (statistics.rejections > 0) fmt::print(", {} steps rejected", statistics.rejections);
-  fmt::print(")\n");
+  std::string text = fmt::format("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message,
+                                 wall_seconds, statistics.evaluations);
+  if (statistics.rejections > 0) text += fmt::format(", {} steps rejected", statistics.rejections);
   std::string held;
   for (const auto& [name, count] : statistics.limited_by)
     held += fmt::format("{}{} {}", held.empty() ? "" : ", ", name, count);
-  fmt::print("  step set by: {}\n", held.empty() ? "-" : held);
+  text += fmt::format(")\n  step set by: {}\n", held.empty() ? "-" : held);
   if (errors.contains("pressure_mean"))
-    fmt::print("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
-               errors["pressure_mean"].get<double>(), errors["pressure_max"].get<double>(),
-               errors["density_max"].get<double>(), errors["displacement_max_over_dx"].get<double>());
+    text += fmt::format("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
+                        errors["pressure_mean"].get<double>(), errors["pressure_max"].get<double>(),
+                        errors["density_max"].get<double>(), errors["displacement_max_over_dx"].get<double>());
   if (metrics.value("wall_crossings", 0) > 0)
-    fmt::print("  {} particles had to be put back inside the walls\n", metrics["wall_crossings"].get<std::int64_t>());
-  fmt::print("  state {}\n", state_hash);
+    text += fmt::format("  {} particles had to be put back inside the walls\n",
+                        metrics["wall_crossings"].get<std::int64_t>());
+  text += fmt::format("  state {}\n", state_hash);
+  std::fputs(text.c_str(), stdout);  // whose reader may have gone
 }
 
 void write_text(const domain::communicator& where, const std::string& path, const std::string& text) {

@@ -75,13 +75,50 @@ class Restart(Case):
     def test_signals(self):
         name, settings = long_case("disph_f")
         whole = self.run_program("disph_f", name, settings, "whole")
-        for number in [signal.SIGTERM, signal.SIGINT, signal.SIGUSR1]:
+        for number in [signal.SIGTERM, signal.SIGINT, signal.SIGUSR1, signal.SIGHUP, signal.SIGXCPU]:
             with self.subTest(number.name):
                 stopped = self.stop("disph_f", name, settings, number.name, number)
                 self.assert_interrupted(stopped)
+                self.assertIn(f"stopped by {number.name} at step", stopped.summary["message"])
+                self.assertIn(f"{number.name}: disph_f stops after this step, with a checkpoint", stopped.stderr)
                 self.assertLess(stopped.summary["steps"], whole.summary["steps"])
                 again = self.run_program("disph_f", name, settings, number.name, options=LATEST, ranks=2)
                 self.assert_same_run(whole, again)
+
+    def test_stop_file(self):
+        """touch DIR/stop, which works under any launcher."""
+        name, settings = long_case("disph_f")
+        whole = self.run_program("disph_f", name, settings, "whole")
+        for ranks in [None, 2]:
+            with self.subTest(ranks=ranks):
+                output = f"ranks_{ranks}"
+                process = self.start("disph_f", name, settings, output, ranks)
+                self.wait_for(process, lambda: self.lines(output) > 20)
+                (self.here / output / "stop").touch()
+                stopped = self.finish(process, output)
+                self.assertEqual(stopped.status, INTERRUPTED, stopped)
+                self.assert_interrupted(stopped)
+                self.assertIn("by the file stop", stopped.summary["message"])
+                self.assertFalse((self.here / output / "stop").exists())
+                self.assert_same_run(whole, self.run_program("disph_f", name, settings, output, options=LATEST))
+
+    def test_nohup(self):
+        """A window that is closed does not stop a run that was told so."""
+        name, settings = case_of("disph_f", **{"time.steps": 400})
+        process = subprocess.Popen(
+            ["nohup", *command("disph_f", *self.arguments(name, settings, self.here / "out"))], cwd=self.here,
+            env=environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.wait_for(process, lambda: self.lines("out") > 1)
+        process.send_signal(signal.SIGHUP)
+        self.assertEqual(self.finish(process, "out").status, COMPLETED)
+
+    def test_reader_goes_away(self):
+        """`disph_f … 2>&1 | head`: the run goes on without its reader."""
+        name, settings = case_of("disph_f", **{"time.steps": 400})
+        process = self.start("disph_f", name, settings, "out")
+        process.stderr.close()
+        self.wait_for(process, lambda: process.poll() is not None or (self.here / "out" / "summary.json").exists())
+        self.assertEqual(process.wait(timeout=LIMIT_S), COMPLETED)
 
     def test_on_other_ranks(self):
         """Stopped on some ranks by the signal that mpirun hands on, continued on others."""
@@ -150,12 +187,31 @@ class Restart(Case):
         self.assertEqual(left, ["checkpoint_00000140.h5", "checkpoint_00000150.h5"], "the two newest are kept")
 
     def test_longer(self):
-        """A completed run goes on when the input asks for more steps."""
+        """A completed run goes on when more steps are asked for, as if it had not ended: also where neither a line nor
+        a snapshot was due at its end. Its input stands in its directory."""
         name, settings = long_case("disph_f")
-        short = {**settings, "time.steps": 40, "run.checkpoint_interval": 40}
-        self.run_program("disph_f", name, short, "out")
-        again = self.run_program("disph_f", name, settings, "out", options=LATEST)
-        self.assertEqual(again.summary["state_hash"], self.run_program("disph_f", name, settings).summary["state_hash"])
+        settings.update({"time.steps": 60, "output.history_interval": 7, "output.interval": 1.5})
+        whole = self.run_program("disph_f", name, settings, "whole")
+        self.run_program("disph_f", name, {**settings, "time.steps": 40}, "out")
+        again = self.call("disph_f", "--restart", "latest", "--output", "out", "--set", "time.steps=60",
+                          directory=self.here / "out")
+        self.assertEqual(again.status, COMPLETED, again)
+        self.assert_same_run(whole, again)
+        self.assertEqual(*((r.directory / "series.xdmf").read_text() for r in (whole, again)))
+        # Once more with nothing left to do: the same files.
+        before = {n: (again.directory / n).read_bytes() for n in ["history.csv", "series.xdmf", "snapshot_0004.h5"]}
+        once_more = self.call("disph_f", "--restart", "latest", "--output", "out", directory=again.directory)
+        self.assertEqual(once_more.status, COMPLETED, once_more)
+        self.assertEqual(once_more.summary["state_hash"], whole.summary["state_hash"])
+        self.assertEqual({n: (again.directory / n).read_bytes() for n in before}, before)
+
+    def test_fewer_steps_than_time(self):
+        """Which of two limits ended a run is told."""
+        name, settings = long_case("disph_f", "adaptive")
+        result = self.run_program("disph_f", name, {**settings, "time.steps": 5})
+        self.assertEqual(result.summary["steps"], 5)
+        self.assertIn("before t_end = 30 s, as time.steps asks for no more", result.summary["message"])
+        self.assertIn("time.steps", result.stdout)
 
     def test_failed_calculation_leaves_the_last_good_state(self):
         """A fluid that falls until its pressure at the top is negative: exit 3 tells where, and the checkpoint is the
@@ -226,6 +282,72 @@ class Checkpoints(Case):
     def test_by_name(self):
         again = self.continued(["--restart", self.checkpoints[0]])
         self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+
+    def test_into_another_runs_directory(self):
+        """Its results would be lost: refused, and replaced only by --force. A directory of its own is made."""
+        other = self.run_program("disph_f", self.name, {**self.saving, "time.steps": 7}, "other")
+        before = self.listing()
+        restart = ["--restart", self.checkpoints[0]]
+        refused = self.run_program("disph_f", self.name, self.saving, "other", options=restart, expect=BAD_INPUT)
+        self.assertIn("another run", refused.stderr)
+        self.assertIn("--force", refused.stderr)
+        self.assertEqual(self.listing(), before)
+        # A checkpoint of this run among the files of another.
+        (other.directory / "checkpoint_00000020.h5").write_bytes(self.checkpoints[0].read_bytes())
+        (other.directory / "resolved.nml").write_text(
+            (other.directory / "resolved.nml").read_text().replace("viscosity = 1.0", "viscosity = 2.0"))
+        before = self.listing()
+        inside = ["--restart", other.directory / "checkpoint_00000020.h5"]
+        self.run_program("disph_f", self.name, self.saving, "other", options=inside, expect=BAD_INPUT)
+        self.assertEqual(self.listing(), before)
+
+        for output, options in [("other", [*restart, "--force"]), ("branch", restart)]:
+            again = self.run_program("disph_f", self.name, self.saving, output, options=options)
+            self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+            self.assertEqual(sorted(p.name for p in again.directory.glob("checkpoint_*")), ["checkpoint_00000030.h5"])
+
+    def test_without_input(self):
+        again = self.call("disph_f", "--restart", self.checkpoints[0], directory=self.first.directory)
+        self.assertEqual(again.status, COMPLETED, again)
+        self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+        self.assert_says(self.call("disph_f", "--restart", "latest"), BAD_INPUT, "--output DIR")
+        (self.here / "pipe").mkdir()
+        os.mkfifo(self.here / "pipe" / "resolved.nml")
+        self.assert_says(self.call("disph_f", "--restart", "latest", "--output", "pipe"), BAD_INPUT, "not a plain file")
+
+    def test_damaged_tables(self):
+        """A history that is not what was written is refused, an empty one is begun anew."""
+        table = self.first.directory / "history.csv"
+        whole = table.read_bytes()
+        self.damage(table, 0.5)
+        before = self.listing()
+        self.assert_says(self.continued(expect=FILE_FAILED), FILE_FAILED, "history.csv", "Move it away")
+        self.assertEqual(self.listing(), before)
+        table.write_bytes(b"")
+        again = self.continued()
+        self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+        self.assertIn("history.csv was lost", again.stderr)
+        table.write_bytes(whole)
+
+    def test_links_and_pipes(self):
+        """A link leads nowhere, a pipe is not waited for."""
+        pipe = self.here / "checkpoint_00000099.h5"
+        os.mkfifo(pipe)
+        self.assert_says(self.continued(["--restart", pipe], FILE_FAILED), FILE_FAILED, "not a plain file")
+        os.mkfifo(self.first.directory / "checkpoint_00000099.h5")
+        again = self.continued()
+        self.assertIn("checkpoint_00000099.h5", again.stderr)
+        self.assertEqual(again.summary["state_hash"], self.first.summary["state_hash"])
+        log, elsewhere = self.first.directory / "run.log", self.here / "elsewhere"
+        log.unlink()
+        elsewhere.write_text("mine")
+        log.symlink_to(elsewhere)
+        self.assert_says(self.continued(expect=FILE_FAILED), FILE_FAILED, "run.log", "symbolic link")
+        log.unlink()
+        (self.first.directory / "run.log.tmp").symlink_to(self.here / "nowhere")
+        self.run_program("disph_f", self.name, self.saving, "out", options=["--force"])
+        self.assertEqual(elsewhere.read_text(), "mine")
+        self.assertFalse((self.here / "nowhere").exists())
 
     def test_on_other_columns_of_ranks(self):
         for ranks, ranks_x in [(4, 1), (4, 4), (6, 3)]:
