@@ -281,7 +281,7 @@ struct loop {
     count_particles();
     make_integrator(g.reals.at("fixed_dt"));
     bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
-    step = files.continue_from(saved, *integrator, columns());
+    step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
     line_step = g.integers.at("line_step");
     snapshot_step = g.integers.at("snapshot_step");

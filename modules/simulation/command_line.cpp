@@ -105,11 +105,13 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const pro
     schema.read(document);
     in.complete(schema);
     std::ostringstream resolved;
+    resolved << "! " << in.program << ", every key as run\n";
     schema.write_resolved(resolved);
     if (line.check) {
       if (ranks.rank == 0) std::cout << resolved.str();
       return 0;
     }
+    if (in.need) check_memory(ranks, in.program, in.need(), schema.where("domain", "particles_x") + ": &domain");
     if (line.output.empty())
       line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
     run(line, resolved.str());
@@ -129,6 +131,11 @@ void end_all(const domain::communicator& ranks) {
 
 }  // namespace
 
+memory_need need_of(const options& o) {
+  constexpr double bytes = 420.0;  // measured, 2-D and 3-D
+  return {expected_particles(o), bytes, neighbours_of(o.kernel, o.domain.dimension)};
+}
+
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
           const std::function<void(const command_line&, const input&)>& run) {
   input in;
@@ -137,7 +144,8 @@ int start(int argc, char** argv, const std::string& program, const std::string& 
                           .shorthands = {},
                           .restarts = true,
                           .declare = [&](namelist::schema& schema) { declare(schema, in.values); },
-                          .complete = [&](const namelist::schema& schema) { resolve(schema, in.values); }};
+                          .complete = [&](const namelist::schema& schema) { resolve(schema, in.values); },
+                          .need = [&] { return need_of(in.values); }};
   return start(argc, argv, own, [&](const command_line& line, const std::string& resolved) {
     in.resolved = resolved;
     run(line, in);

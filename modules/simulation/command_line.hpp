@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <simulation/memory.hpp>
 #include <simulation/options.hpp>
 #include <string>
 #include <vector>
@@ -45,6 +46,7 @@ struct program_input {
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
   std::vector<flag> flags = {};
+  std::function<memory_need()> need = {};  // after complete; none: it is no matter
 };
 // As above. `run` gets the input as resolved, a namelist.
 int start(int argc, char** argv, const program_input& input,

@@ -361,7 +361,7 @@ struct run {
     balancer.first_lists(world, watch.elapsed());
     exchange_positions();
     make_integrator(0.0);
-    step = files.continue_from(saved, *integrator, history_columns());
+    step = files.continue_from(saved, *integrator, history_columns(), o.output.interval);
     restore(saved.state.globals);
     start_other_tables();
     evaluate_here();

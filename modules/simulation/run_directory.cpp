@@ -28,13 +28,16 @@ std::string told_by(double reason) {
   return "by " + signal_name(static_cast<int>(reason - first_signal_reason));
 }
 
-// How resolved.nml begins.
-std::string first_line_for(const std::string& program) { return "! " + program + ", every key as run\n"; }
-
 bool is_inside(const std::string& file, const std::string& directory) {
   std::error_code ignored;
   const auto parent = fs::path(file).parent_path();
   return fs::equivalent(parent.empty() ? fs::path(".") : parent, directory, ignored);
+}
+
+double next_multiple(double interval, double t) {
+  const double next = interval * (std::floor(t * (1.0 + 1e-9) / interval) + 1.0);
+  // An interval may be below the spacing of numbers at this time.
+  return next > t ? next : std::nextafter(t, std::numeric_limits<double>::max());
 }
 
 std::string text_of_plain_file(const std::string& path) {
@@ -106,7 +109,7 @@ void run_directory::begin() {
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
-  write_text(ranks, path_of("resolved.nml"), first_line_for(line.program) + resolved);
+  write_text(ranks, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }
 
@@ -129,10 +132,8 @@ bool run_directory::holds_another_run(const output::checkpoint& saved) const {
     another = is_inside(line.restart, line.output) ? "" : "yes";
     const auto here = text_of_plain_file(path_of("resolved.nml"));
     if (here.empty()) return;
-    const auto first_line = first_line_for(line.program);
-    if (!here.starts_with(first_line)) return void(another = "yes");
-    try {
-      check_restart(line.program, saved.globals.texts.at("input"), line.program, here.substr(first_line.size()));
+    try {  // its first line names the program
+      check_restart(line.program, saved.globals.texts.at("input"), line.program, here);
     } catch (const foundation::error&) {
       another = "yes";
     }
@@ -169,10 +170,7 @@ void run_directory::write_snapshot(const output::snapshot_header& header,
   output::write_snapshot(ranks.comm, path_of(name), header, groups, {line.program, version(), resolved});
   output::add_to_series(ranks.comm, line.output, name, series_);
   ++snapshots_;
-  if (!(interval > 0.0) || next_snapshot > header.time * (1.0 + 1e-9)) return;
-  next_snapshot = interval * (std::floor(header.time * (1.0 + 1e-9) / interval) + 1.0);
-  // An interval below the spacing of numbers at this time.
-  if (!(next_snapshot > header.time)) next_snapshot = std::nextafter(header.time, std::numeric_limits<double>::max());
+  if (interval > 0.0) next_snapshot = next_multiple(interval, header.time);
 }
 
 void run_directory::keep_good(const std::string& checkpoint) {
@@ -187,7 +185,6 @@ void run_directory::keep_good(const std::string& checkpoint) {
 void run_directory::write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,
                                      output::checkpoint_globals g, const output::table_view& fluid) {
   save(integrator.save(), g);
-  g.reals["next_snapshot"] = next_snapshot;
   g.reals["stepping_seconds"] = stepping_seconds;
   g.integers["step"] = step;
   g.integers["simd_lanes"] = simd_lanes;
@@ -207,12 +204,12 @@ void run_directory::write_checkpoint(std::int64_t step, const integrators::expli
 
 std::int64_t run_directory::continue_from(const output::latest_checkpoint& saved,
                                           integrators::explicit_integrator& integrator,
-                                          const std::vector<output::history_column>& columns) {
+                                          const std::vector<output::history_column>& columns, double interval) {
   const auto& g = saved.state.globals;
   integrator.restore(integrator_memory(g));
   const std::int64_t step = g.integers.at("step");
   snapshots_ = g.integers.at("snapshots");
-  next_snapshot = g.reals.at("next_snapshot");
+  if (interval > 0.0) next_snapshot = next_multiple(interval, integrator.time());
   stepping_seconds = g.reals.at("stepping_seconds");
   g.integers.at("bytes of history.csv");  // of every checkpoint of this version
   constexpr std::string_view prefix = "sum of ";

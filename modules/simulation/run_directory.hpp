@@ -86,9 +86,9 @@ struct run_directory {
   void write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,
                         output::checkpoint_globals g, const output::table_view& fluid);
   // The counterpart, for what is not particles: the integrator's memory and the files as they were at that step, which
-  // is returned.
+  // is returned. interval: s, as above, which may be another now.
   std::int64_t continue_from(const output::latest_checkpoint& saved, integrators::explicit_integrator& integrator,
-                             const std::vector<output::history_column>& columns);
+                             const std::vector<output::history_column>& columns, double interval);
 
   // Of a restart: whether the checkpoint lies among what the run wrote before.
   bool continues_here() const;

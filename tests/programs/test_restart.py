@@ -1,6 +1,7 @@
 """Stopped runs go on: signals, the wall-clock limit, kill -9, damaged checkpoints; on other ranks, with the same bits."""
 
 import os
+import re
 import signal
 import subprocess
 import time
@@ -295,7 +296,7 @@ class Checkpoints(Case):
         # A checkpoint of this run among the files of another.
         (other.directory / "checkpoint_00000020.h5").write_bytes(self.checkpoints[0].read_bytes())
         (other.directory / "resolved.nml").write_text(
-            (other.directory / "resolved.nml").read_text().replace("viscosity = 1.0", "viscosity = 2.0"))
+            re.sub(r"viscosity = \S+", "viscosity = 2.0", (other.directory / "resolved.nml").read_text()))
         before = self.listing()
         inside = ["--restart", other.directory / "checkpoint_00000020.h5"]
         self.run_program("disph_f", self.name, self.saving, "other", options=inside, expect=BAD_INPUT)
