@@ -5,6 +5,7 @@
 #include <integrators/explicit_integrator.hpp>
 #include <overturn/lattice.hpp>
 #include <overturn/options.hpp>
+#include <walls/boundary_force.hpp>
 
 namespace tetsuame::overturn {
 
@@ -24,6 +25,7 @@ struct fluids {
   double self = 0.0, h = 0.0;                               // 1/m^D, m
   double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
   viscous_weights viscous;
+  walls::boundary_force wall_force;
   bool second_order = false;  // in the place of the viscous order that was asked for
   std::int64_t crossings = 0;
 

@@ -77,6 +77,7 @@ energies find_energies(const fluids<D>& f) {
     const double V = s.m[i] / s.rho[i];
     kinetic.add(0.5 * s.m[i] * f.inertia_of(i) * f.speed2(i));
     potential.add(s.m[i] * f.o.gravity * s.x[1][i]);
+    potential.add(s.m[i] * walls::boundary_potential(f.wall_force, f.world.images.sides, s, i));
     elastic.add(s.m[i] * (f.warms ? s.u[i] : elastic_energy(f, i)) + f.reference_pressure(s.x[1][i]) * V);
     heat.add(s.m[i] * f.dissipated()[i]);
     thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - f.T_start()[i]));

@@ -276,6 +276,8 @@ bool combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, st
     rate[at.v + a][i] = (per_m * force + w.g[a]) / f.inertia_of(i);
     finite = finite && std::isfinite(rate[at.v + a][i]);
   }
+  walls::push_off(f.wall_force, f.world.images.sides, s, i,
+                  [&](std::size_t axis, double a) { rate[at.v + axis][i] += a / f.inertia_of(i); });
   rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * f.compression[i];
   rate[at.q][i] = per_m * f.heat[i];
   double dlnrho = f.compression[i] * (f.first_pattern ? s.dV[i] : 1.0) / w.lattice_sum;

@@ -43,6 +43,7 @@ class two_fluids : public march::problem {
     place_fluid(f_);
     find_reference(f_);
     bounds_ = find_limit(f_);
+    f_.wall_force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
   }
 
   const domain::communicator& ranks() const override { return f_.ranks(); }

@@ -62,6 +62,7 @@ totals<D> measure_totals(const scene<D>& scene) {
       kinetic.add(0.5 * s.m[i] * s.v[a][i] * s.v[a][i]);
       potential.add(-s.m[i] * g[a] * s.x[a][i]);
     }
+    potential.add(s.m[i] * walls::boundary_potential(scene.walls.force, scene.walls.sides, s, i));
     internal.add(s.m[i] * s.u[i]);
     pressure_volume.add(s.p[i] * s.dV[i]);
     sound.add(s.m[i] * s.c[i]);

@@ -235,6 +235,15 @@ double moved_since_lists(const particles::particles<D>& s) {
   return largest;
 }
 
+// m/s, the largest of the exact profile.
+template <int D>
+double fastest_sound(const options& o, const scene<D>& scene) {
+  double most = 0.0;
+  for (const double rho : scene.rho_exact)
+    most = std::max(most, eos::evaluate(scene.w.materials[0], rho, o.initial.temperature).sound_speed);
+  return most;
+}
+
 // Everything up to the first evaluation, lists included.
 template <int D>
 void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
@@ -258,6 +267,8 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
   scene.walls.sides = walls::make_sides<D>(o.walls, box);
   place_fluid(o, scene);
   place_walls(o, scene);
+  if (std::holds_alternative<walls::virtual_marker>(scene.treatment))
+    scene.walls.force = walls::make_boundary_force(w.dx, fastest_sound(o, scene));
 }
 
 }  // namespace tetsuame::simulation

@@ -8,6 +8,7 @@
 //
 // virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
 //   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
+//   and the force of boundary_force.hpp
 // none: no support beyond the wall, kernels are cut off there ("without boundary correction").
 // frozen: wall particles keep the start's profile and the wall's own velocity.
 // repulsion [S2]: markers without the step in pressure (p_w = p_m), and instead
@@ -291,6 +292,11 @@ struct virtual_marker : with_markers {
     detail::marker_kinematics(w, set);
     detail::nonpressure_acceleration(w, set);
     set.steps_due = true;
+  }
+  template <int D>
+  static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
+    for (const std::size_t i : set.near_wall.rows)
+      push_off(set.force, set.sides, w.s, i, [&](std::size_t axis, double a) { force[axis][i] += w.s.m[i] * a; });
   }
 };
 

@@ -4,6 +4,7 @@
 #include <cells/neighbour_list.hpp>
 #include <foundation/error.hpp>
 #include <pairs/workspace.hpp>
+#include <walls/boundary_force.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::walls {
@@ -12,6 +13,7 @@ template <int D>
 struct wall_set {
   options how;
   std::vector<side<D>> sides;
+  boundary_force force;  // of the virtual markers' walls
 
   // Row r belongs to the owned wall particle first_wall() + r.
   std::array<particles::array, D> marker;  // m, mirror image of the wall particle
