@@ -15,9 +15,11 @@ max_jobs={{max_jobs}}
 chain={{chain}}
 
 export OMP_NUM_THREADS={{threads}} OMP_PLACES=cores OMP_PROC_BIND=close
-# s. Open MPI's mpirun that is ended itself hands SIGTERM on after so long, kills after as long again, and returns 1. By
-# default 1, too short for a checkpoint of ranks that the scheduler has told, too.
-export OMPI_MCA_odls_base_sigkill_timeout=60
+# s. Open MPI's mpirun that is ended itself hands SIGTERM on after so long, kills after as long again, and returns 1: its
+# own 1 s is short for a checkpoint of ranks that the scheduler ended with it. But mpirun waits twice so long after
+# every run that ends with a status, too, 75 among them, and this has to fit into the margin.
+: "${OMPI_MCA_odls_base_sigkill_timeout:=$((margin < 12 ? 1 : margin > 60 ? 10 : margin / 6))}"
+export OMPI_MCA_odls_base_sigkill_timeout
 
 # ---- the chain so far -----------------------------------------------------------------------
 # job.state: how the last job ended, how many there were, the step the last one began at (-1: anew) and how many

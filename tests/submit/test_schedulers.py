@@ -37,9 +37,11 @@ class Submit(Case):
             (self.bin / name).chmod(0o755)
         self.out = self.here / "out"
         self.name, self.settings = case_of("disph_f", **{"time.dt": 0.02, "output.history_interval": 5})
+        self.patience = "1"  # s that mpirun waits, twice after each job that is to be continued
 
     def environment(self):
-        return {**environment(), "PATH": f"{self.bin}:{os.environ['PATH']}", "QUEUE": str(self.queue)}
+        return {**environment(), "PATH": f"{self.bin}:{os.environ['PATH']}", "QUEUE": str(self.queue),
+                "OMPI_MCA_odls_base_sigkill_timeout": self.patience}
 
     def submit(self, *options, scheduler="slurm", settings=None, program="disph_f", time="00:10:00", ranks=1):
         words = [PROGRAMS / "submit", program, *self.arguments(self.name, settings or self.settings, self.out),
@@ -322,19 +324,24 @@ class Chains(Submit):
                 self.assertEqual(self.state()[0], outcome, self.log())
 
     def test_mpirun_is_ended(self):
-        """TERM to shell and mpirun, as a scheduler sends it: the ranks have the time that the script sets, and the
-        chain knows why it ended, whatever mpirun returns."""
+        """TERM to shell and mpirun, as a scheduler sends it: the ranks have their time, and the chain knows why it ended,
+        whatever mpirun returns."""
         self.accepted("--launcher", f"{MPIEXEC} --bind-to none -n 2", scheduler="pbs", ranks=2, settings=self.long_settings(60))
-        script = self.out / "job.sh"
-        text = script.read_text()
-        self.assertEqual(text.count("\nexport OMPI_MCA_odls_base_sigkill_timeout=60\n"), 1)
-        script.write_text(text.replace("sigkill_timeout=60", "sigkill_timeout=2"))  # mpirun waits twice as long
         process = self.start_stepping("pbs")
         os.killpg(process.pid, signal.SIGTERM)  # shell and mpirun; the ranks are in groups of their own
         self.assertEqual(process.wait(timeout=LIMIT_S), INTERRUPTED, self.log())
         self.assertIn("ended from outside after a checkpoint", self.log())
         self.assertEqual((self.queued(), self.state()[0]), ([], "stopped"))
         self.assertEqual(json.loads((self.out / "summary.json").read_text())["status"], "interrupted")
+
+    def test_time_that_mpirun_leaves(self):
+        """Between its signals to the ranks, and twice at the end: within the margin."""
+        for margin, seconds in [(1, 1), (11, 1), (30, 5), (60, 10), (600, 10)]:
+            self.accepted("--launcher", f"bash -c 'echo $OMPI_MCA_odls_base_sigkill_timeout >{self.here}/seconds'", "--force",
+                          "--margin", margin, scheduler="pbs", time="01:00:00")
+            self.patience = ""
+            self.assertEqual(self.job("pbs"), COMPLETED, self.log())
+            self.assertEqual((self.here / "seconds").read_text(), f"{seconds}\n")
 
     def test_next_cannot_be_submitted(self):
         self.accepted("--launcher", "env", scheduler="pjm", settings={**self.long_settings(4), "run.wall_clock_limit": 1})
