@@ -15,6 +15,11 @@ max_jobs={{max_jobs}}
 chain={{chain}}
 
 export OMP_NUM_THREADS={{threads}} OMP_PLACES=cores OMP_PROC_BIND=close
+# s. Open MPI's mpirun that is ended itself hands SIGTERM on after so long, kills after as long again, and returns 1: its
+# own 1 s is short for a checkpoint of ranks that the scheduler ended with it. But mpirun waits twice so long after
+# every run that ends with a status, too, 75 among them, and this has to fit into the margin.
+: "${OMPI_MCA_odls_base_sigkill_timeout:=$((margin < 12 ? 1 : margin > 60 ? 10 : margin / 6))}"
+export OMPI_MCA_odls_base_sigkill_timeout
 
 # ---- the chain so far -----------------------------------------------------------------------
 # job.state: how the last job ended, how many there were, the step the last one began at (-1: anew) and how many
@@ -69,20 +74,21 @@ limit=$((job_seconds - margin - SECONDS))
 
 # ---- the run --------------------------------------------------------------------------------
 say "number $jobs, $( ((from < 0)) && echo 'from the start' || echo "from step $from"), for $limit s"
-# In the background, for the shell heeds signals only while it waits. USR1 warns that the time is nearly up; TERM
-# says that somebody ends the job: then no further one is submitted.
+# In the background, for the shell heeds signals only while it waits. USR1 warns that the time is nearly up; TERM,
+# or INT or HUP where no scheduler runs this, say that somebody ends the job: then no further one is submitted. mpirun
+# is told by USR1 in any case, which it hands on at once and does not end for.
 ended=false
 "${launch[@]}" "$program" "$input" "${settings[@]}" --set run.wall_clock_limit="$limit" --output "$output" "${start[@]}" \
   >>"$output/job.log" 2>&1 &
 child=$!
 trap 'kill -USR1 "$child"' USR1
-trap 'ended=true; kill -USR1 "$child"' TERM
+trap 'ended=true; kill -USR1 "$child"' TERM INT HUP
 while
   wait "$child"
   status=$?
   ((status > 128)) && kill -0 "$child" 2>/dev/null
 do :; done
-trap '' USR1 TERM
+trap '' USR1 TERM INT HUP
 
 # ---- what comes next ------------------------------------------------------------------------
 reached=$(newest_step)
@@ -96,15 +102,17 @@ case $status in
   2) stop 2 "the input was refused, see above" ;;
   3) stop 3 "the calculation failed, see above and summary.json" ;;
   4) stop 4 "a file could not be read or written, see above" ;;
-  *) stop "$status" "the run ended with status $status, see above; the newest checkpoint is of step $reached (-1: none)" ;;
+  # Of an mpirun that was ended from outside it says nothing of the run.
+  *) $ended || stop "$status" "the run ended with status $status, see above; the newest checkpoint is of step $reached (-1: none)" ;;
 esac
 # Where the newest checkpoint was damaged, the run began at the one before.
 used=$(sed -n 's/.*continuing from .*checkpoint_0*\([0-9][0-9]*\)\.h5.*/\1/p' "$output/run.log" | tail -n 1)
 ((from < 0)) || from=${used:-$from}
-((reached > from)) || stop 1 "no step was completed in $limit s: ask for more time"
 if $ended; then
+  ((reached > from)) || stop 75 "ended from outside before a checkpoint; {{submit_command}} begins where this job did"
   stop 75 "ended from outside after a checkpoint at step $reached; {{submit_command}} continues"
 fi
+((reached > from)) || stop 1 "no step was completed in $limit s: ask for more time"
 remember interrupted
 say "step $reached; to be continued"
 [[ $chain == self ]] || exit 75

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, FILE_FAILED, INTERRUPTED, LIMIT_S, PROGRAMS, Case, environment
+from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, FILE_FAILED, INTERRUPTED, LIMIT_S, MPIEXEC, PROGRAMS, Case, environment
 from test_ranks import case_of
 
 # Appends its arguments to ./queue and answers as the command of that name does.
@@ -37,9 +37,11 @@ class Submit(Case):
             (self.bin / name).chmod(0o755)
         self.out = self.here / "out"
         self.name, self.settings = case_of("disph_f", **{"time.dt": 0.02, "output.history_interval": 5})
+        self.patience = "1"  # s that mpirun waits, twice after each job that is to be continued
 
     def environment(self):
-        return {**environment(), "PATH": f"{self.bin}:{os.environ['PATH']}", "QUEUE": str(self.queue)}
+        return {**environment(), "PATH": f"{self.bin}:{os.environ['PATH']}", "QUEUE": str(self.queue),
+                "OMPI_MCA_odls_base_sigkill_timeout": self.patience}
 
     def submit(self, *options, scheduler="slurm", settings=None, program="disph_f", time="00:10:00", ranks=1):
         words = [PROGRAMS / "submit", program, *self.arguments(self.name, settings or self.settings, self.out),
@@ -296,24 +298,50 @@ class Chains(Submit):
         self.assertEqual(self.chain("pbs"), [INTERRUPTED, 1])
         self.assertIn("2 jobs were not enough", self.log())
 
+    def start_stepping(self, scheduler):
+        """The job, once its run has written a few lines."""
+        process = self.start_job(scheduler)
+        self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
+        history = self.out / "history.csv"
+        end = time.monotonic() + LIMIT_S
+        while not (history.exists() and history.read_text().count("\n") > 5) and time.monotonic() < end:
+            time.sleep(0.01)
+        return process
+
     def test_signals(self):
-        """USR1: on with the next job. TERM: checkpoint, and no further job."""
+        """USR1: on with the next job. TERM, and without a scheduler INT and HUP: checkpoint, and no further job."""
         settings = self.long_settings(20)
-        for number, queued, outcome in [(signal.SIGUSR1, 1, "interrupted"), (signal.SIGTERM, 0, "stopped")]:
+        for number, queued, outcome in [(signal.SIGUSR1, 1, "interrupted"), (signal.SIGTERM, 0, "stopped"),
+                                        (signal.SIGINT, 0, "stopped"), (signal.SIGHUP, 0, "stopped")]:
             with self.subTest(number.name):
                 self.queue.unlink(missing_ok=True)
                 self.out = self.here / number.name
                 self.accepted("--launcher", "env", scheduler="pjm", settings=settings)
-                process = self.start_job("pjm")
-                self.addCleanup(lambda p=process: p.poll() is None and os.killpg(p.pid, signal.SIGKILL))
-                history = self.out / "history.csv"
-                end = time.monotonic() + LIMIT_S
-                while not (history.exists() and history.read_text().count("\n") > 5) and time.monotonic() < end:
-                    time.sleep(0.01)
+                process = self.start_stepping("pjm")
                 os.kill(process.pid, number)  # the shell alone, as B: in --signal=B:USR1
                 self.assertEqual(process.wait(timeout=LIMIT_S), INTERRUPTED, self.log())
                 self.assertEqual(len(self.queued()), queued)
                 self.assertEqual(self.state()[0], outcome, self.log())
+
+    def test_mpirun_is_ended(self):
+        """TERM to shell and mpirun, as a scheduler sends it: the ranks have their time, and the chain knows why it ended,
+        whatever mpirun returns."""
+        self.accepted("--launcher", f"{MPIEXEC} --bind-to none -n 2", scheduler="pbs", ranks=2, settings=self.long_settings(60))
+        process = self.start_stepping("pbs")
+        os.killpg(process.pid, signal.SIGTERM)  # shell and mpirun; the ranks are in groups of their own
+        self.assertEqual(process.wait(timeout=LIMIT_S), INTERRUPTED, self.log())
+        self.assertIn("ended from outside after a checkpoint", self.log())
+        self.assertEqual((self.queued(), self.state()[0]), ([], "stopped"))
+        self.assertEqual(json.loads((self.out / "summary.json").read_text())["status"], "interrupted")
+
+    def test_time_that_mpirun_leaves(self):
+        """Between its signals to the ranks, and twice at the end: within the margin."""
+        for margin, seconds in [(1, 1), (11, 1), (30, 5), (60, 10), (600, 10)]:
+            self.accepted("--launcher", f"bash -c 'echo $OMPI_MCA_odls_base_sigkill_timeout >{self.here}/seconds'", "--force",
+                          "--margin", margin, scheduler="pbs", time="01:00:00")
+            self.patience = ""
+            self.assertEqual(self.job("pbs"), COMPLETED, self.log())
+            self.assertEqual((self.here / "seconds").read_text(), f"{seconds}\n")
 
     def test_next_cannot_be_submitted(self):
         self.accepted("--launcher", "env", scheduler="pjm", settings={**self.long_settings(4), "run.wall_clock_limit": 1})
