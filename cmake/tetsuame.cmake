@@ -23,7 +23,7 @@ target_compile_options(tetsuame_options INTERFACE
   -march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
 # g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
 target_compile_options(tetsuame_options INTERFACE
-  $<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized;-Wno-uninitialized>)
+  "$<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized;-Wno-uninitialized>")
 target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 if(TETSUAME_SANITIZE)
   target_compile_options(tetsuame_options INTERFACE

@@ -138,7 +138,7 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
     for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
       needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
   }
-  needed[list.null] = 1;
+  needed.back() = 1;  // the null particle
   chosen c{std::move(rows), {}};
   for (std::size_t i = 0; i < needed.size(); ++i)
     if (needed[i] != 0) c.packed.push_back(i);
