@@ -6,11 +6,13 @@ using namespace tetsuame;
 
 int main(int argc, char** argv) {
   cooling::options o;
-  const simulation::program_input own{.program = "conduction",
-                                      .shorthands = {},
-                                      .restarts = true,
-                                      .declare = [&](namelist::schema& schema) { cooling::declare(schema, o); },
-                                      .complete = [&](const namelist::schema& schema) { cooling::resolve(schema, o); }};
+  const simulation::program_input own{
+      .program = "conduction",
+      .shorthands = {},
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { cooling::declare(schema, o); },
+      .complete = [&](const namelist::schema& schema) { cooling::resolve(schema, o); },
+      .need = [&] { return simulation::need_of(cooling::expected_particles(o), 300.0, o.march.kernel, o.dimension); }};
   return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
     if (o.dimension == 3) {
       cooling::body<3> problem(o);

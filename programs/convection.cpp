@@ -12,7 +12,12 @@ int main(int argc, char** argv) {
       .shorthands = {},
       .restarts = true,
       .declare = [&](namelist::schema& schema) { boussinesq::declare(schema, o); },
-      .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); }};
+      .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); },
+      .need =
+          [&] {
+            return simulation::need_of(boussinesq::expected_particles(o), 1440.0, o.march.kernel,
+                                       o.physics.domain.dimension);
+          }};
   return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
     if (o.physics.domain.dimension == 3) {
       boussinesq::convection<3> problem(o, p);

@@ -17,15 +17,17 @@ std::unique_ptr<march::problem> make(const shocks::options& o, const std::vector
 int main(int argc, char** argv) {
   shocks::options o;
   std::vector<shocks::coarser_input> coarser;
-  const simulation::program_input own{.program = "shock",
-                                      .shorthands = {},
-                                      .restarts = true,
-                                      .declare = [&](namelist::schema& schema) { shocks::declare(schema, o); },
-                                      .complete =
-                                          [&](const namelist::schema& schema) {
-                                            shocks::resolve(schema, o);
-                                            coarser = shocks::coarser_inputs(schema, o);
-                                          }};
+  const simulation::program_input own{
+      .program = "shock",
+      .shorthands = {},
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { shocks::declare(schema, o); },
+      .complete =
+          [&](const namelist::schema& schema) {
+            shocks::resolve(schema, o);
+            coarser = shocks::coarser_inputs(schema, o);
+          },
+      .need = [&] { return simulation::need_of(shocks::expected_particles(o), 1080.0, o.march.kernel, o.dimension); }};
   return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
     shocks::run_all(o, resolved, coarser, line, make);
   });

@@ -13,12 +13,14 @@ inline int program(int argc, char** argv, const char* name, problem_kind kind, c
   options o;
   parameters p;
   bool theory = false;
-  const simulation::program_input own{.program = name,
-                                      .shorthands = {},
-                                      .restarts = true,
-                                      .declare = [&](namelist::schema& schema) { declare(schema, kind, o); },
-                                      .complete = [&](const namelist::schema& schema) { p = resolve(schema, kind, o); },
-                                      .flags = {{"--theory", &theory, "print " + theory_is + ", and stop"}}};
+  const simulation::program_input own{
+      .program = name,
+      .shorthands = {},
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { declare(schema, kind, o); },
+      .complete = [&](const namelist::schema& schema) { p = resolve(schema, kind, o); },
+      .flags = {{"--theory", &theory, "print " + theory_is + ", and stop"}},
+      .need = [&] { return simulation::need_of(expected_particles(o), 800.0, o.march.kernel, o.domain.dimension); }};
   return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
     if (theory) {
       if (domain::communicator::world().rank == 0) std::fputs(theory_text(kind, o, p).c_str(), stdout);

@@ -131,21 +131,18 @@ void end_all(const domain::communicator& ranks) {
 
 }  // namespace
 
-memory_need need_of(const options& o) {
-  constexpr double bytes = 420.0;  // measured, 2-D and 3-D
-  return {expected_particles(o), bytes, neighbours_of(o.kernel, o.domain.dimension)};
-}
-
 int start(int argc, char** argv, const std::string& program, const std::string& treatment,
           const std::function<void(const command_line&, const input&)>& run) {
   input in;
   in.values.walls.treatment = treatment;
-  const program_input own{.program = program,
-                          .shorthands = {},
-                          .restarts = true,
-                          .declare = [&](namelist::schema& schema) { declare(schema, in.values); },
-                          .complete = [&](const namelist::schema& schema) { resolve(schema, in.values); },
-                          .need = [&] { return need_of(in.values); }};
+  const program_input own{
+      .program = program,
+      .shorthands = {},
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { declare(schema, in.values); },
+      .complete = [&](const namelist::schema& schema) { resolve(schema, in.values); },
+      .need =
+          [&] { return need_of(expected_particles(in.values), 420.0, in.values.kernel, in.values.domain.dimension); }};
   return start(argc, argv, own, [&](const command_line& line, const std::string& resolved) {
     in.resolved = resolved;
     run(line, in);

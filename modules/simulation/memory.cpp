@@ -53,19 +53,20 @@ std::string size_text(double bytes) {
 
 }  // namespace
 
-double memory_need::total() const { return particles * (bytes + bytes_a_neighbour * neighbours); }
-
-double neighbours_of(const kernel_options& o, std::int64_t dimension) {
+memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension) {
   const double r = kernels::find(o.name).support_over_h * o.h_over_dx + o.skin;
-  return dimension == 2 ? std::numbers::pi * r * r : 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  const double neighbours = dimension == 1   ? 2.0 * r
+                            : dimension == 2 ? std::numbers::pi * r * r
+                                             : 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  return {particles, bytes + bytes_a_neighbour * neighbours};
 }
 
 void check_memory(const domain::communicator& ranks, const std::string& program, const memory_need& need,
                   const std::string& where) {
   const double here = need.total() * ranks_on_this_node(ranks.comm) / ranks.size;
   const double least = ranks.minimum(free_memory() / here);
-  const auto text = fmt::format("{:.4g} particles x {:.0f} B = {}", need.particles, need.total() / need.particles,
-                                size_text(need.total()));
+  const auto text =
+      fmt::format("{:.4g} particles x {:.0f} B = {}", need.particles, need.bytes_each, size_text(need.total()));
   if (least < 1.0)
     foundation::fail_input(fmt::format(
         "{}: {} of memory, of which a node here has {} free for its share of {}: take fewer particles, or more nodes; "

@@ -7,15 +7,15 @@
 
 namespace tetsuame::simulation {
 
-// particles: of the fluid, of all ranks together. bytes: of each, beside its list: fields, their copies in the
-// integrator, and what writing a snapshot takes. neighbours: of each, as on the start lattice.
 struct memory_need {
-  double particles = 0.0, bytes = 0.0, neighbours = 0.0;
-  double total() const;  // B
+  double particles, bytes_each;
+  double total() const { return particles * bytes_each; }  // B
 };
 
-// Of a lattice: particles within the kernel's support and the skin, resolved.
-double neighbours_of(const kernel_options& o, std::int64_t dimension);
+// particles: of the fluid, of all ranks together. bytes: of each, beside its list: fields, their copies in the
+// integrator, and what writing a snapshot takes, as measured of the largest resident size. The list has the particles
+// within the kernel's support and the skin (o: resolved), as on a lattice.
+memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension);
 
 // Collective. Says how much it will be where that is worth knowing, and throws bad_input where this machine has less:
 // without it the system would end the program, or others, some time later. `where` is the place in the input, as its
