@@ -1,8 +1,10 @@
 // Supports that follow the volume: forces are the slope of the potential, whatever the supports do, and momentum stays.
+// The same of the force of walls.
 #define BOOST_TEST_MODULE supports
 #include <namelist/parse.hpp>
 #include <overturn/energy.hpp>
 #include <overturn/lists.hpp>
+#include <overturn/measures.hpp>
 #include <overturn/right_hand_side.hpp>
 #include <overturn/start.hpp>
 #include <overturn/step_limit.hpp>
@@ -133,4 +135,36 @@ BOOST_AUTO_TEST_CASE(momentum_stays) {
     }
     BOOST_TEST(std::abs(force.value()) < 1e-13 * scale.value());
   }
+}
+
+// Of a particle at 0.1 Δx from the floor, out of 0.3, and one at as much from the lid: what the force adds to the
+// acceleration is the slope of what it adds to the energies, (ω 0.2 Δx)²/2 each.
+BOOST_AUTO_TEST_CASE(walls_push_what_is_near) {
+  box b("number_density", "lightest", "");
+  auto& f = *b.f;
+  auto& s = f.world.w.s;
+  const double dx = f.world.w.dx, c = 1e4, omega = 0.25 * c / dx, height = b.o.domain.length[1];
+  const std::size_t low = static_cast<std::size_t>(std::min_element(s.x[1].begin(), s.x[1].begin() + s.fluid) -
+                                                   s.x[1].begin()),
+                    high = static_cast<std::size_t>(std::max_element(s.x[1].begin(), s.x[1].begin() + s.fluid) -
+                                                    s.x[1].begin());
+  s.x[1][low] = 0.1 * dx;
+  s.x[1][high] = height - 0.1 * dx;
+  b.evaluate();
+  const auto without = b.rates;
+  const double energy = find_energies(f).potential;
+  f.wall_force = walls::make_boundary_force(dx, c);
+  b.evaluate();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    BOOST_TEST(b.rates[2][i] == without[2][i]);
+    const double d = std::min(s.x[1][i], height - s.x[1][i]), depth = std::max(0.0, 0.3 * dx - d);
+    const double push = (s.x[1][i] < 0.5 * height ? 1.0 : -1.0) * omega * omega * depth;
+    BOOST_TEST(std::abs(b.rates[3][i] - without[3][i] - push) < 1e-9 * omega * omega * dx);
+  }
+  double expected = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double depth = std::max(0.0, 0.3 * dx - std::min(s.x[1][i], height - s.x[1][i]));
+    expected += 0.5 * s.m[i] * omega * omega * depth * depth;
+  }
+  BOOST_TEST(find_energies(f).potential - energy == expected, tt::tolerance(1e-9));
 }

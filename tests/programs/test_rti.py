@@ -85,6 +85,14 @@ class RayleighTaylor(Case):
         self.assertLess(m["time_of_fall_0.1"], m["time_of_fall_0.2"])
         self.assertLess(m["v_rms_max_time"], 3000)
 
+    def test_no_particle_lies_on_a_wall(self):
+        """Without a force of the walls themselves the last guard turns particles round at every step, 422 times by then."""
+        settings = {**size(32), "time.t_end": 3000, "output.interval": 0}
+        s = self.run_program("rti", NOTE, settings).summary
+        self.assertEqual(s["metrics"]["wall_crossings"], 0)
+        self.assertLess(s["metrics"]["energy_residual_max"], 3e-3)
+        self.assertEqual(self.run_program("rti", NOTE, settings, ranks=2).summary["state_hash"], s["state_hash"])
+
     def test_three_dimensions(self):
         """A roll in a thin periodic box grows as the two-dimensional flow; a square pattern with its own wave number."""
         deep = {**size(16), "domain.dimension": 3, "domain.particles_z": 8, "domain.length_z": 7.5e5, "domain.periodic_z": ".true.",

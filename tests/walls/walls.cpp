@@ -1,6 +1,7 @@
 // Wall particles and their markers, and what each treatment gives them.
 #define BOOST_TEST_MODULE walls
 #include <set>
+#include <simulation/measures.hpp>
 
 #include "../support/scene.hpp"
 
@@ -324,6 +325,60 @@ BOOST_AUTO_TEST_CASE(repulsion_by_distance) {
     worst = std::max(worst, std::abs(s.p[i] - linear<2>(marker)));
   });
   BOOST_TEST(w.d.ranks.maximum(worst) < exact);
+}
+
+// In a corner, behind a wall, at the end of the range: -∂/∂x of the potential that is counted, and ω = c/(4 Δx).
+BOOST_AUTO_TEST_CASE(boundary_force_is_the_slope_of_its_potential) {
+  auto scene = disorder<2>(closed_box<2>("virtual_marker"), alone());
+  auto& w = scene.w;
+  auto& s = w.s;
+  const double c = eos::evaluate(w.materials[0], 7000.0, 2500.0).sound_speed, stiffness = c * c / 16.0;
+  const auto push = [&] {
+    std::array<particles::array, 2> force;
+    for (auto& component : force) component.assign(s.fluid, 0.0);
+    walls::virtual_marker::push<2>(w, scene.walls, {force[0].data(), force[1].data()});
+    return force;
+  };
+  // x, y, and how far within the range along both axes, inward positive.
+  const double places[5][4] = {{0.1, 0.25, 0.2, 0.05},
+                               {5.0, -0.05, 0.0, 0.35},
+                               {23.9, 8.8, -0.2, -0.1},
+                               {5.0, 9.0, 0.0, -0.3},
+                               {0.3, 0.5, 0.0, 0.0}};
+  for (const auto& [x, y, depth_x, depth_y] : places) {
+    s.x[0][0] = x;
+    s.x[1][0] = y;
+    const auto force = push();
+    BOOST_TEST(std::abs(force[0][0] - s.m[0] * stiffness * depth_x) < 1e-10 * s.m[0] * stiffness);
+    BOOST_TEST(std::abs(force[1][0] - s.m[0] * stiffness * depth_y) < 1e-10 * s.m[0] * stiffness);
+    for (std::size_t a = 0; a < 2; ++a) {
+      const double at = s.x[a][0], small = 1e-4;
+      s.x[a][0] = at + small;
+      const double above = simulation::measure_totals(scene).potential;
+      s.x[a][0] = at - small;
+      const double below = simulation::measure_totals(scene).potential;
+      s.x[a][0] = at;
+      // At the end of the range the slope has a kink, and the difference is off by its half.
+      BOOST_TEST(std::abs(force[a][0] + (above - below) / (2.0 * small)) < small * s.m[0] * stiffness);
+    }
+  }
+}
+
+// Lattices at rest, whose first row is at 0.5 Δx, keep their bits; treatments of other kinds have forces of their own.
+BOOST_AUTO_TEST_CASE(boundary_force_ends_before_the_lattice) {
+  const auto pushed = [](const simulation::scene<2>& scene) {
+    std::size_t number = 0;
+    for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
+      walls::push_off(scene.walls.force, scene.walls.sides, scene.w.s, i, [&](std::size_t, double) { ++number; });
+    return number;
+  };
+  const auto world = domain::communicator::world();
+  const auto rest = make_scene<2>(closed_box<2>("virtual_marker"), world);
+  BOOST_TEST(rest.walls.force.stiffness > 0.0);
+  BOOST_TEST(pushed(rest) == 0U);
+  BOOST_TEST(world.sum(static_cast<std::int64_t>(pushed(disorder<2>(closed_box<2>("virtual_marker"))))) > 0);
+  for (const char* other : {"none", "frozen", "repulsion"})
+    BOOST_TEST(make_scene<2>(closed_box<2>(other), world).walls.force.stiffness == 0.0);
 }
 
 BOOST_AUTO_TEST_CASE(reflection_counts_and_mirrors) {
