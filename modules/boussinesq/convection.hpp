@@ -87,7 +87,7 @@ class convection : public march::problem {
       for (std::size_t k = 0; k < fields_ * (1 + D) + S + D + (isotropic() ? D + N + 1 : 0); ++k)
         add("Before_" + std::to_string(k), "", role::memory);
     earlier_ = s.extras.size();
-    if (o.march.time.method == "ab2")
+    if (keeps_rate())
       for (std::size_t k = 0; k < D + fields_; ++k) add("EarlierRate_" + std::to_string(k), "", role::memory);
 
     lay(o.convection.levels);
@@ -117,7 +117,7 @@ class convection : public march::problem {
     all.push_back({"p", pressure_of().data(), 0.0, pressure});
     for (std::size_t a = 0; a < D && relaxed_; ++a)
       all.push_back({std::string("z") + axis[a], relaxed_velocity(a).data(), 0.0, speed});
-    if (earlier_ < s.extras.size())
+    if (keeps_rate())
       for (std::size_t k = 0; k < all.size(); ++k) all[k].previous_rate = s.extras[earlier_ + k].values.data();
     return all;
   }
@@ -155,7 +155,7 @@ class convection : public march::problem {
     return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
   }
 
-  void expect_memory(bool expected) override { whole_ = expected || o_.convection.lagging == "evaluation"; }
+  void expect_memory(bool expected) override { whole_ = expected || p_.lagging == "evaluation"; }
   void keep_memory() override {
     take_memory();
     v_max_ = fastest();
@@ -170,11 +170,12 @@ class convection : public march::problem {
       sound_contrast_ = std::sqrt(largest(coupled_));
     }
   }
-  bool asks_again() const override { return extrapolates(); }
+  bool asks_again() const override { return extrapolates() || lacks_rate_; }
   void renew_memory() override {
-    if (o_.convection.lagging == "evaluation") take_memory();
+    if (p_.lagging == "evaluation") take_memory();
   }
-  bool extrapolates() const { return o_.convection.lagging == "extrapolated"; }
+  bool keeps_rate() const { return o_.march.time.method == "ab2"; }
+  bool extrapolates() const { return p_.lagging == "extrapolated"; }
   // Of what the last evaluation summed; extrapolated: by half a step, as long as the one before.
   void take_memory() {
     auto& s = world_.w.s;
@@ -216,6 +217,7 @@ class convection : public march::problem {
   }
 
   bool complete_step() override {
+    lacks_rate_ = false;
     const std::int64_t crossings = ranks().sum(images::reflect(world_.images, world_.w.s));
     crossings_ += crossings;
     return crossings > 0;
@@ -283,7 +285,7 @@ class convection : public march::problem {
       drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
     }
     const auto mean = means();
-    v_rms_ = std::sqrt(mean.v2);
+    v_rms_ = std::sqrt(std::max(mean.v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
     mach_ = std::sqrt(ranks().maximum(fastest)) / p_.c_eff;
     density_drift_ = ranks().exact(drift) / static_cast<double>(world_.fluid_total);
     outside_ = std::max(outside_, static_cast<double>(ranks().sum(outside)) / static_cast<double>(world_.fluid_total));
@@ -292,7 +294,7 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) momentum_ = std::max(momentum_, std::abs(ranks().exact(momentum[a])));
     momentum_ = scale > 0.0 ? momentum_ / scale : 0.0;
     for (std::size_t a = 0; a < D; ++a) agree_on_peak(peaks_[a]);
-    const auto walls = wall_heat(world_, particles_, o_.physics.domain.length[0], f.L / f.dT);
+    const auto walls = wall_heat(world_, particles_, o_.physics.domain.length[0], f.L / f.dT, conductivity());
     std::vector<double> m{1.0 + mean.carried / (unit * f.dT),
                           walls.top,
                           walls.bottom,
@@ -350,7 +352,7 @@ class convection : public march::problem {
     for (std::size_t m = 0; m < measures.size(); ++m) {
       const auto a = samples_.over(m, span);
       j[measures[m]] = a.mean;
-      if (m < 4) j[std::string(measures[m]) + "_uncertainty"] = a.uncertainty;
+      if (m < 4) j[std::string(measures[m]) + "_uncertainty"] = simulation::or_null(a.uncertainty);
     }
     j["averaged_over"] = span;
     j["steady"] = steady();
@@ -379,7 +381,7 @@ class convection : public march::problem {
     j["sound_speed_effective"] = p_.c_eff;
     j["target"] = p_.steady ? "steady" : "transient";
     const double top = j[measures[1]], bottom = j[measures[2]];
-    const double imbalance = (bottom - top) / (0.5 * (bottom + top));
+    const double through = 0.5 * (bottom + top), imbalance = through != 0.0 ? (bottom - top) / through : 0.0;
     j["heat_imbalance"] = imbalance;
     r.conservation = {{"mass", density_drift_}, {"momentum", momentum_}, {"energy", imbalance}};
     r.stages = world_.w.times.seconds();
@@ -400,7 +402,13 @@ class convection : public march::problem {
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
     return simulation::checkpoint_table(world_.w.s, materials);
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
+  // A checkpoint of another method has neither the rate of the step before nor what was extrapolated from.
+  void read_particles(const output::table& t) override {
+    lacks_rate_ = keeps_rate() && !t.reals.contains("EarlierRate_0_0");
+    simulation::fluid_from_checkpoint(t, world_.w.s, [](std::string_view name) {
+      return name.starts_with("EarlierRate_") || name.starts_with("Before_");
+    });
+  }
   void save(output::checkpoint_globals& g) const override {
     g.reals["v_max"] = v_max_;
     g.reals["faster"] = faster_;
@@ -414,7 +422,7 @@ class convection : public march::problem {
   }
   void restore(const output::checkpoint_globals& g) override {
     lay(g.integers.at("level"));
-    has_before_ = g.integers.at("has_before") != 0;
+    has_before_ = extrapolates() && g.integers.at("has_before") != 0;
     level_began_ = g.reals.at("level_began");
     outside_ = g.reals.at("outside");
     v_max_ = g.reals.at("v_max");
@@ -1017,6 +1025,7 @@ class convection : public march::problem {
   double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
   double nu_ = p_.fluid.nu;  // m2/s, without the exponents
   bool has_before_ = false;  // memory of the step before, to extrapolate from
+  bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
   bool whole_ = true;        // the next evaluation is one that is kept
   double v_max_ = 0.0;       // m/s, at the start of the step
   double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading

@@ -9,8 +9,6 @@
 
 namespace tetsuame::boussinesq {
 
-inline constexpr double fit_radius = 3.5;  // spacings, of the gradient's fit at a wall
-
 // visit(number, place) for those of a lattice of n places, dx apart, that are in this rank's cell, by ascending number.
 template <int D>
 void for_each_place(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n, double dx, const auto& visit) {
@@ -102,17 +100,19 @@ struct wall_measures {
   std::array<double, 4> corners;  // top left, top right, bottom right, bottom left
 };
 
-// Heat through top and bottom over that of conduction, and gradients at the corners, for unit = L/ΔT; not-a-number at
-// walls whose temperature is not fixed.
+// Heat through top and bottom over that of conduction, and gradients at the corners, for unit = L/ΔT; where the flux of
+// heat is given, which is conducted with `conductivity` (W/(m K)), those that it makes.
 template <int D>
-wall_measures wall_heat(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n, double length,
-                        double unit) {
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  wall_measures m{none, none, {none, none, none, none}};
+wall_measures wall_heat(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n, double length, double unit,
+                        double conductivity) {
+  wall_measures m{};
   for (const auto& wall : scene.images.sides) {
-    if (wall.axis != 1 || wall.thermal != images::heat::fixed_temperature) continue;
+    if (wall.axis != 1) continue;
     const bool top = wall.inward < 0.0;
-    const auto [mean, left, right] = wall_gradients(scene, wall, n, length, unit);
+    const double given = -wall.flux / conductivity * unit;
+    const auto [mean, left, right] = wall.thermal == images::heat::fixed_temperature
+                                         ? wall_gradients(scene, wall, n, length, unit)
+                                         : std::array{given, given, given};
     const double sign = top ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid
     (top ? m.top : m.bottom) = sign * mean;
     m.corners[top ? 0 : 3] = sign * left;

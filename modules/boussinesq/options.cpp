@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <boussinesq/options.hpp>
+#include <boussinesq/wall_gradient.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <melting/melting.hpp>
@@ -13,16 +14,20 @@ namespace {
 void declare(namelist::schema& schema, convection_options& o) {
   const char* g = "convection";
   schema.group(g, "numbers, slowing and scheme");
-  schema.add(g, "rayleigh", o.rayleigh,
-             {.minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "overrides the viscosity, or the expansivity where prandtl is given"});
+  schema.add(
+      g, "rayleigh", o.rayleigh,
+      {.minimum = 0.0,
+       .exclusive_minimum = true,
+       .meaning = "overrides the expansivity and keeps the Prandtl number; the viscosity where the expansivity is "
+                  "not free: heat of friction or of compression, an equation of state, viscosity_law 'table' or "
+                  "'melt'"});
   schema.add(g, "prandtl", o.prandtl,
              {.minimum = 0.0,
               .exclusive_minimum = true,
-              .meaning = "overrides the viscosity; the expansivity follows from the Rayleigh number"});
-  schema.add(g, "zeta", o.zeta, {.minimum = 0.0, .meaning = "sound is slowed by it; 0: recommended"});
-  schema.add(g, "xi", o.xi, {.minimum = 0.0, .meaning = "inertia is multiplied by its square; 0: recommended"});
+              .meaning = "overrides the viscosity and keeps the Rayleigh number, by the expansivity"});
+  schema.add(g, "zeta", o.zeta, {.minimum = 0.0, .maximum = 1e30, .meaning = "sound is slowed by it; 0: recommended"});
+  schema.add(g, "xi", o.xi,
+             {.minimum = 0.0, .maximum = 1e30, .meaning = "inertia is multiplied by its square; 0: recommended"});
   schema.add(g, "steady_tolerance", o.steady_tolerance,
              {.minimum = 0.0,
               .maximum = 1.0,
@@ -150,19 +155,24 @@ void declare(namelist::schema& schema, convection_options& o) {
   schema.add(g, "heating", o.heating, {.unit = "W/kg", .meaning = "from inside, uniform"});
 }
 
-// Values that a Rayleigh or Prandtl number overrides.
+// Whether the expansivity says more than how strongly heat drives the flow: how much heat friction and compression make
+// (alpha g L/c_p), which density an equation of state has; or the viscosity is a law's, up to a factor.
+bool expansivity_is_bound(const convection_options& c) {
+  return c.viscous_heating || c.adiabatic_heating || c.gravity_density == "equation_of_state" ||
+         c.viscosity_law == "table" || c.viscosity_law == "melt";
+}
+
+// Values that a Rayleigh or Prandtl number overrides; the number that is not given stays that of the input's values.
 void make_consistent(const options& o, relaxation::material_options& m, double dT) {
   const auto& c = o.convection;
   const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.physics.domain.length[1];
   const double drive = o.physics.g * dT * L * L * L / kappa;  // Ra = alpha drive/nu
   const double Ra = c.rayleigh.value_or(m.expansivity * drive / (m.viscosity / m.density));
-  if (c.prandtl) {
-    const double nu = *c.prandtl * kappa;
-    m.viscosity = nu * m.density;
-    m.expansivity = Ra * nu / drive;
-  } else if (c.rayleigh) {
+  if (c.prandtl) m.viscosity = *c.prandtl * kappa * m.density;
+  if (c.prandtl || (c.rayleigh && !expansivity_is_bound(c)))
+    m.expansivity = Ra * (m.viscosity / m.density) / drive;
+  else if (c.rayleigh)
     m.viscosity = m.expansivity * drive / Ra * m.density;
-  }
 }
 
 // The density that gravity weighs, if it is that of an equation of state.
@@ -195,9 +205,11 @@ void weigh(const namelist::schema& schema, const options& o, parameters& p) {
     wanted.thermal_expansivity = f.alpha;
     wanted.heat_capacity = c_p;
   }
-  const auto material = eos::make(wanted);
-  p.weighed =
-      std::make_shared<gravity_density>(material, gravity_density::layer{f.L, f.g, f.rho, c.p_top, T_top, T_bottom});
+  const auto material = schema.placed("convection", "eos", [&] { return eos::make(wanted); });
+  p.weighed = schema.placed("convection", "eos", [&] {
+    return std::make_shared<gravity_density>(material,
+                                             gravity_density::layer{f.L, f.g, f.rho, c.p_top, T_top, T_bottom});
+  });
   const auto& w = *p.weighed;
   constexpr int n = 100;
   double mean = 0.0;
@@ -259,7 +271,7 @@ viscosity_table from_file(const namelist::schema& schema, const options& o, doub
   const auto& c = o.convection;
   if (c.viscosity_file.empty())
     schema.fail("convection", "viscosity_file", "viscosity_law = 'table' needs the name of its file");
-  auto table = viscosity_table::read(c.viscosity_file);
+  auto table = schema.placed("convection", "viscosity_file", [&] { return viscosity_table::read(c.viscosity_file); });
   for (const double T : {o.temperature_top(), o.temperature_bottom()})
     for (const double depth : {0.0, L})
       if (!table.covers(T, depth))
@@ -287,7 +299,8 @@ void follow_table(const namelist::schema& schema, const options& o, parameters& 
     schema.fail("convection", "viscosity_law", "'melt' needs absolute temperatures: those of top and bottom above 0 K");
   if (c.viscosity_max < c.viscosity_min) schema.fail("convection", "viscosity_max", "is below viscosity_min");
   auto& f = p.fluid;
-  p.tabulated = std::make_shared<viscosity_table>(table ? from_file(schema, o, f.L) : by_melt(o, p));
+  p.tabulated = std::make_shared<viscosity_table>(
+      table ? from_file(schema, o, f.L) : schema.placed("convection", "viscosity_law", [&] { return by_melt(o, p); }));
   p.log_reference = p.tabulated->log(o.temperature_top(), 0.0);
   if (!c.rayleigh && !c.prandtl) f.nu = std::exp(p.log_reference) / f.rho;
   constexpr int n = 100;
@@ -343,6 +356,12 @@ void choose_slowing(const namelist::schema& schema, const options& o, parameters
   };
   given("zeta", c.zeta, wanted.zeta);
   given("xi", c.xi, wanted.xi);
+  for (const auto& [key, value] : {std::pair{"zeta", c.zeta}, {"xi", c.xi}})
+    if (value != 0.0 && value < 1.0)
+      schema.fail("convection", key,
+                  fmt::format("expected 0 (recommended) or at least 1, found {}: below 1 sound or "
+                              "inertia would grow",
+                              value));
   const bool viscous = relaxation::reached_balance(f, wanted.boundary_layers) == relaxation::balance::viscous;
   p.steady = c.target == "steady" || (c.target == "auto" && viscous);
   const double c_0 = relaxation::sound_speed(f);
@@ -435,8 +454,9 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
   }
 }
 
-void choose_lagging(const namelist::schema& schema, options& o) {
-  auto& chosen = o.convection.lagging;
+// 'auto' stays in the input: a restart may have another method.
+void choose_lagging(const namelist::schema& schema, const options& o, parameters& p) {
+  auto& chosen = p.lagging = o.convection.lagging;
   const auto& method = o.march.time.method;
   const bool stabilised = method == "rkl2" || method == "rkc2", plain = o.convection.operators == "sum";
   if (chosen == "auto") chosen = stabilised && !plain ? "extrapolated" : "step";
@@ -455,10 +475,7 @@ void choose_lagging(const namelist::schema& schema, options& o) {
 
 void declare(namelist::schema& schema, options& o) {
   relaxation::declare(schema, o.physics);
-  schema.add("domain", "ranks_x", o.ranks_x,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  simulation::declare(schema, o.ranks_x);
   declare(schema, o.convection);
   schema.group("initial", "start: conduction, at rest, with a disturbance");
   schema.add("initial", "perturbation", o.initial.perturbation,
@@ -473,7 +490,7 @@ void declare(namelist::schema& schema, options& o) {
   sides[3].temperature = 0.0;
   images::declare(schema, 3, true, o.walls);
   o.march.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
-  march::declare(schema, o.march, true);
+  march::declare(schema, o.march, {.keeps_rate = true});
 }
 
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
@@ -499,8 +516,28 @@ void follow(parameters& p, double dx, double higher) {
   p.slowing.reynolds = p.slowing.speed * f.L / p.nu_eff;
 }
 
+double expected_particles(const options& o) {
+  return simulation::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
+}
+
+namespace {
+
+// The coarsest lattice must hold the kernel, and the fit of the heat through a wall (measures.hpp).
+void check_lattices(const namelist::schema& schema, const options& o) {
+  const auto& d = o.physics.domain;
+  simulation::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
+  const auto coarsest = particles_of_level(o, o.convection.levels);
+  const double dx = d.length[1] / static_cast<double>(coarsest[1]);
+  const double support = std::max(simulation::support_over_dx(o.march.kernel), fit_radius) * dx;
+  simulation::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.march.kernel.skin * dx,
+                           support);
+}
+
+}  // namespace
+
 parameters resolve(const namelist::schema& schema, options& o) {
   march::resolve(o.march);
+  simulation::resolve(schema, o.ranks_x);
   auto& c = o.convection;
   const auto& d = o.physics.domain;
   const auto unless_given = [&](const char* key, auto& value, auto of_plain) {
@@ -553,7 +590,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   follow_table(schema, o, p);
   choose_slowing(schema, o, p);
   choose_ramp(o, p);
-  choose_lagging(schema, o);
+  choose_lagging(schema, o, p);
   // Divergence that it makes goes with 1/ξ²: a tenth is as much where the response is relaxed. In a transient flow
   // viscosity may be too low to damp what the lagged correction feeds.
   if (c.operators != "sum" && !schema.given("convection", "pressure_diffusion"))
@@ -571,12 +608,14 @@ parameters resolve(const namelist::schema& schema, options& o) {
     if (d.particles[a] % (std::int64_t{1} << c.levels) != 0)
       schema.fail("convection", "levels",
                   fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
+  check_lattices(schema, o);
   p.compressibility = c.gravity_density == "separated"      ? 1.0
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
   if (!o.march.time.t_end)
     o.march.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
+  march::check_output(schema, o.march);
   return p;
 }
 

@@ -60,7 +60,7 @@ struct options {
   initial_options initial;
   images::options walls;
   march::options march;
-  std::int64_t ranks_x = 0;
+  domain::rank_columns ranks_x;
 
   double temperature_bottom() const { return walls.sides[2].temperature; }
   double temperature_top() const { return walls.sides[3].temperature; }
@@ -91,11 +91,13 @@ struct parameters {
   std::shared_ptr<const viscosity_table> tabulated;  // null: by exponents
   double log_reference;                              // of that table's viscosity at the top, ln(Pa s): that of fluid.nu
   double log_middle;                                 // ln of the viscosity in the middle over that of the top
+  std::string lagging;                               // as asked for, or what 'auto' is with the method of &time
 };
 
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.
 parameters resolve(const namelist::schema& schema, options& o);
+double expected_particles(const options& o);  // of the finest level
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <boussinesq/steady.hpp>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace tetsuame::boussinesq {
@@ -23,7 +22,7 @@ double record::mean(std::size_t measure, std::size_t begin, std::size_t end) con
 
 average record::over(std::size_t measure, double window) const {
   const std::size_t end = size(), begin = std::min(first_after(last_time() - window), end - 1), n = end - begin;
-  average a{mean(measure, begin, end), std::numeric_limits<double>::infinity()};
+  average a{mean(measure, begin, end)};
   if (n < 8) return a;
   double squares = 0.0;
   for (std::size_t q = 0; q < 4; ++q) {

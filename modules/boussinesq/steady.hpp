@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace tetsuame::boussinesq {
 
 struct average {
-  double mean = 0.0, uncertainty = 0.0;
+  double mean = 0.0;
+  std::optional<double> uncertainty = {};
 };
 
 // Samples of several measures over time.
@@ -22,7 +24,7 @@ class record {
   double last_time() const { return times_.back(); }
 
   // Of the samples later than the last one's time less `window` (s), at least the last. Uncertainty: standard error of
-  // the means of four quarters of the window, infinite with fewer than eight samples.
+  // the means of four quarters of the window, none with fewer than eight samples.
   average over(std::size_t measure, double window) const;
   // Whether the window is full and the means of its two halves differ by less than `tolerance` of their mean.
   bool settled(std::size_t measure, double window, double tolerance) const;

@@ -10,6 +10,8 @@
 
 namespace tetsuame::boussinesq {
 
+inline constexpr double fit_radius = 3.5;  // spacings
+
 struct near_wall {
   double y;                 // m, from the wall
   std::array<double, 2> t;  // m, coordinates along it (2-D: the second is 0)

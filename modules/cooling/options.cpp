@@ -26,10 +26,7 @@ void declare(namelist::schema& schema, options& o) {
       schema.add("domain", "periodic_" + axis, o.box.periodic[a],
                  {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
-  schema.add("domain", "ranks_x", o.box.ranks_x,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  simulation::declare(schema, o.box.ranks_x);
   schema.add("domain", "jitter", o.jitter,
              {.minimum = 0.0,
               .maximum = 0.3,
@@ -44,11 +41,15 @@ void declare(namelist::schema& schema, options& o) {
              {.choices = {"sum", "consistent", "corrected"},
               .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
   images::declare(schema, 3, false, o.walls);
-  march::declare(schema, o.march, false);
+  march::declare(schema, o.march, {.lists_change = false});
 }
+
+double expected_particles(const options& o) { return simulation::lattice_particles(o.dimension, o.box.particles); }
 
 void resolve(const namelist::schema& schema, options& o) {
   march::resolve(o.march);
+  march::check_output(schema, o.march);
+  simulation::resolve(schema, o.box.ranks_x);
   const double dx = o.dx();
   for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
     if (const double spacing = o.box.length[a] / static_cast<double>(o.box.particles[a]);
@@ -56,6 +57,10 @@ void resolve(const namelist::schema& schema, options& o) {
       schema.fail(
           "domain", a == 0 ? "particles_x" : "particles_z",
           fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, dx));
+  const simulation::box_of_particles box{o.dimension, o.box.length, o.box.particles, o.box.periodic};
+  const double support = simulation::support_over_dx(o.march.kernel) * dx;
+  simulation::check_number(schema, box, expected_particles(o));
+  simulation::check_widths(schema, box, support + o.march.kernel.skin * dx, support);
   const auto& sides = o.walls.sides;
   if (sides[3].thermal != "fixed")
     schema.fail("walls", "thermal_top", "the exact solutions are of a top at a fixed temperature");

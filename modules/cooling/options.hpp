@@ -9,7 +9,7 @@ namespace tetsuame::cooling {
 // Defaults: [S2]'s 2500 particles and diffusivity. With 0.2 m, Euler's limit dx²/(4 kappa) is its 4 s.
 struct options {
   std::int64_t dimension = 2;
-  images::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, 0};
+  images::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, {}};
   double jitter = 0.0;  // of the particle spacing
   double kappa = 1e-6;  // m2/s
   double start = 1.0;   // K
@@ -24,5 +24,6 @@ struct options {
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);
+double expected_particles(const options& o);
 
 }  // namespace tetsuame::cooling

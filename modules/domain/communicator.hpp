@@ -20,6 +20,7 @@ struct communicator {
 
   static communicator world();
 
+  // NaN on any rank comes out on all, of minimum too.
   double maximum(double value) const;
   void maximum(std::span<double> values) const;  // each by itself, in place
   double minimum(double value) const;

@@ -49,13 +49,20 @@ struct decomposition {
   }
 };
 
-// Cells of equal size, ranks_x columns of them (0: as the box's shape suggests).
-// Fails with exit 2 where ranks_x does not divide the number of ranks, and where the halo is wider than a
+// Columns of ranks along x, as asked for.
+struct rank_columns {
+  std::int64_t number = 0;                  // 0: as the box's shape suggests
+  std::string place = "&domain ranks_x: ";  // where that was said, for the message
+};
+
+// Cells of equal size.
+// Fails with exit 2 where the columns do not divide the number of ranks, and where the halo is wider than a
 // periodic box: then a particle would meet images that lie more than one box away.
 template <int D>
-decomposition<D> decompose(const communicator& ranks, const box<D>& region, double halo_width, int ranks_x = 0) {
-  if (ranks_x > 0 && ranks.size % ranks_x != 0)
-    foundation::fail_input("&domain ranks_x = " + std::to_string(ranks_x) +
+decomposition<D> decompose(const communicator& ranks, const box<D>& region, double halo_width,
+                           const rank_columns& columns = {}) {
+  if (columns.number > 0 && ranks.size % columns.number != 0)
+    foundation::fail_input(columns.place + std::to_string(columns.number) +
                            " does not divide the number of MPI ranks, " + std::to_string(ranks.size) +
                            ": choose one of its divisors, or 0 to have it chosen");
   decomposition<D> d;
@@ -71,8 +78,9 @@ decomposition<D> decompose(const communicator& ranks, const box<D>& region, doub
                              std::to_string(halo_width) +
                              " m (kernel support, marker radius and list skin); use more particles along " + axis[a] +
                              ", a smaller h_over_dx or a smaller skin");
-  d.cuts = balance::equal_cuts<D>(
-      balance::choose_counts<D>(ranks.size, region.length, ranks_x, {d.width, region.periodic}), region.length);
+  d.cuts = balance::equal_cuts<D>(balance::choose_counts<D>(ranks.size, region.length, static_cast<int>(columns.number),
+                                                            {d.width, region.periodic}),
+                                  region.length);
   d.fluid_halo.tag = 0;
   d.wall_halo.tag = 1;
   return d;

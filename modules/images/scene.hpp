@@ -21,7 +21,7 @@ struct box_options {
   std::array<double, 3> length{};  // m
   std::array<std::int64_t, 3> particles{};
   std::array<bool, 3> periodic{};
-  std::int64_t ranks_x = 0;  // 0: as the box's shape suggests
+  domain::rank_columns ranks_x;
 };
 
 // Kernel, decomposition, walls and the fluid of the start lattice in this rank's cell. jitter: each particle is moved
@@ -40,7 +40,7 @@ void set_up(scene<D>& scene, const domain::communicator& ranks, const box_option
     region.length[a] = box.length[a];
     region.periodic[a] = box.periodic[a];
   }
-  w.d = domain::decompose<D>(ranks, region, std::max(halo, w.support()) + scene.skin, static_cast<int>(box.ranks_x));
+  w.d = domain::decompose<D>(ranks, region, std::max(halo, w.support()) + scene.skin, box.ranks_x);
   scene.images.sides = make_sides<D>(walls, region);
   scene.fluid_total = 1;
   for (std::size_t a = 0; a < D; ++a) scene.fluid_total *= box.particles[a];
@@ -130,14 +130,7 @@ void rebuild(scene<D>& scene, bool as_they_were) {
 // m, the largest displacement of any rank since the lists were made.
 template <int D>
 double moved_since_lists(const scene<D>& scene) {
-  const auto& s = scene.w.s;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
-    largest = r2 > largest || r2 != r2 ? r2 : largest;
-  }
-  return std::sqrt(scene.w.d.ranks.maximum(largest));
+  return std::sqrt(scene.w.d.ranks.maximum(particles::moved_since_lists(scene.w.s)));
 }
 
 template <int D>

@@ -27,11 +27,22 @@ struct options {
   simulation::run_options run;
 };
 
-// `lists_change`: whether particles move, so that a skin is worth choosing.
-void declare(namelist::schema& schema, options& o, bool lists_change);
+// What a problem has room for, and so what is declared.
+struct abilities {
+  bool lists_change = true;               // particles move: a skin is worth choosing
+  bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
+  std::vector<std::string> kernels = {};  // those it is compiled for; none: all
+};
+void declare(namelist::schema& schema, options& o, abilities of_problem);
 
 // Fills h_over_dx, and the fractions of sound's and diffusion's limits that the method stands (below).
 void resolve(options& o);
+// When the end is known.
+void check_output(const namelist::schema& schema, const options& o);
+
+// The method that a checkpoint's input, as resolved, was run with: a fixed step that was chosen for it says nothing
+// about another.
+std::string method_of(const std::string& input);
 
 // Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the
 // methods' stability on the lattice, where |eigenvalue| <= 2.2 c/dx for sound and 8 D/dx^2 for diffusion in 2-D, 12 in

@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace tetsuame::namelist {
@@ -61,6 +62,8 @@ struct group {
 
 class document {
  public:
+  document() = default;
+  explicit document(std::string name) : name_(std::move(name)) {}  // without a text: all comes by set()
   // An override "group.key=value" or "group.key(2)=value, value", read after the
   // file's own. A shell takes quotes away, so a text may stand here without them.
   void set(const std::string& argument);
@@ -77,7 +80,7 @@ class document {
   std::vector<group> groups_;
 };
 
-// name: how messages call the text, commonly its path.
+// name: how messages call the text, commonly its path. A text without any group is an error.
 document parse_text(std::string_view text, std::string name);
 document parse_file(const std::filesystem::path& path);
 

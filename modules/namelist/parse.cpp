@@ -106,20 +106,19 @@ std::vector<group> reader::groups() {
   if (text_.starts_with(byte_order_mark)) at_ = byte_order_mark.size();
   std::vector<group> result;
   std::map<std::string, std::size_t> lines;
-  bool line_begins = true, empty = true;
+  bool line_begins = true;
   while (!ended()) {
     if (starts_comment(at_)) {
       skip_comment();
       continue;
     }
     if (!next_is('&') && !next_is('$')) {
-      empty = empty && is_blank(next());
       line_begins = next() == '\n' || (line_begins && is_blank(next()));
       step();
       continue;
     }
     group found{read_group_name(line_begins), line_, {}};
-    line_begins = empty = false;
+    line_begins = false;
     if (found.name.empty() || found.name == "end") continue;
     const auto [earlier, first] = lines.emplace(found.name, line_);
     if (!first) fail(fmt::format("group &{} was given before, in line {}", found.name, earlier->second));
@@ -127,7 +126,7 @@ std::vector<group> reader::groups() {
     read_group(found);
     result.push_back(std::move(found));
   }
-  if (result.empty() && !empty) fail("no group (&name ... /) was found: is this a namelist file?");
+  if (result.empty()) fail("the input has no group (&name ... /): is this a namelist file?");
   return result;
 }
 

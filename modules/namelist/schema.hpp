@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <foundation/error.hpp>
 #include <iosfwd>
 #include <limits>
 #include <namelist/document.hpp>
@@ -35,6 +36,9 @@ struct key_info {
   std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
   std::size_t maximum_size = 4096;        // of an array; at least its default's size
   bool required = false;                  // must be given, whatever the default
+  // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
+  // what it came to as a comment, so that it follows them again where a restart changes these.
+  bool stays_open = false;
   std::string meaning = "";
 };
 
@@ -86,6 +90,18 @@ class schema {
   bool given(const std::string& group, const std::string& key) const;
   // For checks that span keys: an error placed at this key, exit status 2.
   [[noreturn]] void fail(const std::string& group, const std::string& key, const std::string& message) const;
+  // work() on what the input says, before anything else has begun: what it fails at, where the input is not known, is
+  // placed at this key.
+  template <class Work>
+  auto placed(const std::string& group, const std::string& key, Work&& work) const {
+    try {
+      return work();
+    } catch (const foundation::error& e) {
+      using foundation::exit_status;
+      if (e.status() != exit_status::bad_input && e.status() != exit_status::calculation_failed) throw;
+      fail(group, key, e.what());
+    }
+  }
 
  private:
   const key& find(const std::string& group, const std::string& key) const;

@@ -127,7 +127,8 @@ void schema::describe(std::ostream& out) const {
 void schema::write_resolved(std::ostream& out) const {
   for (const key_group& g : groups_) {
     out << '&' << g.name << '\n';
-    for (const key& k : g.keys) out << line(k, value_text(k.bound));
+    for (const key& k : g.keys)
+      out << line(k, k.info.stays_open && !k.given ? "! " + value_text(k.bound) : value_text(k.bound));
     out << "/\n\n";
   }
 }

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <foundation/error.hpp>
 #include <overturn/column.hpp>
 
 namespace tetsuame::overturn {
@@ -17,7 +20,11 @@ place at_pressure(const barotropic& b, double pressure) {
     };
     const auto e = state(b.pressure, T);
     const double rho = eos::density(*b.material, b.pressure, T), K_S = rho * e.sound_speed * e.sound_speed;
-    const auto n = static_cast<int>(std::ceil(100.0 * std::abs(pressure - b.pressure) / K_S));
+    const double steps = std::ceil(100.0 * std::abs(pressure - b.pressure) / K_S);
+    if (!(steps <= 1e5))
+      foundation::fail_calculation(fmt::format(
+          "an adiabat from {:.6g} to {:.6g} Pa, beside a bulk modulus of {:.6g} Pa", b.pressure, pressure, K_S));
+    const auto n = static_cast<int>(steps);
     const double dp = (pressure - b.pressure) / n;
     double p = b.pressure;
     for (int k = 0; k < n; ++k, p += dp) {

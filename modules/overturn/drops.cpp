@@ -69,6 +69,19 @@ void find_tension(const options& o, parameters& p, double outside, double top_of
 
 namespace {
 
+// Finite differences over the box, a few cells to the radius, in a fraction of a second and some tens of megabytes: no
+// more than 8000 cells, and where a radius then has less than two, none.
+std::optional<int> cells_across(const domain_options& d, double radius) {
+  constexpr double most = 8000.0;
+  const double wanted = std::ceil(6.0 * d.length[0] / radius),
+               affordable = std::floor(std::sqrt(most * d.length[0] / d.length[1])),
+               cells = std::min(wanted, affordable);
+  if (!(cells >= 8.0 && cells * radius >= 2.0 * d.length[0])) return std::nullopt;
+  return static_cast<int>(cells);
+}
+
+constexpr double most_terms = 2e7;  // of a Fourier series: a second
+
 // Of one drop with its centre there: creeping flow about it.
 std::optional<double> find_fall_of_one(const options& o, const parameters& p, const std::array<double, 3>& at,
                                        std::string& about) {
@@ -89,14 +102,18 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
                                   eta_drop,      p.density_difference,
                                   o.gravity,     d.periodic[0] ? theory::sides::periodic : sides(w.sides),
                                   sides(w.floor)};
-    const int cells = static_cast<int>(std::ceil(6.0 * d.length[0] / o.radius));
-    about = "creeping flow about the round drop in this box (finite differences)";
-    return theory::fall_velocity_extrapolated(box, cells);
+    const auto cells = cells_across(d, o.radius);
+    about = cells ? "creeping flow about the round drop in this box (finite differences)"
+                  : "no theory: the drop is too small beside the box for finite differences over it";
+    return cells ? std::optional(theory::fall_velocity_extrapolated(box, *cells)) : std::nullopt;
   }
   if (w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || (d.periodic[0] && d.periodic[2]))) {
-    about = "creeping flow about the round drop in this box (Fourier series)";
-    return theory::fall_velocity(
-        {3, d.length, d.periodic, o.radius, at, eta, eta_drop, p.density_difference, o.gravity});
+    const theory::drop_among_free_slip one{3,   d.length, d.periodic,           o.radius, at,
+                                           eta, eta_drop, p.density_difference, o.gravity};
+    const bool affordable = theory::terms_of_fall(one) <= most_terms;
+    about = affordable ? "creeping flow about the round drop in this box (Fourier series)"
+                       : "no theory: the drop is too small beside the box for its Fourier series";
+    return affordable ? std::optional(theory::fall_velocity(one)) : std::nullopt;
   }
   about = "in three dimensions there is a theory for free-slip walls only";
   return std::nullopt;
@@ -159,20 +176,16 @@ void find_cloud(const options& o, parameters& p) {
   if (fraction <= 0.6) p.hindered = theory::hindered_settling_factor(fraction, reynolds);
   const auto& w = o.walls;
   const bool free_sides = d.periodic[0] && (!deep || d.periodic[2]);
-  if (w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || free_sides) && eta == eta_drop) {
-    p.theory_fall = theory::mean_fall_velocity({static_cast<int>(d.dimension),
-                                                d.length,
-                                                d.periodic,
-                                                o.radius,
-                                                {},
-                                                eta,
-                                                eta_drop,
-                                                p.density_difference,
-                                                o.gravity},
-                                               p.places);
-    p.theory_about = "creeping flow about the round drops as they lie at the start (Fourier series)";
-  } else {
+  const theory::drop_among_free_slip all{
+      static_cast<int>(d.dimension), d.length, d.periodic, o.radius, {}, eta, eta_drop,
+      p.density_difference,          o.gravity};
+  if (!(w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || free_sides) && eta == eta_drop)) {
     p.theory_about = "for several drops there is a theory for free-slip walls and equal viscosities only";
+  } else if (theory::terms_of_mean_fall(all, p.places.size()) > 5.0 * most_terms) {
+    p.theory_about = "no theory: the drops are too many, or too small beside the box, for their Fourier series";
+  } else {
+    p.theory_fall = theory::mean_fall_velocity(all, p.places);
+    p.theory_about = "creeping flow about the round drops as they lie at the start (Fourier series)";
   }
   p.lines.push_back(fmt::format("{} drops, volume fraction {:.4g}", p.places.size(), fraction));
 }
@@ -185,6 +198,12 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
   const bool deep = d.dimension == 3;
   const double height = d.length[1];
   const auto& given = o.places;
+  if (o.radius < p.dx)
+    schema.fail(
+        "drop", "radius",
+        fmt::format("expected at least the particle spacing, {:.6g} m, found {:.6g}: a drop takes six of them to "
+                    "be resolved",
+                    p.dx, o.radius));
   for (std::size_t a = 0; a < 3; ++a)
     if (given[a].size() != (a < 2 || deep ? given[0].size() : 0))
       schema.fail("drop", std::string("places_") + axis_names[a],
@@ -199,10 +218,11 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
   const double y = (many ? 0.5 : o.measure_at) * height;
   const barotropic inside{&(*p.material)[1], o.p_top, o.temperature, o.temperature_law == "adiabatic"};
   const place here = p.base->at(y);
-  p.density_difference = at_pressure(inside, here.pressure).density - here.density;
+  p.density_difference =
+      schema.placed("drop", "eos_drop", [&] { return at_pressure(inside, here.pressure).density; }) - here.density;
   if (many) {
     find_places(schema, o, p);
-    find_cloud(o, p);
+    schema.placed("drop", "drops", [&] { find_cloud(o, p); });
     for (auto [key, value] : {std::pair{"measure_from", o.measure_from}, {"measure_until", o.measure_until}})
       if (value && o.march.time.t_end && *value > *o.march.time.t_end)
         schema.fail("drop", key, "is after the end of the run");
@@ -229,7 +249,9 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
         "must be lower than the drop starts, by a fiftieth of the height at least, and the drop above the floor");
   p.places = {{*o.centre[0], *o.centre[1], *o.centre[2]}};
   find_tension(o, p, here.density, *o.centre[1] + o.radius);
-  p.theory_fall = find_fall_of_one(o, p, {*o.centre[0], y, *o.centre[2]}, p.theory_about);
+  p.theory_fall = schema.placed("drop", "radius", [&] {
+    return find_fall_of_one(o, p, {*o.centre[0], y, *o.centre[2]}, p.theory_about);
+  });
 }
 
 }  // namespace tetsuame::overturn

@@ -21,10 +21,7 @@ void declare(namelist::schema& schema, domain_options& o) {
       schema.add("domain", "periodic_" + axis, o.periodic[a],
                  {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
-  schema.add("domain", "ranks_x", o.ranks_x,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  simulation::declare(schema, o.ranks_x);
 }
 
 void check_domain(const namelist::schema& schema, options& o, parameters& p) {
@@ -36,6 +33,12 @@ void check_domain(const namelist::schema& schema, options& o, parameters& p) {
       schema.fail(
           "domain", std::string("particles_") + axis_names[a],
           fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, p.dx));
+  const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
+  const simulation::box_of_particles box{d.dimension, d.length, d.particles, periodic};
+  const double support = simulation::support_over_dx(o.march.kernel) * p.dx;
+  simulation::check_number(schema, box, expected_particles(o));
+  simulation::check_widths(schema, box, support + o.march.kernel.skin * p.dx, support);
+  simulation::resolve(schema, o.domain.ranks_x);
 }
 
 void make_materials(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
@@ -49,7 +52,7 @@ void make_materials(const namelist::schema& schema, problem_kind kind, const opt
       refuse(schema, group, {{density.c_str(), m.density == default_density[n]}, {modulus.c_str(), !m.bulk_modulus}},
              "is of the linear equation of state; '" + m.eos + "' has its own");
     }
-    (*p.material)[n] = make(o, n);
+    (*p.material)[n] = schema.placed(group, "eos_" + which, [&] { return make(o, n); });
   }
 }
 
@@ -75,10 +78,11 @@ void find_layers(const namelist::schema& schema, problem_kind kind, options& o, 
   }
   const std::size_t top = kind == problem_kind::drop ? 0 : 1;
   const auto at_rest = [&](std::size_t n) { return barotropic{&(*p.material)[n], o.p_top, o.temperature, adiabatic}; };
-  if (o.pond_top)
-    p.base = std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height, o.gravity);
-  else
-    p.base = std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
+  p.base = schema.placed(group, "p_top", [&] {
+    return o.pond_top ? std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height,
+                                                 o.gravity)
+                      : std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
+  });
 }
 
 }  // namespace
@@ -131,12 +135,17 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.add(
       "walls", "pressure", o.walls.pressure,
       {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
-  march::declare(schema, o.march, true);
+  march::declare(schema, o.march, {});
+}
+
+double expected_particles(const options& o) {
+  return simulation::lattice_particles(o.domain.dimension, o.domain.particles);
 }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   march::resolve(o.march);
+  march::check_output(schema, o.march);
   parameters p{};
   check_domain(schema, o, p);
   find_heat(schema, kind, o, p);
@@ -151,7 +160,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
     warn_of_tension(o, p, p.interface);
-    if (o.melting.curve != "none" && !o.pond_top) find_melt(o, p);
+    if (o.melting.curve != "none" && !o.pond_top) schema.placed("melting", "liquidus", [&] { find_melt(o, p); });
   } else {
     find_fall(schema, o, p);
   }

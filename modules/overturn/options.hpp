@@ -24,7 +24,7 @@ struct domain_options {
   std::array<double, 3> length{1.5e6, 1.5e6, 1.5e6};  // m
   std::array<std::int64_t, 3> particles{48, 48, 48};
   std::array<bool, 3> periodic{};
-  std::int64_t ranks_x = 0;
+  domain::rank_columns ranks_x;
 };
 
 struct wall_options {
@@ -141,6 +141,7 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
+double expected_particles(const options& o);
 box_of_drops box_of(const domain_options& d);
 // What --theory prints.
 std::string theory_text(problem_kind kind, const options& o, const parameters& p);

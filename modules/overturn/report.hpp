@@ -13,7 +13,7 @@
 namespace tetsuame::overturn {
 
 using json = nlohmann::ordered_json;
-inline json or_null(const std::optional<double>& v) { return v ? json(*v) : json(nullptr); }
+using simulation::or_null;
 
 // ---- the centroid by time -------------------------------------------------------------------
 

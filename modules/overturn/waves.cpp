@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <foundation/error.hpp>
 #include <numbers>
 #include <overturn/groups.hpp>
 
@@ -96,9 +97,21 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
     return;
   }
   const double k = std::hypot(p.k_x, p.k_z);
-  p.mode = theory::eigenmode(layers(o, p, true), k);
-  p.growth = p.mode->growth_rate;
-  p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+  try {
+    p.mode = theory::eigenmode(layers(o, p, true), k);
+    p.growth = p.mode->growth_rate;
+    p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+  } catch (const foundation::error& e) {
+    p.mode.reset();
+    p.growth.reset();
+    p.theory_about = fmt::format("no growth rate to compare with: {}", e.what());
+    if (o.start != "coloured")
+      schema.fail(
+          "rti", "start",
+          fmt::format("'{}' needs the growing mode of linear theory. {}. Choose 'coloured', or larger viscosities, "
+                      "or a wave that grows",
+                      o.start, e.what()));
+  }
 }
 
 }  // namespace tetsuame::overturn

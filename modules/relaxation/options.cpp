@@ -43,9 +43,10 @@ void declare(namelist::schema& schema, relaxation_options& o) {
              {.choices = {"auto", "none", "rsst", "vim", "rsst_vim"},
               .meaning = "auto: rsst_vim where viscosity balances buoyancy, rsst where inertia does"});
   schema.add("relaxation", "zeta", o.zeta,
-             {.minimum = 1.0, .meaning = "sound is slowed by it; not given: by the rule"});
-  schema.add("relaxation", "xi", o.xi,
-             {.minimum = 1.0, .meaning = "inertia is multiplied by its square; not given: by the rule"});
+             {.minimum = 1.0, .maximum = 1e30, .meaning = "sound is slowed by it; not given: by the rule"});
+  schema.add(
+      "relaxation", "xi", o.xi,
+      {.minimum = 1.0, .maximum = 1e30, .meaning = "inertia is multiplied by its square; not given: by the rule"});
   schema.add("relaxation", "rule", o.rule,
              {.choices = {"slower_speed", "later"},
               .meaning = "slower_speed: note of February 2023; later: of June 2023, with boundary layers"});

@@ -97,9 +97,10 @@ class flow : public march::problem {
                       {"energy", now.energy() / first_->energy() - 1.0}};
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
-    for (const auto& [name, value] : g_.test.known) r.metrics[name] = value;
+    for (const auto& [name, value] : g_.test.known) r.metrics[name] = simulation::or_null(value);
     if (g_.test.measures)
-      for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_)) r.metrics[name] = value;
+      for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_))
+        r.metrics[name] = simulation::or_null(value);
     r.metrics["wall_crossings"] = crossings_;
     if (g_.test.exact) r.errors = errors(g_, t);
     if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.box.particles[0], t, r.errors, ""});

@@ -61,7 +61,7 @@ view particles_seen(const world<D>& g) {
   return seen;
 }
 
-// Means of |value - exact| over the volume of the particles measured.
+// Means of |value - exact| over the volume of the particles measured; null where there are none.
 template <int D>
 nlohmann::ordered_json errors(const world<D>& g, double t) {
   const auto& s = g.w.s;
@@ -79,9 +79,11 @@ nlohmann::ordered_json errors(const world<D>& g, double t) {
     p.add(V * std::abs(s.p[i] - right.p));
   }
   const double all = g.ranks().exact(volume);
-  return {{"density_l1", g.ranks().exact(rho) / all},
-          {"velocity_l1", g.ranks().exact(v) / all},
-          {"pressure_l1", g.ranks().exact(p) / all}};
+  const auto mean = [&](const foundation::exact_sum& sum) {
+    const double of_all = g.ranks().exact(sum);
+    return simulation::or_null(all != 0.0 ? std::optional(of_all / all) : std::nullopt);
+  };
+  return {{"density_l1", mean(rho)}, {"velocity_l1", mean(v)}, {"pressure_l1", mean(p)}};
 }
 
 // extra: h, and the exact density, pressure and velocity where there are any

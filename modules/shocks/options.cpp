@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <eos/eos.hpp>
-#include <shocks/options.hpp>
+#include <shocks/setups.hpp>
 
 namespace tetsuame::shocks {
 
@@ -24,10 +24,7 @@ void declare_box(namelist::schema& schema, options& o) {
     schema.add("domain", "periodic_" + axis, o.box.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls that reflect"});
   }
-  schema.add("domain", "ranks_x", o.box.ranks_x,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  simulation::declare(schema, o.box.ranks_x);
 }
 
 void declare_case(namelist::schema& schema, shock_options& s) {
@@ -175,7 +172,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  march::declare(schema, o.march, true);
+  march::declare(schema, o.march, {.kernels = {"quintic", "wendland_c4"}});
 }
 
 eos::any eos_of(const std::string& name) {
@@ -184,21 +181,52 @@ eos::any eos_of(const std::string& name) {
   return eos::make(m);
 }
 
+// As setups.cpp lays them.
+double expected_particles(const options& o) {
+  const double lattice = simulation::lattice_particles(o.dimension, o.box.particles);
+  if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
+  const double inside = std::pow(0.5, static_cast<double>(o.dimension));
+  return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
+}
+
 namespace {
 
-void resolve_box(const namelist::schema& schema, options& o) {
+// Along y and z: an edge not given is as long as that along x, or as its particles are wide; particles not given have
+// the spacing of x.
+void resolve_axis(const namelist::schema& schema, options& o, std::size_t a) {
+  const char* axis = a == 1 ? "y" : "z";
+  const std::string of_length = std::string("length_") + axis, of_number = std::string("particles_") + axis;
   const double dx = o.dx();
-  for (std::size_t a = 1; a < static_cast<std::size_t>(o.dimension); ++a) {
-    auto& length = o.box.length[a];
-    auto& n = o.box.particles[a];
-    if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.box.length[0];
-    if (n == 0) n = std::llround(length / dx);
-    if (const double spacing = length / static_cast<double>(n); n == 0 || std::abs(spacing - dx) > 1e-9 * dx)
-      schema.fail("domain", a == 1 ? "particles_y" : "particles_z",
-                  fmt::format("the particle spacing must be the same along all axes: here {} m, along x {} m",
-                              n == 0 ? length : spacing, dx));
-  }
+  auto& length = o.box.length[a];
+  auto& n = o.box.particles[a];
+  if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.box.length[0];
+  const bool counted = n > 0;
+  const double wanted = length / dx;
+  if (!counted && !(wanted < 1e12))
+    schema.fail("domain", of_length, fmt::format("would hold {:.3g} particles of the spacing along x", wanted));
+  if (!counted) n = std::llround(wanted);
+  if (n == 0) schema.fail("domain", of_length, fmt::format("{} m are less than the spacing along x, {} m", length, dx));
+  if (const double spacing = length / static_cast<double>(n); std::abs(spacing - dx) > 1e-9 * dx)
+    schema.fail("domain", counted ? of_number : of_length,
+                counted ? fmt::format("the particle spacing must be the same along all axes: here {} m, along x {} m",
+                                      spacing, dx)
+                        : fmt::format("expected a whole number of spacings of x, {} m each, found {}", dx, wanted));
+}
+
+// Of a run at this or a coarser resolution.
+void check_kernel_fits(const namelist::schema& schema, const options& o, const std::array<std::int64_t, 3>& particles) {
+  const double dx = o.box.length[0] / static_cast<double>(particles[0]);
+  const double support = simulation::support_over_dx(o.march.kernel) * dx;
+  simulation::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic},
+                           support + o.march.kernel.skin * dx, support);
+}
+
+void resolve_box(const namelist::schema& schema, options& o) {
+  simulation::resolve(schema, o.box.ranks_x);
+  for (std::size_t a = 1; a < static_cast<std::size_t>(o.dimension); ++a) resolve_axis(schema, o, a);
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
+  simulation::check_number(schema, {o.dimension, o.box.length, o.box.particles, o.box.periodic}, expected_particles(o));
+  check_kernel_fits(schema, o, o.box.particles);
 }
 
 // Of one side: with an equation of state the density follows.
@@ -216,7 +244,8 @@ void resolve_material(const namelist::schema& schema, shock_options& s, bool lef
   if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
     schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
   double& rho = left ? s.rho_l : s.rho_r;
-  const double follows = eos::density(eos_of(name), left ? s.p_l : s.p_r, *T);
+  const double follows =
+      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(name), left ? s.p_l : s.p_r, *T); });
   if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
     schema.fail("shock", "rho_" + end,
                 fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
@@ -270,6 +299,9 @@ void check_coarser(const namelist::schema& schema, const options& o) {
     if (const auto n = o.box.particles[a], least = n >> k; (least << k) != n || least < 8)
       schema.fail("shock", "coarser",
                   fmt::format("{} particles along an axis cannot be halved {} times to 8 or more", n, k));
+  auto coarsest = o.box.particles;
+  for (auto& n : coarsest) n >>= k;
+  check_kernel_fits(schema, o, coarsest);
 }
 
 }  // namespace
@@ -277,11 +309,13 @@ void check_coarser(const namelist::schema& schema, const options& o) {
 void resolve(const namelist::schema& schema, options& o) {
   if (!o.march.time.cfl) o.march.time.cfl = o.march.time.method == "euler" ? 0.1 : 0.4;
   march::resolve(o.march);
-  resolve_box(schema, o);
+  march::check_output(schema, o.march);
   resolve_materials(schema, o);
+  resolve_box(schema, o);
   check_test(schema, o);
   check_coarser(schema, o);
   if (!o.march.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  schema.placed("shock", "test", [&] { make_setup(o); });
 }
 
 }  // namespace tetsuame::shocks

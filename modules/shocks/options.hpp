@@ -36,7 +36,7 @@ struct shock_options {
 
 struct options {
   std::int64_t dimension = 1;
-  images::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, 0};
+  images::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
   shock_options shock;
   march::options march;
 
@@ -54,5 +54,6 @@ eos::any eos_of(const std::string& name);  // with its own parameters
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);
+double expected_particles(const options& o);
 
 }  // namespace tetsuame::shocks

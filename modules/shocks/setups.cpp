@@ -331,14 +331,16 @@ trace wave_amplitude(double k, std::vector<double> heights) {
 }
 
 // Least squares of ln amplitude between one and two growth times, when what else was in the start has died away.
-double measured_growth(const samples& all, double expected) {
+std::optional<double> measured_growth(const samples& all, double expected) {
   double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
   for (const auto& line : all) {
     if (line[0] < 1.0 / expected || line[0] > 2.0 / expected) continue;
+    if (!(line[1] > 0.0)) return std::nullopt;
     const double a = std::log(line[1]);
     n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
   }
-  return n > 2.0 ? (n * ta - t1 * a1) / (n * tt - t1 * t1) : std::nan("");
+  if (n <= 2.0) return std::nullopt;
+  return (n * ta - t1 * a1) / (n * tt - t1 * t1);
 }
 
 // A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.

@@ -48,8 +48,8 @@ struct trace {
   std::string name, unit;
   std::function<double(const view&)> value;  // collective
 };
-using samples = std::vector<std::vector<double>>;  // [line]: time, then the traces
-using numbers = std::vector<std::pair<std::string, double>>;
+using samples = std::vector<std::vector<double>>;                            // [line]: time, then the traces
+using numbers = std::vector<std::pair<std::string, std::optional<double>>>;  // none: could not be measured
 
 struct setup {
   std::vector<block> blocks;

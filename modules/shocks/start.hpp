@@ -60,7 +60,7 @@ void choose_kernel(world<D>& g) {
      ...);
   }
   (std::make_index_sequence<std::variant_size_v<kernel_choice<D>>>{});
-  if (!found) foundation::fail_input("&kernel name: this program has 'quintic' and 'wendland_c4'");
+  if (!found) throw std::logic_error("no kernel " + kernel.name + " among those that options.cpp offers");
 }
 
 template <int D>
@@ -72,8 +72,8 @@ void make_box(world<D>& g) {
   }
   g.w.dx = g.o.dx();
   g.skin = g.o.march.kernel.skin * g.w.dx;
-  g.w.d = domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin,
-                               static_cast<int>(g.o.box.ranks_x));
+  g.w.d =
+      domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin, g.o.box.ranks_x);
   g.walls.sides = reflecting_walls<D>(region);
 }
 

@@ -20,14 +20,7 @@ integrators::step_limit largest_step(const world<D>& g) {
 // m, since the lists were made
 template <int D>
 double displacement(const world<D>& g) {
-  const auto& s = g.w.s;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
-    largest = r2 > largest || r2 != r2 ? r2 : largest;
-  }
-  return std::sqrt(g.ranks().maximum(largest));
+  return std::sqrt(g.ranks().maximum(particles::moved_since_lists(g.w.s)));
 }
 
 template <int D>

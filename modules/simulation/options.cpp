@@ -1,6 +1,10 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <kernels/kernel.hpp>
 #include <simulation/options.hpp>
+#include <walls/wall_set.hpp>
 
 namespace tetsuame::simulation {
 
@@ -22,10 +26,7 @@ void declare(namelist::schema& schema, domain_options& o) {
     schema.add("domain", "periodic_" + axis, o.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
-  schema.add("domain", "ranks_x", o.ranks_x,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+  simulation::declare(schema, o.ranks_x);
   schema.add("domain", "balance", o.balance,
              {.choices = {"measured", "counted", "off"},
               .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
@@ -82,7 +83,7 @@ void declare(namelist::schema& schema, time_options& o) {
               .maximum = 1e15,
               .meaning = "number of steps at most; adaptive without t_end: runs to steps * dt"});
   schema.add("time", "t_end", o.t_end,
-             {.unit = "s", .minimum = 0.0, .meaning = "time at the end; not given: steps * dt"});
+             {.unit = "s", .minimum = 0.0, .stays_open = true, .meaning = "time at the end; not given: steps * dt"});
   schema.add("time", "rtol", o.rtol,
              {.minimum = 1e-14,
               .maximum = 1e-1,
@@ -105,8 +106,10 @@ void declare(namelist::schema& schema, time_options& o) {
   schema.add("time", "thermal", o.thermal, positive("", "largest dt k/(rho c_V dx^2)"));
 }
 
-void check_box(const namelist::schema& schema, options& o, double support) {
+void check_box(const namelist::schema& schema, const options& o) {
   const auto& d = o.domain;
+  const box_of_particles box{d.dimension, d.length, d.particles, d.periodic};
+  check_number(schema, box, expected_particles(o));
   const double dx = o.dx();
   for (std::size_t a = 1; a < static_cast<std::size_t>(d.dimension); ++a) {
     const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
@@ -117,20 +120,22 @@ void check_box(const namelist::schema& schema, options& o, double support) {
                       axis_names[a] + " or length_" + axis_names[a]);
   }
   for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
-    if (d.periodic[a] && 2.0 * support > d.length[a])
+    if (d.periodic[a] && 2.0 * o.support() > d.length[a])
       schema.fail("domain", std::string("particles_") + axis_names[a],
-                  "the kernel's support, " + std::to_string(2.0 * support) +
+                  "the kernel's support, " + std::to_string(2.0 * o.support()) +
                       " m across, is wider than the periodic box, " + std::to_string(d.length[a]) + " m along " +
                       axis_names[a] + ": use more particles or a smaller h_over_dx");
+  const bool filled = o.walls.treatment == "virtual_marker" || o.walls.treatment == "frozen";
+  check_widths(schema, box, o.halo_width(), filled ? o.support() : 0.0);
 }
 
 }  // namespace
 
-void declare(namelist::schema& schema, kernel_options& o, bool lists_change) {
+void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names) {
   schema.group("kernel", "smoothing kernel and neighbour lists");
-  std::vector<std::string> choices;
-  for (const auto& k : kernels::table) choices.emplace_back(k.name);
-  schema.add("kernel", "name", o.name, {.choices = choices, .meaning = "of the kernel"});
+  if (names.empty())
+    for (const auto& k : kernels::table) names.emplace_back(k.name);
+  schema.add("kernel", "name", o.name, {.choices = names, .meaning = "of the kernel"});
   schema.add(
       "kernel", "h_over_dx", o.h_over_dx,
       {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
@@ -144,6 +149,74 @@ void declare(namelist::schema& schema, kernel_options& o, bool lists_change) {
 
 void resolve(kernel_options& o) {
   if (o.h_over_dx == 0.0) o.h_over_dx = kernels::find(o.name).default_h_over_dx;
+}
+
+double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
+
+double options::support() const { return support_over_dx(kernel) * dx(); }
+
+double options::halo_width() const {
+  return support() * std::max(1.0, walls::radius_factor(walls)) + kernel.skin * dx();
+}
+
+double lattice_particles(std::int64_t dimension, const std::array<std::int64_t, 3>& particles) {
+  double n = 1.0;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(dimension); ++a) n *= static_cast<double>(particles[a]);
+  return n;
+}
+
+double expected_particles(const options& o) { return lattice_particles(o.domain.dimension, o.domain.particles); }
+
+void declare(namelist::schema& schema, domain::rank_columns& o) {
+  schema.add("domain", "ranks_x", o.number,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+}
+
+void resolve(const namelist::schema& schema, domain::rank_columns& o) {
+  o.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
+}
+
+namespace {
+
+std::string along(const char* what, std::size_t axis) { return std::string(what) + axis_names[axis]; }
+
+}  // namespace
+
+void check_number(const namelist::schema& schema, const box_of_particles& box, double expected) {
+  if (expected <= 1e12) return;
+  const auto first = box.particles.begin();
+  const auto most = std::max_element(first, first + box.dimension);
+  schema.fail("domain", along("particles_", static_cast<std::size_t>(most - first)),
+              fmt::format("expected at most 1e12 particles in the box, found {:.3g}", expected));
+}
+
+void check_widths(const namelist::schema& schema, const box_of_particles& box, double halo, double support) {
+  for (std::size_t a = 0; a < static_cast<std::size_t>(box.dimension); ++a) {
+    if (box.periodic[a] && halo > box.length[a] * (1.0 - 2e-6))
+      schema.fail(
+          "domain", along("particles_", a),
+          fmt::format("the periodic box is too narrow along {}: {:.6g} m, less than the halo's {:.6g} m (kernel "
+                      "support, marker radius and list skin); use more particles, a smaller h_over_dx or a "
+                      "smaller skin",
+                      axis_names[a], box.length[a], halo));
+    if (!box.periodic[a] && support > box.length[a] * (1.0 + 1e-9))
+      schema.fail("domain", along("particles_", a),
+                  fmt::format("the box is narrower along {}, {:.6g} m, than the kernel reaches, {:.6g} m: use more "
+                              "particles or a smaller h_over_dx",
+                              axis_names[a], box.length[a], support));
+  }
+}
+
+void check_interval(const namelist::schema& schema, const output_options& o, double t_end) {
+  constexpr double most = 1e6;
+  if (o.interval > 0.0 && t_end / o.interval > most)
+    schema.fail(
+        "output", "interval",
+        fmt::format("would write {:.3g} snapshots until t = {:.6g} s: expected 0 or at least {:.3g} s, for {:.0e} "
+                    "of them",
+                    t_end / o.interval, t_end, t_end / most, most));
 }
 
 void declare(namelist::schema& schema, output_options& o) {
@@ -186,19 +259,16 @@ void declare(namelist::schema& schema, options& o) {
 
 void resolve(const namelist::schema& schema, options& o) {
   resolve(o.kernel);
-  const double support = kernels::find(o.kernel.name).support_over_h * o.kernel.h_over_dx * o.dx();
-  check_box(schema, o, support);
+  resolve(schema, o.domain.ranks_x);
+  check_box(schema, o);
   if (o.g == 0.0) o.initial.profile = "uniform";
   if (o.initial.profile == "hydrostatic" && o.domain.periodic[1])
     schema.fail("domain", "periodic_y",
                 "a hydrostatic profile needs walls at the bottom and the top: set periodic_y = .false.");
   if (o.material.eos.name == "linear" && !o.material.eos.reference_pressure)
     o.material.eos.reference_pressure = o.initial.pressure;
-  try {
-    o.material.eos = eos::resolve(o.material.eos);
-  } catch (const foundation::error& e) {
-    schema.fail("material", "eos", e.what());
-  }
+  o.material.eos = schema.placed("material", "eos", [&] { return eos::resolve(o.material.eos); });
+  check_interval(schema, o.output, o.time.end());
 }
 
 std::int64_t time_options::last_step(double output_interval) const {

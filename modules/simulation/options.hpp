@@ -20,7 +20,7 @@ struct domain_options {
   std::array<double, 3> length{1e5, 1e5, 1e5};  // m
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
-  std::int64_t ranks_x = 0;          // columns of ranks; 0: as the box's shape suggests
+  domain::rank_columns ranks_x;
   std::string balance = "measured";  // what cuts between ranks follow: measured or counted cost, or off
 };
 
@@ -86,17 +86,41 @@ struct options {
   run_options run;
 
   double dx() const { return domain.length[0] / static_cast<double>(domain.particles[0]); }
+  double support() const;     // m, of the kernel
+  double halo_width() const;  // m, what a particle, or a marker, reaches
 };
 
 // The groups that every program with a time loop has. lists_change: whether particles move, so that a skin is worth
-// choosing.
-void declare(namelist::schema& schema, kernel_options& o, bool lists_change);
+// choosing. names: of the kernels there are; none: all.
+void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names = {});
 void resolve(kernel_options& o);
+double support_over_dx(const kernel_options& o);  // of a resolved one
 void declare(namelist::schema& schema, output_options& o);
 void declare(namelist::schema& schema, run_options& o);
+// In group &domain, which must be there; resolve() notes where the number came from.
+void declare(namelist::schema& schema, domain::rank_columns& o);
+void resolve(const namelist::schema& schema, domain::rank_columns& o);
+
+// What every program's input must hold, each placed at its key: fail with exit 2.
+struct box_of_particles {
+  std::int64_t dimension;
+  const std::array<double, 3>& length;  // m
+  const std::array<std::int64_t, 3>& particles;
+  const std::array<bool, 3>& periodic;
+};
+double lattice_particles(std::int64_t dimension, const std::array<std::int64_t, 3>& particles);
+// No more than 1e12 particles: beyond that an ID times a number of images, or a file's offset, would overflow.
+void check_number(const namelist::schema& schema, const box_of_particles& box, double expected);
+// A periodic box is as wide as the halo, so that no particle meets two images of another; between walls there is room
+// for the kernel's support, where what stands behind them is made of the fluid's particles. halo, support: m.
+void check_widths(const namelist::schema& schema, const box_of_particles& box, double halo, double support);
+// A run writes at most a million snapshots.
+void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 
 // Declares every group; all programs read the same inputs, so that one file runs on all of them.
 void declare(namelist::schema& schema, options& o);
+
+double expected_particles(const options& o);  // fluid
 
 // Fills what the input left to us (h_over_dx, t_end, EOS parameters) and checks what takes more
 // than one key: throws bad_input with file and line.

@@ -222,19 +222,6 @@ void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
       scene.treatment);
 }
 
-// Squared distance (m²) that the farthest particle of this rank has moved since the lists were made.
-template <int D>
-double moved_since_lists(const particles::particles<D>& s) {
-  double largest = 0.0;
-#pragma omp parallel for schedule(static) reduction(max : largest) if (s.fluid > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
-    largest = std::max(largest, r2);
-  }
-  return largest;
-}
-
 // m/s, the largest of the exact profile.
 template <int D>
 double fastest_sound(const options& o, const scene<D>& scene) {
@@ -262,8 +249,7 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
     box.length[a] = o.domain.length[a];
     box.periodic[a] = o.domain.periodic[a];
   }
-  const double halo = w.support() * std::max(1.0, walls::radius_factor(o.walls)) + scene.skin;
-  w.d = domain::decompose<D>(ranks, box, halo, static_cast<int>(o.domain.ranks_x));
+  w.d = domain::decompose<D>(ranks, box, o.halo_width(), o.domain.ranks_x);
   scene.walls.sides = walls::make_sides<D>(o.walls, box);
   place_fluid(o, scene);
   place_walls(o, scene);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <output/file.hpp>
 #include <simulation/command_line.hpp>
 #include <simulation/summary.hpp>
@@ -20,7 +21,39 @@ void summary::set_conservation(double mass, double momentum, double energy) {
   conservation = {{"mass", mass}, {"momentum", momentum}, {"energy", energy}};
 }
 
+std::string first_not_finite(const nlohmann::ordered_json& j) {
+  if (j.is_number_float() && !std::isfinite(j.get<double>())) return fmt::format(" ({})", j.get<double>());
+  if (!j.is_structured()) return {};
+  for (const auto& [name, value] : j.items())
+    if (const auto found = first_not_finite(value); !found.empty())
+      return found.starts_with(' ') ? name + found : name + "." + found;
+  return {};
+}
+
+void check_line(const std::vector<output::history_column>& columns, std::span<const double> values) {
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (!std::isfinite(values[k]))
+      foundation::fail_calculation(
+          fmt::format("{} is {}, not a finite number: a quantity has overflowed, or what it is "
+                      "divided by is zero",
+                      columns[k].name, values[k]));
+}
+
+std::string summary::first_not_finite() const {
+  return simulation::first_not_finite({{"time", time},
+                                       {"last_dt", statistics.last_dt},
+                                       {"errors", errors},
+                                       {"conservation", conservation},
+                                       {"metrics", metrics}});
+}
+
 void summary::write(const domain::communicator& where, const std::string& directory) const {
+  if (status == "completed")
+    if (const auto lost = where.broadcast(first_not_finite()); !lost.empty())
+      foundation::fail_calculation(
+          lost +
+          " is not a finite number at the end of the run: a quantity has overflowed, or what it is divided by is "
+          "zero; are the input's values those of a fluid?");
   nlohmann::ordered_json j;
   j["program"] = program;
   j["status"] = status;
@@ -80,6 +113,9 @@ void write_text(const domain::communicator& where, const std::string& path, cons
 
 namespace {
 
+// Of &domain who does the work, and of &convection what lags by a step, as goes with the time integration.
+bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance" || key == "lagging"; }
+
 // Lines of the groups that must be the same: all but how long, how to write, and who does the work.
 std::vector<std::string> binding_lines(const std::string& input) {
   std::vector<std::string> lines;
@@ -89,10 +125,8 @@ std::vector<std::string> binding_lines(const std::string& input) {
     if (line.starts_with("&"))
       free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run") ||
              line.starts_with("&balancer");
-    const auto key = line.find_first_not_of(' ');
-    const bool of_ranks = key != std::string::npos &&
-                          (line.substr(key).starts_with("ranks_x") || line.substr(key).starts_with("balance "));
-    if (!free && !of_ranks) lines.push_back(line);
+    const auto key = std::min(line.find_first_not_of(' '), line.size());
+    if (!free && !may_change(line.substr(key, line.find(' ', key) - key))) lines.push_back(line);
   }
   return lines;
 }
@@ -109,8 +143,7 @@ void check_restart(const std::string& saved_program, const std::string& saved_in
     if (a != b)
       foundation::fail_input(
           "the input is not that of the checkpoint (only &time, &output, &run, &balancer and &domain ranks_x and "
-          "balance may change): it "
-          "was\n  " +
+          "balance may change): it was\n  " +
           a + "\nand is now\n  " + b);
   }
 }

@@ -7,9 +7,24 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <output/history.hpp>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace tetsuame::simulation {
+
+// A number that may be absent, which is no fault.
+inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+// The first number in it that is not finite, as "name.part"; empty: there is none. (In a file such a number would be
+// null, as one that is absent.)
+std::string first_not_finite(const nlohmann::ordered_json& j);
+
+// fail_calculation where a value of a line of the history is not finite, which it then names.
+void check_line(const std::vector<output::history_column>& columns, std::span<const double> values);
 
 struct summary {
   std::string program, status = "failed", message, state_hash;
@@ -27,7 +42,10 @@ struct summary {
 
   void set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx);
   void set_conservation(double mass, double momentum, double energy);
-  // Collective: DIRECTORY/summary.json.
+  // "metrics.nusselt_top", say, of this rank's numbers; empty: all are finite.
+  std::string first_not_finite() const;
+  // Collective: DIRECTORY/summary.json. fail_calculation, and nothing is written, where a run is said to have completed
+  // and a number of rank 0's is not finite.
   void write(const domain::communicator& where, const std::string& directory) const;
   void print() const;
 };
@@ -35,8 +53,8 @@ struct summary {
 // Collective: a small text file of rank 0, replaced in one step.
 void write_text(const domain::communicator& ranks, const std::string& path, const std::string& text);
 
-// Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer and for
-// &domain's ranks_x and balance, which may change) is not the present one's.
+// Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer, for &domain's
+// ranks_x and balance and for &convection's lagging, which may change) is not the present one's.
 void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
                    const std::string& input);
 

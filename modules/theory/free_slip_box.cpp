@@ -20,20 +20,43 @@ struct wave {
   double k, weight;  // 1/m; with N_k
 };
 
+bool around(const drop_among_free_slip& d, std::size_t a) { return d.periodic[a] && a != 1; }
+
+double unit_of(const drop_among_free_slip& d, std::size_t a) {  // 1/m, the smallest wave number
+  return (around(d, a) ? 2.0 : 1.0) * pi / d.length[a];
+}
+
 std::vector<wave> waves(const drop_among_free_slip& d, std::size_t a) {
   std::vector<wave> all;
-  const double unit = (d.periodic[a] && a != 1 ? 2.0 : 1.0) * pi / d.length[a];
+  const double unit = unit_of(d, a);
   const int n = static_cast<int>(std::ceil(largest_ka / (d.radius * unit)));
   for (int m = 0; m <= n; ++m) {
     const double phase = unit * m * d.centre[a];
     const double shape = a == 1 ? std::sin(phase) : std::cos(phase);
-    const double square = d.periodic[a] && a != 1 ? 0.5 : shape * shape;  // the two waves of one length, each a half
-    all.push_back({unit * m, m == 0 ? (a == 1 ? 0.0 : 1.0) : (d.periodic[a] && a != 1 ? 4.0 : 2.0) * square});
+    const double square = around(d, a) ? 0.5 : shape * shape;  // the two waves of one length, each a half
+    all.push_back({unit * m, m == 0 ? (a == 1 ? 0.0 : 1.0) : (around(d, a) ? 4.0 : 2.0) * square});
   }
   return all;
 }
 
+// Of several drops the series is shorter, in three dimensions.
+double largest_of_many(const drop_among_free_slip& d) { return d.dimension == 3 ? 0.5 * largest_ka : largest_ka; }
+
+// Wave numbers up to ka = most: a quarter of an ellipse, or an eighth of an ellipsoid.
+double wave_numbers(const drop_among_free_slip& d, double most) {
+  double n = d.dimension == 3 ? pi / 6.0 : pi / 4.0;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a) n *= 1.0 + most / (d.radius * unit_of(d, a));
+  return n;
+}
+
 }  // namespace
+
+double terms_of_fall(const drop_among_free_slip& d) { return wave_numbers(d, largest_ka); }
+
+double terms_of_mean_fall(const drop_among_free_slip& d, std::size_t centres) {
+  const double phases = (around(d, 0) ? 2.0 : 1.0) * (d.dimension == 3 && around(d, 2) ? 2.0 : 1.0);
+  return wave_numbers(d, largest_of_many(d)) * phases * static_cast<double>(centres);
+}
 
 double fall_velocity(const drop_among_free_slip& d) {
   const bool deep = d.dimension == 3;
@@ -76,22 +99,22 @@ double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::ar
   const std::size_t axes = deep ? 3 : 2;
   for (const auto& centre : centres)
     for (std::size_t a = 0; a < axes; ++a)
-      if (!(a != 1 && d.periodic[a]) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius))
+      if (!around(d, a) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius))
         foundation::fail_input("drops in a free-slip box: they must lie inside the box");
   // Along each axis: wave numbers and N_k, and the wave at every centre.
   struct wave_at_centres {
     double k, weight;
     std::vector<double> value;
   };
-  const double most = deep ? 0.5 * largest_ka : largest_ka;
+  const double most = largest_of_many(d);
   const auto along = [&](std::size_t a) {
     std::vector<wave_at_centres> all;
     if (a >= axes) {
       all.push_back({0.0, 1.0, std::vector<double>(centres.size(), 1.0)});
       return all;
     }
-    const bool periodic = a != 1 && d.periodic[a];
-    const double unit = (periodic ? 2.0 : 1.0) * pi / d.length[a];
+    const bool periodic = around(d, a);
+    const double unit = unit_of(d, a);
     for (int m = 0; m * unit * d.radius <= most; ++m)
       for (const bool sine : {false, true}) {
         if (sine ? (m == 0 || !(a == 1 || periodic)) : a == 1) continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 
 namespace tetsuame::theory {
@@ -25,11 +26,15 @@ struct drop_among_free_slip {
 // 1e-4. Else, in 3-D, Hadamard's and Rybczynski's velocity replaces that of equal viscosities without a box, and in 2-D
 // that of a cylinder (drop.hpp): the walls' part is of first order in radius over length. fail_input: geometry.
 double fall_velocity(const drop_among_free_slip& d);
+// About how many terms that are: of small drops in three dimensions very many.
+double terms_of_fall(const drop_among_free_slip& d);
 
 // The same of several drops of one size and of their surroundings' viscosity, as they lie at `centres` (d.centre is not
 // looked at): their mean, with Σ_j cos k_x x_j cos k_z z_j sin k_y y_j in the place of one drop's and divided by their
 // number; waves along periodic sides as cosines and sines. The flow of each is superposed: exact while they are round.
 // In 3-D terms up to ka = 30 are added. fail_input: geometry, unlike viscosities.
 double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::array<double, 3>> centres);
+// About how many terms, all centres' together.
+double terms_of_mean_fall(const drop_among_free_slip& d, std::size_t centres);
 
 }  // namespace tetsuame::theory

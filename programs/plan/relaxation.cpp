@@ -302,7 +302,7 @@ void run(const question& q) {
   namelist::schema schema;
   declare_all(schema, c);
   if (q.describe) return schema.describe(std::cout);
-  auto document = q.input.empty() ? namelist::parse_text("", "the command line") : namelist::parse_file(q.input);
+  auto document = q.input.empty() ? namelist::document("the command line") : namelist::parse_file(q.input);
   for (const auto& argument : q.set) document.set(argument);
   schema.read(document);
   apply(q, c);
@@ -331,6 +331,7 @@ void run(const question& q) {
                                  ratio * std::pow(static_cast<double>(d.particles[1]), static_cast<double>(dimension)));
   const auto p = plan_convection(f, r, d.particles[1], dimension, ratio, q.fraction, m.cost);
   json all = everything(f, rules, r, p, q.fraction, m);
+  check_finite(all);
 
   print_numbers(f, c);
   print_rules(rules, r);
@@ -340,6 +341,7 @@ void run(const question& q) {
     answer_backwards(q, f, r, c, m, all);
     // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.
     if (!programs_own) answer_others(q, f, w, c, m, all);
+    check_finite(all);
   }
   fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
   if (!q.shared.json.empty()) write_json(q.shared.json, all);
@@ -356,18 +358,18 @@ std::function<void()> relaxation_question(CLI::App& app) {
       ->take_all()
       ->type_name("group.key=value");
   app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
-  app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(CLI::PositiveNumber);
-  app.add_option("--dT", q->dT, "bottom less top (K)")->check(CLI::PositiveNumber);
-  app.add_option("--rho", q->rho, "density (kg/m3)")->check(CLI::PositiveNumber);
-  app.add_option("--kappa", q->kappa, "thermal diffusivity (m2/s)")->check(CLI::PositiveNumber);
-  app.add_option("--nu", q->nu, "kinematic viscosity (m2/s)")->check(CLI::PositiveNumber);
-  app.add_option("--g", q->g, "gravity (m/s2)")->check(CLI::PositiveNumber);
-  app.add_option("--alpha", q->alpha, "thermal expansivity (1/K)")->check(CLI::PositiveNumber);
-  app.add_option("--c-p", q->c_p, "heat capacity (J/(kg K))")->check(CLI::PositiveNumber);
-  app.add_option("--K", q->K, "bulk modulus (Pa)")->check(CLI::PositiveNumber);
+  app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(above_zero());
+  app.add_option("--dT", q->dT, "bottom less top (K)")->check(above_zero());
+  app.add_option("--rho", q->rho, "density (kg/m3)")->check(above_zero());
+  app.add_option("--kappa", q->kappa, "thermal diffusivity (m2/s)")->check(above_zero());
+  app.add_option("--nu", q->nu, "kinematic viscosity (m2/s)")->check(above_zero());
+  app.add_option("--g", q->g, "gravity (m/s2)")->check(above_zero());
+  app.add_option("--alpha", q->alpha, "thermal expansivity (1/K)")->check(above_zero());
+  app.add_option("--c-p", q->c_p, "heat capacity (J/(kg K))")->check(above_zero());
+  app.add_option("--K", q->K, "bulk modulus (Pa)")->check(above_zero());
   app.add_option("--n", q->n, "particles along the height")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
   app.add_option("--fraction", q->fraction, "of the largest stable steps")
-      ->check(CLI::Range(1e-6, 10.0))
+      ->check(finite(1e-6, 10.0, false))
       ->capture_default_str();
   add_shared(app, q->shared);
   return [q] { run(*q); };

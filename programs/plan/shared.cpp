@@ -3,6 +3,7 @@
 #include <foundation/error.hpp>
 #include <map>
 #include <plan/shared.hpp>
+#include <simulation/summary.hpp>
 
 namespace tetsuame::plan {
 
@@ -14,18 +15,34 @@ const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"or
 
 }  // namespace
 
+CLI::Validator finite(double least, double most, bool least_excluded) {
+  const auto refusal = [=](const std::string& text) {
+    double x = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, x) && (least_excluded ? x > least : x >= least) && x <= most;
+    return good ? std::string()
+                : fmt::format("expected a finite number {} {}, found {}", least_excluded ? ">" : ">=", least, text) +
+                      (most < 1e300 ? fmt::format("; at most {}", most) : "");
+  };
+  return CLI::Validator(refusal, least_excluded ? "POSITIVE" : "NUMBER");
+}
+
+void check_finite(const json& answer) {
+  if (const auto lost = simulation::first_not_finite(answer); !lost.empty())
+    foundation::fail_calculation(lost + " is not a finite number: what is given lies too far apart");
+}
+
 void add_shared(CLI::App& app, shared_options& o) {
-  app.add_option("--steps", o.steps, "backwards: what can be afforded in so many steps")->check(CLI::PositiveNumber);
+  app.add_option("--steps", o.steps, "backwards: what can be afforded in so many steps")->check(above_zero());
   app.add_option("--run-time,--seconds", o.seconds,
                  "backwards: what can be afforded in so long a run (s, or 90s, 20min, 8h, 3d)")
       ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}, {"d", 86400}},
                                         CLI::AsNumberWithUnit::CASE_SENSITIVE, "TIME"))
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   app.add_option("--method", o.method, "time integration: its right-hand sides a step count for the run time")
       ->check(CLI::IsMember(evaluations))
       ->capture_default_str();
   app.add_option("--rate", o.rate, "particles times right-hand sides a second (default: what bench measured)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   app.add_option("--bench", o.speed.bench, "file of bench")
       ->type_name("FILE")
       ->each([&o](const std::string&) { o.speed.bench_given = true; })

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <optional>
 #include <plan/speed.hpp>
 #include <plan/table.hpp>
@@ -18,6 +19,10 @@ struct shared_options {
   speed_options speed;
 };
 
+// A number that is finite and lies between the two, the lower excluded (above_zero) or not.
+CLI::Validator finite(double least, double most, bool least_excluded);
+inline CLI::Validator above_zero() { return finite(0.0, std::numeric_limits<double>::max(), true); }
+
 void add_shared(CLI::App& app, shared_options& o);
 
 struct machine {
@@ -25,6 +30,9 @@ struct machine {
   std::optional<measured_speed> measured;
   std::string note() const;  // where the rate comes from
 };
+
+// fail_calculation where a number of the answer is not finite: those of the question are too far apart.
+void check_finite(const json& answer);
 
 machine this_machine(shared_options o, int dimension, double particles);
 json as_json(const machine& m);

@@ -154,6 +154,7 @@ void run(question q) {
   const machine m = this_machine(q.shared, q.dimension, std::pow(static_cast<double>(q.n), q.dimension));
   const auto p = plan_overturn(q.system, q.n, q.dimension, m.cost);
   json all = as_json(q, p, m);
+  check_finite(all);
   print_plan(q, p, m);
   if (measured) {
     const printed note;
@@ -162,6 +163,7 @@ void run(question q) {
     all["measured"] = plan::as_json(*measured);
   }
   if (q.shared.steps || q.shared.seconds) answer_backwards(q, m, all);
+  check_finite(all);
   fmt::print("S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)\n");
   if (!q.shared.json.empty()) write_json(q.shared.json, all);
 }
@@ -177,7 +179,7 @@ std::function<void()> timestep_question(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30))
       ->capture_default_str();
   const auto add = [&](const char* option, auto& value, const char* meaning) {
-    return app.add_option(option, value, meaning)->check(CLI::PositiveNumber);
+    return app.add_option(option, value, meaning)->check(above_zero());
   };
   add("--L", s.L, "edge of the box (m)")->capture_default_str();
   add("--c", s.c, "speed of sound (m/s)")->capture_default_str();
@@ -187,7 +189,7 @@ std::function<void()> timestep_question(CLI::App& app) {
   add("--eta", s.eta, "viscosity (Pa s); default: c rho_min dx");
   add("--c-p", s.heat_capacity, "heat capacity (J/(kg K))")->capture_default_str();
   app.add_option("--k", s.conductivity, "thermal conductivity (W/(m K)); 0: no limit from it")
-      ->check(CLI::NonNegativeNumber)
+      ->check(finite(0.0, std::numeric_limits<double>::max(), false))
       ->capture_default_str();
   app.add_option("--run", q->run,
                  "output folder of a run of rti or drop: its system, and what it measured beside the estimates")

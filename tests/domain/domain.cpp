@@ -108,7 +108,7 @@ template <int D>
 void check_halos(simulation::options o) {
   const auto world = domain::communicator::world();
   for (const int ranks_x : {0, 1, world.size}) {
-    o.domain.ranks_x = ranks_x;
+    o.domain.ranks_x.number = ranks_x;
     auto scene = make_scene<D>(o, world, 0.4);
     for (const std::uint64_t salt : {1, 2, 3}) {
       const auto ghosts = check_halo<D>(scene);
@@ -343,11 +343,11 @@ auto refused(const std::string& because) {
 BOOST_AUTO_TEST_CASE(ranks_along_x) {
   const domain::box<2> region{{1600.0, 800.0}, {true, true}};
   const auto columns = [&](int size, int ranks_x) {
-    return domain::decompose<2>({MPI_COMM_SELF, 0, size}, region, 3.8, ranks_x).cuts.counts[0];
+    return domain::decompose<2>({MPI_COMM_SELF, 0, size}, region, 3.8, {ranks_x}).cuts.counts[0];
   };
   BOOST_TEST(columns(32, 0) == 8);  // square cells
   for (const int ranks_x : {1, 2, 4, 8}) BOOST_TEST(columns(8, ranks_x) == ranks_x);
-  BOOST_CHECK_EXCEPTION(columns(8, 3), foundation::error, refused("ranks_x = 3 does not divide"));
+  BOOST_CHECK_EXCEPTION(columns(8, 3), foundation::error, refused("&domain ranks_x: 3 does not divide"));
   BOOST_CHECK_EXCEPTION(columns(8, 16), foundation::error, refused("number of MPI ranks, 8"));
   BOOST_TEST(columns(1 << 20, 0) > 0);  // cells far narrower than the halo
 }
@@ -362,7 +362,7 @@ BOOST_AUTO_TEST_CASE(periodic_box_narrower_than_the_halo_is_bad_input) {
 }
 
 BOOST_AUTO_TEST_CASE(owners_of_cuts_and_beyond) {
-  auto d = domain::decompose<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8, 4);
+  auto d = domain::decompose<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8, {4});
   for (const auto& [x, owner] :
        {std::pair{-3.0, 0}, {0.0, 0}, {3.999, 0}, {4.0, 1}, {8.0, 2}, {12.0, 3}, {16.0, 3}, {99.0, 3}})
     for (const double y : {-1.0, 0.0, 8.0, 9.0}) BOOST_TEST(d.owner({x, y}) == owner);
@@ -409,6 +409,23 @@ BOOST_AUTO_TEST_CASE(reductions) {
   BOOST_TEST(world.maximum(world.rank) == world.size - 1);
   BOOST_TEST(world.minimum(-world.rank) == 1 - world.size);
   BOOST_TEST(world.sum(world.rank) == world.size * (world.size - 1) / 2);
+  // Signs, infinities and what is smallest come out bit by bit.
+  constexpr double infinity = std::numeric_limits<double>::infinity(), tiny = 5e-324;
+  const bool first = world.rank == 0;
+  for (const double x : {-infinity, -1e300, -1.0, -tiny, tiny, 1.0, 1e300, infinity}) {
+    BOOST_TEST(bits(world.maximum(first ? x : -infinity)) == bits(x));
+    BOOST_TEST(bits(world.minimum(first ? x : infinity)) == bits(x));
+  }
+  // NaN on one rank, whichever, comes out on all.
+  for (int lost = 0; lost < world.size; ++lost) {
+    const double mine = world.rank == lost ? -std::nan("") : 1.0 + world.rank;
+    BOOST_TEST(std::isnan(world.maximum(mine)));
+    BOOST_TEST(std::isnan(world.minimum(mine)));
+    std::array<double, 2> both{mine, 1.0 + world.rank};
+    world.maximum(both);
+    BOOST_TEST(std::isnan(both[0]));
+    BOOST_TEST(both[1] == world.size);
+  }
   const auto every = world.every(10.0 + world.rank);
   for (int r = 0; r < world.size; ++r) BOOST_TEST(every[static_cast<std::size_t>(r)] == 10.0 + r);
   BOOST_TEST(world.broadcast(world.rank == 0 ? "text" : "") == "text");

@@ -71,7 +71,7 @@ void compare(simulation::options o) {
 
   // Cuts thrown anywhere, anew each time; every fourth time all particles go to the first rank.
   const auto world = domain::communicator::world();
-  o.domain.ranks_x = world.size % 2 == 0 ? 2 : 1;
+  o.domain.ranks_x.number = world.size % 2 == 0 ? 2 : 1;
   const auto thrown = [&](balance::cuts<D> cuts, int n) {
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t g = 0; g < cuts.groups(a); ++g) {

@@ -110,7 +110,7 @@ BOOST_AUTO_TEST_CASE(syntax_errors) {
   BOOST_TEST(told("&a x = 3&end") == "f:1: expected a blank before & or $ in '3&end'");
   BOOST_TEST(told("& a x = 3 /") == "f:1: expected the name of a group directly behind &");
   BOOST_TEST(told("&a=3 /") == "f:1: expected a blank behind the name of group &a");
-  BOOST_TEST(told("time step: 3\n") == "f:2: no group (&name ... /) was found: is this a namelist file?");
+  BOOST_TEST(told("time step: 3\n") == "f:2: the input has no group (&name ... /): is this a namelist file?");
   BOOST_TEST(told("&a " + std::string(64, 'k') + " = 1 /") ==
              "f:1: the name '" + std::string(40, 'k') + "...' has more than 63 letters");
 }
@@ -120,8 +120,12 @@ BOOST_AUTO_TEST_CASE(text_between_groups) {
   BOOST_REQUIRE_EQUAL(d.groups().size(), 3U);
   BOOST_TEST(d.groups()[0].name == "a");
   BOOST_TEST(d.groups()[2].name == "e");
-  BOOST_TEST(namelist::parse_text("", "f").groups().empty());
-  BOOST_TEST(namelist::parse_text("! only a comment", "f").groups().empty());
+}
+
+BOOST_AUTO_TEST_CASE(a_text_without_a_group_is_no_input) {
+  for (const char* text : {"", " \n\t\n", "! only a comment", "time%steps = 3", "\x7f\x45\x4c\x46\x02"})
+    BOOST_TEST(message([&] { namelist::parse_text(text, "f"); }).find("the input has no group") != std::string::npos);
+  BOOST_TEST(namelist::document("f").groups().empty());
 }
 
 BOOST_AUTO_TEST_CASE(sizes_are_bounded) {

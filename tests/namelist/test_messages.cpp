@@ -31,7 +31,7 @@ std::string told(const std::string& text, const std::vector<std::string>& overri
   s.add("output", "kinds", kinds, {.choices = {"mean", "max"}});
   s.add("output", "free", free);
   return message([&] {
-    auto input = namelist::parse_text(text, "f");
+    auto input = text.empty() ? namelist::document("f") : namelist::parse_text(text, "f");
     for (const std::string& o : overrides) input.set(o);
     s.read(input);
   });

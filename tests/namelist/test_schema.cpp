@@ -56,7 +56,7 @@ namelist::schema schema_of(options& to) {
 
 options read(const std::string& text, const std::vector<std::string>& overrides = {}) {
   options result;
-  auto input = namelist::parse_text(text, "f");
+  auto input = text.empty() ? namelist::document("f") : namelist::parse_text(text, "f");
   for (const std::string& o : overrides) input.set(o);
   schema_of(result).read(input);
   return result;

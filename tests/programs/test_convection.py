@@ -2,6 +2,7 @@
 
 import cmath
 import math
+import shutil
 import unittest
 
 import h5py
@@ -278,6 +279,51 @@ class Convection(Case):
                 s = self.run_program("convection", name, settings, output=f"part_{name}_{len(more)}_{list(more)[:1]}",
                                      options=["--restart", "latest"], ranks=2).summary
                 self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+
+    def test_restart_with_another_method(self):
+        """&time may change: 'auto' of what lags is asked anew, and 'ab2' begins with a step of order 2."""
+        methods = ["rk4", "ab2", "rkl2", "adaptive", "euler"]
+        settings = {**size(10), "initial.perturbation": 0.2, "time.dt": 1e12, "output.history_interval": 10}
+        for first in methods:
+            part = {**settings, "time.method": first, "time.steps": 20, "run.checkpoint_interval": 20}
+            self.run_program("convection", MANTLE, part, output=first)
+            for second in methods:
+                with self.subTest(f"{first}, then {second}"):
+                    directory = self.here / f"{first}_{second}"
+                    shutil.copytree(self.here / first, directory)
+                    then = {**settings, "time.method": second, "time.steps": 40}
+                    s = self.run_program("convection", MANTLE, then, output=directory.name, options=["--restart", "latest"]).summary
+                    self.assertEqual((s["status"], s["steps"]), ("completed", 40))
+                    if first == second:
+                        whole = self.run_program("convection", MANTLE, then).summary
+                        self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
+
+    def test_restart_over_a_method_that_keeps_less(self):
+        """What the first run kept of the step before was given up by the second: the third starts from nothing, not from zeros."""
+        settings = {**size(10), "initial.perturbation": 0.2, "time.dt": 1e12, "time.error_control": ".false.", "run.checkpoint_interval": 1}
+        for method in ["ab2", "rkl2"]:
+            with self.subTest(method):
+                for steps, now, options in [(20, method, []), (21, "rk4", ["--restart", "latest"]), (22, method, ["--restart", "latest"])]:
+                    s = self.run_program("convection", MANTLE, {**settings, "time.method": now, "time.steps": steps}, output=f"over_{method}", options=options).summary
+                small = self.run_program("convection", MANTLE, {**settings, "time.method": "rk4", "time.steps": 22}).summary
+                self.assertAlmostEqual(s["metrics"]["v_rms"] / small["metrics"]["v_rms"], 1, delta=1e-3)
+
+    def test_numbers_keep_each_other(self):
+        for given, kept in [("rayleigh", "prandtl"), ("prandtl", "rayleigh")]:
+            for name in (AIR, MANTLE):
+                with self.subTest(name, given=given):
+                    settings = {**size(12), "time.steps": 1}
+                    before = self.run_program("convection", name, {**settings, "convection.steady_tolerance": 0}).summary["metrics"]
+                    after = self.run_program("convection", name, {**settings, "convection.steady_tolerance": 0,
+                                                                  f"convection.{given}": 3 * before[given]}).summary["metrics"]
+                    self.assertAlmostEqual(after[given] / before[given], 3, delta=1e-9)
+                    self.assertAlmostEqual(after[kept] / before[kept], 1, delta=1e-9)
+
+    def test_heat_through_a_wall_of_given_flux(self):
+        """It is what was given: 0.01 W/m2 beside k DeltaT/L = 0.005 W/m2 of conduction."""
+        s = self.run_program("convection", MANTLE, {**size(12), "time.steps": 3, "walls.thermal_bottom": "flux", "walls.flux_bottom": 0.01})
+        self.assertAlmostEqual(s.summary["metrics"]["nusselt_bottom"], 2, delta=1e-9)
+        self.assertNotIn("nan", (s.directory / "history.csv").read_text())
 
     def test_three_dimensions(self):
         """A roll in a thin periodic box is the two-dimensional flow."""

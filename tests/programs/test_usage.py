@@ -165,9 +165,9 @@ class Refused(Case):
     def test_ranks_x_that_does_not_divide(self):
         before = self.listing()
         result = self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--output", "out", "--set", "domain.ranks_x=2", ranks=3)
-        self.assert_says(result, BAD_INPUT, "ranks_x = 2", "number of MPI ranks, 3")
+        self.assert_says(result, BAD_INPUT, "--set domain.ranks_x=2: &domain ranks_x: 2", "number of MPI ranks, 3")
         self.assertEqual(self.listing(), before, "something was written")
-        self.assertEqual(result.stderr.count("ranks_x"), 1, "rank 0 speaks, alone")
+        self.assertEqual(result.stderr.count("MPI ranks"), 1, "rank 0 speaks, alone")
 
     def test_halo_wider_than_the_periodic_box(self):
         before = self.listing()
