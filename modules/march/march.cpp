@@ -232,7 +232,7 @@ struct loop {
   void append_history() {
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
     for (const double v : p.row(integrator->time())) values.push_back(v);
-    files.history->append(step, values);
+    files.append_line(step, values);
     line_step = step;
   }
 

@@ -111,7 +111,8 @@ int run_guarded(const domain::communicator& ranks, command_line& line, const pro
       if (ranks.rank == 0) std::cout << resolved.str();
       return 0;
     }
-    if (in.need) check_memory(ranks, in.program, in.need(), schema.where("domain", "particles_x") + ": &domain particles_x");
+    if (in.need)
+      check_memory(ranks, in.program, in.need(), schema.where("domain", "particles_x") + ": &domain particles_x");
     if (line.output.empty())
       line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
     run(line, resolved.str());

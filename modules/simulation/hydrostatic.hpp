@@ -280,9 +280,9 @@ struct run {
     const foundation::stage timed(world.w.times, "output");
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
-    files.history->append(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
-                                           e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic,
-                                           t.potential, t.internal, t.energy() - start_totals.energy()});
+    files.append_line(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
+                                       e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic,
+                                       t.potential, t.internal, t.energy() - start_totals.energy()});
     line_step = step;
   }
 

@@ -152,6 +152,16 @@ output::history& run_directory::table(const std::string& name, const std::vector
   return tables_.insert_or_assign(name, std::move(made)).first->second;
 }
 
+void run_directory::start_history(const std::vector<output::history_column>& columns) {
+  columns_ = columns;
+  history_ = &table("history.csv", columns);
+}
+
+void run_directory::append_line(std::int64_t step, std::span<const double> values) {
+  check_line(columns_, values);
+  history_->append(step, values);
+}
+
 next_end run_directory::end_of_fixed_step(double t, double dt, const std::string& dt_is, double t_end,
                                           double interval) const {
   const double stop = last_end(t_end, interval), rest = stop - t, steps = rest / dt;

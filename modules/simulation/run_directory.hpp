@@ -16,6 +16,7 @@
 #include <output/snapshot.hpp>
 #include <simulation/command_line.hpp>
 #include <simulation/summary.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,9 +46,8 @@ struct run_directory {
       : ranks(ranks_of_run), line(command), resolved(input), simd_lanes(lanes) {}
 
   summary report;
-  output::history* history = nullptr;  // history.csv, once it is begun
-  double stepping_seconds = 0.0;       // of the run, over its interruptions
-  double next_snapshot = 0.0;          // s
+  double stepping_seconds = 0.0;  // of the run, over its interruptions
+  double next_snapshot = 0.0;     // s
 
   // Claims the directory, or reads the checkpoint that is to be continued, and heeds signals. Nothing is written yet.
   // Throws bad_input where ranks have different SIMD lanes, where the directory holds another run, or where the
@@ -68,7 +68,9 @@ struct run_directory {
 
   // A table of the run, made anew or continued as the checkpoint knows it, by its name in the directory.
   output::history& table(const std::string& name, const std::vector<output::history_column>& columns);
-  void start_history(const std::vector<output::history_column>& columns) { history = &table("history.csv", columns); }
+  void start_history(const std::vector<output::history_column>& columns);
+  // To history.csv. Throws calculation_failed where a value is not finite.
+  void append_line(std::int64_t step, std::span<const double> values);
 
   bool snapshot_due(double t, double interval) const { return interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9); }
   // For steps of a fixed length that dt_is says the reason of: those before an output time are equal and a little
@@ -116,6 +118,8 @@ struct run_directory {
   std::vector<std::string> unsaid_;  // of before the log
   std::map<std::string, output::table_mark> marks_;
   std::map<std::string, output::history> tables_;
+  output::history* history_ = nullptr;
+  std::vector<output::history_column> columns_;  // of the history
   output::series series_;
   std::string good_checkpoint_;  // the newest; empty: none
   seconds_clock::time_point began_ = seconds_clock::now(), checkpointed_ = began_, looked_ = began_;
