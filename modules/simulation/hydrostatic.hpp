@@ -419,9 +419,11 @@ struct run {
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_totals.momentum[a]) / start_totals.sound_momentum);
     report.set_conservation((t.mass - start_totals.mass) / start_totals.mass, momentum,
                             (t.energy() - start_totals.energy()) / start_totals.pressure_volume);
-    report.metrics["limit_cfl"] = limits.cfl;
-    report.metrics["limit_viscous"] = limits.viscous;
-    report.metrics["limit_thermal"] = limits.thermal;
+    report.metrics["limit_cfl"] = or_null(std::isfinite(limits.cfl) ? std::optional(limits.cfl) : std::nullopt);
+    report.metrics["limit_viscous"] =
+        or_null(std::isfinite(limits.viscous) ? std::optional(limits.viscous) : std::nullopt);
+    report.metrics["limit_thermal"] =
+        or_null(std::isfinite(limits.thermal) ? std::optional(limits.thermal) : std::nullopt);
     report.metrics["limit_least"] = limits.least().name;
     report.metrics["lattice_sum"] = world.w.lattice_sum;
     report.state_hash = hash_of_state(world);

@@ -300,7 +300,7 @@ class Convection(Case):
 
     def test_restart_over_a_method_that_keeps_less(self):
         """What the first run kept of the step before was given up by the second: the third starts from nothing, not from zeros."""
-        settings = {**size(10), "initial.perturbation": 0.2, "time.dt": 1e12, "time.error_control": ".false.", "run.checkpoint_interval": 1}
+        settings = {**size(10), "initial.perturbation": 0.2, "time.dt": 1e12, "time.error_control": ".false.", "output.history_interval": 1, "run.checkpoint_interval": 1}
         for method in ["ab2", "rkl2"]:
             with self.subTest(method):
                 for steps, now, options in [(20, method, []), (21, "rk4", ["--restart", "latest"]), (22, method, ["--restart", "latest"])]:
