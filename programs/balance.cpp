@@ -18,6 +18,7 @@
 #include <output/history.hpp>
 #include <output/log.hpp>
 #include <simulation/command_line.hpp>
+#include <simulation/summary.hpp>
 #include <virtual_ranks/machine.hpp>
 #include <virtual_ranks/zoltan.hpp>
 
@@ -269,6 +270,8 @@ void run(const simulation::command_line& line, const options& o, const std::stri
   j["counts"] = v.cuts.counts;
   j["wall_seconds"] = seconds_since(begin);
   j["metrics"] = metrics_of(v.courses, v.book);
+  if (const auto lost = simulation::first_not_finite(j["metrics"]); !lost.empty())
+    foundation::fail_calculation("metrics." + lost + " is not a finite number: times of the input lie too far apart");
   j["version"] = simulation::version();
   output::write_text(MPI_COMM_WORLD, line.output + "/cuts.csv", v.cuts_csv);
   output::write_text(MPI_COMM_WORLD, line.output + "/times.csv", v.times_csv);

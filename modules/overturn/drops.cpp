@@ -233,6 +233,13 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
     find_tension(o, p, here.density, highest + o.radius);
     return;
   }
+  const double dimensions = deep ? 3.0 : 2.0;
+  const double thinnest =
+      o.radius * std::min(std::pow(o.elongation, -1.0 / dimensions), std::pow(o.elongation, 1.0 - 1.0 / dimensions));
+  if (thinnest < p.dx)
+    schema.fail("drop", "elongation",
+                fmt::format("leaves the drop {:.6g} m wide about its middle, less than the particle spacing, {:.6g} m",
+                            thinnest, p.dx));
   if (o.seed != 1) schema.fail("drop", "seed", "is of several drops");
   for (const auto& [key, value] :
        {std::pair{"least_gap", &o.least_gap}, {"measure_from", &o.measure_from}, {"measure_until", &o.measure_until}})

@@ -47,13 +47,15 @@ std::string summary::first_not_finite() const {
                                        {"metrics", metrics}});
 }
 
+void summary::check_finite(const domain::communicator& where) const {
+  if (const auto lost = where.broadcast(first_not_finite()); !lost.empty())
+    foundation::fail_calculation(
+        lost +
+        " is not a finite number at the end of the run: a quantity has overflowed, or what it is divided by is "
+        "zero; are the input's values those of a fluid?");
+}
+
 void summary::write(const domain::communicator& where, const std::string& directory) const {
-  if (status == "completed")
-    if (const auto lost = where.broadcast(first_not_finite()); !lost.empty())
-      foundation::fail_calculation(
-          lost +
-          " is not a finite number at the end of the run: a quantity has overflowed, or what it is divided by is "
-          "zero; are the input's values those of a fluid?");
   nlohmann::ordered_json j;
   j["program"] = program;
   j["status"] = status;

@@ -1,6 +1,7 @@
 // summary.json and the lines a run ends with.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <domain/communicator.hpp>
 #include <integrators/explicit_integrator.hpp>
@@ -17,6 +18,11 @@ namespace tetsuame::simulation {
 // A number that may be absent, which is no fault.
 inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+// A bound that is infinite where nothing binds.
+inline nlohmann::ordered_json bound_or_null(double bound) {
+  return or_null(std::isfinite(bound) ? std::optional(bound) : std::nullopt);
 }
 
 // The first number in it that is not finite, as "name.part"; empty: there is none. (In a file such a number would be
@@ -42,10 +48,11 @@ struct summary {
 
   void set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx);
   void set_conservation(double mass, double momentum, double energy);
-  // "metrics.nusselt_top", say, of this rank's numbers; empty: all are finite.
+  // "metrics.nusselt_top (nan)", say, of this rank's numbers; empty: all are finite.
   std::string first_not_finite() const;
-  // Collective: DIRECTORY/summary.json. fail_calculation, and nothing is written, where a run is said to have completed
-  // and a number of rank 0's is not finite.
+  // Collective: fail_calculation where one of rank 0's is not. A run has completed only if they are.
+  void check_finite(const domain::communicator& where) const;
+  // Collective: DIRECTORY/summary.json.
   void write(const domain::communicator& where, const std::string& directory) const;
   void print() const;
 };

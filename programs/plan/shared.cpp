@@ -19,9 +19,9 @@ CLI::Validator finite(double least, double most, bool least_excluded) {
   const auto refusal = [=](const std::string& text) {
     double x = 0.0;
     const bool good = CLI::detail::lexical_cast(text, x) && (least_excluded ? x > least : x >= least) && x <= most;
-    return good ? std::string()
-                : fmt::format("expected a finite number {} {}, found {}", least_excluded ? ">" : ">=", least, text) +
-                      (most < 1e300 ? fmt::format("; at most {}", most) : "");
+    return good
+               ? std::string()
+               : fmt::format("expected a number in {}{}, {}], found {}", least_excluded ? '(' : '[', least, most, text);
   };
   return CLI::Validator(refusal, least_excluded ? "POSITIVE" : "NUMBER");
 }
@@ -63,6 +63,8 @@ machine this_machine(shared_options o, int dimension, double particles) {
   o.speed.dimension = dimension;
   m.measured = read_speed(o.speed, particles);
   if (m.measured) m.cost.updates_per_second = m.measured->updates_per_second;
+  if (o.seconds && !(m.cost.updates_per_second > 0.0))
+    foundation::fail_input("--run-time: needs the rate of updates of the machine: run bench, or give --rate");
   return m;
 }
 

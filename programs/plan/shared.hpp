@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <limits>
 #include <optional>
 #include <plan/speed.hpp>
 #include <plan/table.hpp>
@@ -19,9 +18,11 @@ struct shared_options {
   speed_options speed;
 };
 
+// Beyond that no quantity is meant, and products would overflow.
+inline constexpr double largest = 1e100;
 // A number that is finite and lies between the two, the lower excluded (above_zero) or not.
 CLI::Validator finite(double least, double most, bool least_excluded);
-inline CLI::Validator above_zero() { return finite(0.0, std::numeric_limits<double>::max(), true); }
+inline CLI::Validator above_zero() { return finite(0.0, largest, true); }
 
 void add_shared(CLI::App& app, shared_options& o);
 

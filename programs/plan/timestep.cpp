@@ -189,7 +189,7 @@ std::function<void()> timestep_question(CLI::App& app) {
   add("--eta", s.eta, "viscosity (Pa s); default: c rho_min dx");
   add("--c-p", s.heat_capacity, "heat capacity (J/(kg K))")->capture_default_str();
   app.add_option("--k", s.conductivity, "thermal conductivity (W/(m K)); 0: no limit from it")
-      ->check(finite(0.0, std::numeric_limits<double>::max(), false))
+      ->check(finite(0.0, largest, false))
       ->capture_default_str();
   app.add_option("--run", q->run,
                  "output folder of a run of rti or drop: its system, and what it measured beside the estimates")

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <virtual_ranks/options.hpp>
 #include <virtual_ranks/scene.hpp>
 
@@ -15,7 +16,7 @@ void declare(namelist::schema& schema, distribution_options& o) {
   schema.add(group, "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
   for (std::size_t a = 0; a < 3; ++a)
     schema.add(group, std::string("length_") + "xyz"[a], o.length[a],
-               {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box"});
+               {.unit = "m", .minimum = 1e-100, .maximum = 1e100, .meaning = "edge of the box"});
   schema.add(group, "particles", o.particles, {.minimum = 1, .maximum = 2e9, .meaning = "about how many of all kinds"});
   schema.add(
       group, "jitter", o.jitter,
@@ -103,12 +104,27 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("compare", "methods", o.compare, {.maximum_size = 2, .meaning = "any of 'rcb', 'hsfc'; or 'none'"});
 }
 
+namespace {
+
+// A lattice of about so many particles must have a row along each edge.
+void check_shape(const namelist::schema& schema, const distribution_options& d) {
+  const auto end = d.length.begin() + d.dimension;
+  const auto longest = std::max_element(d.length.begin(), end);
+  if (*longest > 1e4 * *std::min_element(d.length.begin(), end))
+    schema.fail("distribution", std::string("length_") + "xyz"[longest - d.length.begin()],
+                "expected at most 1e4 times the box's shortest edge");
+}
+
+}  // namespace
+
 void complete(const namelist::schema& schema, options& o) {
   const auto& d = o.distribution;
+  o.distribution.place = schema.where("distribution", "particles") + ": &distribution particles: ";
   if (o.machine.ranks_x > 0 && o.machine.ranks % o.machine.ranks_x != 0)
     schema.fail("machine", "ranks_x", "must divide the number of ranks, " + std::to_string(o.machine.ranks));
   if (d.kind == "snapshot" && d.file.empty()) schema.fail("distribution", "file", "a snapshot is to be read: which?");
   if (d.kind == "snapshot") read_box(o.distribution);
+  check_shape(schema, d);
   if (d.kind == "bowl" && !(d.bowl_bottom < d.bowl_rim))
     schema.fail("distribution", "bowl_bottom", "must be lower than bowl_rim");
   if (d.kind == "bowl" && (d.water_level > d.bowl_rim))

@@ -15,6 +15,7 @@ struct distribution_options {
   std::int64_t dimension = 2;
   std::array<double, 3> length{2.0, 1.0, 2.0};  // m
   std::int64_t particles = 1000000;
+  std::string place;    // where that was said, for messages
   double jitter = 1.0;  // of the spacing
   std::int64_t seed = 1;
   double bowl_bottom = 0.1, bowl_rim = 0.6, bowl_radius = 0.45, water_level = 0.3;

@@ -222,7 +222,7 @@ scene<D> make_scene(const distribution_options& o, double halo_width) {
     read(s, o);
   else
     fill(s, o, halo_width);
-  if (s.x.empty()) foundation::fail_input("the distribution has no particle: use more, or a fuller bowl");
+  if (s.x.empty()) foundation::fail_input(o.place + "the distribution has none: use more, or a fuller bowl");
   sort_into_bins(s, halo_width);
   move_blobs(s, o, 0);
   return s;

@@ -20,9 +20,10 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import unittest
 
-from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, FILE_FAILED, INPUTS, PROGRAMS, environment
+from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, FILE_FAILED, INPUTS, INTERRUPTED, PROGRAMS, environment
 
 EACH = int(os.environ.get("TETSUAME_BAD_INPUTS", 9))
 SEED = int(os.environ.get("TETSUAME_BAD_SEED", 1))
@@ -101,12 +102,16 @@ def keys_of(program):
 
 
 def odd_value(draw, key):
-    if key.choices and draw.random() < 0.8:
+    if key.choices and draw.random() < 0.9:
         return f"'{draw.choice(key.choices)}'"
+    if draw.random() < 0.4:
+        plain = {"logical": [".true.", ".false."], "integer": ["0", "1", "2", "3", "4", "7", "16"], "real": ["0", "1e-3", "0.1", "0.5", "1", "2", "10", "1e5"]}
+        if key.kind in plain:
+            return draw.choice(plain[key.kind])
     pool = {"real": REALS, "integer": INTEGERS, "logical": LOGICALS, "text": TEXTS, "list": REALS + TEXTS}[key.kind]
     number = re.fullmatch(r"-?[\d.]+(e[+-]?\d+)?", key.default)
-    if key.kind == "real" and number and draw.random() < 0.4:
-        return repr(float(key.default) * 10.0 ** draw.choice([-30, -9, -3, -1, 1, 3, 9, 30]))
+    if key.kind == "real" and number and draw.random() < 0.7:
+        return repr(float(key.default) * draw.choice([10.0**k for k in (-200, -30, -9, -3, -1, 1, 3, 9, 30, 200)] + [0.5, 0.99, 1.01, 2.0, 3.0]))
     return draw.choice(pool)
 
 
@@ -118,6 +123,16 @@ def tiny_box(draw):
     if draw.random() < 0.2:
         sizes["domain.dimension"] = 3
     return sizes
+
+
+def other_numbers(draw, text):
+    """The input with some of its numbers changed."""
+    numbers = list(re.finditer(rb"(?<==)\s*(-?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?)(?![\w.*'])", text))
+    for found in sorted(draw.sample(numbers, min(len(numbers), draw.randrange(1, 4))), key=lambda m: -m.start()):
+        value = float(found[1].lower().replace(b"d", b"e"))
+        new = draw.choice([repr(value * 10.0 ** draw.choice([-9, -3, -1, 1, 3, 9, 100])), repr(-value), "0", str(int(min(value, 1e9)) + 1), repr(0.5 * value)])
+        text = text[:found.start(1)] + new.encode() + text[found.end(1):]
+    return text
 
 
 def broken(draw, text):
@@ -169,8 +184,11 @@ def trial(program, number, keys):
     draw = random.Random(f"{program} {SEED} {number}")
     name, small = draw.choice(CASES[program])
     text = (INPUTS / f"{name}.nml").read_bytes()
-    if draw.random() < 0.25:
+    way = draw.random()
+    if way < 0.15:
         text = broken(draw, text)
+    elif way < 0.4:
+        text = other_numbers(draw, text)
     settings = settings_of(draw, program, keys, small)
     words = ["in.nml"] + [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
     if program == "plan":
@@ -180,7 +198,8 @@ def trial(program, number, keys):
         return Trial("plan", text, [question, *(words if question == "relaxation" else []), *options, "--json", "plan.json"], "plan.json")
     if program == "submit":
         runs = {"hydrostatic_11": "disph_c", "rti_note": "rti", "sod": "shock"}[name]
-        options = [word for _ in range(draw.randrange(4)) for word in (draw.choice(JOB_OPTIONS), draw.choice(JOB_TEXTS))]
+        words = ["in.nml"] if draw.random() < 0.7 else words
+        options = [word for _ in range(draw.choice([0, 1, 1, 2])) for word in (draw.choice(JOB_OPTIONS), draw.choice(JOB_TEXTS))]
         return Trial("submit", text, [draw.choice([runs, runs, runs, "nothing", ".", "bench"]), *words, "--scheduler", "slurm", "--time", "00:10:00",
                                       "--output", "out", *options])
     if draw.random() < 0.1:
@@ -202,8 +221,7 @@ def carried_out(one, here):
     with open(here / "said", "wb") as said:
         child = subprocess.Popen(words, cwd=here, env=environment(), stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, preexec_fn=limit,
                                  start_new_session=True)
-        alarm = signal.SIGKILL
-        timer = __import__("threading").Timer(WALL_S, lambda: os.killpg(child.pid, alarm))
+        timer = threading.Timer(WALL_S, lambda: os.killpg(child.pid, signal.SIGKILL))
         timer.start()
         _, status, used = os.wait4(child.pid, 0)
         timer.cancel()
@@ -234,6 +252,8 @@ def complaint(one, here):
         return f"ended by signal {-status if status < 0 else status - 128}"
     if seconds > CPU_S:
         return f"computed for {seconds:.1f} s"
+    if status == INTERRUPTED and b"wall_clock_limit" in one.text + " ".join(map(str, one.words)).encode():
+        return None
     if status not in (COMPLETED, BAD_INPUT, CALCULATION_FAILED, FILE_FAILED):
         return f"exit {status}"
     if status == BAD_INPUT and output.exists():

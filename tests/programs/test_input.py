@@ -130,7 +130,7 @@ class Refusals(Case):
                 for value in ["nan", "inf"]:
                     with self.subTest(question, option=option, value=value):
                         self.assert_says(self.call("plan", question, option, value), BAD_INPUT, option, value)
-        self.assert_says(self.call("plan", "timestep", "--L", "1e308"), CALCULATION_FAILED, "not a finite number")
+        self.assert_says(self.call("plan", "timestep", "--c", "1e100", "--g", "1e-100", "--delta-rho", "1e-100", "--n", 10**6), CALCULATION_FAILED, "not a finite number")
 
 
 if __name__ == "__main__":
