@@ -145,10 +145,6 @@ def link_circle(path, draw, outside):
     path.symlink_to(path)
 
 
-def link_hard(path, draw, outside):
-    os.link(path, outside / path.name)
-
-
 def pipe(path, draw, outside):
     path.unlink()
     os.mkfifo(path)
@@ -175,8 +171,7 @@ def temporary(path, draw, outside):
     draw.choice([lambda: name.symlink_to(outside / "nowhere"), lambda: os.mkfifo(name), lambda: name.write_bytes(b"half")])()
 
 
-DAMAGES = [flip, flip, blank, cut, lengthen, empty, delete, link_out, link_nowhere, link_circle, link_hard, pipe, folder, exchange,
-           temporary]
+DAMAGES = [flip, flip, blank, cut, lengthen, empty, delete, link_out, link_nowhere, link_circle, pipe, folder, exchange, temporary]
 
 
 class Damaged(Attack):
