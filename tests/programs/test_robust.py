@@ -25,13 +25,31 @@ def mounted(test, directory, options):
     test.addCleanup(subprocess.run, ["umount", directory], check=True)
 
 
+def descendants(pid):
+    """The processes that this one has started, and those of theirs."""
+    try:
+        own = [int(word) for path in pathlib.Path(f"/proc/{pid}/task").glob("*/children") for word in path.read_text().split()]
+    except (FileNotFoundError, ProcessLookupError):
+        return []
+    return own + [below for child in own for below in descendants(child)]
+
+
+def kill_all(pid):
+    """kill -9 of a run with all its ranks, which mpirun puts into process groups of their own."""
+    for each in [pid, *descendants(pid)]:
+        try:
+            os.kill(each, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
 class Robust(Case):
-    def start(self, program, name, settings, output, options=(), ranks=None, **how):
+    def start(self, program, name, settings, output, options=(), ranks=None, threads=1, **how):
         process = subprocess.Popen(
             command(program, *self.arguments(name, settings, self.here / output, options), ranks=ranks), cwd=self.here,
-            env=environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+            env=environment(threads), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
             start_new_session=True, **how)
-        self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
+        self.addCleanup(lambda: process.poll() is None and kill_all(process.pid))
         return process
 
     def finish(self, process, output):
@@ -53,40 +71,46 @@ class Robust(Case):
         self.assertEqual((again.directory / "history.csv").read_text(), (whole.directory / "history.csv").read_text())
 
 
+    def kill_again_and_again(self, whole, program, name, settings, output, times, draw, layouts=((None, 1),)):
+        """kill -9 at moments drawn at random, each time on one of the layouts (ranks, threads); each time the run goes on
+        from what is there, and it ends as the whole one did."""
+        duration = whole.summary["wall_seconds"]
+        first, kills, tries = output, 0, 0
+        while kills < times:
+            tries += 1
+            self.assertLess(tries, 5 * times, "it completes before it is killed")
+            ranks, threads = draw.choice(layouts)
+            options = LATEST if self.checkpoints(output) else ["--force"]
+            process = self.start(program, name, settings, output, options, ranks, threads)
+            # Some at the start, while it reads and clears up; most while it steps.
+            time.sleep(draw.uniform(0.0, 0.5 + duration / times))
+            kill_all(process.pid)
+            result = self.finish(process, output)
+            self.assertIn(result.status, [-signal.SIGKILL, COMPLETED], result)
+            self.assertNotIn("damaged", result.stderr, "a file of the final name is always whole")
+            kills += result.status != COMPLETED
+            if result.status == COMPLETED:  # and the same again from the start
+                self.assert_same(whole, result)
+                output = f"{first}_{tries}"
+        options = LATEST if self.checkpoints(output) else ["--force"]
+        again = self.run_program(program, name, settings, output, options=options)
+        self.assert_same(whole, again)
+        self.assertEqual([p.name for p in again.directory.glob("*.tmp")], [])
+        snapshots = [sorted(p.name for p in r.directory.glob("snapshot_*.h5")) for r in (whole, again)]
+        self.assertEqual(*snapshots)
+
+
 class Killed(Robust):
     def killed(self, method, times):
-        """kill -9 at moments drawn at random, with a checkpoint every few steps, so that many fall into the writing of
-        one; each time the run goes on from what is there."""
+        """With a checkpoint every few steps, so that many kills fall into the writing of one."""
         seed = random.randrange(1 << 30)
-        draw = random.Random(seed)
         name, settings = case_of("disph_f", **{"time.dt": 0.02, "time.steps": 30 * times + 60, "output.history_interval": 1,
                                                "output.interval": 1.0, "run.checkpoint_interval": 2})
         if method == "adaptive":
             settings.update({"time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 0.6 * times})
         whole = self.run_program("disph_f", name, settings, f"{method}_whole")
-        duration = whole.summary["wall_seconds"]
-        output, kills, tries = method, 0, 0
-        while kills < times:
-            tries += 1
-            self.assertLess(tries, 5 * times, f"seed {seed}: it completes before it is killed")
-            options = LATEST if self.checkpoints(output) else ["--force"]
-            process = self.start("disph_f", name, settings, output, options)
-            # Some at the start, while it reads and clears up; most while it steps.
-            time.sleep(draw.uniform(0.0, 0.5 + duration / times))
-            os.killpg(process.pid, signal.SIGKILL)
-            result = self.finish(process, output)
-            self.assertIn(result.status, [-signal.SIGKILL, COMPLETED], f"seed {seed}: {result}")
-            self.assertNotIn("damaged", result.stderr, f"seed {seed}: a file of the final name is always whole")
-            kills += result.status != COMPLETED
-            if result.status == COMPLETED:  # and the same again from the start
-                self.assert_same(whole, result)
-                output = f"{method}_{tries}"
-        options = LATEST if self.checkpoints(output) else ["--force"]
-        again = self.run_program("disph_f", name, settings, output, options=options)
-        self.assert_same(whole, again)
-        self.assertEqual([p.name for p in again.directory.glob("*.tmp")], [])
-        snapshots = [sorted(p.name for p in r.directory.glob("snapshot_*.h5")) for r in (whole, again)]
-        self.assertEqual(*snapshots)
+        with self.subTest(seed=seed):
+            self.kill_again_and_again(whole, "disph_f", name, settings, method, times, random.Random(seed))
 
     def test_a_few_times(self):
         self.killed("euler", 2)
