@@ -114,7 +114,7 @@ class rig {
     run_.refresh_lists();
     {
       const foundation::stage timed(run_.world.w.times, "integration");
-      run_.integrator->step(run_.next_stop());
+      run_.integrator->step(run_.choose_end().t);
     }
     run_.complete_step();
   }
