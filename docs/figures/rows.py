@@ -20,8 +20,8 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "programs"))
-from compare.figures import style  # noqa: E402  (the path is set first)
+sys.path.insert(0, str(ROOT / "programs/python"))
+from tetsuame import style  # noqa: E402  (the path is set first)
 
 plt = style.plt
 ROWS, P0, K_T, RHO0, H = 20, 1.0e10, 1.0e11, 7000.0, 1.2   # of the input; H in spacings

@@ -17,8 +17,8 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "programs"))
-from scaling import analysis, figures, model  # noqa: E402  (the path is set first)
+sys.path.insert(0, str(ROOT / "programs/python"))
+from tetsuame.scaling import analysis, figures, model  # noqa: E402  (the path is set first)
 
 HERE = Path(__file__).resolve().parent
 STUDY, PAGE = HERE / "scaling.json", ROOT / "docs/scaling.md"

@@ -14,8 +14,8 @@ from pathlib import Path
 import h5py
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "programs"))
-from compare.figures import style  # noqa: E402  (the path is set first)
+sys.path.insert(0, str(ROOT / "programs/python"))
+from tetsuame import style  # noqa: E402  (the path is set first)
 
 plt = style.plt
 CASES = [("ssph", "number", "SSPH"), ("disph", "weight", "DISPH, f of [S4]"), ("disph", "number", "DISPH"),

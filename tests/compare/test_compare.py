@@ -27,8 +27,8 @@ class Compare(unittest.TestCase):
             program.chmod(0o755)
 
     def run_compare(self, *arguments, fault=""):
-        command = [sys.executable, "-m", "compare", "--binaries", self.binaries, "--output", self.output, *arguments]
-        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs"), "FAKE_FAULT": fault}
+        command = [sys.executable, "-m", "tetsuame", "compare", "--binaries", self.binaries, "--output", self.output, *arguments]
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs/python"), "FAKE_FAULT": fault}
         return subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT)
 
     def rows(self):

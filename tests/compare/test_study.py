@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from compare import convection, fit, references, rti, shock, study
-from compare.figures.convection import level_means, with_walls
-from compare.figures.rti import nearest
+from tetsuame.compare import convection, fit, references, rti, shock, study
+from tetsuame.compare.figures.convection import level_means, with_walls
+from tetsuame.compare.figures.rti import nearest
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -118,8 +118,8 @@ class Pages(unittest.TestCase):
             program.chmod(0o755)
 
     def compare(self, *arguments, fail=""):
-        command = [sys.executable, "-m", "compare", *arguments, "--binaries", self.binaries, "--output", self.output]
-        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs"), "FAKE_FAIL": fail}
+        command = [sys.executable, "-m", "tetsuame", "compare", *arguments, "--binaries", self.binaries, "--output", self.output]
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs/python"), "FAKE_FAIL": fail}
         return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=environment, cwd=ROOT)
 
     def results(self):

@@ -8,7 +8,7 @@ import unittest
 
 from running import INPUTS, LIMIT_S, Case, environment
 
-SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs"
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs/python"
 BOWL = INPUTS / "balance_bowl.nml"
 FEW = {"distribution.particles": 300000, "compare.methods": "none"}
 
@@ -97,7 +97,7 @@ class Balance(Runs):
 
     def test_page(self):
         result = self.balance(settings={**FEW, "distribution.particles": 20000, "compare.methods": "rcb"}, ranks=12)
-        done = subprocess.run([sys.executable, "-m", "balance_report", str(result.directory)], capture_output=True,
+        done = subprocess.run([sys.executable, "-m", "tetsuame", "balance", str(result.directory)], capture_output=True,
                               text=True, env={**environment(), "PYTHONPATH": str(SOURCES)}, timeout=LIMIT_S)
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("cuts.png", "course.png"):

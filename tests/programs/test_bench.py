@@ -9,7 +9,7 @@ import unittest
 
 from running import BAD_INPUT, COMPLETED, LIMIT_S, Case, environment
 
-SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs"
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs/python"
 SMALL = ["--particles", "900", "--seconds", "0.01", "--output", "bench"]
 POSITIVE = ["particles", "threads", "neighbours", "list_entries", "passes", "updates_per_second",
             "updates_per_second_per_core", "pairs_per_second", "pairs_per_second_per_core", "ns_per_pair",
@@ -90,7 +90,7 @@ class Bench(Case):
     def test_page(self):
         self.assertTrue(self.results, self.said)
         folder = self.runner.here / "bench"
-        done = subprocess.run([sys.executable, "-m", "bench_report", str(folder)], capture_output=True, text=True,
+        done = subprocess.run([sys.executable, "-m", "tetsuame", "bench", str(folder)], capture_output=True, text=True,
                               env={**environment(), "PYTHONPATH": str(SOURCES)}, timeout=LIMIT_S)
         self.assertEqual(done.returncode, COMPLETED, done.stderr)
         page = (folder / "report.html").read_text(encoding="utf-8")
@@ -111,7 +111,7 @@ class Refused(Case):
         self.assert_says(self.call("bench", *SMALL, ranks=2), BAD_INPUT, "mpirun")
 
     def test_page_without_measurements(self):
-        done = subprocess.run([sys.executable, "-m", "bench_report", str(self.here)], capture_output=True, text=True,
+        done = subprocess.run([sys.executable, "-m", "tetsuame", "bench", str(self.here)], capture_output=True, text=True,
                               env={**environment(), "PYTHONPATH": str(SOURCES)}, timeout=LIMIT_S)
         self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
         self.assertIn("bench.json", done.stderr)

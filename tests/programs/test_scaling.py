@@ -11,9 +11,9 @@ import unittest
 
 from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, LIMIT_S, MPIEXEC, PROGRAMS, Case, environment
 
-SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs"
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs/python"
 sys.path.insert(0, str(SOURCES))
-from scaling import analysis, model, plan  # noqa: E402  (the path is set first)
+from tetsuame.scaling import analysis, model, plan  # noqa: E402  (the path is set first)
 
 LAUNCHER = f"{MPIEXEC} --bind-to none -n {{ranks}}"
 SIDE, STEPS = 24, 3
@@ -21,7 +21,7 @@ SIDE, STEPS = 24, 3
 
 def study(where, *options, **changes):
     """The driver as ./run starts it."""
-    command = [sys.executable, "-m", "scaling", "--binaries", PROGRAMS, "--output", where / "scaling", *options]
+    command = [sys.executable, "-m", "tetsuame", "scaling", "--binaries", PROGRAMS, "--output", where / "scaling", *options]
     return subprocess.run(list(map(str, command)), env={**environment(), "PYTHONPATH": str(SOURCES), "MPLBACKEND": "Agg", **changes},
                           cwd=where, capture_output=True, text=True, timeout=LIMIT_S)
 

@@ -1,0 +1,14 @@
+"""tetsuame: everything around the programs that is written in Python.
+
+    PYTHONPATH=programs/python python3 -m tetsuame COMMAND [--help]
+
+    compare         runs programs on inputs and reports what is seen     bench_report    the page of `bench`
+    balance_report  the pictures of a run of `balance`                   scaling         speed over ranks and threads
+    reading         files that the programs write                        style, pages    one look for all figures and pages
+"""
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]  # of the repository
+
+# Exit statuses, the same as the programs'.
+COMPLETED, BAD_INPUT, FAILED, FILE_FAILED = 0, 2, 3, 4

@@ -1,0 +1,219 @@
+"""Convection to a steady state at several resolutions, against published and calculated values."""
+import argparse
+import math
+import re
+from html import escape
+from pathlib import Path
+
+from .. import pages
+from . import fit, references, report
+from .cases import Run
+from .figures import convection as figures
+from .options import find_input
+from .results import cost, number
+from .runner import COMPLETED, Outcome
+from .table import verdict
+
+NAME = "convection"
+TITLE = "Convection against known steady states"
+ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
+BINARIES = ("convection",)
+INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
+QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
+
+SYMBOL = {"nusselt_volume": "Nu", "nusselt_top": "Nu, top", "nusselt_bottom": "Nu, bottom",
+          "nusselt_dissipation": "Nu by friction", "v_rms": "v_rms", "u_max": "u_max", "v_max": "v_max",
+          "q1": "q₁", "q2": "q₂", "q3": "q₃", "q4": "q₄"}
+CONVERGENCE = ("nusselt_volume", "v_rms")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--particles", nargs="+", type=int, metavar="N",
+                        help="particles along the height, one run each (default: 16 24 32; with --quick 16 20 24)")
+    parser.add_argument("--inputs", metavar="NAME,…",
+                        help=f"names in inputs/, or paths of namelists (default: {','.join(INPUTS)}; with --quick {','.join(QUICK)})")
+
+
+def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
+    names = [name.strip() for name in given.inputs.split(",")] if given.inputs else QUICK if given.quick else INPUTS
+    particles = sorted(set(given.particles or ((16, 20, 24) if given.quick else (16, 24, 32))))
+    if particles[0] < 8:
+        parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
+    inputs = [find_input(name, root, parser, "", tuple(references.STEADY)) for name in names if name]
+    if len({path.stem for path in inputs}) != len(inputs):
+        parser.error("--inputs: two files of the same name would share one output folder")
+    return [Run("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
+                                            *given.settings)) for path in inputs for n in particles]
+
+
+def aspect(path: Path) -> float:
+    """Width over height of the input's box."""
+    text = re.sub(r"!.*", "", path.read_text())
+    x, y = (re.search(rf"\blength_{axis}\s*=\s*([^\s,/]+)", text, re.IGNORECASE) for axis in "xy")
+    return float(x[1].lower().replace("d", "e")) / float(y[1].lower().replace("d", "e")) if x and y else 1.0
+
+
+def measure(outcomes: list[Outcome]) -> dict:
+    runs = [row(outcome) for outcome in outcomes]
+    orders = []
+    for case in dict.fromkeys(one["case"] for one in runs):
+        for name in CONVERGENCE:
+            seen = [(one["n"], one["values"][name]) for one in runs
+                    if one["case"] == case and one["outcome"] == COMPLETED and name in one["values"]
+                    and one["values"][name]["error"] is not None]
+            slope = fit.order([n for n, _ in seen], [v["error"] for _, v in seen],
+                              [relative_uncertainty(v) for _, v in seen])
+            if slope:
+                orders.append({"case": case, "quantity": name, "order": slope.value, "standard_error": slope.error,
+                               "points": slope.points, "intercept": slope.intercept})
+    return {"study": NAME, "runs": runs, "orders": orders}
+
+
+def row(outcome: Outcome) -> dict:
+    metrics = outcome.summary.get("metrics") or {}
+    reference = references.of(outcome.case.file, metrics)
+    values = {}
+    for name in SYMBOL:
+        value = number(metrics, name)
+        if value is None or outcome.kind != COMPLETED:
+            continue
+        right = reference.values.get(name) if reference else None
+        values[name] = {"value": value, "uncertainty": number(metrics, name + "_uncertainty"), "reference": right,
+                        "error": value / right - 1 if right else None}
+    return {"case": outcome.case.file, "n": outcome.case.n, "outcome": verdict(outcome), "reason": outcome.reason or None,
+            "source": reference.source if reference else None, "steady": metrics.get("steady"),
+            "heat_imbalance": number(metrics, "heat_imbalance"), "values": values, **cost(outcome)}
+
+
+def relative_uncertainty(value: dict) -> float:
+    return (value["uncertainty"] or 0.0) / value["reference"]
+
+
+def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
+    cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
+    return ["<p>The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
+            "uncertainty of the average over time, not the error of the method.</p>",
+            "<h2>At a glance</h2>", glance(measured, cases),
+            report.drawn(figures.fields, outcomes, folder / "fields.png",
+                         "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's "
+                         "direction and strength."),
+            "<h2>Convergence</h2>",
+            report.drawn(figures.convergence, measured, folder / "convergence.png",
+                         "Distance from the known value over the number of particles along the height. Bars: uncertainty of the "
+                         "average over time. Lines: the fitted order; errors within their bar are open and not in the fit."),
+            orders_table(measured),
+            "<h2>Measured, and known</h2>", *(case_table(measured, case) for case in cases),
+            "<h2>Profiles and the way to the steady state</h2>",
+            report.drawn(figures.profiles, outcomes, folder / "profiles.png",
+                         "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
+                         "horizontal velocity along them."),
+            report.drawn(figures.course, outcomes, folder / "course.png",
+                         "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
+                         "history."),
+            "<h2>What it costs</h2>",
+            report.drawn(figures.cost, measured, folder / "cost.png",
+                         "Right-hand sides to the steady state, and seconds on one thread; other work on the machine shows in the "
+                         "seconds.")]
+
+
+def glance(measured: dict, cases: list[str]) -> str:
+    rows = []
+    for case in cases:
+        runs = [one for one in measured["runs"] if one["case"] == case]
+        done = [one for one in runs if one["outcome"] == COMPLETED]
+        best = done[-1] if done else runs[-1]
+        cells = "".join(f"<td class=\"number\">{text}</td>" for name in CONVERGENCE
+                        for text in (shown(best, name), error(best, name)))
+        rows.append(f"<tr><td class=\"name\">{escape(case)}</td><td class=\"number\">{best['n']}</td>{state(best)}{cells}"
+                    f"<td class=\"number\">{percent(best['heat_imbalance'])}</td>"
+                    f"<td class=\"number\">{count(best['right_hand_sides'])}</td></tr>")
+    return pages.table(["Case", "n", "Outcome", "Nu", "error", "v_rms (κ/L)", "error", "heat in − out", "right-hand sides"], rows,
+                        numbers=frozenset({1, *range(3, 9)}))
+
+
+def case_table(measured: dict, case: str) -> str:
+    """Quantities down, resolutions across, the known value last."""
+    runs = [one for one in measured["runs"] if one["case"] == case]
+    names = [name for name in SYMBOL if any(name in one["values"] for one in runs)]
+    known = next((one for one in runs if one["source"]), None)
+    rows = ["<tr><td>outcome</td>" + "".join(state(one, 2) for one in runs) + "<td></td></tr>"]
+    for name in names:
+        cells = "".join(f"<td class=\"number\">{shown(one, name)}</td><td class=\"number small\">{error(one, name)}</td>" for one in runs)
+        rows.append(f"<tr><td class=\"name\">{SYMBOL[name]}</td>{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
+    for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
+                        ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: seconds(one["seconds"]))):
+        rows.append(f"<tr><td class=\"name\">{label}</td>" + "".join(f"<td class=\"number\">{text(one)}</td><td></td>" for one in runs) + "<td></td></tr>")
+    head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
+    source = f"<p class=\"small\">Known: {escape(known['source'])}.</p>" if known else \
+        "<p class=\"small\">No value known for this case as run.</p>"
+    return f"<h3>{escape(case)}</h3>\n" + pages.table(head, rows, "", frozenset(range(1, len(head)))) + source
+
+
+def orders_table(measured: dict) -> str:
+    if not measured["orders"]:
+        return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
+    rows = [f"<tr><td>{escape(one['case'])}</td><td>{SYMBOL[one['quantity']]}</td>"
+            f"<td class=\"number\">{fit.said(fit.Slope(one['order'], one['standard_error'], 0.0, one['points']))}</td>"
+            f"<td class=\"number\">{one['points']}</td></tr>" for one in measured["orders"]]
+    return pages.table(["Case", "Quantity", "Order p of |error| ~ n⁻ᵖ", "points"], rows, numbers=frozenset({2, 3})) + \
+        ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
+         "passes through zero on the way looks small by chance.</p>")
+
+
+def state(one: dict, columns: int = 1) -> str:
+    wide = f" colspan=\"{columns}\"" if columns > 1 else ""
+    if one["outcome"] != COMPLETED:
+        return f"<td{wide} class=\"{'bad' if one['outcome'] == 'crashed' else 'stop'}\">{escape(one['outcome'])}</td>"
+    return f"<td{wide} class=\"good\">steady</td>" if one["steady"] else f"<td{wide} class=\"stop\">not steady yet</td>"
+
+
+def shown(one: dict, name: str) -> str:
+    value = one["values"].get(name)
+    if value is None:
+        return "–"
+    digits = 4 if name.startswith("nusselt") else 3 if abs(value["value"]) < 10 else 2
+    if not value["uncertainty"]:
+        return f"{value['value']:.{digits}f}"
+    # As many as the uncertainty has meaning for.
+    digits = max(0, -math.floor(math.log10(value["uncertainty"])))
+    return f"{value['value']:.{digits}f} ± {value['uncertainty']:.{digits}f}"
+
+
+def right(one: dict, name: str) -> str:
+    value = one["values"].get(name)
+    return f"{value['reference']:.6g}" if value and value["reference"] else "–"
+
+
+def error(one: dict, name: str) -> str:
+    value = one["values"].get(name)
+    return percent(value["error"] if value else None)
+
+
+def percent(value: float | None) -> str:
+    if value is None:
+        return "–"
+    shown = f"{100 * value:+.2f} %".replace("-", "−")
+    return "0.00 %" if shown[1:] == "0.00 %" else shown
+
+
+def count(value: float | None) -> str:
+    return "–" if value is None else f"{value:,.0f}".replace(",", " ")
+
+
+def seconds(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
+
+
+def terminal(outcomes: list[Outcome], measured: dict) -> str:
+    lines = [f"{'case':<16}{'n':>5}{'Nu':>22}{'error':>10}{'v_rms':>22}{'error':>10}{'rhs':>10}"]
+    for one in measured["runs"]:
+        if one["outcome"] == COMPLETED:
+            mark = "" if one["steady"] else "  not steady yet"
+            lines.append(f"{one['case']:<16}{one['n']:>5}" + "".join(f"{shown(one, name):>22}{error(one, name):>10}" for name in CONVERGENCE)
+                         + f"{count(one['right_hand_sides']):>10}{mark}")
+        else:
+            lines.append(f"{one['case']:<16}{one['n']:>5}  {one['outcome']}: {one['reason']}")
+    for one in measured["orders"]:
+        slope = fit.Slope(one["order"], one["standard_error"], 0.0, one["points"])
+        lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.said(slope)}")
+    return "\n".join(lines)

@@ -1,0 +1,211 @@
+"""The figures of the comparison of convection."""
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.ticker import NullLocator
+from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+from ... import style
+from .. import references
+from ..results import fluid, history, resolved
+from ..runner import COMPLETED, Outcome
+from . import convergence as orders
+
+QUANTITY = {"nusselt_volume": ("Nu", "#D55E00"), "v_rms": ("v_rms", "#0072B2")}
+
+
+def finest(outcomes: list[Outcome]) -> list[Outcome]:
+    """Of each case the completed run with the most particles."""
+    best: dict[str, Outcome] = {}
+    for outcome in outcomes:
+        if outcome.kind == COMPLETED and outcome.case.n >= getattr(best.get(outcome.case.file), "case", outcome.case).n:
+            best[outcome.case.file] = outcome
+    return list(best.values())
+
+
+def by_case(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
+    cases: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.kind == COMPLETED:
+            cases.setdefault(outcome.case.file, []).append(outcome)
+    return cases
+
+
+def state(folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float] | None:
+    """x and y over the height, temperature from 0 (top) to 1 (bottom), velocity, spacing over the height."""
+    fields = fluid(folder)
+    if fields is None or "Temperature" not in fields:
+        return None
+    height = resolved(folder, "domain", "length_y")
+    top, bottom = (resolved(folder, "walls", f"temperature_{side}") for side in ("top", "bottom"))
+    x = fields["Coordinates"][:, :2] / height
+    return x[:, 0], x[:, 1], (fields["Temperature"] - top) / (bottom - top), fields["Velocities"][:, :2], \
+        1 / resolved(folder, "domain", "particles_y")
+
+
+def with_walls(x, y, T, dx, width):
+    """The particles, and points on the walls: fixed temperature below and above, that of the neighbour at the sides."""
+    near = {"left": x < 1.1 * dx, "right": x > width - 1.1 * dx, "bottom": y < 1.1 * dx, "top": y > 1 - 1.1 * dx}
+    xs = [x, np.zeros(near["left"].sum()), np.full(near["right"].sum(), width), x[near["bottom"]], x[near["top"]], [0, width, 0, width]]
+    ys = [y, y[near["left"]], y[near["right"]], np.zeros(near["bottom"].sum()), np.ones(near["top"].sum()), [0, 0, 1, 1]]
+    Ts = [T, T[near["left"]], T[near["right"]], np.ones(near["bottom"].sum()), np.zeros(near["top"].sum()), [1, 1, 0, 0]]
+    return np.concatenate(xs), np.concatenate(ys), np.concatenate(Ts)
+
+
+def fields(outcomes: list[Outcome], path: Path) -> bool:
+    states = [(o.case, s, resolved(o.folder, "domain", "length_x") / resolved(o.folder, "domain", "length_y"))
+              for o in finest(outcomes) if (s := state(o.folder)) is not None]
+    if not states:
+        return False
+    columns = min(3, len(states))
+    widest = max(width for *_, width in states)
+    figure, axes = style.panels(len(states), columns, 3.5 / max(1.0, 0.75 * widest))
+    image = None
+    for ax, (case, (x, y, T, v, dx), width) in zip(axes, states):
+        px, py, pT = with_walls(x, y, T, dx, width)
+        mesh = Triangulation(px, py)
+        image = ax.tripcolor(mesh, pT, shading="gouraud", cmap=colormaps["RdYlBu_r"], vmin=0, vmax=1, rasterized=True)
+        ax.tricontour(mesh, pT, levels=np.arange(0.1, 0.95, 0.1), colors="white", linewidths=0.7, alpha=0.85)
+        draw_arrows(ax, x, y, v, width)
+        ax.set_title(f"{case.file}, n = {case.n}")
+        ax.set_aspect("equal")
+        ax.set_xlim(0, width)
+        ax.set_ylim(0, 1)
+        ax.grid(False)
+        ax.set_xticks([0, width], ["0", f"{width:g}"])
+        ax.set_yticks([0, 1])
+        ax.spines[["top", "right"]].set_visible(True)
+    bar = figure.colorbar(image, ax=axes, shrink=0.7, aspect=30, pad=0.015)
+    bar.set_label("(T − T_top)/(T_bottom − T_top)")
+    bar.outline.set_visible(False)
+    style.save(figure, path)
+    return True
+
+
+def draw_arrows(ax, x, y, v, width, across: int = 11) -> None:
+    """The flow at the particles nearest to the points of a coarse lattice."""
+    speed = np.hypot(*v.T).max()
+    if not speed > 0:
+        return
+    step = 1 / across
+    chosen = [int(np.argmin((x - a) ** 2 + (y - b) ** 2)) for a in np.arange(step / 2, width, step) for b in np.arange(step / 2, 1, step)]
+    arrows = v[chosen] / speed * 1.3 * step
+    ax.quiver(x[chosen], y[chosen], *arrows.T, angles="xy", scale_units="xy", scale=1, pivot="mid", color=style.INK, alpha=0.75,
+              width=0.0045, headwidth=4, headlength=4, headaxislength=3.5)
+
+
+def shade(index: int, count: int) -> tuple:
+    return colormaps["viridis_r"](0.15 + 0.8 * (index + 1) / count)
+
+
+def level_means(x, y, values, width: float, heights) -> tuple[np.ndarray, np.ndarray]:
+    """Means along horizontal lines, of values linear between particles."""
+    across = (np.arange(200) + 0.5) / 200 * width
+    there = LinearTriInterpolator(Triangulation(x, y), values)(*np.meshgrid(across, heights))
+    return np.asarray(heights), np.ma.mean(there, axis=1)
+
+
+def profiles(outcomes: list[Outcome], path: Path) -> bool:
+    cases = by_case(outcomes)
+    if not cases:
+        return False
+    figure, axes = style.panels(2 * len(cases), len(cases), 2.7, sharey=True)
+    for column, (name, runs) in enumerate(cases.items()):
+        above, below = axes[column], axes[column + len(cases)]
+        for index, outcome in enumerate(runs):
+            got = state(outcome.folder)
+            if got is None:
+                continue
+            x, y, T, v, dx = got
+            width = resolved(outcome.folder, "domain", "length_x") / resolved(outcome.folder, "domain", "length_y")
+            colour = shade(index, len(runs))
+            px, py, pT = with_walls(x, y, T, dx, width)
+            height, mean = level_means(px, py, pT, width, np.linspace(0, 1, 2 * round(1 / dx) + 1))
+            above.plot(mean, height, color=colour, label=f"n = {outcome.case.n}")
+            height, square = level_means(x, y, v[:, 0] ** 2, width, np.linspace(0.6 * dx, 1 - 0.6 * dx, 2 * round(1 / dx)))
+            columns = history(outcome.folder)
+            unit = columns["v_rms_si"][-1] / columns["v_rms"][-1] if columns and columns["v_rms"][-1] > 0 else 1.0
+            below.plot(np.sqrt(square) / unit, height, color=colour)
+        above.set_title(name)
+        above.set_xlim(0, 1)
+        above.set_xlabel("mean temperature")
+        below.set_xlabel("rms of v_x (κ/L)")
+        below.set_xlim(left=0)
+        for ax in (above, below):
+            ax.set_ylim(0, 1)
+            if column == 0:
+                ax.set_ylabel("height/L")
+        above.legend(fontsize=8, loc="lower left")
+    style.save(figure, path)
+    return True
+
+
+def course(outcomes: list[Outcome], path: Path) -> bool:
+    cases = by_case(outcomes)
+    if not cases:
+        return False
+    figure, axes = style.panels(len(cases), 3, 2.5)
+    for ax, (name, runs) in zip(axes, cases.items()):
+        highest = 1.0
+        for index, outcome in enumerate(runs):
+            columns = history(outcome.folder)
+            if not columns:
+                continue
+            height = resolved(outcome.folder, "domain", "length_y")
+            unit = columns["v_rms_si"][-1] / columns["v_rms"][-1] / height if columns["v_rms"][-1] > 0 else 1.0
+            ax.plot(columns["time"] * unit, columns["nusselt_volume"], color=shade(index, len(runs)), linewidth=1.1,
+                    label=f"n = {outcome.case.n}")
+            highest = max(highest, np.quantile(columns["nusselt_volume"], 0.98))
+        reference = references.of(name, runs[-1].summary.get("metrics") or {})
+        if reference:
+            ax.axhline(reference.values["nusselt_volume"], color=style.INK, linestyle=(0, (4, 3)), linewidth=0.9)
+        ax.set_ylim(0.9, 1.15 * highest)
+        ax.set_title(name)
+        ax.set_xlabel("time (L²/κ)")
+        if ax.get_subplotspec().is_first_col():
+            ax.set_ylabel("Nu")
+        ax.legend(fontsize=8, loc="lower right")
+    style.save(figure, path)
+    return True
+
+
+def convergence(measured: dict, path: Path) -> bool:
+    panels = []
+    for case in dict.fromkeys(one["case"] for one in measured["runs"]):
+        curves = []
+        for name, (label, colour) in QUANTITY.items():
+            seen = [(one["n"], one["values"][name]) for one in measured["runs"]
+                    if one["case"] == case and one["values"].get(name, {}).get("error") is not None]
+            curves.append(orders.Curve(label, colour, [n for n, _ in seen], [abs(v["error"]) for _, v in seen],
+                                       [(v["uncertainty"] or 0.0) / v["reference"] for _, v in seen]))
+        panels.append((case, curves))
+    return orders.draw(panels, "|measured/known − 1|", path)
+
+
+def cost(measured: dict, path: Path) -> bool:
+    cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
+    figure, axes = style.panels(2, 2, 3.0)
+    drawn = False
+    for index, case in enumerate(cases):
+        runs = [one for one in measured["runs"] if one["case"] == case and one["outcome"] == COMPLETED]
+        colour = list(style.COLOUR.values())[index % len(style.COLOUR)]
+        for ax, key in zip(axes, ("right_hand_sides", "seconds")):
+            seen = [(one["n"], one[key]) for one in runs if one[key]]
+            if seen:
+                drawn = True
+                ax.plot(*zip(*seen), "o-", color=colour, markersize=4, label=case)
+    if not drawn:
+        style.discard(figure)
+        return False
+    every = sorted({one["n"] for one in measured["runs"]})
+    for ax, label in zip(axes, ("right-hand sides", "seconds, one thread")):
+        ax.set_xscale("log")
+        ax.set_ylim(bottom=0)
+        ax.set_xticks(every, [str(n) for n in every])
+        ax.xaxis.set_minor_locator(NullLocator())
+        ax.set_xlabel("n")
+        ax.set_ylabel(label)
+    axes[0].legend(fontsize=8)
+    style.save(figure, path)
+    return True

@@ -1,0 +1,127 @@
+"""The figures of the comparison of formulations on metal over silicate."""
+from pathlib import Path
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+
+from ... import style
+from ..results import fluid, history, last_time, number, resolved
+from ..runner import COMPLETED, Outcome
+from . import convergence as orders
+
+MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
+NUMBER = "#111111"   # number density
+DASHES = {"": "-", "δ": (0, (5, 1.5)), "δ, ΔV own": (0, (1, 1)), "smoothed": (0, (5, 1.5)), "smoothed, Y/p": (0, (1, 1))}
+
+
+def colour(name: str) -> str:
+    return style.COLOUR.get(name[0], NUMBER)
+
+
+def look(name: str) -> dict:
+    return {"color": colour(name), "linestyle": DASHES.get(name.partition(", ")[2], "-"), "linewidth": 1.4}
+
+
+def nearest(x, y, values, points: int = 160) -> np.ndarray:
+    """The value of the particle nearest to each point of an even lattice over the unit square."""
+    at = (np.arange(points) + 0.5) / points
+    rows = [values[np.argmin((x[None, :] - at[:, None]) ** 2 + (y[None, :] - height) ** 2, axis=1)] for height in at]
+    return np.array(rows, float)
+
+
+def states(outcomes: list[Outcome], path: Path) -> bool:
+    runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Metal" in fields]
+    if not runs:
+        return False
+    columns = min(5, len(runs))
+    figure, axes = style.panels(len(runs), columns, style.WIDTH / columns * 1.24, sharex=True, sharey=True)
+    for ax, (o, fields) in zip(axes, runs):
+        length = resolved(o.folder, "domain", "length_x")
+        x, y = fields["Coordinates"][:, :2].T / length
+        ax.imshow(nearest(x, y, fields["Metal"] > 0.5), origin="lower", extent=(0, 1, 0, 1), cmap=MATERIALS, vmin=0, vmax=1,
+                  interpolation="nearest")
+        ax.set_title(o.case.variant, pad=15)
+        until = number(o.summary, "time")
+        said = "complete" if o.kind == COMPLETED else "stopped" if until is None else f"stopped at {until:.0f} s"
+        ax.text(0, 1.02, f"t = {last_time(o.folder):.0f} s, {said}", transform=ax.transAxes, fontsize=8,
+                color=style.GREY if o.kind == COMPLETED else "#a1160a")
+        ax.set_aspect("equal")
+        ax.set_xlim(0, 1)
+        ax.set_ylim(0, 1)
+        ax.set_xticks([])
+        ax.set_yticks([])
+        ax.grid(False)
+        ax.spines[["top", "right"]].set_visible(True)
+    style.save(figure, path)
+    return True
+
+
+def courses(outcomes: list[Outcome], path: Path) -> bool:
+    runs = [(o, columns) for o in outcomes if o.case.file == "overturn" and (columns := history(o.folder))]
+    if not runs:
+        return False
+    figure, axes = style.panels(3, 3, 3.4)
+    for o, columns in runs:
+        t = columns["time"]
+        axes[0].plot(t, columns["centroid"], label=o.case.variant, **look(o.case.variant))
+        axes[1].plot(t, columns["density_ratio_max"], **look(o.case.variant))
+        axes[1].plot(t, columns["density_ratio_min"], **look(o.case.variant))
+        if o.kind != COMPLETED:
+            axes[0].plot(t[-1], columns["centroid"][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
+            axes[1].plot(t[-1], columns["density_ratio_max"][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
+    for ax, label in zip(axes, ("centroid of the metal/L", "ρ/ρ_start, largest and least")):
+        ax.set_xlabel("time (s)")
+        ax.set_ylabel(label)
+        ax.set_xlim(left=0)
+    axes[1].set_ylim(0.6, 1.6)
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[2].set_axis_off()
+    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title="Variant", alignment="left", handlelength=3)
+    style.save(figure, path)
+    return True
+
+
+def growth(outcomes: list[Outcome], path: Path) -> bool:
+    finest = max((o.case.n for o in outcomes if o.case.file == "growth"), default=0)
+    runs = [(o, columns) for o in outcomes if o.case.file == "growth" and o.case.n == finest and (columns := history(o.folder))]
+    if not runs:
+        return False
+    figure, axes = style.panels(3, 3, 3.2)
+    rates = [rate for o, _ in runs if (rate := number(o.summary, "metrics", "growth_rate_theory"))]
+    end = max(columns["time"][-1] for _, columns in runs)
+    if rates:
+        t = np.array([0.0, end])
+        axes[0].plot(t, np.exp(rates[0] * t), color=style.GREY, linewidth=5, alpha=0.35, zorder=1)
+    for o, columns in runs:
+        amplitude = columns["mode_amplitude"] / columns["mode_amplitude"][0]
+        good = amplitude > 0
+        axes[0].plot(columns["time"][good], amplitude[good], label=o.case.variant, **look(o.case.variant))
+        if rates:
+            axes[1].plot(columns["time"][good], amplitude[good] / np.exp(rates[0] * columns["time"][good]), **look(o.case.variant))
+        if o.kind != COMPLETED:
+            axes[0].plot(columns["time"][good][-1], amplitude[good][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
+    axes[0].set_yscale("log")
+    axes[0].set_ylabel("amplitude/start")
+    axes[1].set_ylabel("amplitude/theory")
+    axes[1].set_ylim(0.95, 1.05)
+    for ax in axes[:2]:
+        ax.set_xlabel("time (s)")
+        ax.set_xlim(0, end)
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[2].set_axis_off()
+    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title=f"Variant, n = {finest}", alignment="left", handlelength=3)
+    style.save(figure, path)
+    return True
+
+
+def convergence(measured: dict, path: Path) -> bool:
+    panels: dict[str, list] = {}
+    shades = ("#0072B2", "#D55E00", "#009E73")
+    for name in dict.fromkeys(one["variant"] for one in measured["runs"]):
+        seen = [one for one in measured["runs"] if one["variant"] == name and one["case"] == "growth" and one["growth_error"] is not None]
+        curves = panels.setdefault(name[0], [])
+        curves.append(orders.Curve(name, shades[len(curves) % len(shades)], [one["n"] for one in seen],
+                                   [abs(one["growth_error"]) for one in seen],
+                                   [one["growth_uncertainty"] / one["growth_theory"] for one in seen]))
+    several = any(len(curve.n) > 1 for curves in panels.values() for curve in curves)
+    return several and orders.draw(list(panels.items()), "|growth rate/theory − 1|", path)

@@ -1,0 +1,178 @@
+"""The figures of the comparison of schemes on contacts and shocks."""
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+
+from ... import style
+from ..results import fluid, resolved
+from ..runner import COMPLETED, Outcome
+from . import convergence as orders
+
+ORDER = tuple(style.SCHEME)
+MAPS = ("square", "square_equal_mass", "kelvin_helmholtz")   # shown from above; the others over x or the radius
+ROUND = {"gresho"}                                           # the velocity shown is that around the centre
+
+
+def judged_by(test: str) -> str:
+    """The error that a test is judged by: of a vortex of even density the velocity's."""
+    return "velocity_l1" if test in ROUND else "density_l1"
+
+
+def chosen(outcomes: list[Outcome], test: str) -> list[Outcome]:
+    """Of each scheme the completed run with the most particles."""
+    best: dict[str, Outcome] = {}
+    for o in outcomes:
+        if o.case.file == test and o.case.variant in ORDER and o.kind == COMPLETED:
+            if o.case.variant not in best or o.case.n > best[o.case.variant].case.n:
+                best[o.case.variant] = o
+    return [best[name] for name in ORDER if name in best]
+
+
+def caption(outcomes: list[Outcome], test: str) -> str:
+    n = ", ".join(sorted({str(o.case.n) for o in chosen(outcomes, test)}))
+    if test in MAPS:
+        return f"Density of the particles at the end, n = {n}; the colours of all panels are the same."
+    exact = "line: a run of GSPH with twice the particles." if test == "blasts" else "line: the exact solution."
+    return f"Every particle at the end, n = {n}; {exact}"
+
+
+def state(outcomes: list[Outcome], test: str, path: Path) -> bool:
+    runs = [(o, fields) for o in chosen(outcomes, test) if (fields := fluid(o.folder)) is not None]
+    if not runs:
+        return False
+    if test in MAPS:
+        return maps(runs, path)
+    fine = next((fluid(o.folder) for o in outcomes if o.case.file == test and o.case.variant == "reference" and o.kind == COMPLETED), None)
+    return scatter(runs, fine, test, path)
+
+
+def maps(runs, path: Path) -> bool:
+    every = np.concatenate([fields["Density"] for _, fields in runs])
+    low, high = np.quantile(every, [0.005, 0.995])
+    if high - low < 1e-6 * high:
+        low, high = 0.9 * low, 1.1 * high
+    figure, axes = style.panels(len(runs), 4, 2.85, sharex=True, sharey=True)
+    points = None
+    for ax, (o, fields) in zip(axes, runs):
+        x, y = fields["Coordinates"][:, :2].T
+        length = resolved(o.folder, "domain", "length_x")
+        size = (0.86 * 72 * style.WIDTH / 4 * 0.88 / o.case.n) ** 2
+        points = ax.scatter(x, y, c=fields["Density"], s=size * 1.1, vmin=low, vmax=high, cmap=colormaps["cividis"], linewidths=0)
+        ax.set_title(style.SCHEME[o.case.variant][0])
+        ax.set_aspect("equal")
+        ax.set_xlim(0, length)
+        ax.set_ylim(0, length)
+        ax.set_xticks([0, length])
+        ax.set_yticks([0, length])
+        ax.grid(False)
+    bar = figure.colorbar(points, ax=axes, shrink=0.8, pad=0.01, aspect=22)
+    bar.set_label("density")
+    bar.outline.set_visible(False)
+    style.save(figure, path)
+    return True
+
+
+def along(fields: dict, centre: np.ndarray | None, swirl: bool, velocities: str = "Velocities") -> tuple[np.ndarray, np.ndarray]:
+    """Place (x, or the distance from the centre) and the velocity along it (or around the centre)."""
+    x, v = fields["Coordinates"], fields[velocities]
+    if centre is None:
+        return x[:, 0], v[:, 0]
+    from_centre = x - centre
+    r = np.sqrt((from_centre**2).sum(axis=1))
+    unit = from_centre / np.maximum(r, 1e-300)[:, None]
+    if swirl:
+        return r, unit[:, 0] * v[:, 1] - unit[:, 1] * v[:, 0]
+    return r, (unit * v).sum(axis=1)
+
+
+def scatter(runs, fine, test: str, path: Path) -> bool:
+    figure, axes = style.panels(3 * len(runs), len(runs), 1.95, sharex=True, sharey="row")
+    for column, (o, fields) in enumerate(runs):
+        dimension = int(resolved(o.folder, "domain", "dimension"))
+        centre = None
+        if dimension > 1:
+            centre = np.array([resolved(o.folder, "domain", f"length_{a}") / 2 if k < dimension else 0.0 for k, a in enumerate("xyz")])
+        place, v = along(fields, centre, test in ROUND)
+        label, colour = style.SCHEME[o.case.variant]
+        panels = [axes[column + row * len(runs)] for row in range(3)]
+        for ax, values in zip(panels, (fields["Density"], v, fields["Pressure"])):
+            ax.plot(place, values, ".", color=colour, markersize=3.2 if dimension == 1 else 1.8, markeredgewidth=0, rasterized=True)
+        right = fields if "DensityReference" in fields else None
+        if right is not None:
+            _, v_right = along(fields, centre, test in ROUND, "VelocitiesReference")
+            lines = (place, right["DensityReference"], v_right, right["PressureReference"])
+        elif fine is not None:
+            there, v_there = along(fine, centre, test in ROUND)
+            lines = (there, fine["Density"], v_there, fine["Pressure"])
+        else:
+            lines = None
+        if lines is not None:
+            order = np.argsort(lines[0])
+            for ax, values in zip(panels, lines[1:]):
+                ax.plot(lines[0][order], values[order], color=style.INK, linewidth=0.9, zorder=4)
+        panels[0].set_title(label)
+        panels[2].set_xlabel("x" if centre is None else "distance from the centre")
+        if centre is not None:
+            panels[0].set_xlim(0, centre[0])
+        if column == 0:
+            for ax, name in zip(panels, ("density", "velocity around" if test in ROUND else "velocity", "pressure")):
+                ax.set_ylabel(name)
+    for row in range(3):
+        frame(axes[row * len(runs):(row + 1) * len(runs)])
+    figure.align_ylabels()
+    style.save(figure, path)
+    return True
+
+
+def frame(row) -> None:
+    """Single particles far off must not press all others flat: the frame holds the lines and all but a hundredth of each panel's
+    particles, and what is outside is counted."""
+    low = min(min(np.quantile(line.get_ydata(), 0.005 if line.get_marker() == "." else 0) for line in ax.lines) for ax in row)
+    high = max(max(np.quantile(line.get_ydata(), 0.995 if line.get_marker() == "." else 1) for line in ax.lines) for ax in row)
+    margin = 0.08 * (high - low) or 0.05 * abs(high) or 1.0
+    for ax in row:
+        ax.set_ylim(low - margin, high + margin)
+        values = ax.lines[0].get_ydata()
+        outside = int(((values < low - margin) | (values > high + margin)).sum())
+        if outside:
+            ax.text(0.98, 0.96, f"{outside} outside", transform=ax.transAxes, ha="right", va="top", fontsize=7.5, color=style.GREY)
+
+
+def convergence(measured: dict, path: Path) -> bool:
+    panels = []
+    for test in dict.fromkeys(one["test"] for one in measured["runs"]):
+        curves, name = [], judged_by(test)
+        for scheme, (label, colour) in style.SCHEME.items():
+            seen = [one for one in measured["runs"] if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
+            curves.append(orders.Curve(label, colour, [one["n"] for one in seen], [one["errors"][name] for one in seen],
+                                       [0.0] * len(seen)))
+        if any(len(curve.n) > 1 for curve in curves):
+            panels.append((test, curves))
+    return orders.draw(panels, "L1 error", path)
+
+
+def cost(measured: dict, path: Path) -> bool:
+    rates: dict[str, dict[str, float]] = {}
+    for one in measured["runs"]:
+        if one["outcome"] == COMPLETED and one["updates_per_second"]:
+            finest = max(r["n"] for r in measured["runs"] if r["test"] == one["test"])
+            if one["n"] == finest:
+                rates.setdefault(one["test"], {})[one["scheme"]] = one["updates_per_second"]
+    if not rates:
+        return False
+    figure, (ax,) = style.panels(1, 1, 0.3 + 0.42 * len(rates))
+    width = 0.8 / len(ORDER)
+    for k, (scheme, (label, colour)) in enumerate(style.SCHEME.items()):
+        seen = [(row + (k - 0.5 * (len(ORDER) - 1)) * width, found[scheme]) for row, found in enumerate(rates.values()) if scheme in found]
+        if seen:
+            y, values = zip(*seen)
+            ax.barh(y, [value / 1e6 for value in values], height=0.92 * width, color=colour, label=label)
+    ax.set_yticks(range(len(rates)), list(rates))
+    ax.invert_yaxis()
+    ax.grid(axis="y", visible=False)
+    ax.set_axisbelow(True)
+    ax.set_xlabel("million particle updates a second")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    style.save(figure, path)
+    return True

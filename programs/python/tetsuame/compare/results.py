@@ -1,0 +1,142 @@
+"""Reads what a program left: fields of summary.json, residuals.csv, the last snapshot."""
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ..reading import read_columns
+from .runner import Outcome
+
+
+def number(summary: dict, *path: str) -> float | None:
+    """A number of summary.json, None where it is null or absent."""
+    value = summary
+    for key in path:
+        value = value.get(key) if isinstance(value, dict) else None
+    return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def cost_per_step(outcome: Outcome) -> float | None:
+    """Seconds a step in all stages: the run without its output."""
+    steps, seconds = number(outcome.summary, "steps"), sum(stages(outcome).values())
+    return seconds / steps if steps and seconds > 0.0 else None
+
+
+def stages(outcome: Outcome) -> dict[str, float]:
+    """Seconds by stage name, without output, which is the disk's time and not the method's."""
+    given = outcome.summary.get("stages")
+    if not isinstance(given, dict):
+        return {}
+    return {name: float(value) for name, value in given.items() if name != "output"}
+
+
+def wall_share(outcome: Outcome) -> float | None:
+    """Share of the stages that treat walls (their names begin with 'wall') in the time of all."""
+    parts = stages(outcome)
+    total = sum(parts.values())
+    return sum(value for name, value in parts.items() if name.startswith("wall")) / total if total > 0 else None
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """The residual by pass of one evaluation of the Hosono iteration."""
+    step: int
+    evaluation: int
+    iteration: np.ndarray
+    residual: np.ndarray
+
+
+def residuals(folder: Path) -> list[Residuals]:
+    """All evaluations recorded in residuals.csv, in order."""
+    path = folder / "residuals.csv"
+    if not path.is_file():
+        return []
+    groups: dict[tuple[int, int], list[tuple[int, float]]] = {}
+    with open(path, newline="") as file:
+        rows = csv.reader(file)
+        names = [column.partition(" [")[0] for column in next(rows)]  # without the units
+        for values in rows:
+            row = dict(zip(names, values))
+            key = int(row["step"]), int(row["evaluation"])
+            groups.setdefault(key, []).append((int(row["iteration"]), float(row["residual"])))
+    return [Residuals(step, evaluation, *map(np.array, zip(*rows))) for (step, evaluation), rows in groups.items()]
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The last state on disk; lengths in m, pressures in Pa, particles along the first axis."""
+    position: np.ndarray
+    pressure: np.ndarray
+    pressure_reference: np.ndarray | None
+    displacement: np.ndarray | None
+    wall_position: np.ndarray
+    length: tuple[float, float]    # of the box
+    spacing: float                 # of the start lattice
+
+
+def fluid(folder: Path) -> dict[str, np.ndarray] | None:
+    """All fields of the fluid in the last state on disk; None if there is none."""
+    names = sorted(folder.glob("snapshot_*.h5"))
+    if not names:
+        return None
+    with h5py.File(names[-1]) as file:
+        return {name: values[:] for name, values in file["PartType0"].items()}
+
+
+def last_time(folder: Path) -> float:
+    """Of the last state on disk (s)."""
+    with h5py.File(sorted(folder.glob("snapshot_*.h5"))[-1]) as file:
+        return float(file["Header"].attrs["Time"])
+
+
+def history(folder: Path) -> dict[str, np.ndarray]:
+    """The columns of history.csv by name, without their units; empty if there is no such file, or no line in it."""
+    path = folder / "history.csv"
+    return read_columns(path) if path.is_file() else {}
+
+
+def last_snapshot(folder: Path) -> Snapshot | None:
+    names = sorted(folder.glob("snapshot_*.h5"))
+    if not names:
+        return None
+    lengths = [resolved(folder, "domain", key) for key in ("length_x", "length_y")]
+    spacing = lengths[1] / resolved(folder, "domain", "particles_y")
+    with h5py.File(names[-1]) as file:
+        fluid = file["PartType0"]
+
+        def optional(name):
+            return fluid[name][:] if name in fluid else None
+
+        wall = file["PartType1/Coordinates"][:] if "PartType1/Coordinates" in file else np.empty((0, 3))
+        return Snapshot(fluid["Coordinates"][:], fluid["Pressure"][:], optional("PressureReference"),
+                        optional("Displacement"), wall, tuple(lengths), spacing)
+
+
+def resolved(folder: Path, group: str, key: str) -> float:
+    """A number of resolved.nml, which holds every key as run, one to a line."""
+    here = ""
+    for line in (folder / "resolved.nml").read_text().splitlines():
+        if match := re.match(r"\s*&(\w+)", line):
+            here = match[1].lower()
+        elif here == group and (match := re.match(rf"\s*{key}\s*=\s*([^\s!,/]+)", line, re.IGNORECASE)):
+            return float(match[1].lower().replace("d", "e"))
+    raise KeyError(f"{folder / 'resolved.nml'}: no key {key} in group {group}")
+
+
+def representatives(outcomes: list[Outcome], file: str) -> list[Outcome]:
+    """For each program the first completed run on a file: as the input has it, else the first cure
+    that worked (the cures agree to their tolerance, so that one stands for all)."""
+    chosen: dict[str, Outcome] = {}
+    for outcome in outcomes:
+        if outcome.case.file == file and outcome.kind == "completed":
+            chosen.setdefault(outcome.case.program, outcome)
+    return list(chosen.values())
+
+
+def cost(outcome: Outcome) -> dict[str, float | None]:
+    return {"right_hand_sides": number(outcome.summary, "rhs_evaluations"),
+            "seconds": number(outcome.summary, "stepping_seconds") or number(outcome.summary, "wall_seconds"),
+            "updates_per_second": number(outcome.summary, "particle_updates_per_second")}

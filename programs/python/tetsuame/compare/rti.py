@@ -1,0 +1,208 @@
+"""Metal over silicate with the volumes and pressures of the programs C to F, and with number density."""
+import argparse
+from html import escape
+from pathlib import Path
+
+from .. import pages
+from . import fit, report
+from .cases import Run
+from .convection import percent, seconds
+from .figures import rti as figures
+from .results import cost, history, number
+from .runner import COMPLETED, CRASHED, Outcome
+from .table import stopped_step, verdict
+
+NAME = "rti"
+TITLE = "Metal over silicate: which formulation survives"
+ABOUT = "Run the program rti with the volumes and pressures of programs C to F and with number density: growth and overturn."
+BINARIES = ("rti",)
+
+OUR, SMOOTHED = "rti.volume=our_method", "rti.pressure=smoothed"
+NOTES = (OUR, SMOOTHED, "rti.normalise=F", "rti.volume_element=from_weight")
+# Name -> settings. The programs as in the notes have no diffusion of density (δ).
+VARIANTS = {
+    "C": (*NOTES, "rti.delta=0"),
+    "C, δ": (*NOTES, "rti.delta=0.1"),
+    "C, δ, ΔV own": (OUR, SMOOTHED, "rti.delta=0.1"),
+    "D": (*NOTES, "rti.delta=0", "walls.pressure=mirrored"),
+    "D, δ": (*NOTES, "rti.delta=0.1", "walls.pressure=mirrored"),
+    "E": (*NOTES, "rti.gradient=pattern_2", "rti.delta=0"),
+    "E, δ": (*NOTES, "rti.gradient=pattern_2", "rti.delta=0.1"),
+    "E, δ, ΔV own": (OUR, SMOOTHED, "rti.gradient=pattern_2", "rti.delta=0.1"),
+    "F": (OUR, "rti.delta=0"),
+    "F, δ": (OUR, "rti.delta=0.1"),
+    "N": (),
+    "N, smoothed": (SMOOTHED,),
+    "N, smoothed, Y/p": (SMOOTHED, "rti.volume_element=from_weight"),
+}
+METHOD = {
+    "C": "our method, smoothed pressure, force with Y²/p (pattern 1), as in the notes",
+    "D": "as C; behind floor and lid the pressure does not go on with ρg (D has nothing there: not to be had in this program)",
+    "E": "as C with pattern 2",
+    "F": "our method, pressure from the equation of state, force with pΔV²",
+    "N": "number density, pressure from the equation of state, force with pΔV²",
+}
+QUICK = ("C", "C, δ", "C, δ, ΔV own", "D", "E", "E, δ", "F", "F, δ", "N", "N, smoothed, Y/p")
+GROWTH, OVERTURN = "growth", "overturn"
+VISCOSITY = ("rti.viscosity_upper=6e11", "rti.viscosity_lower=6e11")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--variants", metavar="NAME;…", help=f"variants to run, by semicolons (there are {'; '.join(VARIANTS)})")
+    parser.add_argument("--particles", nargs="+", type=int, metavar="N",
+                        help="particles along an edge for the growth (default: 24 48; with --quick 24)")
+    parser.add_argument("--overturn", type=int, metavar="N", help="particles along an edge for the overturn (default: 40; with --quick 24)")
+    parser.add_argument("--p-top", type=float, default=1e5, metavar="PA", help="pressure at the top (default: %(default)g)")
+
+
+def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
+    names = [name.strip() for name in given.variants.split(";") if name.strip()] if given.variants else QUICK if given.quick else VARIANTS
+    for name in names:
+        if name not in VARIANTS:
+            parser.error(f"--variants: no variant '{name}' (there are {'; '.join(VARIANTS)})")
+    sizes = sorted(set(given.particles or ((24,) if given.quick else (24, 48))))
+    overturn = given.overturn or (24 if given.quick else 40)
+    if min(*sizes, overturn) < 12:
+        parser.error("--particles, --overturn: at least 12")
+    return [run(root, name, case, n, given) for name in dict.fromkeys(names)
+            for case, n in [*((GROWTH, n) for n in sizes), (OVERTURN, overturn)]]
+
+
+def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> Run:
+    file = "rti_linear.nml" if case == GROWTH else "rti_note.nml"
+    own = () if case == GROWTH else ("time.t_end=5000", "output.interval=250", *VISCOSITY)
+    settings = (f"domain.particles_x={n}", f"domain.particles_y={n}", f"rti.p_top={given.p_top:g}", *own, *VARIANTS[name], *given.settings)
+    return Run("rti", root / "inputs" / file, name, n, settings, case)
+
+
+def measure(outcomes: list[Outcome]) -> dict:
+    runs = [row(outcome) for outcome in outcomes]
+    orders = []
+    for name in dict.fromkeys(one["variant"] for one in runs):
+        seen = [one for one in runs if one["variant"] == name and one["case"] == GROWTH and one["growth_error"] is not None]
+        slope = fit.order([one["n"] for one in seen], [one["growth_error"] for one in seen],
+                          [one["growth_uncertainty"] / one["growth_theory"] for one in seen])
+        if slope:
+            orders.append({"variant": name, "quantity": "growth_rate", "order": slope.value, "standard_error": slope.error,
+                           "points": slope.points})
+    return {"study": NAME, "runs": runs, "orders": orders}
+
+
+def row(outcome: Outcome) -> dict:
+    metrics = outcome.summary.get("metrics") or {}
+    growth, theory = number(metrics, "growth_rate"), number(metrics, "growth_rate_theory")
+    is_growth = outcome.case.file == GROWTH
+    last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
+    # Of a run that stopped, what it measured before is no growth rate of the whole window.
+    measured = growth if is_growth and outcome.kind == COMPLETED else None
+    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
+            "reason": outcome.reason or None, "stopped_step": stopped_step(outcome), "time": stopped_time(outcome),
+            "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
+            "growth_error": measured / theory - 1 if measured is not None and theory else None,
+            "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
+            "density_ratio": [number(metrics, f"density_ratio_{end}") or last.get(f"density_ratio_{end}") for end in ("min", "max")],
+            "pressure_min": number(metrics, "pressure_min") or last.get("pressure_min"),
+            "energy_residual": number(metrics, "energy_residual") or last.get("energy_residual"), **cost(outcome)}
+
+
+def stopped_time(outcome: Outcome) -> float | None:
+    """The time reached (s): of the summary, else of the last line of history.csv."""
+    if (time := number(outcome.summary, "time")) is not None:
+        return time
+    columns = history(outcome.folder)
+    return float(columns["time"][-1]) if columns else None
+
+
+def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
+    names = list(dict.fromkeys(one["variant"] for one in measured["runs"]))
+    methods = "".join(f"<li><b>{letter}</b>: {escape(text)}</li>" for letter, text in METHOD.items()
+                      if any(name[0] == letter for name in names))
+    return ["<p>The same input for all: metal over silicate in the note's box. Letters stand for how the programs of that name find volume and "
+            f"pressure; δ: diffusion of the dynamic pressure in the density; ΔV own: the volume in the force is the density's, not Y/p.</p>\n<ul>{methods}</ul>",
+            "<h2>Who survives</h2>", outcome_table(measured, names),
+            "<h2>Overturn</h2>",
+            report.drawn(figures.states, outcomes, folder / "states.png",
+                         "The last state on disk: metal dark, silicate light, at each place the particle nearest to it."),
+            report.drawn(figures.courses, outcomes, folder / "courses.png",
+                         "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
+                         "over their start values. ×: the run stopped."),
+            "<h2>Growth</h2>",
+            report.drawn(figures.growth, outcomes, folder / "growth.png",
+                         "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with compressibility and walls."),
+            report.drawn(figures.convergence, measured, folder / "convergence.png",
+                         "Distance of the growth rate from linear theory; bars: uncertainty of the fit."),
+            growth_table(measured, names)]
+
+
+def outcome_table(measured: dict, names: list[str]) -> str:
+    rows = []
+    for name in names:
+        growths = [one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH]
+        finest = max(growths, key=lambda one: one["n"], default=None)
+        over = next((one for one in measured["runs"] if one["variant"] == name and one["case"] == OVERTURN), None)
+        cells = f"<td class=\"name\"><span class=\"key\" style=\"background:{figures.colour(name)}\"></span>{escape(name)}</td>"
+        cells += f"<td class=\"number\">{growth_text(finest)}</td>"
+        cells += outcome_cells(over)
+        rows.append(f"<tr>{cells}</tr>")
+    return pages.table(["Variant", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
+                         "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8})) + \
+        "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
+
+
+def growth_text(one: dict | None) -> str:
+    if one is None:
+        return "–"
+    return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["outcome"])
+
+
+def outcome_cells(one: dict | None) -> str:
+    if one is None:
+        return "<td></td>" * 7
+    kind = {COMPLETED: "good", CRASHED: "bad"}.get(one["outcome"], "stop")
+    low, high = one["density_ratio"]
+    ratio = f"{low:.2f} to {high:.2f}" if low is not None and high is not None else "–"
+    values = [f"{one['time']:.0f} s" if one["time"] is not None else "–"]
+    reason = f"<td>{escape(cause(one['reason']))}</td>"
+    rest = [f"{one['metal_centroid']:.3f}" if one["metal_centroid"] is not None else "–", ratio,
+            f"{one['energy_residual']:.1e}" if one["energy_residual"] is not None else "–", seconds(one["seconds"])]
+    return (f"<td class=\"{kind}\">{escape(one['outcome'])}</td><td class=\"number\">{values[0]}</td>{reason}"
+            + "".join(f"<td class=\"number\">{text}</td>" for text in rest))
+
+
+def cause(reason: str | None) -> str:
+    """What stopped a run, in a few words: the message itself stands at the end of the page."""
+    text = reason or ""
+    if "pressure" in text and "not positive" in text:
+        return "p ≤ 0"
+    return "blew up" if "particles moved" in text or "not finite" in text else short(text)
+
+
+def short(reason: str | None) -> str:
+    """The first sentence or so: the whole stands at the end of the page."""
+    text = reason or ""
+    return text if len(text) <= 90 else text[:87].rsplit(" ", 1)[0] + " …"
+
+
+def growth_table(measured: dict, names: list[str]) -> str:
+    sizes = sorted({one["n"] for one in measured["runs"] if one["case"] == GROWTH})
+    rows = []
+    for name in names:
+        runs = {one["n"]: one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH}
+        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in measured["orders"]
+                      if o["variant"] == name), "–")
+        cells = "".join(f"<td class=\"number\">{growth_text(runs.get(n))}</td>" for n in sizes)
+        rows.append(f"<tr><td class=\"name\">{escape(name)}</td>{cells}<td class=\"number\">{slope}</td></tr>")
+    theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
+    text = f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else ""
+    return pages.table(["Variant", *(f"error, n = {n}" for n in sizes), "order"], rows, numbers=frozenset(range(1, 2 + len(sizes)))) + text
+
+
+def terminal(outcomes: list[Outcome], measured: dict) -> str:
+    lines = [f"{'variant':<18}{'case':<10}{'n':>4}  {'outcome':<11}{'until':>8}  {'growth, error':>13}{'centroid':>10}  why"]
+    for one in measured["runs"]:
+        until = f"{one['time']:.0f} s" if one["time"] is not None else "-"
+        growth = growth_text(one) if one["case"] == GROWTH and one["outcome"] == COMPLETED else ""
+        centroid = f"{one['metal_centroid']:.3f}" if one["case"] == OVERTURN and one["metal_centroid"] is not None else ""
+        lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
+                     f"{short(one['reason'])}")
+    return "\n".join(lines)

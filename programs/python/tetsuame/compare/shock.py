@@ -1,0 +1,265 @@
+"""The five schemes side by side on contacts and shocks."""
+import argparse
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from .. import pages
+from ..style import SCHEME
+from . import fit, report
+from .cases import Run
+from .convection import count, percent, seconds
+from .figures import shock as figures
+from .results import cost, fluid, number
+from .runner import COMPLETED, Outcome
+from .table import place, verdict
+
+NAME = "shock"
+TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
+ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
+BINARIES = ("shock",)
+SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
+
+
+@dataclass(frozen=True)
+class Test:
+    input: str
+    n: tuple[int, ...]
+    quick: tuple[int, ...]
+    about: str
+    settings: tuple[str, ...] = ()
+    refined: bool = False        # no exact solution: the last n again with gsph and twice the particles is the reference
+
+
+TESTS = {
+    "sod": Test("sod", (100, 200, 400), (50, 100, 200), "Sod's tube"),
+    "strong": Test("strong", (100, 200, 400), (100, 200), "a pressure jump of 10⁵"),
+    "vacuum": Test("vacuum", (140, 280, 560), (70, 140), "two streams that part and leave almost nothing between them"),
+    "melts": Test("melts_shock", (100, 200, 400), (50, 100), "liquid iron beside liquid silicate, a shock into the silicate"),
+    "blasts": Test("blasts", (200, 400), (100,), "two blasts that meet; no exact solution", refined=True),
+    "square": Test("square", (16, 32), (16, 24), "a dense square in pressure balance, particles on one lattice, t = 2", ("time.t_end=2",)),
+    "square_equal_mass": Test("square", (16, 32), (16,), "the same of equal masses: two lattices meet, t = 1",
+                              ("time.t_end=1", "shock.masses=equal_mass")),
+    "explosion_2d": Test("sedov", (24, 48), (16, 24), "Sedov's explosion in the plane, gas of pressure 10⁻³ ahead, t = 0.1",
+                         ("domain.dimension=2", "time.t_end=0.1", "shock.p_l=1e-3")),
+    "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is"),
+    "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory"),
+}
+ERRORS = ("density_l1", "velocity_l1", "pressure_l1")
+METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate": ("growth rate", "growth_rate_theory"),
+           "square_area_change": ("change of area", None), "square_corner_radius": ("corner radius/edge", None),
+           "density_max": ("largest density", None)}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--tests", default=",".join(TESTS), metavar="NAME,…", help="tests to run (default: %(default)s)")
+    parser.add_argument("--schemes", default=",".join(SCHEMES), metavar="NAME,…", help="schemes (default: all five)")
+    parser.add_argument("--particles", nargs="+", type=int, metavar="N",
+                        help="particles along x, for every test named (default: each test's own)")
+
+
+def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
+    tests, schemes = (tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+                      for text in (given.tests, given.schemes))
+    for name in tests:
+        if name not in TESTS:
+            parser.error(f"--tests: no test '{name}' (there are {', '.join(TESTS)})")
+    for name in schemes:
+        if name not in SCHEMES:
+            parser.error(f"--schemes: no scheme '{name}' (there are {', '.join(SCHEMES)})")
+    if given.particles and min(given.particles) < 8:
+        parser.error("--particles: at least 8")
+    runs = []
+    for name in tests:
+        test = TESTS[name]
+        sizes = sorted(set(given.particles or (test.quick if given.quick else test.n)))
+
+        def run(scheme, n, variant):
+            settings = (f"domain.particles_x={n}", f"shock.scheme={scheme}", *test.settings, *given.settings)
+            return Run("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name)
+
+        runs += [run(scheme, n, scheme) for n in sizes for scheme in schemes]
+        if test.refined:
+            runs.append(run("gsph", 2 * sizes[-1], "reference"))
+    return runs
+
+
+def measure(outcomes: list[Outcome]) -> dict:
+    fine = {o.case.file: o for o in outcomes if o.case.variant == "reference" and o.kind == COMPLETED}
+    runs = [row(outcome, fine.get(outcome.case.file)) for outcome in outcomes if outcome.case.variant != "reference"]
+    orders = []
+    for test in dict.fromkeys(one["test"] for one in runs):
+        for scheme in SCHEMES:
+            name = figures.judged_by(test)
+            seen = [one for one in runs if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
+            slope = fit.order([one["n"] for one in seen], [one["errors"][name] for one in seen])
+            if slope:
+                orders.append({"test": test, "scheme": scheme, "quantity": name, "order": slope.value,
+                               "standard_error": slope.error, "points": slope.points})
+    return {"study": NAME, "runs": runs, "orders": orders}
+
+
+def row(outcome: Outcome, fine: Outcome | None) -> dict:
+    summary, done = outcome.summary, outcome.kind == COMPLETED
+    errors = {name: number(summary, "errors", name) for name in ERRORS} if done else {}
+    against = "exact solution"
+    if done and fine is not None:
+        errors, against = errors_against(outcome.folder, fine.folder), f"gsph with {fine.case.n} particles"
+    values = {}
+    for name, (_, right) in METRICS.items():
+        value = number(summary, "metrics", name)
+        if value is not None and done:
+            exact = number(summary, "metrics", right) if right else None
+            values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
+    return {"test": outcome.case.file, "scheme": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
+            "reason": outcome.reason or None, "place": place(outcome) or None,
+            "errors": {name: value for name, value in errors.items() if value is not None},
+            "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
+            "energy_drift": number(summary, "conservation", "energy") if done else None, **cost(outcome)}
+
+
+def errors_against(folder: Path, fine: Path) -> dict[str, float]:
+    """L1 errors in one dimension against another run: means over the volume, its values interpolated between particles."""
+    here, there = fluid(folder), fluid(fine)
+    if here is None or there is None:
+        return {}
+    return l1(here, there)
+
+
+def l1(here: dict, there: dict) -> dict[str, float]:
+    x, order = here["Coordinates"][:, 0], np.argsort(there["Coordinates"][:, 0])
+    volume = here["Masses"] / here["Density"]
+    errors = {}
+    for name, mine, other in (("density_l1", here["Density"], there["Density"]),
+                              ("velocity_l1", here["Velocities"][:, 0], there["Velocities"][:, 0]),
+                              ("pressure_l1", here["Pressure"], there["Pressure"])):
+        right = np.interp(x, there["Coordinates"][order, 0], other[order])
+        errors[name] = float((volume * np.abs(mine - right)).sum() / volume.sum())
+    return errors
+
+
+def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
+    tests = list(dict.fromkeys(one["test"] for one in measured["runs"]))
+    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and in where "
+             "dissipation comes from (artificial viscosity or Riemann problems).</p>",
+             "<h2>At a glance</h2>", glance(measured, tests),
+             "<h2>Convergence</h2>",
+             report.drawn(figures.convergence, measured, folder / "convergence.png",
+                          "Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. Lines: the fitted order.")]
+    for test in tests:
+        parts += [f"<h2>{escape(test)}: {escape(TESTS[test].about)}</h2>",
+                  report.drawn(lambda data, path, test=test: figures.state(data, test, path), outcomes, folder / f"{test}.png",
+                               figures.caption(outcomes, test)),
+                  test_table([one for one in measured["runs"] if one["test"] == test], measured["orders"])]
+    parts += ["<h2>What it costs</h2>",
+              report.drawn(figures.cost, measured, folder / "cost.png",
+                           "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one "
+                           "thread; other work on the machine shows in it.")]
+    return parts
+
+
+def glance(measured: dict, tests: list[str]) -> str:
+    """Each test at its finest resolution: the density's error, or what stands for it; the least is marked."""
+    schemes = [s for s in SCHEMES if any(one["scheme"] == s for one in measured["runs"])]
+    rows = []
+    for test in tests:
+        runs = [one for one in measured["runs"] if one["test"] == test]
+        finest = max(one["n"] for one in runs)
+        by_scheme = {one["scheme"]: one for one in runs if one["n"] == finest}
+        name = headline(list(by_scheme.values()))
+        values = {s: size(one, name) for s, one in by_scheme.items()}
+        least = min((v for v in values.values() if v is not None), default=None)
+        cells = ""
+        for scheme in schemes:
+            one = by_scheme.get(scheme)
+            if one is None:
+                cells += "<td></td>"
+            elif one["outcome"] != COMPLETED:
+                cells += f"<td class=\"stop\">{escape(one['outcome'])}{', ' + one['place'] if one['place'] else ''}</td>"
+            else:
+                best = values[scheme] is not None and least is not None and values[scheme] <= max(1.001 * least, 1e-9)
+                cells += f"<td class=\"number{' good' if best else ''}\">{headline_text(one, name)}</td>"
+        rows.append(f"<tr><td class=\"name\">{escape(test)}</td><td class=\"number\">{finest}</td><td>{headline_name(name)}</td>{cells}</tr>")
+    return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows,
+                        numbers=frozenset({1, *range(3, 3 + len(schemes))})) + \
+        "<p class=\"small\">Green: the least error. A run that stopped says why below its test.</p>"
+
+
+def headline(runs: list[dict]) -> str:
+    """What a test is judged by: a rate or a shape where it has one, else an error."""
+    names = {name for one in runs for name in one["metrics"]}
+    for name in ("growth_rate", "square_area_change"):
+        if name in names:
+            return name
+    return figures.judged_by(next(one["test"] for one in runs))
+
+
+def headline_name(name: str) -> str:
+    return f"{METRICS[name][0]}{', error' if METRICS[name][1] else ''}" if name in METRICS else \
+        {"density_l1": "L1 error of ρ", "velocity_l1": "L1 error of v"}[name]
+
+
+def size(one: dict, name: str) -> float | None:
+    if name in METRICS:
+        value = one["metrics"].get(name)
+        if value is None:
+            return None
+        return abs(value["error"] if value["exact"] else value["value"])
+    return one["errors"].get(name)
+
+
+def headline_text(one: dict, name: str) -> str:
+    value = one["metrics"].get(name) if name in METRICS else None
+    if value is not None:
+        return percent(value["error"] if value["exact"] else value["value"])
+    return scientific(one["errors"].get(name))
+
+
+def scientific(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2e}".replace("e-0", "e-").replace("e+00", "").replace("e+0", "e")
+
+
+def test_table(runs: list[dict], orders: list[dict]) -> str:
+    metrics = [name for name in METRICS if any(name in one["metrics"] for one in runs)]
+    errors = [name for name in ERRORS if any(name in one["errors"] for one in runs)]
+    rows = []
+    for one in sorted(runs, key=lambda r: (SCHEMES.index(r["scheme"]), r["n"])):
+        label, colour = SCHEME[one["scheme"]]
+        first = " class=\"first\"" if one["n"] == min(r["n"] for r in runs) else ""
+        bad = "good" if one["outcome"] == COMPLETED else "bad" if one["outcome"] == "crashed" else "stop"
+        said = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
+        cells = "".join(f"<td class=\"number\">{scientific(one['errors'].get(name))}</td>" for name in errors)
+        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in orders
+                      if o["test"] == one["test"] and o["scheme"] == one["scheme"]), "–")
+        last = one["n"] == max(r["n"] for r in runs)
+        if errors:
+            cells += f"<td class=\"number\">{slope if last else ''}</td>"
+        for name in metrics:
+            value = one["metrics"].get(name)
+            text = "–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else "")
+            cells += f"<td class=\"number\">{text}</td>"
+        rows.append(f"<tr{first}><td class=\"name\"><span class=\"key\" style=\"background:{colour}\"></span>{label}</td>"
+                    f"<td class=\"number\">{one['n']}</td><td class=\"{bad}\">{escape(said)}</td>{cells}"
+                    f"<td class=\"number\">{scientific(one['energy_drift'])}</td>"
+                    f"<td class=\"number\">{count(one['right_hand_sides'])}</td><td class=\"number\">{seconds(one['seconds'])}</td></tr>")
+    names = {"density_l1": "L1 of ρ", "velocity_l1": "L1 of v", "pressure_l1": "L1 of p"}
+    head = ["Scheme", "n", "Outcome", *(names[name] for name in errors), *(["order"] if errors else []),
+            *(METRICS[name][0] for name in metrics), "energy drift", "right-hand sides", "seconds"]
+    against = next((one["errors_against"] for one in runs if one["errors_against"]), None)
+    note = f"<p class=\"small\">Errors against the {escape(against)}.</p>" if against and against.startswith("exact") else \
+        f"<p class=\"small\">Errors against {escape(against)}: what both have wrong does not show.</p>" if against else ""
+    return pages.table(head, rows, "wide", frozenset({1, *range(3, len(head))})) + note
+
+
+def terminal(outcomes: list[Outcome], measured: dict) -> str:
+    lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>12}" for s in SCHEMES)]
+    for test in dict.fromkeys(one["test"] for one in measured["runs"]):
+        for n in sorted({one["n"] for one in measured["runs"] if one["test"] == test}):
+            runs = {one["scheme"]: one for one in measured["runs"] if one["test"] == test and one["n"] == n}
+            name = headline(list(runs.values()))
+            cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
+                            for s in SCHEMES)
+            lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
+    return "\n".join(lines)

@@ -1,0 +1,77 @@
+"""The plots, each as PNG bytes. A plot without data is left out."""
+from .. import style
+from . import model
+from .analysis import base_of
+
+COLOUR = {"strong": "#0072B2", "weak": "#E69F00"}
+SIZES = {1e7: "#56B4E9", 1e8: "#0072B2", 1e9: "#222222"}  # particles in all
+LOADS = {1e3: "#F0C674", 1e4: "#E69F00", 1e6: "#D55E00"}  # particles a rank
+STAGES = ("lists", "halo", "volume", "walls", "pressure", "gradient", "rates", "integration")
+RANKS = [1 << k for k in range(15)]
+
+
+def measured(rows: list[dict]):
+    """Efficiency with its spread over the rounds, strong and weak."""
+    figure, axes = style.panels(2, 2, 3.0)
+    for ax, kind in zip(axes, ("strong", "weak")):
+        shown = sorted((r for r in rows if r["kind"] == kind), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
+        y = [r["efficiency"] for r in shown]
+        ax.bar(range(len(shown)), y, width=0.6, color=COLOUR[kind])
+        ax.errorbar(range(len(shown)), y, [[r["efficiency"] - r["efficiency_least"] for r in shown],
+                                           [r["efficiency_largest"] - r["efficiency"] for r in shown]],
+                    linestyle="", color=style.INK, linewidth=1, capsize=3)
+        ax.axhline(1.0, color=style.GREY, linewidth=0.8)
+        ax.set_xticks(range(len(shown)), [f"{r['ranks']}×{r['threads']}" for r in shown])
+        ax.set_xlabel("ranks × threads")
+        ax.set_title(f"{kind}: {base_of(shown)['particles']:,} particles {'in all' if kind == 'strong' else 'a core'}")
+    axes[0].set_ylabel("efficiency")
+    return figure
+
+
+def stages(rows: list[dict]):
+    """Core time of the first rank by stage, per particle: what grows with the cores does not scale. Start included."""
+    shown = sorted((r for r in rows if r["kind"] == "strong"), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
+    figure, (ax,) = style.panels(1, 1, 0.5 * len(shown) + 1.2)
+    left = [0.0] * len(shown)
+    for name in STAGES:
+        value = [1e9 * r["stages"].get(name, 0.0) * r["ranks"] * r["threads"] / (r["steps"] * r["particles"]) for r in shown]
+        ax.barh(range(len(shown)), value, left=left, height=0.68, color=style.STAGE[name], edgecolor="white", linewidth=0.6, label=name)
+        left = [a + b for a, b in zip(left, value)]
+    ax.set_yticks(range(len(shown)), [f"{r['ranks']}×{r['threads']}" for r in shown])
+    ax.invert_yaxis()
+    ax.grid(axis="y", visible=False)
+    ax.set_xlabel("core time per particle and step (ns), lists made once")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    return figure
+
+
+def prediction(costs: model.Costs, network: model.Network = model.HDR, beside: dict | None = None):
+    """Strong and weak, 1 to 16384 ranks. `beside`: {particles: [(ranks, efficiency)]} of the program `balance`."""
+    figure, (strong, weak) = style.panels(2, 2, 3.6)
+    for ax, colours, all_of in ((strong, SIZES, lambda n, p: n), (weak, LOADS, lambda n, p: n * p)):
+        for n, colour in colours.items():
+            for net, dashes in ((None, "-"), (network, (0, (4, 2)))):
+                label = f"{n:.0e}".replace("e+0", "e") if net is None else None
+                ax.plot(RANKS, [model.efficiency(all_of(n, p), p, costs, net) for p in RANKS], color=colour, linestyle=dashes, label=label)
+    for n, points in (beside or {}).items():
+        colour = SIZES.get(n, "#999999")
+        strong.plot(*zip(*points), linestyle="", marker="o", markersize=4, color=colour, label=f"{n:.0e}, balance".replace("e+0", "e"))
+        if n not in SIZES:
+            strong.plot(RANKS, [model.efficiency(n, p, costs) for p in RANKS], color=colour, linewidth=1)
+    strong.set_title("strong: particles in all")
+    weak.set_title("weak: particles a rank")
+    strong.set_ylabel("efficiency")
+    for ax in (strong, weak):
+        ax.set_xscale("log", base=2)
+        ax.set_xticks([4 ** k for k in range(8)], [str(4 ** k) for k in range(8)])
+        ax.set_ylim(0, 1.05)
+        ax.set_xlabel("ranks, one thread each")
+        ax.legend(fontsize=8, loc="lower left")
+    return figure
+
+
+def draw_all(rows: list[dict], costs: model.Costs | None) -> dict[str, bytes]:
+    shown = {"measured": measured(rows), "stages": stages(rows)}
+    if costs is not None:
+        shown["prediction"] = prediction(costs)
+    return {name: style.png(figure) for name, figure in shown.items()}

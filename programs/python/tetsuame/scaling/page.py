@@ -1,0 +1,58 @@
+"""The HTML page."""
+import time
+from html import escape
+
+from .. import pages
+from . import model
+from .analysis import amdahl, of_the_machine, ratio
+
+CAPTIONS = {
+    "measured": ("Measured", "Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest."),
+    "stages": ("Where the time goes", "Of the first rank, waiting included, and with it the start and what is evaluated for output."),
+    "prediction": ("Predicted", "Model with the costs below. Full lines: messages through shared memory, as measured here. Dashed, "
+                   f"above {model.HDR.ranks_a_node} ranks: {model.HDR.name}, an assumption."),
+}
+
+
+def page(rows: list[dict], exchanges: list[dict], costs: model.Costs | None, drawn: dict[str, bytes]) -> str:
+    first = rows[0]
+    facts = [time.strftime("%Y-%m-%d %H:%M"), escape(first["processor"]), f"{first['cores_here']} cores where it was started",
+             f"version {escape(first['version'])}", f"load average {first['load_average']:.1f} at the start"]
+    parts = ["<h1>Scaling</h1>", f"<p class=\"facts\">{' · '.join(facts)}</p>",
+             f"<p>Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. What it means: "
+             "docs/scaling.md.</p>", numbers(rows)]
+    for fit in amdahl(rows):
+        parts.append(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>")
+    for name, png in drawn.items():
+        title, caption = CAPTIONS[name]
+        parts.append(f"<h2>{title}</h2>\n" + pages.figure(png, caption))
+    if costs is not None:
+        parts.append(cost_table(costs))
+    parts.append(exchange_table(exchanges))
+    return pages.document("scaling", parts)
+
+
+def numbers(rows: list[dict]) -> str:
+    lines = [[r["kind"], str(r["ranks"]), str(r["threads"]), f"{r['particles']:,}", f"{1e-6 * r['updates_per_second']:.3f}",
+              f"{r['efficiency']:.3f}", ratio(of_the_machine(r, rows)), f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
+              f"{100 * r['waiting_fraction']:.1f} %", f"{r['bytes_sent_per_step'] / 1024:.1f}", f"{r['messages_per_step']:.1f}",
+              f"{r['collectives_per_step']:.1f}"] for r in rows]
+    return pages.text_table(["Kind", "Ranks", "Threads", "Particles", "M updates/s", "Efficiency", "Of the copies", "Least–largest", "Waiting", "KiB sent a step",
+                  "Messages", "Collectives"], lines, 1, "wide")
+
+
+def cost_table(c: model.Costs) -> str:
+    lines = [["computing, a particle", f"{1e9 * c.particle:.1f} ns"],
+             [f"a particle of the halo ({c.halo_bytes:.0f} bytes a step)", f"{1e9 * c.halo:.2f} ns"],
+             [f"a message; {c.messages:.1f} to each neighbour", f"{1e6 * c.latency:.2f} µs"],
+             [f"a collective, for each doubling of the ranks; {c.collectives:.1f} a step", f"{1e6 * c.collective:.2f} µs"]]
+    return "<h2>Costs of the model</h2>\n" + pages.text_table(["What", "Measured"], lines, 1)
+
+
+def exchange_table(exchanges: list[dict]) -> str:
+    lines = [[str(e["ranks"]), f"{x['particles']:,}", f"{1e6 * x['seconds']:.2f}", f"{1e6 * x['seconds_least']:.2f}"]
+             for e in exchanges for x in e["exchanges"]]
+    if not lines:
+        return ""
+    return ("<h2>Exchange of ghosts without physics</h2>\n"
+            + pages.text_table(["Ranks", "Particles", "Median (µs)", "Least (µs)"], lines, 0))

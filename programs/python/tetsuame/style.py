@@ -1,0 +1,73 @@
+"""One look for all figures: a colour and a marker for each program, the same everywhere."""
+import io
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+
+# Okabe and Ito's palette: told apart with any common colour blindness, and in the order of
+# table 1. C and E often coincide, so E's line is dashed and its marker open.
+COLOUR = {"A": "#E69F00", "B": "#CC79A7", "C": "#0072B2", "D": "#D55E00", "E": "#56B4E9", "F": "#009E73"}
+MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
+DASHED = {"E"}
+
+# The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
+SCHEME = {"ssph": ("SSPH", "#E69F00"), "disph": ("DISPH", "#56B4E9"), "gsph": ("GSPH", "#D55E00"),
+          "gdisph": ("Godunov DISPH", "#0072B2"), "remix": ("REMIX", "#009E73")}
+
+# The stages of a step.
+STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#CC3311", "pressure": "#66A5CC",
+         "gradient": "#4477AA", "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4",
+         "densities": "#99C7DB", "corrections": "#7FA889", "gradients": "#66A5CC", "forces": "#4477AA"}
+
+INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
+WIDTH = 10.4  # inches: the report's column
+
+plt.rcParams.update({
+    "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
+    "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
+    "axes.titlelocation": "left", "axes.edgecolor": GREY, "axes.labelcolor": INK, "axes.linewidth": 0.7,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": FAINT,
+    "grid.linewidth": 0.6, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK, "legend.frameon": False, "lines.linewidth": 1.6, "text.color": INK,
+})
+
+
+def line(program: str) -> dict:
+    """Keyword arguments of plot() for a program."""
+    dashed = program in DASHED
+    return {"color": COLOUR[program], "marker": MARKER[program], "markersize": 4,
+            "linestyle": (0, (4, 2)) if dashed else "-",
+            "markerfacecolor": "white" if dashed else COLOUR[program],
+            # An open, dashed line over a full one shows both.
+            "zorder": 4 if dashed else 3}
+
+
+def panels(count: int, columns: int, height: float, **options):
+    """A grid of axes, those too many removed; the axes wanted, as a list."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
+    figure, grid = plt.subplots(rows, columns, figsize=(WIDTH, height * rows), squeeze=False, **options)
+    flat = list(grid.flat)
+    for axes in flat[count:]:
+        axes.remove()
+    return figure, flat[:count]
+
+
+def save(figure, path) -> None:
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def png(figure) -> bytes:
+    """The picture of a figure, which is closed."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    plt.close(figure)
+    return buffer.getvalue()
+
+
+def discard(figure) -> None:
+    plt.close(figure)
