@@ -1,5 +1,5 @@
 // Writes, and on request submits, the job script of a run for a batch system. The script continues itself by
-// `--restart latest` until the run is complete; its text is in programs/submit/*.sh, which says more.
+// `--restart latest` until the run is complete; its text is in programs/tools/submit/*.sh, which says more.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
