@@ -4,7 +4,7 @@
 //
 //   1  cuts with equal counts of particles; the model gives each rank's time for a step
 //   2  every steps_between steps: new cuts from the measured times; moved if that pays
-//   3  again with Zoltan's partitioners, which see every particle's cost, under the same rule
+//   3  where Zoltan is installed, again with its partitioners, which see every particle's cost, under the same rule
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -74,10 +74,12 @@ struct virtual_run {
     cuts = o.schedule.start == "equal_size" ? balance::equal_cuts<D>(counts, s.length) : equal_count_cuts<D>(s, counts);
     courses.push_back({});
     courses[0].owner = first_owner = owners(s, cuts);
-    for (const auto& name : o.compare) {
-      courses.push_back({});
-      courses.back().name = name;
-      courses.back().owner = partition<D>(name, s.x, {}, std::vector<double>(slowness.size(), 1.0));
+    if constexpr (with_zoltan) {
+      for (const auto& name : o.compare) {
+        courses.push_back({});
+        courses.back().name = name;
+        courses.back().owner = partition<D>(name, s.x, {}, std::vector<double>(slowness.size(), 1.0));
+      }
     }
     for (auto& c : courses) {
       look(c);
@@ -242,12 +244,14 @@ void run(const simulation::command_line& line, const options& o, const std::stri
     }
     v.decide(decisions);
     log.write(fmt::format("step {}: {}", step, v.courses[0].last.reason));
-    for (std::size_t k = 1; k < v.courses.size(); ++k) {
-      // The same particles with the same costs would be partitioned the same again.
-      if (changed || was)
-        v.decide(v.courses[k]);
-      else
-        v.courses[k].last = {}, v.courses[k].last_moved = 0.0;
+    if constexpr (with_zoltan) {
+      for (std::size_t k = 1; k < v.courses.size(); ++k) {
+        // The same particles with the same costs would be partitioned the same again.
+        if (changed || was)
+          v.decide(v.courses[k]);
+        else
+          v.courses[k].last = {}, v.courses[k].last_moved = 0.0;
+      }
     }
     for (auto& c : v.courses)
       if (c.last.move) v.look(c);

@@ -19,6 +19,7 @@ import unittest
 PROGRAMS = pathlib.Path(os.environ["TETSUAME_PROGRAMS"]).resolve()
 INPUTS = pathlib.Path(os.environ["TETSUAME_INPUTS"]).resolve()
 MPIEXEC = os.environ["TETSUAME_MPIEXEC"]
+ZOLTAN = os.environ.get("TETSUAME_ZOLTAN", "yes") == "yes"  # whether `balance` is built with it
 
 COMPLETED, BAD_INPUT, CALCULATION_FAILED, FILE_FAILED, INTERRUPTED = 0, 2, 3, 4, 75
 ALL = ["disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f"]

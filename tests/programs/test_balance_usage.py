@@ -2,7 +2,7 @@
 
 import unittest
 
-from running import BAD_INPUT, FILE_FAILED
+from running import BAD_INPUT, COMPLETED, FILE_FAILED, ZOLTAN
 from test_balance import BOWL, FEW, Runs
 
 
@@ -11,7 +11,7 @@ class Usage(Runs):
         small = {**FEW, "distribution.particles": 500}
         for ranks in (1, 7, 997):
             with self.subTest(ranks=ranks):
-                found = self.balance(settings={**small, "compare.methods": "'rcb','hsfc'"}, ranks=ranks).summary["metrics"]
+                found = self.balance(settings={**small, "compare.methods": "'rcb','hsfc'" if ZOLTAN else "none"}, ranks=ranks).summary["metrics"]
                 self.assertLessEqual(found["run_time_balanced"], 1.02 * found["run_time_equal_counts"])
         zero = {f"cost.{key}": 0 for key in ("fluid", "wall", "marker", "metal", "halo", "latency")}
         found = self.balance(settings={**small, **zero}, ranks=12).summary["metrics"]
@@ -28,6 +28,15 @@ class Usage(Runs):
                                    "distribution.file=none.h5", "--output", "out"), FILE_FAILED, "none.h5")
         self.assert_says(self.call("balance", BOWL, "--restart", "latest"), BAD_INPUT, "--restart")
         self.assertEqual(self.listing(), {})
+
+    def test_partitioners_are_those_it_is_built_with(self):
+        described, checked = self.call("balance", "--describe"), self.call("balance", BOWL, "--check")
+        self.assertEqual("'rcb'" in described.stdout, ZOLTAN)
+        if ZOLTAN:
+            self.assertEqual(checked.status, COMPLETED, checked)
+        else:
+            self.assert_says(checked, BAD_INPUT, "balance_bowl.nml:39: &compare methods", "built without Zoltan")
+            self.assertEqual(self.call("balance", BOWL, "--check", "--set", "compare.methods=none").status, COMPLETED)
 
     def test_describe_is_an_input(self):
         described = self.call("balance", "--describe")

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <virtual_ranks/options.hpp>
 #include <virtual_ranks/scene.hpp>
+#include <virtual_ranks/zoltan.hpp>
 
 namespace tetsuame::virtual_ranks {
 
@@ -101,7 +102,9 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.schedule);
   balance::declare(schema, o.balancer);
   schema.group("compare", "other partitioners on the same particles and costs (Zoltan)");
-  schema.add("compare", "methods", o.compare, {.maximum_size = 2, .meaning = "any of 'rcb', 'hsfc'; or 'none'"});
+  schema.add(
+      "compare", "methods", o.compare,
+      {.maximum_size = 2, .meaning = with_zoltan ? "any of 'rcb', 'hsfc'; or 'none'" : "'none': built without Zoltan"});
 }
 
 namespace {
@@ -134,7 +137,10 @@ void complete(const namelist::schema& schema, options& o) {
   std::erase_if(o.compare, [](const std::string& name) { return name.empty() || name == "none"; });
   if (o.compare.size() == 2 && o.compare[0] == o.compare[1]) schema.fail("compare", "methods", "names one twice");
   for (const auto& name : o.compare)
-    if (name != "rcb" && name != "hsfc") schema.fail("compare", "methods", "'" + name + "': expected 'rcb' or 'hsfc'");
+    if (!with_zoltan)
+      schema.fail("compare", "methods", "'" + name + "': this program is built without Zoltan; expected 'none'");
+    else if (name != "rcb" && name != "hsfc")
+      schema.fail("compare", "methods", "'" + name + "': expected 'rcb' or 'hsfc'");
   if (o.schedule.horizon == 0) o.schedule.horizon = o.schedule.steps_between;
 }
 

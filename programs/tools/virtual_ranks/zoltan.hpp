@@ -9,6 +9,9 @@
 
 namespace tetsuame::virtual_ranks {
 
+// Whether this program is built with Zoltan. Without, partition() is declared only, and no input may ask for it.
+constexpr bool with_zoltan = TETSUAME_ZOLTAN;
+
 // The part of each particle. weights: of each particle; empty: all equal. sizes: what part of the weight each
 // part should get, up to a common factor. Throws fail_calculation if Zoltan refuses.
 template <int D>
