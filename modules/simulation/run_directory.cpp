@@ -254,9 +254,11 @@ void run_directory::fill_report(std::int64_t step, const integrators::explicit_i
   report.statistics = integrator->statistics();
 }
 
-void run_directory::complete(std::int64_t step, double t, const std::string& remark) {
+void run_directory::complete(std::int64_t step, double t, double t_end, const std::string& remark) {
   report.status = "completed";
   report.message = fmt::format("completed {} steps, t = {:.6g} s{}", step, t, remark);
+  if (remark.empty() && t < t_end * (1.0 - 1e-9))
+    report.message += fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end);
   report.write(ranks, line.output);
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   say(report.message);

@@ -97,7 +97,8 @@ struct run_directory {
 
   // None: a run that failed before its first step could be prepared.
   void fill_report(std::int64_t step, const integrators::explicit_integrator* integrator);
-  void complete(std::int64_t step, double t, const std::string& remark);
+  // remark: of the end, where it is neither the last of the steps asked for nor t_end.
+  void complete(std::int64_t step, double t, double t_end, const std::string& remark);
   // The exit of a run that was told to stop, after its checkpoint.
   [[noreturn]] void interrupt(double reason, std::int64_t step, const std::string& of_steps, double t);
   // Ends the run with the reason in summary and log, and throws it again. save: puts to disk and into the report what
