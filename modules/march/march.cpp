@@ -143,7 +143,7 @@ struct loop {
     }
     if (bound.dt > 0.0 && bound.dt < most.dt) most = bound;
     if (!(most.dt < dt)) most = {dt, dt_is};
-    return files.end_of_fixed_step(t, most.dt, most.name, t_end(), interval);
+    return files.end_of_fixed_step(t, dt, most, t_end(), interval);
   }
 
   void advance() {
@@ -268,8 +268,11 @@ struct loop {
     p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
     count_particles();
-    make_integrator(g.reals.at("fixed_dt"));
-    bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
+    p.set_time(g.reals.at("time"));
+    // A step chosen for another method is not this one's.
+    const bool as_before = method_of(g.texts.at("input")) == o.time.method;
+    make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
+    if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
     records.restore(g, step, files.continues_here());

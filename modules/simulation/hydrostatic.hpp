@@ -219,7 +219,7 @@ struct run {
   next_end choose_end() const {
     const double interval = o.output.interval;
     if (o.time.method == "adaptive") return {files.last_end(t_end(), interval), "output"};
-    return files.end_of_fixed_step(integrator->time(), o.time.dt, "fixed", t_end(), interval);
+    return files.end_of_fixed_step(integrator->time(), o.time.dt, {o.time.dt, "fixed"}, t_end(), interval);
   }
 
   void advance() {
@@ -405,9 +405,9 @@ struct run {
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_totals.momentum[a]) / start_totals.sound_momentum);
     report.set_conservation((t.mass - start_totals.mass) / start_totals.mass, momentum,
                             (t.energy() - start_totals.energy()) / start_totals.pressure_volume);
-    report.metrics["limit_cfl"] = limit_or_null(limits.cfl);
-    report.metrics["limit_viscous"] = limit_or_null(limits.viscous);
-    report.metrics["limit_thermal"] = limit_or_null(limits.thermal);
+    report.metrics["limit_cfl"] = bound_or_null(limits.cfl);
+    report.metrics["limit_viscous"] = bound_or_null(limits.viscous);
+    report.metrics["limit_thermal"] = bound_or_null(limits.thermal);
     report.metrics["limit_least"] = limits.least().name;
     report.metrics["lattice_sum"] = world.w.lattice_sum;
     report.state_hash = hash_of_state(world);

@@ -25,11 +25,6 @@ inline nlohmann::ordered_json bound_or_null(double bound) {
   return or_null(std::isfinite(bound) ? std::optional(bound) : std::nullopt);
 }
 
-// One that is infinite where nothing limits.
-inline nlohmann::ordered_json limit_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 // The first number in it that is not finite, as "name.part"; empty: there is none. (In a file such a number would be
 // null, as one that is absent.)
 std::string first_not_finite(const nlohmann::ordered_json& j);
