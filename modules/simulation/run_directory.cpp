@@ -145,7 +145,8 @@ output::history& run_directory::table(const std::string& name, const std::vector
   const auto mark = marks_.find(name);
   const auto path = path_of(name);
   std::error_code ignored;
-  const bool lost = mark != marks_.end() && ranks.rank == 0 && !(fs::file_size(path, ignored) > 0);
+  const bool lost =
+      mark != marks_.end() && ranks.rank == 0 && (!fs::exists(path, ignored) || fs::is_empty(path, ignored));
   auto made = mark == marks_.end() ? output::history::start(ranks.comm, path, columns)
                                    : output::history::resume(ranks.comm, path, columns, mark->second);
   if (lost && continues_here()) tell(fmt::format("{} was lost: it begins anew", path));
