@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <output/progress.hpp>
+#include <simulation/records.hpp>
 #include <simulation/run_directory.hpp>
 
 namespace tetsuame::march {
@@ -142,7 +143,7 @@ struct loop {
     }
     if (bound.dt > 0.0 && bound.dt < most.dt) most = bound;
     if (!(most.dt < dt)) most = {dt, dt_is};
-    return files.end_of_fixed_step(t, most.dt, most.name, t_end(), interval);
+    return files.end_of_fixed_step(t, dt, most, t_end(), interval);
   }
 
   void advance() {
@@ -193,28 +194,21 @@ struct loop {
 
   // ---- output -----------------------------------------------------------------------------
 
-  void record() {
-    const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
-    const bool line_due = step % o.output.history_interval == 0;
-    if (snapshot_due || line_due) evaluate_here();
-    if (line_due) {
-      append_history();
-      is_steady = p.steady();
-    }
-    if (snapshot_due) write_snapshot();
-    if (line_due) refine();
-    if (finished() || checkpoint_is_due()) write_checkpoint();
-  }
+  simulation::records records{{.evaluate = [this] { evaluate_here(); },
+                               .line =
+                                   [this] {
+                                     append_history();
+                                     is_steady = p.steady();
+                                   },
+                               .snapshot = [this] { write_snapshot(); },
+                               .checkpoint = [this] { write_checkpoint(); }}};
 
-  // The last checkpoint stands before what only the end of a run has, a line and a snapshot that were not due: a run
-  // that is continued from it is one that was not stopped.
-  void record_end() {
-    if (checkpoint_step != step) write_checkpoint();
-    evaluate_here();
-    if (line_step != step) append_history();
-    if (snapshot_step != step) write_snapshot();
+  void record() {
+    records.lines_and_snapshots(step, step % o.output.history_interval == 0,
+                                files.snapshot_due(integrator->time(), o.output.interval));
+    if (records.has_line(step)) refine();
+    if (finished() || checkpoint_is_due()) records.checkpoint(step);
   }
-  std::int64_t line_step = -1, snapshot_step = -1, checkpoint_step = -1;  // the last of each
 
   bool checkpoint_is_due() const {
     if (o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0) return true;
@@ -233,7 +227,6 @@ struct loop {
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
     for (const double v : p.row(integrator->time())) values.push_back(v);
     files.append_line(step, values);
-    line_step = step;
   }
 
   void write_snapshot() {
@@ -242,7 +235,6 @@ struct loop {
     header.step = step;
     std::vector<particles::array> extra;
     files.write_snapshot(header, p.snapshot(extra), o.output.interval);
-    snapshot_step = step;
   }
 
   void write_checkpoint() {
@@ -254,10 +246,8 @@ struct loop {
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
     std::vector<std::int64_t> materials;
-    g.integers["line_step"] = line_step;
-    g.integers["snapshot_step"] = snapshot_step;
+    records.save(g);
     files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
-    checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
@@ -269,8 +259,7 @@ struct loop {
     files.begin();
     files.start_history(columns());
     evaluate_here();
-    append_history();
-    write_snapshot();
+    records.begin(step);
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
@@ -279,13 +268,14 @@ struct loop {
     p.read_particles(saved.state.tables.at("fluid"));
     p.rebuild(true);
     count_particles();
-    make_integrator(g.reals.at("fixed_dt"));
-    bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
+    p.set_time(g.reals.at("time"));
+    // A step chosen for another method is not this one's.
+    const bool as_before = method_of(g.texts.at("input")) == o.time.method;
+    make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
+    if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
-    line_step = g.integers.at("line_step");
-    snapshot_step = g.integers.at("snapshot_step");
-    if (files.continues_here()) checkpoint_step = step;
+    records.restore(g, step, files.continues_here());
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
     is_steady = p.steady();
@@ -297,11 +287,6 @@ struct loop {
   void fill_report() {
     files.fill_report(step, integrator.get());
     if (integrator) report.particle_updates = updates();
-  }
-
-  std::string reason_of_early_end() const {
-    if (integrator->time() >= t_end() * (1.0 - 1e-12)) return {};
-    return fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end());
   }
 
   void warn_about_step() {
@@ -324,11 +309,11 @@ struct loop {
       found.reset();
       warn_about_step();
       advance();
-      record_end();
+      records.end(step);
       fill_report();
       p.report(integrator->time(), report);
       report.state_hash = p.hash();
-      files.complete(step, integrator->time(), is_steady ? ", where the flow is steady" : reason_of_early_end());
+      files.complete(step, integrator->time(), t_end(), is_steady ? ", where the flow is steady" : "");
     } catch (const foundation::error& e) {
       // The last good state is in the arrays: it goes to disk with the reason.
       files.fail(e, step, [&] {

@@ -37,14 +37,16 @@ double round_surface(double radius) {
 }
 
 // J (2-D: J/m): Δρ g L³/8 of a square box; of a drop, what it loses on the way from lid to floor, and its surface's.
+// Where neither weight nor tension does anything, 1 J.
 template <int D>
 double energy_scale(const fluids<D>& f) {
   const auto& L = f.o.domain.length;
   const double weight = std::abs(f.p.density_difference) * f.o.gravity, a = f.o.radius;
-  if (f.is_drop())
-    return f.number_of_drops() * (weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
-                                  f.o.surface_tension * round_surface<D>(a));
-  return weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
+  const double scale =
+      f.is_drop() ? f.number_of_drops() * (weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
+                                           f.o.surface_tension * round_surface<D>(a))
+                  : weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
+  return scale > 0.0 ? scale : 1.0;
 }
 
 }  // namespace tetsuame::overturn

@@ -240,16 +240,19 @@ void follow_drops(measures& m, const fluids<D>& f, const totals& all, std::vecto
   if (!m.fraction_start) m.fraction_start = all.metal_volume / all.volume;
   if (!f.tense) return;
   m.laplace_pressure = pressure_inside(f);
-  values.push_back(m.laplace_pressure);
+  // 0 where no particle of a drop is out of reach of the contact: a table has numbers only.
+  values.push_back(std::isfinite(m.laplace_pressure) ? m.laplace_pressure : 0.0);
 }
 
 // Of what the metal would take up, P being what it is, from its start to equilibrium with all silicate: the part
-// taken.
+// taken; 1 where it has nothing to take up.
 template <int D>
 double equilibration(const measures& m, const fluids<D>& f, double c, double P) {
   const auto& [metal, metal_volume, mass, volume] = m.metal_start;
   const double there = *m.element_start / (metal + (mass - metal) / P);
-  return (c - f.o.element.concentration_metal) / (there - f.o.element.concentration_metal);
+  const double start = f.o.element.concentration_metal;
+  if (std::abs(there - start) <= 1e-12 * std::max(there, start)) return 1.0;
+  return (c - start) / (there - start);
 }
 
 template <int D>

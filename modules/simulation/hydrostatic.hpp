@@ -16,6 +16,7 @@
 #include <simulation/communication.hpp>
 #include <simulation/load_balance.hpp>
 #include <simulation/measures.hpp>
+#include <simulation/records.hpp>
 #include <simulation/residuals.hpp>
 #include <simulation/restart.hpp>
 #include <simulation/right_hand_side.hpp>
@@ -218,7 +219,7 @@ struct run {
   next_end choose_end() const {
     const double interval = o.output.interval;
     if (o.time.method == "adaptive") return {files.last_end(t_end(), interval), "output"};
-    return files.end_of_fixed_step(integrator->time(), o.time.dt, "fixed", t_end(), interval);
+    return files.end_of_fixed_step(integrator->time(), o.time.dt, {o.time.dt, "fixed"}, t_end(), interval);
   }
 
   void advance() {
@@ -255,26 +256,18 @@ struct run {
 
   // ---- output -----------------------------------------------------------------------------
 
+  simulation::records records{{.evaluate = [this] { evaluate_here(); },
+                               .line = [this] { append_history(); },
+                               .snapshot = [this] { write_snapshot(); },
+                               .checkpoint = [this] { write_checkpoint(); }}};
+
   void record() {
-    const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
-    const bool line_due = step % o.output.history_interval == 0;
-    if (snapshot_due || line_due) evaluate_here();
-    if (line_due) append_history();
-    if (snapshot_due) write_snapshot();
+    records.lines_and_snapshots(step, step % o.output.history_interval == 0,
+                                files.snapshot_due(integrator->time(), o.output.interval));
     const bool by_steps = o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0;
     const bool by_time = o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds;
-    if (finished() || by_steps || by_time) write_checkpoint();
+    if (finished() || by_steps || by_time) records.checkpoint(step);
   }
-
-  // The last checkpoint stands before what only the end of a run has, a line and a snapshot that were not due: a run
-  // that is continued from it is one that was not stopped.
-  void record_end() {
-    if (checkpoint_step != step) write_checkpoint();
-    evaluate_here();
-    if (line_step != step) append_history();
-    if (snapshot_step != step) write_snapshot();
-  }
-  std::int64_t line_step = -1, snapshot_step = -1, checkpoint_step = -1;  // the last of each
 
   void append_history() {
     const foundation::stage timed(world.w.times, "output");
@@ -283,7 +276,6 @@ struct run {
     files.append_line(step, std::array{integrator->time(), integrator->statistics().last_dt, e.pressure_mean,
                                        e.pressure_max, e.density_max, e.displacement_max_over_dx, t.kinetic,
                                        t.potential, t.internal, t.energy() - start_totals.energy()});
-    line_step = step;
   }
 
   static std::vector<output::history_column> history_columns() {
@@ -312,7 +304,6 @@ struct run {
     std::vector<particles::array> extra;
     const auto groups = snapshot_groups(world, o.kernel.h_over_dx * world.w.dx, extra);
     files.write_snapshot(header, groups, o.output.interval);
-    snapshot_step = step;
   }
 
   void write_checkpoint() {
@@ -325,10 +316,8 @@ struct run {
       g.integers["hosono_passes"] = how.passes;
     }
     std::vector<std::int64_t> materials;
-    g.integers["line_step"] = line_step;
-    g.integers["snapshot_step"] = snapshot_step;
+    records.save(g);
     files.write_checkpoint(step, *integrator, std::move(g), checkpoint_table(world.w.s, materials));
-    checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
@@ -349,8 +338,7 @@ struct run {
     start_other_tables();
     evaluate_here();
     start_totals = measure_totals(world);
-    append_history();
-    write_snapshot();
+    records.begin(step);
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
@@ -374,9 +362,7 @@ struct run {
 
   void restore(const output::checkpoint_globals& g) {
     start_totals = totals_of_start<D>(g);
-    line_step = g.integers.at("line_step");
-    snapshot_step = g.integers.at("snapshot_step");
-    if (files.continues_here()) checkpoint_step = step;
+    records.restore(g, step, files.continues_here());
     wall_crossings = ranks.rank == 0 ? g.integers.at("wall_crossings") : 0;
     if constexpr (iterates) {
       how.evaluations = g.integers.at("hosono_evaluations");
@@ -419,11 +405,9 @@ struct run {
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_totals.momentum[a]) / start_totals.sound_momentum);
     report.set_conservation((t.mass - start_totals.mass) / start_totals.mass, momentum,
                             (t.energy() - start_totals.energy()) / start_totals.pressure_volume);
-    report.metrics["limit_cfl"] = or_null(std::isfinite(limits.cfl) ? std::optional(limits.cfl) : std::nullopt);
-    report.metrics["limit_viscous"] =
-        or_null(std::isfinite(limits.viscous) ? std::optional(limits.viscous) : std::nullopt);
-    report.metrics["limit_thermal"] =
-        or_null(std::isfinite(limits.thermal) ? std::optional(limits.thermal) : std::nullopt);
+    report.metrics["limit_cfl"] = bound_or_null(limits.cfl);
+    report.metrics["limit_viscous"] = bound_or_null(limits.viscous);
+    report.metrics["limit_thermal"] = bound_or_null(limits.thermal);
     report.metrics["limit_least"] = limits.least().name;
     report.metrics["lattice_sum"] = world.w.lattice_sum;
     report.state_hash = hash_of_state(world);
@@ -464,18 +448,13 @@ struct run {
       found.reset();
       warn_about_step();
       advance();
-      record_end();
+      records.end(step);
       measure_report();
       fill_report();
-      files.complete(step, integrator->time(), reason_of_early_end());
+      files.complete(step, integrator->time(), t_end(), "");
     } catch (const foundation::error& e) {
       files.fail(e, step, [&] { save_what_there_is(e); });
     }
-  }
-
-  std::string reason_of_early_end() const {
-    if (integrator->time() >= t_end() * (1.0 - 1e-9)) return {};
-    return fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end());
   }
 
   // The last good state is in the arrays: it goes to disk with the reason.

@@ -145,7 +145,8 @@ output::history& run_directory::table(const std::string& name, const std::vector
   const auto mark = marks_.find(name);
   const auto path = path_of(name);
   std::error_code ignored;
-  const bool lost = mark != marks_.end() && ranks.rank == 0 && !(fs::file_size(path, ignored) > 0);
+  const bool lost =
+      mark != marks_.end() && ranks.rank == 0 && (!fs::exists(path, ignored) || fs::is_empty(path, ignored));
   auto made = mark == marks_.end() ? output::history::start(ranks.comm, path, columns)
                                    : output::history::resume(ranks.comm, path, columns, mark->second);
   if (lost && continues_here()) tell(fmt::format("{} was lost: it begins anew", path));
@@ -162,16 +163,18 @@ void run_directory::append_line(std::int64_t step, std::span<const double> value
   history_->append(step, values);
 }
 
-next_end run_directory::end_of_fixed_step(double t, double dt, const std::string& dt_is, double t_end,
+next_end run_directory::end_of_fixed_step(double t, double dt, const integrators::step_limit& most, double t_end,
                                           double interval) const {
-  const double stop = last_end(t_end, interval), rest = stop - t, steps = rest / dt;
+  const bool shorter = most.dt < dt;
+  const double h = shorter ? most.dt : dt;
+  const double stop = last_end(t_end, interval), rest = stop - t, steps = rest / h;
   const bool to_output = interval > 0.0 && next_snapshot <= t_end * (1.0 + 1e-9);
   // So many steps bring it there: what rounding did to t over many steps is no reason for another length.
   if (const double whole = std::round(steps); whole >= 1.0 && std::abs(steps - whole) <= 1e-6)
-    return {t + 2.0 * dt, dt_is};
-  if (!to_output) return {stop, "output"};
+    return {shorter ? t + h : t + 2.0 * h, most.name};
+  if (!to_output) return shorter && h < rest ? next_end{t + h, most.name} : next_end{stop, "output"};
   const double n = std::ceil(steps);
-  return {n <= 1.0 ? stop : t + rest / n, rest / n < 0.9 * dt ? "output" : dt_is};
+  return {n <= 1.0 ? stop : t + rest / n, rest / n < 0.9 * h ? "output" : most.name};
 }
 
 void run_directory::write_snapshot(const output::snapshot_header& header,
@@ -254,9 +257,12 @@ void run_directory::fill_report(std::int64_t step, const integrators::explicit_i
   report.statistics = integrator->statistics();
 }
 
-void run_directory::complete(std::int64_t step, double t, const std::string& remark) {
+void run_directory::complete(std::int64_t step, double t, double t_end, const std::string& remark) {
+  report.check_finite(ranks);
   report.status = "completed";
   report.message = fmt::format("completed {} steps, t = {:.6g} s{}", step, t, remark);
+  if (remark.empty() && t < t_end * (1.0 - 1e-9))
+    report.message += fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end);
   report.write(ranks, line.output);
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   say(report.message);

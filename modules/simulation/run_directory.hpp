@@ -73,9 +73,10 @@ struct run_directory {
   void append_line(std::int64_t step, std::span<const double> values);
 
   bool snapshot_due(double t, double interval) const { return interval > 0.0 && t >= next_snapshot * (1.0 - 1e-9); }
-  // For steps of a fixed length that dt_is says the reason of: those before an output time are equal and a little
-  // shorter where it is no multiple of dt away; the last one before t_end is cut.
-  next_end end_of_fixed_step(double t, double dt, const std::string& dt_is, double t_end, double interval) const;
+  // For steps of the fixed length dt (s), or of `most` where that is less: those before an output time are equal and a
+  // little shorter where it is no multiple of them away; the last one before t_end is cut.
+  next_end end_of_fixed_step(double t, double dt, const integrators::step_limit& most, double t_end,
+                             double interval) const;
   // For steps that are chosen one by one.
   double last_end(double t_end, double interval) const {
     return interval > 0.0 ? std::min(t_end, next_snapshot) : t_end;
@@ -97,7 +98,8 @@ struct run_directory {
 
   // None: a run that failed before its first step could be prepared.
   void fill_report(std::int64_t step, const integrators::explicit_integrator* integrator);
-  void complete(std::int64_t step, double t, const std::string& remark);
+  // remark: of the end, where it is neither the last of the steps asked for nor t_end.
+  void complete(std::int64_t step, double t, double t_end, const std::string& remark);
   // The exit of a run that was told to stop, after its checkpoint.
   [[noreturn]] void interrupt(double reason, std::int64_t step, const std::string& of_steps, double t);
   // Ends the run with the reason in summary and log, and throws it again. save: puts to disk and into the report what

@@ -37,7 +37,8 @@ def hydrostatic(program):
 # Runs of a second or two: program, input, settings.
 CASES = {
     **{program[-1]: hydrostatic(program) for program in ["disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f"]},
-    "f_adaptive": ("disph_f", *case_of("disph_f", **{**OFTEN, "time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 6})),
+    "f_adaptive": ("disph_f", *case_of("disph_f", **{**OFTEN, "time.method": "adaptive", "time.rtol": 1e-5, "time.t_end": 6,
+                                                     "time.steps": 1000})),
     "rti": ("rti", "rti_note", {**SMALL, **OFTEN, "time.t_end": 2000, "output.interval": 500}),
     "drop": ("drop", "drop_emulsion", {**OFTEN, "domain.particles_x": 32, "domain.particles_y": 48, "time.steps": 60,
                                        "output.interval": 300}),
@@ -310,6 +311,7 @@ class NoRoom(Attack):
     def test_no_block(self):
         """The room ends at a moment drawn at random, of a run that begins and of one that goes on."""
         draw = self.draw()
+        met = []
         for number in range(ATTACKS):
             label = draw.choice(["a", "f", "rti", "conduction"])
             with self.subTest(label, number=number, seed=SEED):
@@ -326,7 +328,26 @@ class NoRoom(Attack):
                     options = LATEST
                 whole_size = sum(p.stat().st_size for p in whole.directory.iterdir()) // 4096
                 self.fill(draw.randrange(whole_size))
-                self.fails_and_goes_on(program, name, settings, whole, options)
+                met.append(self.fails_and_goes_on(program, name, settings, whole, options))
+        files = sorted({file for file in met if file})
+        self.assertGreater(len(files), 1, met)
+        print(f"{sum(file is not None for file in met)} of {ATTACKS} runs met a full disk, at {', '.join(files)}")
+
+
+    def test_no_room_for_tables(self):
+        """Lines are all that a run writes between two checkpoints far apart."""
+        program, name, settings = CASES["a"]
+        settings = {**settings, "time.steps": 300, "time.dt": 0.02, "output.interval": 0, "output.history_interval": 1,
+                    "run.checkpoint_interval": 299}
+        whole = self.run_program(program, name, settings, "whole")
+        met = []
+        for pages in range(8):
+            with self.subTest(pages=pages):
+                shutil.rmtree(self.place / "out", ignore_errors=True)
+                self.run_program(program, name, {**settings, "time.steps": 5, "run.checkpoint_interval": 5}, self.place / "out")
+                self.fill(pages)
+                met.append(self.fails_and_goes_on(program, name, settings, whole, LATEST))
+        self.assertLessEqual({"history.csv", "residuals.csv"}, set(met))
 
 
 # ---- many snapshots ----

@@ -41,7 +41,8 @@ class Convection(Case):
         settings = {**size(16), "time.t_end": 1.5e17, "convection.steady_tolerance": 0, "convection.xi": 4e12, "convection.zeta": 5,
                     "initial.perturbation": 1e-3}
         for Ra in [600, 1000]:
-            result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra})
+            result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra,
+                                                             "convection.prandtl": 2.5e25 * 1e4 / Ra})
             header, rows = result.rows()
             t, v = header.index("time [s]"), header.index("v_rms [kappa/L]")
             rows = [(float(row[t]) * 1e-18, float(row[v])) for row in rows if float(row[t]) > 5e16]

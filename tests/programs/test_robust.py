@@ -47,8 +47,9 @@ class Robust(Case):
     def start(self, program, name, settings, output, options=(), ranks=None, threads=1, **how):
         process = subprocess.Popen(
             command(program, *self.arguments(name, settings, self.here / output, options), ranks=ranks), cwd=self.here,
-            env=environment(threads), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-            start_new_session=True, **how)
+            # What killed ranks leave of the memory that they share goes with the test's directory.
+            env={**environment(threads), "OMPI_MCA_btl_vader_backing_directory": str(self.here)},
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True, **how)
         self.addCleanup(lambda: process.poll() is None and kill_all(process.pid))
         return process
 
