@@ -39,16 +39,17 @@
 #include <boussinesq/options.hpp>
 #include <boussinesq/steady.hpp>
 #include <boussinesq/terms.hpp>
-#include <march/problem.hpp>
 #include <operators/consistent.hpp>
 #include <operators/sums.hpp>
 #include <output/columns.hpp>
-#include <simulation/state.hpp>
+#include <output/state_hash.hpp>
+#include <run/problem.hpp>
+#include <run/state.hpp>
 
 namespace tetsuame::boussinesq {
 
 template <int D>
-class convection : public march::problem {
+class convection : public run::problem {
  public:
   convection(const options& o, const parameters& p)
       : o_(o),
@@ -102,6 +103,7 @@ class convection : public march::problem {
   const domain::communicator& ranks() const override { return world_.w.d.ranks; }
   std::size_t local_particles() const override { return world_.w.s.fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
+  foundation::stage_times& times() override { return world_.w.times; }
   output::snapshot_header header() const override { return images::snapshot_header(world_); }
   std::vector<std::string> about() const override { return p_.lines; }
 
@@ -135,8 +137,8 @@ class convection : public march::problem {
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx, fastest = std::max(largest_viscosity(), p_.fluid.kappa);
     // Waves of compression: where viscosity varies its share of them counts three times.
-    const double sound = *o_.march.time.cfl * dx / std::hypot(p_.c_eff, p_.compression * p_.shear_speed);
-    const double diffusion = *o_.march.time.diffusive * dx * dx / fastest;
+    const double sound = *o_.common.time.cfl * dx / std::hypot(p_.c_eff, p_.compression * p_.shear_speed);
+    const double diffusion = *o_.common.time.diffusive * dx * dx / fastest;
     return sound < diffusion ? integrators::step_limit{sound, "sound"}
                              : integrators::step_limit{diffusion, "diffusion"};
   }
@@ -148,7 +150,7 @@ class convection : public march::problem {
   // and 3.8 (sound) with one viscosity, found from the eigenvalues of the rates.
   double longest_step() override {
     if (!p_.steady || !varies()) return std::numeric_limits<double>::infinity();
-    const auto& method = o_.march.time.method;
+    const auto& method = o_.common.time.method;
     const double margin = method == "rk4" ? std::hypot(viscous_contrast_ / 2.7, sound_contrast_ / 3.8)
                           : method == "rkl2" || method == "rkc2" ? sound_contrast_
                                                                  : std::max(viscous_contrast_, sound_contrast_);
@@ -174,7 +176,7 @@ class convection : public march::problem {
   void renew_memory() override {
     if (p_.lagging == "evaluation") take_memory();
   }
-  bool keeps_rate() const { return o_.march.time.method == "ab2"; }
+  bool keeps_rate() const { return o_.common.time.method == "ab2"; }
   bool extrapolates() const { return p_.lagging == "extrapolated"; }
   // Of what the last evaluation summed; extrapolated: by half a step, as long as the one before.
   void take_memory() {
@@ -216,9 +218,9 @@ class convection : public march::problem {
     return reached_ != before;
   }
 
-  bool complete_step() override {
+  bool complete_step(std::int64_t) override {
     lacks_rate_ = false;
-    const std::int64_t crossings = ranks().sum(images::reflect(world_.images, world_.w.s));
+    const std::int64_t crossings = images::reflect(world_.images, world_.w.s);
     crossings_ += crossings;
     return crossings > 0;
   }
@@ -345,14 +347,14 @@ class convection : public march::problem {
     return {g};
   }
 
-  void report(double, simulation::summary& r) override {
+  void report(double, run::summary& r) override {
     auto& j = r.metrics;
     const auto& f = p_.fluid;
     const double span = window();
     for (std::size_t m = 0; m < measures.size(); ++m) {
       const auto a = samples_.over(m, span);
       j[measures[m]] = a.mean;
-      if (m < 4) j[std::string(measures[m]) + "_uncertainty"] = simulation::or_null(a.uncertainty);
+      if (m < 4) j[std::string(measures[m]) + "_uncertainty"] = run::or_null(a.uncertainty);
     }
     j["averaged_over"] = span;
     j["steady"] = steady();
@@ -366,7 +368,7 @@ class convection : public march::problem {
     j["mach"] = mach_;
     j["reynolds_effective"] = v_rms_ * f.L / p_.nu_eff;
     j["mean_density_drift"] = density_drift_;
-    j["wall_crossings"] = crossings_;
+    j["wall_crossings"] = ranks().sum(crossings_);
     j["rayleigh"] = relaxation::rayleigh(f);
     j["prandtl"] = relaxation::prandtl(f);
     j["dissipation_number"] = p_.dissipation_number;
@@ -384,7 +386,6 @@ class convection : public march::problem {
     const double through = 0.5 * (bottom + top), imbalance = through != 0.0 ? (bottom - top) / through : 0.0;
     j["heat_imbalance"] = imbalance;
     r.conservation = {{"mass", density_drift_}, {"momentum", momentum_}, {"energy", imbalance}};
-    r.stages = world_.w.times.seconds();
   }
 
   std::string hash() override {
@@ -400,12 +401,12 @@ class convection : public march::problem {
   }
 
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(world_.w.s, materials);
+    return run::checkpoint_table(world_.w.s, materials);
   }
   // A checkpoint of another method has neither the rate of the step before nor what was extrapolated from.
   void read_particles(const output::table& t) override {
     lacks_rate_ = keeps_rate() && !t.reals.contains("EarlierRate_0_0");
-    simulation::fluid_from_checkpoint(t, world_.w.s, [](std::string_view name) {
+    run::fluid_from_checkpoint(t, world_.w.s, [](std::string_view name) {
       return name.starts_with("EarlierRate_") || name.starts_with("Before_");
     });
   }
@@ -417,7 +418,7 @@ class convection : public march::problem {
     g.reals["outside"] = outside_;
     g.integers["level"] = level_;
     g.integers["has_before"] = has_before_ ? 1 : 0;
-    g.integers["wall_crossings"] = crossings_;
+    g.integers["wall_crossings"] = ranks().sum(crossings_);
     g.blobs["samples"] = samples_.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
@@ -427,7 +428,7 @@ class convection : public march::problem {
     outside_ = g.reals.at("outside");
     v_max_ = g.reals.at("v_max");
     faster_ = g.reals.at("faster");
-    crossings_ = g.integers.at("wall_crossings");
+    crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
     samples_.restore(g.blobs.at("samples"));
     v_rms_ = g.reals.at("v_rms");
   }
@@ -904,7 +905,7 @@ class convection : public march::problem {
   void lay(std::int64_t level) {
     level_ = level;
     const auto& d = o_.physics.domain;
-    const auto& kernel = o_.march.kernel;
+    const auto& kernel = o_.common.kernel;
     auto& s = world_.w.s;
     particles_ = particles_of_level(o_, level);
     const double dx = d.length[1] / static_cast<double>(particles_[1]);
@@ -1022,15 +1023,15 @@ class convection : public march::problem {
   particles::array W_sum_, viscous_stiffer_, coupled_;
   double viscous_contrast_ = 1.0, sound_contrast_ = 1.0;  // of the start of the step, contrast.hpp
 
-  double reached_ = 1.0;     // of the viscosity's exponents and of the way to it
-  double nu_ = p_.fluid.nu;  // m2/s, without the exponents
-  bool has_before_ = false;  // memory of the step before, to extrapolate from
-  bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
-  bool whole_ = true;        // the next evaluation is one that is kept
-  double v_max_ = 0.0;       // m/s, at the start of the step
-  double displacing_ = 0.0;  // m/s, the largest speed of a particle with its spreading
-  double faster_ = 1.5;      // the ratio of the two
-  std::int64_t crossings_ = 0;
+  double reached_ = 1.0;        // of the viscosity's exponents and of the way to it
+  double nu_ = p_.fluid.nu;     // m2/s, without the exponents
+  bool has_before_ = false;     // memory of the step before, to extrapolate from
+  bool lacks_rate_ = false;     // of the step before: 'ab2' starts anew
+  bool whole_ = true;           // the next evaluation is one that is kept
+  double v_max_ = 0.0;          // m/s, at the start of the step
+  double displacing_ = 0.0;     // m/s, the largest speed of a particle with its spreading
+  double faster_ = 1.5;         // the ratio of the two
+  std::int64_t crossings_ = 0;  // of this rank
   record samples_;
   std::array<peak, D> peaks_{};
   double v_rms_ = 0.0, mach_ = 0.0, density_drift_ = 0.0, momentum_ = 0.0;

@@ -457,7 +457,7 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
 // 'auto' stays in the input: a restart may have another method.
 void choose_lagging(const namelist::schema& schema, const options& o, parameters& p) {
   auto& chosen = p.lagging = o.convection.lagging;
-  const auto& method = o.march.time.method;
+  const auto& method = o.common.time.method;
   const bool stabilised = method == "rkl2" || method == "rkc2", plain = o.convection.operators == "sum";
   if (chosen == "auto") chosen = stabilised && !plain ? "extrapolated" : "step";
   const auto refuse = [&](const char* choice, bool when, const char* why) {
@@ -475,7 +475,7 @@ void choose_lagging(const namelist::schema& schema, const options& o, parameters
 
 void declare(namelist::schema& schema, options& o) {
   relaxation::declare(schema, o.physics);
-  simulation::declare(schema, o.ranks_x);
+  run::declare(schema, o.ranks_x);
   declare(schema, o.convection);
   schema.group("initial", "start: conduction, at rest, with a disturbance");
   schema.add("initial", "perturbation", o.initial.perturbation,
@@ -489,8 +489,8 @@ void declare(namelist::schema& schema, options& o) {
   sides[2].temperature = 1000.0;
   sides[3].temperature = 0.0;
   images::declare(schema, 3, true, o.walls);
-  o.march.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
-  march::declare(schema, o.march, {.keeps_rate = true});
+  o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
+  run::declare(schema, o.common, {.keeps_rate = true});
 }
 
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
@@ -517,7 +517,7 @@ void follow(parameters& p, double dx, double higher) {
 }
 
 double expected_particles(const options& o) {
-  return simulation::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
+  return run::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
 }
 
 namespace {
@@ -525,19 +525,19 @@ namespace {
 // The coarsest lattice must hold the kernel, and the fit of the heat through a wall (measures.hpp).
 void check_lattices(const namelist::schema& schema, const options& o) {
   const auto& d = o.physics.domain;
-  simulation::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
+  run::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
   const auto coarsest = particles_of_level(o, o.convection.levels);
   const double dx = d.length[1] / static_cast<double>(coarsest[1]);
-  const double support = std::max(simulation::support_over_dx(o.march.kernel), fit_radius) * dx;
-  simulation::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.march.kernel.skin * dx,
-                           support);
+  const double support = std::max(run::support_over_dx(o.common.kernel), fit_radius) * dx;
+  run::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.common.kernel.skin * dx,
+                    support);
 }
 
 }  // namespace
 
 parameters resolve(const namelist::schema& schema, options& o) {
-  march::resolve(o.march);
-  simulation::resolve(schema, o.ranks_x);
+  run::resolve(schema, o.common);
+  run::resolve(schema, o.ranks_x);
   auto& c = o.convection;
   const auto& d = o.physics.domain;
   const auto unless_given = [&](const char* key, auto& value, auto of_plain) {
@@ -613,9 +613,9 @@ parameters resolve(const namelist::schema& schema, options& o) {
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
-  if (!o.march.time.t_end)
-    o.march.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
-  march::check_output(schema, o.march);
+  if (!o.common.time.t_end)
+    o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
+  run::check_output(schema, o.common);
   return p;
 }
 

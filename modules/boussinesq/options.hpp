@@ -8,9 +8,9 @@
 #include <boussinesq/gravity_density.hpp>
 #include <boussinesq/viscosity.hpp>
 #include <images/scene.hpp>
-#include <march/options.hpp>
 #include <memory>
 #include <relaxation/options.hpp>
+#include <run/options.hpp>
 
 namespace tetsuame::boussinesq {
 
@@ -59,7 +59,7 @@ struct options {
   convection_options convection;
   initial_options initial;
   images::options walls;
-  march::options march;
+  run::common_options common;
   domain::rank_columns ranks_x;
 
   double temperature_bottom() const { return walls.sides[2].temperature; }

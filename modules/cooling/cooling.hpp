@@ -8,22 +8,23 @@
 #include <cooling/exact.hpp>
 #include <cooling/options.hpp>
 #include <diffusion/conduction.hpp>
-#include <march/problem.hpp>
 #include <operators/consistent.hpp>
-#include <simulation/state.hpp>
+#include <output/state_hash.hpp>
+#include <run/problem.hpp>
+#include <run/state.hpp>
 
 namespace tetsuame::cooling {
 
 template <int D>
-class body : public march::problem {
+class body : public run::problem {
  public:
   explicit body(const options& o) : o_(o) {
     auto& s = world_.w.s;
     s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
     for (std::size_t k = 0; k < S; ++k)
       s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
-    images::set_up(world_, domain::communicator::world(), o.box, o.walls, o.march.kernel.name, o.march.kernel.h_over_dx,
-                   0.01, o.jitter, 0.0);
+    images::set_up(world_, domain::communicator::world(), o.box, o.walls, o.common.kernel.name,
+                   o.common.kernel.h_over_dx, 0.01, o.jitter, 0.0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       s.T[i] = o.start;
       for (std::size_t a = 0, k = 1; a < D; ++a)
@@ -36,6 +37,7 @@ class body : public march::problem {
   const domain::communicator& ranks() const override { return world_.w.d.ranks; }
   std::size_t local_particles() const override { return world_.w.s.fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
+  foundation::stage_times& times() override { return world_.w.times; }
   output::snapshot_header header() const override { return images::snapshot_header(world_); }
 
   std::vector<integrators::field> fields() override {
@@ -74,7 +76,7 @@ class body : public march::problem {
   // Euler on the lattice is stable up to dx²/(2 d kappa).
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx;
-    return {*o_.march.time.diffusive * dx * dx / o_.kappa, "diffusion"};
+    return {*o_.common.time.diffusive * dx * dx / o_.kappa, "diffusion"};
   }
   double diffusion_radius() override {
     const double dx = world_.w.dx;
@@ -115,13 +117,12 @@ class body : public march::problem {
     return {g};
   }
 
-  void report(double t, simulation::summary& r) override {
+  void report(double t, run::summary& r) override {
     const auto e = errors(t);
     r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
     r.metrics["reference"] = o_.reference;
     r.metrics["operator"] = o_.scheme;
     r.metrics["heat"] = e.heat;
-    r.stages = world_.w.times.seconds();
   }
 
   std::string hash() override {
@@ -133,9 +134,9 @@ class body : public march::problem {
   }
 
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(world_.w.s, materials);
+    return run::checkpoint_table(world_.w.s, materials);
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
+  void read_particles(const output::table& t) override { run::fluid_from_checkpoint(t, world_.w.s); }
 
  private:
   static constexpr std::size_t S = operators::symmetric_terms(D);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <images/scene.hpp>
-#include <march/options.hpp>
+#include <run/options.hpp>
 
 namespace tetsuame::cooling {
 
@@ -16,7 +16,7 @@ struct options {
   std::string reference = "plate";
   std::string scheme = "consistent";
   images::options walls;
-  march::options march;
+  run::common_options common;
 
   double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }
   double temperature_top() const { return walls.sides[3].temperature; }

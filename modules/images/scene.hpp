@@ -127,10 +127,10 @@ void rebuild(scene<D>& scene, bool as_they_were) {
       });
 }
 
-// m, the largest displacement of any rank since the lists were made.
+// m, the largest displacement on this rank since the lists were made.
 template <int D>
 double moved_since_lists(const scene<D>& scene) {
-  return std::sqrt(scene.w.d.ranks.maximum(particles::moved_since_lists(scene.w.s)));
+  return std::sqrt(particles::moved_since_lists(scene.w.s));
 }
 
 template <int D>

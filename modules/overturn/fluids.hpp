@@ -26,8 +26,8 @@ struct fluids {
   double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
   viscous_weights viscous;
   walls::boundary_force wall_force;
-  bool second_order = false;  // in the place of the viscous order that was asked for
-  std::int64_t crossings = 0;
+  bool second_order = false;   // in the place of the viscous order that was asked for
+  std::int64_t crossings = 0;  // of this rank
 
   // Where supports follow the volumes (supports.hpp): the kernel with support 1, that of the start, those in the sums.
   kernels::any<D> unit = kernels::make<D>("quintic", 1.0);

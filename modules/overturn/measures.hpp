@@ -368,7 +368,7 @@ std::vector<double> next_line(measures& m, const fluids<D>& f, double t) {
 template <int D>
 void save(const measures& measured, const fluids<D>& f, output::checkpoint_globals& g) {
   auto m = measured;
-  g.integers["wall_crossings"] = f.crossings;
+  g.integers["wall_crossings"] = f.ranks().sum(f.crossings);
   g.blobs["time"] = m.lines.time;
   g.blobs["mode"] = m.lines.mode;
   g.blobs["centroid"] = m.lines.centroid;
@@ -393,7 +393,7 @@ void save(const measures& measured, const fluids<D>& f, output::checkpoint_globa
 template <int D>
 measures restored(fluids<D>& f, const output::checkpoint_globals& g) {
   measures m;
-  f.crossings = g.integers.at("wall_crossings");
+  f.crossings = f.ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
   m.lines = {g.blobs.at("time"),
              g.blobs.at("mode"),
              g.blobs.at("centroid"),

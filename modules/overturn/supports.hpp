@@ -135,12 +135,12 @@ void follow_volumes(fluids<D>& f) {
   take_supports(f);
 }
 
-// m, that the supports have grown since the lists were made.
+// m, that the supports of this rank have grown since the lists were made.
 template <int D>
 double grown(const fluids<D>& f) {
   double most = 0.0;
   for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support()[i] - f.list_support()[i]);
-  return f.ranks().maximum(most);
+  return most;
 }
 
 // The smallest support over that of the start, which steps are for.

@@ -23,18 +23,19 @@
 // told: report.hpp.
 #pragma once
 
-#include <march/problem.hpp>
 #include <output/columns.hpp>
+#include <output/state_hash.hpp>
 #include <overturn/lists.hpp>
 #include <overturn/report.hpp>
 #include <overturn/right_hand_side.hpp>
 #include <overturn/step_limit.hpp>
-#include <simulation/state.hpp>
+#include <run/problem.hpp>
+#include <run/state.hpp>
 
 namespace tetsuame::overturn {
 
 template <int D>
-class two_fluids : public march::problem {
+class two_fluids : public run::problem {
  public:
   two_fluids(problem_kind kind, const options& o, const parameters& p) : f_(kind, o, p) {
     choose_terms(f_);
@@ -49,6 +50,7 @@ class two_fluids : public march::problem {
   const domain::communicator& ranks() const override { return f_.ranks(); }
   std::size_t local_particles() const override { return f_.world.w.s.fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
+  foundation::stage_times& times() override { return f_.world.w.times; }
   output::snapshot_header header() const override { return images::snapshot_header(f_.world); }
   std::vector<std::string> about() const override { return f_.p.lines; }
 
@@ -84,8 +86,8 @@ class two_fluids : public march::problem {
     if (f_.follows) follow_volumes(f_);
   }
 
-  bool complete_step() override {
-    const std::int64_t crossings = ranks().sum(images::reflect(f_.world.images, f_.world.w.s));
+  bool complete_step(std::int64_t) override {
+    const std::int64_t crossings = images::reflect(f_.world.images, f_.world.w.s);
     f_.crossings += crossings;
     return crossings > 0;
   }
@@ -109,7 +111,7 @@ class two_fluids : public march::problem {
   double speed() override {
     double v2 = 0.0;
     for (std::size_t i = 0; i < f_.world.w.s.fluid; ++i) v2 = std::max(v2, f_.speed2(i));
-    return std::sqrt(ranks().maximum(v2));
+    return std::sqrt(v2);
   }
 
   void rebuild(bool as_they_were) override {
@@ -120,7 +122,7 @@ class two_fluids : public march::problem {
 
   std::vector<output::history_column> columns() const override { return columns_of(f_); }
   std::vector<double> row(double t) override { return next_line(m_, f_, t); }
-  void report(double, simulation::summary& r) override { tell(r, m_, f_); }
+  void report(double, run::summary& r) override { tell(r, m_, f_); }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = f_.world.w.s;
@@ -164,9 +166,9 @@ class two_fluids : public march::problem {
   }
 
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(f_.world.w.s, materials);
+    return run::checkpoint_table(f_.world.w.s, materials);
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, f_.world.w.s); }
+  void read_particles(const output::table& t) override { run::fluid_from_checkpoint(t, f_.world.w.s); }
   void save(output::checkpoint_globals& g) const override { overturn::save(m_, f_, g); }
   void restore(const output::checkpoint_globals& g) override {
     m_ = restored(f_, g);

@@ -4,18 +4,19 @@
 // are, so they need not be converged.
 #pragma once
 
-#include <march/problem.hpp>
+#include <output/state_hash.hpp>
+#include <run/problem.hpp>
+#include <run/state.hpp>
 #include <shocks/convergence.hpp>
 #include <shocks/measures.hpp>
 #include <shocks/rates.hpp>
 #include <shocks/start.hpp>
 #include <shocks/steps.hpp>
-#include <simulation/state.hpp>
 
 namespace tetsuame::shocks {
 
 template <int D>
-class flow : public march::problem {
+class flow : public run::problem {
  public:
   flow(const options& o, const std::vector<level>& coarser) : g_{.o = o, .test = make_setup(o)}, coarser_(coarser) {
     set_up(g_);
@@ -24,6 +25,7 @@ class flow : public march::problem {
   const domain::communicator& ranks() const override { return g_.ranks(); }
   std::size_t local_particles() const override { return g_.w.s.fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
+  foundation::stage_times& times() override { return g_.w.times; }
   output::snapshot_header header() const override {
     output::snapshot_header header;
     header.dimension = D;
@@ -52,8 +54,8 @@ class flow : public march::problem {
   double speed() override { return largest_speed(g_); }
 
   void keep_memory() override { next_supports(g_); }
-  bool complete_step() override {
-    const std::int64_t crossings = ranks().sum(images::reflect(g_.walls, g_.w.s));
+  bool complete_step(std::int64_t) override {
+    const std::int64_t crossings = images::reflect(g_.walls, g_.w.s);
     crossings_ += crossings;
     return crossings > 0;
   }
@@ -90,30 +92,29 @@ class flow : public march::problem {
     return {shocks::snapshot(g_, time_, extra)};
   }
 
-  void report(double t, simulation::summary& r) override {
+  void report(double t, run::summary& r) override {
     const totals<D> now = sum_up(g_);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
                       {"energy", now.energy() / first_->energy() - 1.0}};
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
-    for (const auto& [name, value] : g_.test.known) r.metrics[name] = simulation::or_null(value);
+    for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);
     if (g_.test.measures)
       for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_))
-        r.metrics[name] = simulation::or_null(value);
-    r.metrics["wall_crossings"] = crossings_;
+        r.metrics[name] = run::or_null(value);
+    r.metrics["wall_crossings"] = ranks().sum(crossings_);
     if (g_.test.exact) r.errors = errors(g_, t);
     if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.box.particles[0], t, r.errors, ""});
-    r.stages = g_.w.times.seconds();
   }
   std::string hash() override { return state_hash(g_); }
 
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(g_.w.s, materials);
+    return run::checkpoint_table(g_.w.s, materials);
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, g_.w.s); }
+  void read_particles(const output::table& t) override { run::fluid_from_checkpoint(t, g_.w.s); }
   void save(output::checkpoint_globals& to) const override {
-    to.integers["crossings"] = crossings_;
+    to.integers["crossings"] = ranks().sum(crossings_);
     if (!first_) return;
     std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->potential, first_->momentum_scale};
     all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
@@ -122,7 +123,7 @@ class flow : public march::problem {
     for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
   void restore(const output::checkpoint_globals& from) override {
-    crossings_ = from.integers.at("crossings");
+    crossings_ = ranks().rank == 0 ? from.integers.at("crossings") : 0;
     const auto& all = from.blobs.at("first_totals");
     first_.emplace(totals<D>{all[0], all[1], all[2], all[3], all[4], {}});
     std::copy_n(all.begin() + 5, D, first_->momentum.begin());
@@ -134,8 +135,8 @@ class flow : public march::problem {
  private:
   world<D> g_;
   const std::vector<level> coarser_;
-  std::int64_t crossings_ = 0;
-  double time_ = 0.0;  // s, of the state
+  std::int64_t crossings_ = 0;  // of this rank
+  double time_ = 0.0;           // s, of the state
   bool settled_ = false;
   std::optional<totals<D>> first_;
   samples samples_;

@@ -2,7 +2,7 @@
 // cover.
 #pragma once
 
-#include <march/problem.hpp>
+#include <run/problem.hpp>
 #include <shocks/world.hpp>
 
 namespace tetsuame::shocks {
@@ -14,13 +14,13 @@ integrators::step_limit largest_step(const world<D>& g) {
     const double spacing = g.S[i] / g.support_over_dx, signal = std::max(g.signal[i], 2.0 * g.sound_speed(i));
     least = std::min(least, 2.0 * spacing / signal);
   }
-  return {*g.o.march.time.cfl * g.ranks().minimum(least), "sound"};
+  return {*g.o.common.time.cfl * g.ranks().minimum(least), "sound"};
 }
 
 // m, since the lists were made
 template <int D>
 double displacement(const world<D>& g) {
-  return std::sqrt(g.ranks().maximum(particles::moved_since_lists(g.w.s)));
+  return std::sqrt(particles::moved_since_lists(g.w.s));
 }
 
 template <int D>
@@ -33,7 +33,7 @@ template <int D>
 double moved(world<D>& g) {
   double growth = 0.0;
   for (std::size_t i = 0; i < g.w.s.fluid; ++i) growth = std::max(growth, g.support()[i] - g.list_support()[i]);
-  const bool no_room = g.ranks().maximum(growth) >= g.room_to_grow() * (1.0 - 1e-9);
+  const bool no_room = growth >= g.room_to_grow() * (1.0 - 1e-9);
   return no_room ? std::max(displacement(g), allowance(g)) : displacement(g);
 }
 
@@ -46,7 +46,7 @@ double largest_speed(const world<D>& g) {
     for (std::size_t a = 0; a < D; ++a) sum += s.v[a][i] * s.v[a][i];
     v2 = std::max(v2, sum);
   }
-  return std::sqrt(g.ranks().maximum(v2));
+  return std::sqrt(v2);
 }
 
 }  // namespace tetsuame::shocks

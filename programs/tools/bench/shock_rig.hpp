@@ -41,8 +41,8 @@ class shock_rig {
       }
     make_lists();
     integrators::explicit_options how;
-    how.method = o_.march.time.method;
-    how.dt = *o_.march.time.dt;
+    how.method = o_.common.time.method;
+    how.dt = *o_.common.time.dt;
     integrator_.emplace(g_->ranks().comm, shocks::integrated_fields(*g_), s.fluid, 0.0, how,
                         [this](double, std::span<double* const> rate) {
                           shocks::evaluate(*g_, rate);
@@ -69,7 +69,7 @@ class shock_rig {
     if (integrator_) integrator_->resize(shocks::integrated_fields(*g_), g_->w.s.fluid);
   }
 
-  // As march::run does it, whether lists are due or not.
+  // As run::run does it, whether lists are due or not.
   void step() {
     shocks::moved(*g_);
     shocks::largest_speed(*g_);
