@@ -21,7 +21,7 @@
 // Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q(f) = Σ V F [2 (f_i - f_j) -
 // (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)].
 //
-// Walls are mirror images (images/images.hpp); p is even but for the step that the momentum balance asks for,
+// Walls are mirror images (walls/mirror.hpp); p is even but for the step that the momentum balance asks for,
 // p_g = p_s - 2 d ∂p/∂n, ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ)·∇ν]_n + b n_y).
 //
 // Levels: the run may start with coarser lattices; each one's steady flow is interpolated to the next.
@@ -43,8 +43,10 @@
 #include <operators/sums.hpp>
 #include <output/columns.hpp>
 #include <output/state_hash.hpp>
+#include <run/checkpoint_table.hpp>
+#include <run/lists.hpp>
 #include <run/problem.hpp>
-#include <run/state.hpp>
+#include <run/start_lattice.hpp>
 
 namespace tetsuame::boussinesq {
 
@@ -104,7 +106,7 @@ class convection : public run::problem {
   std::size_t local_particles() const override { return world_.w.s.fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
   foundation::stage_times& times() override { return world_.w.times; }
-  output::snapshot_header header() const override { return images::snapshot_header(world_); }
+  output::snapshot_header header() const override { return run::snapshot_header(world_); }
   std::vector<std::string> about() const override { return p_.lines; }
 
   std::vector<integrators::field> fields() override {
@@ -220,12 +222,12 @@ class convection : public run::problem {
 
   bool complete_step(std::int64_t) override {
     lacks_rate_ = false;
-    const std::int64_t crossings = images::reflect(world_.images, world_.w.s);
+    const std::int64_t crossings = walls::reflect(world_.walls, world_.w.s);
     crossings_ += crossings;
     return crossings > 0;
   }
 
-  double moved() override { return images::moved_since_lists(world_); }
+  double moved() override { return run::moved_since_lists(world_); }
   double allowance() const override { return 0.5 * world_.skin; }
   // Of the particles, which are spread as well: as at the start of the last step in proportion.
   double speed() override { return fastest() * faster_; }
@@ -242,7 +244,7 @@ class convection : public run::problem {
 
   void rebuild(bool as_they_were) override {
     auto& s = world_.w.s;
-    images::rebuild(world_, as_they_were);
+    run::rebuild(world_, as_they_were);
     for (auto* all : scratch())
       if (all->size() < s.fluid) all->resize(s.fluid);
     refresh_memory();
@@ -466,8 +468,8 @@ class convection : public run::problem {
     const auto& p = pressure_of();
     foundation::for_all(s.fluid, [&](std::size_t i) { product[4][i] = dissipation(i, viscosity(i)); });
     world_.w.exchange_fluid({product[4].data()});
-    foundation::for_all(world_.images.source.size(),
-                        [&](std::size_t r) { product[4][s.first_wall() + r] = product[4][world_.images.source[r]]; });
+    foundation::for_all(world_.walls.source.size(),
+                        [&](std::size_t r) { product[4][s.first_wall() + r] = product[4][world_.walls.source[r]]; });
     foundation::for_all(s.total(), [&](std::size_t i) {
       const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
       product[0][i] = rising * (T - reference(y));
@@ -555,16 +557,16 @@ class convection : public run::problem {
     if (varies()) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity(i, s.x[1][i]); });
     const auto fields = field_arrays();
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), fields_), &s.x);
-    images::move(world_.images, s);
+    walls::move_images(world_.walls, s);
     if (varies())
       foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(s.fluid + g, s.x[1][s.fluid + g]); });
-    foundation::for_all(world_.images.source.size(), [&](std::size_t r) { mirror_state(r); });
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) { mirror_state(r); });
   }
 
   void mirror_state(std::size_t r) {
     auto& s = world_.w.s;
     const auto& f = p_.fluid;
-    const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
     const auto fields = field_arrays();
     std::array<std::array<double, D>, 2> u{}, curvature{};  // of v, and of z
     std::array<std::array<double, D>, most_fields> gradient;
@@ -577,11 +579,11 @@ class convection : public run::problem {
     for (std::size_t k = 0; k < fields_; ++k)
       for (std::size_t a = 0; a < D; ++a) gradient[k][a] = s.extras[grad_ + k * D + a].values[j];
     double T = s.T[j], p = pressure_of()[j], y = s.x[1][j];
-    images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+    walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
       const double d = wall.distance(s.x[wall.axis][j]), T_inside = T, y_inside = y;
       if (wall.axis == 1) y = 2.0 * wall.position - y;
       for (std::size_t k = 0; k < fields_; ++k) gradient[k][wall.axis] = -gradient[k][wall.axis];  // of even fields
-      if (wall.thermal == images::heat::fixed_temperature) {
+      if (wall.thermal == walls::heat::fixed_temperature) {
         T = 2.0 * wall.temperature - T;
         for (double& g : gradient[D]) g = -g;
       } else {
@@ -639,15 +641,15 @@ class convection : public run::problem {
     for (std::size_t a = 0; a < D; ++a) fields.push_back(s.extras[stress_ + a].values.data());
     for (std::size_t k = 0; k < D + N + 1 && isotropic(); ++k) fields.push_back(s.extras[force_ + k].values.data());
     domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
-    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
       std::array<double, most_fields> sign;
       sign.fill(1.0);
-      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
         if (!wall.no_slip)
           for (const std::size_t first : {std::size_t{0}, plain_fields})
             sign[first + wall.axis] = -sign[first + wall.axis];
-        if (wall.thermal == images::heat::fixed_temperature) sign[D] = -sign[D];
+        if (wall.thermal == walls::heat::fixed_temperature) sign[D] = -sign[D];
       });
       for (std::size_t k = 0; k < fields_; ++k) s.extras[lap_ + k].values[i] = sign[k] * s.extras[lap_ + k].values[j];
       if (isotropic()) mirror_viscous_memory(r);
@@ -658,11 +660,11 @@ class convection : public run::problem {
   // ∇ln ν times the rate of strain; where there is no slip it is taken as even.
   void mirror_viscous_memory(std::size_t r) {
     auto& s = world_.w.s;
-    const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
     const double nu = s.extras[angles_ + N].values[j];
     for (std::size_t a = 0; a < D; ++a) s.extras[force_ + a].values[i] = s.extras[force_ + a].values[j];
     for (std::size_t k = 0; k < N; ++k) s.extras[angles_ + k].values[i] = s.extras[angles_ + k].values[j];
-    images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
+    walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
       if (!wall.no_slip) {
         double& across = s.extras[force_ + wall.axis].values[i];
         across = 2.0 * nu * s.extras[stress_ + wall.axis].values[j] - across;
@@ -911,8 +913,8 @@ class convection : public run::problem {
     const double dx = d.length[1] / static_cast<double>(particles_[1]);
     world_.w.dx = dx;
     follow_viscosity();
-    images::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
-                   kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
+    run::set_up(world_, domain::communicator::world(), {d.length, particles_, d.periodic, o_.ranks_x}, o_.walls,
+                kernel.name, kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
     for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
     has_before_ = false;
     for (std::size_t a = 0, k = 0; a < D; ++a)
@@ -1009,7 +1011,7 @@ class convection : public run::problem {
   std::int64_t level_ = 0;     // so many finer ones come
   double level_began_ = 0.0;   // s
   std::array<std::int64_t, 3> particles_{};
-  images::scene<D> world_;
+  run::state<D> world_;
   std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, own_viscosity_ = 0, stress_ = 0, tensor_ = 0,
               force_ = 0, angles_ = 0, before_ = 0,
               earlier_ = 0;  // first of each in the extras

@@ -488,7 +488,7 @@ void declare(namelist::schema& schema, options& o) {
   sides[2].thermal = sides[3].thermal = "fixed";
   sides[2].temperature = 1000.0;
   sides[3].temperature = 0.0;
-  images::declare(schema, 3, true, o.walls);
+  walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
   run::declare(schema, o.common, {.keeps_rate = true});
 }

@@ -7,8 +7,8 @@ namespace tetsuame::cooling {
 
 void declare(namelist::schema& schema, options& o) {
   constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-  o.walls.sides[2] = {"inherit", "fixed", 1.0, 0.0, 0.0};
-  o.walls.sides[3] = {"inherit", "fixed", 0.0, 0.0, 0.0};
+  o.walls.sides[2] = {.thermal = "fixed", .temperature = 1.0};
+  o.walls.sides[3] = {.thermal = "fixed", .temperature = 0.0};
   o.common.time.method = "euler";
   o.common.time.t_end = 1e4;
   o.common.output.history_interval = 50;
@@ -40,7 +40,7 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("conduction", "operator", o.scheme,
              {.choices = {"sum", "consistent", "corrected"},
               .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
-  images::declare(schema, 3, false, o.walls);
+  walls::declare(schema, {.moving = false}, o.walls);
   run::declare(schema, o.common, {.lists_change = false});
 }
 

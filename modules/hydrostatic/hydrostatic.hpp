@@ -3,34 +3,32 @@
 
 #include <fmt/format.h>
 
-#include <functional>
-#include <hydrostatic/load_balance.hpp>
 #include <hydrostatic/measures.hpp>
 #include <hydrostatic/residuals.hpp>
 #include <hydrostatic/right_hand_side.hpp>
 #include <hydrostatic/state.hpp>
 #include <optional>
-#include <run/state.hpp>
+#include <run/box.hpp>
 #include <run/time_loop.hpp>
 #include <volume/hosono_iteration.hpp>
 
 namespace tetsuame::hydrostatic {
 
 template <class Program, int D>
-class problem : public run::problem {
+class problem : public run::problem_in_a_box<D> {
  public:
   using volume_module = typename Program::volume;
   static constexpr bool iterates = requires(volume_module v) { v.residuals; };
 
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
   scene<D> world;
   volume_module how{};
-  load_balance<D> balancer;
-  // Cuts from elsewhere, asked for whenever lists are made anew, in the balancer's place; the same on every rank.
-  std::function<balance::cuts<D>(const balance::cuts<D>&)> other_cuts;
 
-  explicit problem(const options& o, const domain::communicator& ranks = domain::communicator::world())
-      : balancer(o), o_(o) {
-    set_up(o, ranks, world);
+  explicit problem(const options& o, const domain::communicator& of = domain::communicator::world())
+      : base(world, o.balance), o_(o) {
+    set_up(o, of, world);
     world.density_carried = volume_module::carried == volume::carries::density;
     world.weight_carried = volume_module::carried == volume::carries::weight;
     if constexpr (iterates) {
@@ -39,20 +37,6 @@ class problem : public run::problem {
       volume::equation_of_state(world.w, world.w.s.fluid);
       start_kappa_ = volume::detail::largest_kappa(world.w);
     }
-  }
-
-  const domain::communicator& ranks() const override { return world.w.d.ranks; }
-  std::size_t local_particles() const override { return world.w.s.fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  foundation::stage_times& times() override { return world.w.times; }
-  output::snapshot_header header() const override {
-    output::snapshot_header header;
-    header.dimension = D;
-    for (std::size_t a = 0; a < D; ++a) {
-      header.box_lengths[a] = o_.domain.length[a];
-      header.periodic[a] = o_.domain.periodic[a];
-    }
-    return header;
   }
 
   // ---- evaluation and stepping ------------------------------------------------------------
@@ -71,77 +55,21 @@ class problem : public run::problem {
       std::copy_n(world.w.s.rho.begin(), world.w.s.fluid, particles::extra(world.w.s, volume::density_guess).begin());
   }
 
-  // The record of the iteration; walls as the last guard.
   bool complete_step(std::int64_t step) override {
     if constexpr (iterates) {
       residuals_->append(step, how.residuals);
       how.residuals.clear();
     }
-    const std::int64_t crossings = walls::reflect(world.walls, world.w.s);
-    wall_crossings_ += crossings;
-    return crossings > 0;
-  }
-
-  double moved() override { return std::sqrt(particles::moved_since_lists(world.w.s)); }
-  double allowance() const override { return 0.5 * world.skin; }
-  double speed() override {
-    const auto& s = world.w.s;
-    double speed2 = 0.0;
-#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::values_worth_threads)
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      double v2 = 0.0;
-      for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
-      speed2 = std::max(speed2, v2);
-    }
-    return std::sqrt(speed2);
-  }
-
-  // ---- lists and cuts ---------------------------------------------------------------------
-
-  void rebuild(bool as_they_were) override {
-    const foundation::stopwatch watch;
-    if (as_they_were) {
-      exchange_positions();
-      hydrostatic::rebuild(world, keep_list_positions);
-      exchange_positions();
-    } else {
-      domain::wrap(world.w.d.region, world.w.s);
-      hydrostatic::rebuild(world);
-    }
-    if (!has_lists_) balancer.first_lists(world, watch.elapsed());
-    has_lists_ = true;
-  }
-
-  bool renew(bool lists_are_due, std::int64_t step, std::int64_t left) override {
-    if (lists_are_due) domain::wrap(world.w.d.region, world.w.s);
-    auto verdict = decide_on_cuts(lists_are_due, left);
-    const bool moves = verdict && verdict->decision.move;
-    if (lists_are_due || moves) {
-      const foundation::stage timed(world.w.times, moves ? "balance" : "lists");
-      const auto had = static_cast<std::int64_t>(world.w.s.fluid);
-      if (!lists_are_due) exchange_positions();
-      const std::int64_t leaving = moves ? balancer.leaving(world) : 0;
-      hydrostatic::rebuild(world, lists_are_due ? set_list_positions : keep_list_positions);
-      if (!lists_are_due) exchange_positions();
-      if (verdict) balancer.learn(world, *verdict, leaving, static_cast<std::int64_t>(world.w.s.fluid) - had + leaving);
-    }
-    if (verdict) note(*verdict, step);
-    return lists_are_due || moves;
-  }
-
-  void worked(double seconds) override {
-    balancer.computing += seconds;
-    ++balancer.steps;
+    return base::complete_step(step);
   }
 
   // ---- what is told -----------------------------------------------------------------------
 
   void begin_tables(run::run_directory& files) override {
-    files_ = &files;
+    base::begin_tables(files);
     const auto& material = eos::about(world.w.materials[0]);
     files.say(fmt::format("equation of state {}: {}{}", material.name, material.source,
                           material.illustrative ? " (illustrative)" : ""));
-    if (balancer.mode != "off") balance_history_ = &files.table("balance.csv", balance_columns());
     if constexpr (iterates) residuals_.emplace(files.table("residuals.csv", residual_file::columns()));
   }
 
@@ -178,7 +106,6 @@ class problem : public run::problem {
     r.metrics["limit_thermal"] = run::bound_or_null(limits.thermal);
     r.metrics["limit_least"] = limits.least().name;
     r.metrics["lattice_sum"] = world.w.lattice_sum;
-    report_counts(r);
   }
 
   void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
@@ -189,77 +116,10 @@ class problem : public run::problem {
     }
     if constexpr (iterates)
       if (residuals_) residuals_->append(step + 1, how.residuals);
-    report_counts(r);
   }
 
-  // ---- checkpoints ------------------------------------------------------------------------
-
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return run::checkpoint_table(world.w.s, materials);
-  }
-  void read_particles(const output::table& t) override { run::fluid_from_checkpoint(t, world.w.s); }
-  void save(output::checkpoint_globals& g) const override {
-    hydrostatic::save(start_.value_or(totals<D>{}), g);
-    g.integers["wall_crossings"] = ranks().sum(wall_crossings_);
-    if constexpr (iterates) {
-      g.integers["hosono_evaluations"] = how.evaluations;
-      g.integers["hosono_passes"] = how.passes;
-    }
-  }
-  void restore(const output::checkpoint_globals& g) override {
-    start_ = totals_of_start<D>(g);
-    wall_crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
-    if constexpr (iterates) {
-      how.evaluations = g.integers.at("hosono_evaluations");
-      how.passes = g.integers.at("hosono_passes");
-    }
-  }
-
- private:
-  // Cuts that are to move have done so, particles have not.
-  std::optional<typename load_balance<D>::verdict> decide_on_cuts(bool lists_are_due, std::int64_t left) {
-    if (other_cuts) {
-      if (lists_are_due) move_cuts(o_, world, other_cuts(world.w.d.cuts));
-      return {};
-    }
-    if (ranks().size == 1 || !balancer.due(lists_are_due)) return {};
-    const foundation::stage timed(world.w.times, "balance");
-    auto verdict = balancer.decide(world, lists_are_due, left);
-    if (verdict && verdict->decision.move) move_cuts(o_, world, verdict->cuts);
-    return verdict;
-  }
-
-  void note(const typename load_balance<D>::verdict& v, std::int64_t step) {
-    files_->say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
-    if (balance_history_)
-      balance_history_->append(step,
-                               std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain,
-                                          v.decision.cost, v.decision.move ? 1.0 : 0.0, v.migrated},
-                               v.decision.reason);
-  }
-
-  static std::vector<output::history_column> balance_columns() {
-    return {{"spread", "1"}, {"max_over_mean", "1"}, {"gain", "s or pairs"}, {"cost", "s or pairs"},
-            {"moved", "1"},  {"migrated", "1"},      {"reason", "text"}};
-  }
-
-  // Lists stand where they stood, so that sums keep their order: they are made from the positions
-  // of that time, and the present ones put back after.
-  void exchange_positions() {  // of the fluid: walls stay where they are
-    auto& s = world.w.s;
-    for (std::size_t n = 0; n < D; ++n)
-      std::swap_ranges(s.x[n].begin(), s.x[n].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[n].begin());
-  }
-
-  void report_counts(run::summary& r) {
-    r.wall_particles = ranks().sum(static_cast<std::int64_t>(world.w.s.walls));
-    r.metrics["wall_crossings"] = ranks().sum(wall_crossings_);
-    r.metrics["balance_decisions"] = balancer.decisions;
-    r.metrics["balance_moves"] = balancer.moves;
-    r.metrics["balance_gain_predicted"] = balancer.gain_predicted;
-    r.metrics["balance_seconds"] = ranks().maximum(balancer.seconds);
-    r.metrics["time_spread"] = balancer.time_spread_now(ranks());
-    communication.describe(world.w.d, r.metrics);
+  void report_counts(run::summary& r) override {
+    base::report_counts(r);
     if constexpr (iterates) {
       r.metrics["hosono_solver"] = how.how.solver;
       r.metrics["hosono_passes"] = how.passes;
@@ -270,13 +130,33 @@ class problem : public run::problem {
     }
   }
 
+  // ---- checkpoints ------------------------------------------------------------------------
+
+  void save(output::checkpoint_globals& g) const override {
+    hydrostatic::save(start_.value_or(totals<D>{}), g);
+    base::save(g);
+    if constexpr (iterates) {
+      g.integers["hosono_evaluations"] = how.evaluations;
+      g.integers["hosono_passes"] = how.passes;
+    }
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    start_ = totals_of_start<D>(g);
+    base::restore(g);
+    if constexpr (iterates) {
+      how.evaluations = g.integers.at("hosono_evaluations");
+      how.passes = g.integers.at("hosono_passes");
+    }
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override { rebuild(world, as_they_were); }
+  void place_walls() override { hydrostatic::place_walls(o_, world); }
+
+ private:
   const options& o_;
-  run::run_directory* files_ = nullptr;
-  output::history* balance_history_ = nullptr;
   std::optional<residual_file> residuals_;
   std::optional<totals<D>> start_;
-  std::int64_t wall_crossings_ = 0;  // of this rank
-  bool has_lists_ = false;
   double start_kappa_ = 0.0;  // K_T/p of the start state, at its largest
 };
 

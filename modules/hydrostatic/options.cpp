@@ -2,7 +2,7 @@
 #include <cmath>
 #include <hydrostatic/options.hpp>
 #include <kernels/kernel.hpp>
-#include <walls/wall_set.hpp>
+#include <walls/treatments.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -25,10 +25,6 @@ void declare(namelist::schema& schema, domain_options& o) {
                {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
   run::declare(schema, o.ranks_x);
-  schema.add("domain", "balance", o.balance,
-             {.choices = {"measured", "counted", "off"},
-              .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
-                         "every run), or nothing"});
 }
 
 void declare(namelist::schema& schema, initial_options& o) {
@@ -87,7 +83,8 @@ void check_box(const namelist::schema& schema, const options& o) {
                   "the kernel's support, " + std::to_string(2.0 * o.support()) +
                       " m across, is wider than the periodic box, " + std::to_string(d.length[a]) + " m along " +
                       axis_names[a] + ": use more particles or a smaller h_over_dx");
-  const bool filled = o.walls.treatment == "virtual_marker" || o.walls.treatment == "frozen";
+  const bool filled =
+      o.walls.treatment == "virtual_marker" || o.walls.treatment == "frozen" || o.walls.treatment == "mirror";
   run::check_widths(schema, box, o.halo_width(), filled ? o.support() : 0.0);
 }
 
@@ -107,14 +104,9 @@ void declare(namelist::schema& schema, options& o) {
   schema.group("gravity", "uniform gravity");
   schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
   declare(schema, o.material);
-  walls::declare(schema, 3, o.walls);
+  walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.smoothing);
   volume::declare(schema, o.hosono);
-  balance::declare(schema, o.balancer);
-  schema.add("balancer", "interval", o.balance_interval,
-             {.minimum = 1,
-              .maximum = 1e9,
-              .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
   run::declare(schema, o, {.diffuses = false, .ends_by_steps = true});
 }
 

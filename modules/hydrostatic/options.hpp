@@ -1,8 +1,7 @@
-// The input of a box at rest: &domain, &initial, &gravity, &material, &walls, &smoothing, &hosono, &balancer, and the
+// The input of a box at rest: &domain, &initial, &gravity, &material, &walls, &smoothing, &hosono, and the
 // groups that all programs have (run/options.hpp).
 #pragma once
 
-#include <balance/balancer.hpp>
 #include <eos/eos.hpp>
 #include <run/options.hpp>
 #include <volume/hosono_options.hpp>
@@ -17,7 +16,6 @@ struct domain_options {
   std::array<std::int64_t, 3> particles{20, 20, 20};
   std::array<bool, 3> periodic{true, false, true};
   domain::rank_columns ranks_x;
-  std::string balance = "measured";  // what cuts between ranks follow: measured or counted cost, or off
 };
 
 struct initial_options {
@@ -41,12 +39,11 @@ struct options : run::common_options {
   walls::options walls;
   volume::smoothing_options smoothing;
   volume::hosono_options hosono;
-  balance::balancer_options balancer;
-  std::int64_t balance_interval = 20;  // steps
 
   options() {
     time = {.method = "euler", .dt = 1e-3, .steps = 1000, .t_end = {}, .cfl = 0.5, .diffusive = 0.25};
     kernel.name = "quintic";
+    walls.treatment = "virtual_marker";
   }
   double dx() const { return domain.length[0] / static_cast<double>(domain.particles[0]); }
   double support() const;     // m, of the kernel

@@ -1,23 +1,16 @@
-// The start: lattice, exact profile, walls; and the lists, made anew whenever a particle has
-// moved far enough.
+// The start: lattice, exact profile, walls.
 #pragma once
 
 #include <foundation/threads.hpp>
 #include <hydrostatic/options.hpp>
 #include <kernels/lattice.hpp>
 #include <optional>
-#include <pairs/workspace.hpp>
-#include <walls/treatments.hpp>
+#include <run/lists.hpp>
 
 namespace tetsuame::hydrostatic {
 
 template <int D>
-struct scene {
-  pairs::workspace<D> w;
-  walls::any treatment;
-  walls::wall_set<D> walls;
-  double skin = 0.0;  // m
-  std::int64_t fluid_total = 0;
+struct scene : run::state<D> {
   std::array<std::int64_t, D> lattice{};   // particles along each axis at the start, numbered by ID along the first one
   std::vector<double> p_exact, rho_exact;  // Pa, kg/m3, of the exact solution, by row along y
   bool density_carried = false;            // ρ is part of the state
@@ -155,71 +148,12 @@ void place_walls(const options& o, scene<D>& scene) {
   scene.walls.rho_given.assign(s.rho.begin() + begin, s.rho.begin() + end);
 }
 
-// Gives the ranks other cells. Walls move at once; the fluid, and all that hangs on it, at the next rebuild, which
-// must come before the next evaluation.
+// Lists and what stays while they hold: transport coefficients of ghosts.
 template <int D>
-void move_cuts(const options& o, scene<D>& scene, const balance::cuts<D>& cuts) {
-  scene.w.d.cuts = cuts;
-  place_walls(o, scene);
-}
-
-// Whether the lists' positions are set to the present ones, or left (a restart swaps the two
-// before and after, so that lists are made as they were made).
-enum list_positions { set_list_positions, keep_list_positions };
-
-// Sorts the owned fluid, which is in the order of cells and IDs, into layers (workspace::border): within, those whose
-// neighbours may have ghosts or walls for neighbours, and those that may themselves.
-template <int D>
-void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size_t>& order) {
-  w.core = w.border = 0;
-  if (w.d.ranks.size == 1) return;  // nothing is ever on its way
-  auto cell = w.d.cell();
-  const auto deeper_than = [&](double depth) {
-    auto deep = cell;
-    for (std::size_t a = 0; a < D; ++a) {
-      deep.lower[a] = std::max(cell.lower[a], 0.0) + depth;
-      deep.upper[a] = std::min(cell.upper[a], w.d.region.length[a]) - depth;
-    }
-    return [&w, deep](std::size_t i) { return w.d.within(deep, cells::position<D>(w.s.x, i)); };
-  };
-  // A little more than lists reach, against rounding.
-  const auto border = std::stable_partition(order.begin(), order.end(), deeper_than(reach * (1.0 + 1e-6)));
-  const auto core = std::stable_partition(order.begin(), border, deeper_than(2.0 * reach * (1.0 + 1e-6)));
-  w.border = static_cast<std::size_t>(border - order.begin());
-  w.core = static_cast<std::size_t>(core - order.begin());
-}
-
-// Hands particles to their ranks, sorts them by cell and ID, makes halos and lists. The state's
-// arrays move: the integrator must be told.
-template <int D>
-void rebuild(scene<D>& scene, list_positions positions = set_list_positions) {
-  auto& w = scene.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "lists");
-  const double reach = w.support() + scene.skin;
-  domain::migrate(w.d, s);
-
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, cells::cell_edge(reach));
-  std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
-  order_in_layers(w, reach, order);
-  particles::reorder(s, 0, std::span<const std::size_t>(order));
-  if (positions == set_list_positions) s.x_list = s.x;
-
-  domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
-                       [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
-  domain::make_halo<D>(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
-                       [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
-  w.exchange_fluid({s.m.data(), s.eta.data(), s.k.data()});
-
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(reach));
-  cells::make_list<D>(
-      w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
-      cells::others{});
-  std::visit(
-      [&](auto t) {
-        if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, scene.walls, grid, scene.skin);
-      },
-      scene.treatment);
+void rebuild(scene<D>& scene, bool as_they_were = false) {
+  auto& s = scene.w.s;
+  run::rebuild(scene, as_they_were);
+  scene.w.exchange_fluid({s.eta.data(), s.k.data()});
 }
 
 // m/s, the largest of the exact profile.
@@ -253,7 +187,7 @@ void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene
   scene.walls.sides = walls::make_sides<D>(o.walls, box);
   place_fluid(o, scene);
   place_walls(o, scene);
-  if (std::holds_alternative<walls::virtual_marker>(scene.treatment))
+  if (std::holds_alternative<walls::virtual_marker>(scene.treatment) || scene.mirrors())
     scene.walls.force = walls::make_boundary_force(w.dx, fastest_sound(o, scene));
 }
 

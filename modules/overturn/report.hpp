@@ -204,7 +204,6 @@ void tell(run::summary& r, const measures& m, const fluids<D>& f) {
   if (f.enthalpy) tell_heat(j, m, f);
   const auto& w = f.world.w;
   const auto total = static_cast<double>(f.world.fluid_total);
-  j["wall_crossings"] = f.ranks().sum(f.crossings);
   j["particles_lost"] = f.world.fluid_total - f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
   j["spurious_shear_modulus"] = f.p.spurious_modulus;
   j["neighbours"] = static_cast<double>(f.ranks().sum(static_cast<std::int64_t>(w.list.pairs))) / total;

@@ -123,8 +123,8 @@ void take_supports(fluids<D>& f) {
   auto& s = w.s;
   std::copy_n(f.support().begin(), s.fluid, f.S.begin());
   w.exchange_fluid({f.S.data()});
-  foundation::for_all(f.world.images.source.size(),
-                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.images.source[r]]; });
+  foundation::for_all(f.world.walls.source.size(),
+                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.walls.source[r]]; });
   foundation::for_all(s.total(), [&](std::size_t i) { f.per_S[i] = 1.0 / f.S[i]; });
   f.per_S[s.null()] = 0.0;
 }

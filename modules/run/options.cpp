@@ -106,6 +106,18 @@ void declare(namelist::schema& schema, output_options& o) {
              {.minimum = 1, .meaning = "steps between lines of history.csv"});
 }
 
+void declare(namelist::schema& schema, balance_options& o) {
+  schema.add("domain", "balance", o.follows,
+             {.choices = {"measured", "counted", "off"},
+              .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
+                         "every run), or nothing"});
+  balance::declare(schema, o.how);
+  schema.add("balancer", "interval", o.interval,
+             {.minimum = 1,
+              .maximum = 1e9,
+              .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
+}
+
 void declare(namelist::schema& schema, run_options& o) {
   schema.group("run", "limits and checkpoints");
   schema.add("run", "wall_clock_limit", o.wall_clock_limit,
@@ -169,6 +181,7 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
   declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
   declare(schema, o.output);
   declare(schema, o.run);
+  declare(schema, o.balance);
 }
 
 fractions stable_fractions(const std::string& method) {

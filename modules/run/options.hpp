@@ -1,8 +1,9 @@
-// What the input of every program with a time loop holds: groups &time, &kernel, &output and &run, and the checks that
-// all boxes of particles have in common.
+// What the input of every program with a time loop holds: groups &time, &kernel, &output, &run and &balancer, and the
+// checks that all boxes of particles have in common.
 #pragma once
 
 #include <array>
+#include <balance/balancer.hpp>
 #include <cstdint>
 #include <domain/decomposition.hpp>
 #include <namelist/schema.hpp>
@@ -11,6 +12,13 @@
 #include <vector>
 
 namespace tetsuame::run {
+
+struct box_options {
+  std::array<double, 3> length{};  // m
+  std::array<std::int64_t, 3> particles{};
+  std::array<bool, 3> periodic{};
+  domain::rank_columns ranks_x;
+};
 
 struct time_options {
   std::string method = "rk4";
@@ -46,11 +54,19 @@ struct run_options {
   double checkpoint_seconds = 600.0;     // s
 };
 
+// What the cuts between ranks follow: measured or counted cost, or nothing.
+struct balance_options {
+  std::string follows = "measured";
+  std::int64_t interval = 20;  // steps
+  balance::balancer_options how;
+};
+
 struct common_options {
   time_options time;
   kernel_options kernel;
   output_options output;
   run_options run;
+  balance_options balance;
 };
 
 // What a problem has room for, and so what is declared.
@@ -61,6 +77,7 @@ struct abilities {
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool ends_by_steps = false;             // t_end may follow from steps and dt
 };
+// &domain must be there.
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem);
 
 // Fills h_over_dx, and the fractions of sound's and diffusion's limits that the method stands (below).
@@ -86,6 +103,8 @@ void resolve(const namelist::schema& schema, kernel_options& o);
 double support_over_dx(const kernel_options& o);  // of a resolved one
 void declare(namelist::schema& schema, output_options& o);
 void declare(namelist::schema& schema, run_options& o);
+// In group &domain, which must be there, and &balancer.
+void declare(namelist::schema& schema, balance_options& o);
 // In group &domain, which must be there; resolve() notes where the number came from.
 void declare(namelist::schema& schema, domain::rank_columns& o);
 void resolve(const namelist::schema& schema, domain::rank_columns& o);

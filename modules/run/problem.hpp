@@ -82,6 +82,8 @@ class problem {
   virtual std::string refine(double) { return {}; }
   virtual std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) = 0;
   virtual void report(double t, summary& s) = 0;
+  // Collective. What may be said of a run that failed, too.
+  virtual void report_counts(summary&) {}
   // The calculation failed in the step after `step`, for this reason: what of it summary and tables are to say.
   virtual void fail(const foundation::error&, std::int64_t /*step*/, summary&) {}
   virtual std::string hash() = 0;

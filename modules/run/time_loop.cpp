@@ -330,6 +330,7 @@ struct loop {
     files.fill_report(step, integrator.get());
     if (integrator) report.particle_updates = updates();
     report.stages = p.times().seconds();
+    p.report_counts(report);
   }
 
   void warn_about_step() {

@@ -5,8 +5,7 @@
 #pragma once
 
 #include <output/state_hash.hpp>
-#include <run/problem.hpp>
-#include <run/state.hpp>
+#include <run/box.hpp>
 #include <shocks/convergence.hpp>
 #include <shocks/measures.hpp>
 #include <shocks/rates.hpp>
@@ -16,24 +15,14 @@
 namespace tetsuame::shocks {
 
 template <int D>
-class flow : public run::problem {
+class flow : public run::problem_in_a_box<D> {
  public:
-  flow(const options& o, const std::vector<level>& coarser) : g_{.o = o, .test = make_setup(o)}, coarser_(coarser) {
-    set_up(g_);
-  }
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
 
-  const domain::communicator& ranks() const override { return g_.ranks(); }
-  std::size_t local_particles() const override { return g_.w.s.fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  foundation::stage_times& times() override { return g_.w.times; }
-  output::snapshot_header header() const override {
-    output::snapshot_header header;
-    header.dimension = D;
-    for (std::size_t a = 0; a < D; ++a) {
-      header.box_lengths[a] = g_.w.d.region.length[a];
-      header.periodic[a] = g_.w.d.region.periodic[a];
-    }
-    return header;
+  flow(const options& o, const std::vector<level>& coarser)
+      : base(g_, o.common.balance), g_(o, make_setup(o)), coarser_(coarser) {
+    set_up(g_);
   }
 
   std::vector<integrators::field> fields() override { return integrated_fields(g_); }
@@ -48,28 +37,13 @@ class flow : public run::problem {
   void evaluate(std::span<double* const> rate) override { shocks::evaluate(g_, rate); }
 
   integrators::step_limit largest_step() override { return shocks::largest_step(g_); }
-  double diffusion_radius() override { return 0.0; }
   double moved() override { return shocks::moved(g_); }
   double allowance() const override { return shocks::allowance(g_); }
-  double speed() override { return largest_speed(g_); }
 
   void keep_memory() override { next_supports(g_); }
-  bool complete_step(std::int64_t) override {
-    const std::int64_t crossings = images::reflect(g_.walls, g_.w.s);
-    crossings_ += crossings;
-    return crossings > 0;
-  }
   bool set_time(double t) override {
     time_ = t;
     return false;
-  }
-
-  void rebuild(bool as_they_were) override {
-    make_lists(g_, as_they_were);
-    const bool at_start = !settled_ && !as_they_were;
-    settled_ = true;
-    if (!at_start) return;
-    settle(g_);
   }
 
   std::vector<output::history_column> columns() const override {
@@ -103,18 +77,13 @@ class flow : public run::problem {
     if (g_.test.measures)
       for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_))
         r.metrics[name] = run::or_null(value);
-    r.metrics["wall_crossings"] = ranks().sum(crossings_);
     if (g_.test.exact) r.errors = errors(g_, t);
     if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.box.particles[0], t, r.errors, ""});
   }
   std::string hash() override { return state_hash(g_); }
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return run::checkpoint_table(g_.w.s, materials);
-  }
-  void read_particles(const output::table& t) override { run::fluid_from_checkpoint(t, g_.w.s); }
   void save(output::checkpoint_globals& to) const override {
-    to.integers["crossings"] = ranks().sum(crossings_);
+    base::save(to);
     if (!first_) return;
     std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->potential, first_->momentum_scale};
     all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
@@ -123,7 +92,7 @@ class flow : public run::problem {
     for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
   void restore(const output::checkpoint_globals& from) override {
-    crossings_ = ranks().rank == 0 ? from.integers.at("crossings") : 0;
+    base::restore(from);
     const auto& all = from.blobs.at("first_totals");
     first_.emplace(totals<D>{all[0], all[1], all[2], all[3], all[4], {}});
     std::copy_n(all.begin() + 5, D, first_->momentum.begin());
@@ -132,11 +101,18 @@ class flow : public run::problem {
     for (auto line = flat.begin(); line != flat.end(); line += width) samples_.emplace_back(line, line + width);
   }
 
+ protected:
+  void make_lists(bool as_they_were) override {
+    shocks::make_lists(g_, as_they_were);
+    const bool at_start = !settled_ && !as_they_were;
+    settled_ = true;
+    if (at_start) settle(g_);
+  }
+
  private:
   world<D> g_;
   const std::vector<level> coarser_;
-  std::int64_t crossings_ = 0;  // of this rank
-  double time_ = 0.0;           // s, of the state
+  double time_ = 0.0;  // s, of the state
   bool settled_ = false;
   std::optional<totals<D>> first_;
   samples samples_;

@@ -6,8 +6,8 @@
 
 #include <array>
 #include <eos/eos.hpp>
-#include <images/scene.hpp>
 #include <optional>
+#include <run/lists.hpp>
 #include <run/options.hpp>
 
 namespace tetsuame::shocks {
@@ -36,7 +36,7 @@ struct shock_options {
 
 struct options {
   std::int64_t dimension = 1;
-  images::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
+  run::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
   shock_options shock;
   run::common_options common;
 

@@ -78,7 +78,7 @@ class shock_rig {
       const foundation::stage timed(g_->w.times, "integration");
       integrator_->step(1.0);
     }
-    images::reflect(g_->walls, g_->w.s);
+    walls::reflect(g_->walls, g_->w.s);
   }
 
   request asked_;

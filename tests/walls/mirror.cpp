@@ -1,7 +1,7 @@
 // Mirror images of the fluid: where they stand, and that a wall then looks like more fluid.
 #define BOOST_TEST_MODULE images
-#include <images/scene.hpp>
 #include <map>
+#include <run/lists.hpp>
 
 #include "../support/scene.hpp"
 
@@ -11,14 +11,14 @@ using namespace tetsuame::test;
 namespace {
 
 template <int D>
-images::scene<D> make(double jitter, std::array<bool, 3> periodic) {
-  images::scene<D> scene;
-  images::box_options box;
+run::state<D> make(double jitter, std::array<bool, 3> periodic) {
+  run::state<D> scene;
+  run::box_options box;
   box.length = {2.0, 1.0, 1.0};
   box.particles = {20, 10, 10};
   box.periodic = periodic;
-  images::set_up<D>(scene, domain::communicator::world(), box, {}, "wendland_c2", 1.3, 0.4, jitter, 0.0);
-  images::rebuild(scene, false);
+  run::set_up<D>(scene, domain::communicator::world(), box, {}, "wendland_c2", 1.3, 0.4, jitter, 0.0);
+  run::rebuild(scene, false);
   return scene;
 }
 
@@ -53,14 +53,14 @@ BOOST_AUTO_TEST_CASE(images_are_mirror_images) {
   auto& s = scene.w.s;
   // Follow the fluid when it moves.
   for (std::size_t i = 0; i < s.first_wall(); ++i) s.x[1][i] += 0.01 * noise(s.id[i], 3);
-  images::move(scene.images, s);
-  BOOST_TEST(scene.images.source.size() == s.walls);
+  walls::move_images(scene.walls, s);
+  BOOST_TEST(scene.walls.source.size() == s.walls);
   for (std::size_t r = 0; r < s.walls; ++r) {
-    const std::size_t i = s.first_wall() + r, j = scene.images.source[r];
+    const std::size_t i = s.first_wall() + r, j = scene.walls.source[r];
     const std::array<double, 2> length{2.0, 1.0};
     for (std::size_t a = 0; a < 2; ++a) {
-      const bool low = (scene.images.mirrored[r] >> (2 * a) & 1U) != 0,
-                 high = (scene.images.mirrored[r] >> (2 * a + 1) & 1U) != 0;
+      const bool low = (scene.walls.mirrored[r] >> (2 * a) & 1U) != 0,
+                 high = (scene.walls.mirrored[r] >> (2 * a + 1) & 1U) != 0;
       BOOST_TEST(!(low && high));
       const double expected = low ? -s.x[a][j] : high ? 2.0 * length[a] - s.x[a][j] : s.x[a][j];
       BOOST_TEST(s.x[a][i] == expected);
@@ -83,6 +83,6 @@ BOOST_AUTO_TEST_CASE(last_guard) {
       s.v[1][i] = -3.0;
       ++moved;
     }
-  BOOST_TEST(images::reflect(scene.images, s) == moved);
+  BOOST_TEST(walls::reflect(scene.walls, s) == moved);
   for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST((s.x[1][i] > 0.0 && s.v[1][i] >= 0.0));
 }

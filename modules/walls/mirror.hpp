@@ -13,30 +13,21 @@
 #include <cmath>
 #include <cstdint>
 #include <foundation/threads.hpp>
-#include <images/options.hpp>
-#include <particles/storage.hpp>
 #include <vector>
+#include <walls/wall_set.hpp>
 
-namespace tetsuame::images {
-
-template <int D>
-struct image_set {
-  std::vector<side<D>> sides;
-  // Of the image at first_wall() + r:
-  std::vector<std::uint32_t> source;    // local index
-  std::vector<std::uint32_t> mirrored;  // bit k: through sides[k]
-};
+namespace tetsuame::walls {
 
 // f(side) for each mirror of the image r, in the order of the axes.
 template <int D, class F>
-void for_each_mirror(const image_set<D>& set, std::size_t r, F&& f) {
+void for_each_mirror(const wall_set<D>& set, std::size_t r, F&& f) {
   for (std::size_t k = 0; k < set.sides.size(); ++k)
     if ((set.mirrored[r] >> k & 1U) != 0) f(set.sides[k]);
 }
 
 // Positions of the images from those of their sources.
 template <int D>
-void move(const image_set<D>& set, particles::particles<D>& s) {
+void move_images(const wall_set<D>& set, particles::particles<D>& s) {
   foundation::for_all(set.source.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r, j = set.source[r];
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] = s.x[a][j];
@@ -47,7 +38,7 @@ void move(const image_set<D>& set, particles::particles<D>& s) {
 // Images of all fluid, ghosts included, nearer to a wall than `reach` (m). The block of walls must be empty. IDs follow
 // the fluid's: the same on any number of ranks.
 template <int D>
-void make(image_set<D>& set, particles::particles<D>& s, std::int64_t fluid_total, double reach) {
+void make_images(wall_set<D>& set, particles::particles<D>& s, std::int64_t fluid_total, double reach) {
   set.source.clear();
   set.mirrored.clear();
   std::vector<std::int64_t> ids;
@@ -74,25 +65,7 @@ void make(image_set<D>& set, particles::particles<D>& s, std::int64_t fluid_tota
     s.id[s.first_wall() + r] = ids[r];
     s.material[s.first_wall() + r] = s.material[set.source[r]];
   }
-  move(set, s);
+  move_images(set, s);
 }
 
-// The last guard: a particle that passed a wall is put back, and its velocity towards the wall reversed. Returns how
-// many on this rank; a run that needed it reports the number.
-template <int D>
-std::int64_t reflect(const image_set<D>& set, particles::particles<D>& s) {
-  std::int64_t crossings = 0;
-  for (const auto& wall : set.sides) {
-    auto& x = s.x[wall.axis];
-    auto& v = s.v[wall.axis];
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      if (wall.distance(x[i]) >= 0.0) continue;
-      x[i] = 2.0 * wall.position - x[i];
-      if (v[i] * wall.inward < 0.0) v[i] = -v[i];
-      ++crossings;
-    }
-  }
-  return crossings;
-}
-
-}  // namespace tetsuame::images
+}  // namespace tetsuame::walls

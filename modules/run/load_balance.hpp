@@ -9,12 +9,13 @@
 #include <balance/balancer.hpp>
 #include <chrono>
 #include <foundation/waiting.hpp>
-#include <hydrostatic/setup.hpp>
 #include <optional>
+#include <run/lists.hpp>
+#include <run/options.hpp>
 #include <string>
 #include <vector>
 
-namespace tetsuame::hydrostatic {
+namespace tetsuame::run {
 
 template <int D>
 struct load_balance {
@@ -45,11 +46,12 @@ struct load_balance {
   std::vector<double> before;
 
   std::int64_t decisions = 0, moves = 0;
-  double gain_predicted = 0.0;  // in the unit of the cost, of all moves
-  double seconds = 0.0;         // s, for deciding and moving
-  double time_spread = 0.0;     // (max - min)/mean of the ranks' computing times, last heard of
+  double gain_predicted = 0.0;       // in the unit of the cost, of all moves
+  double seconds = 0.0;              // s, for deciding and moving
+  std::optional<double> worst_load;  // largest over mean pairs, from the second decision on
+  double time_spread = 0.0;          // (max - min)/mean of the ranks' computing times, last heard of
 
-  explicit load_balance(const options& o) : mode(o.domain.balance), interval(o.balance_interval), how(o.balancer) {}
+  explicit load_balance(const balance_options& o) : mode(o.follows), interval(o.interval), how(o.how) {}
 
   bool measures() const { return mode == "measured"; }
   const char* unit() const { return measures() ? "s" : "pairs"; }
@@ -58,13 +60,13 @@ struct load_balance {
   bool due(bool lists_are_due) const { return mode != "off" && steps >= (lists_are_due ? interval : 4 * interval); }
 
   // Collective. Nothing where too little was measured to go by. `remaining`: steps of the run.
-  std::optional<verdict> decide(const scene<D>& scene, bool lists_are_due, std::int64_t remaining) {
+  std::optional<verdict> decide(const state<D>& box, bool lists_are_due, std::int64_t remaining) {
     verdict v;
     v.lists_were_due = lists_are_due;
-    const auto& s = scene.w.s;
-    const auto& ranks = scene.w.d.ranks;
-    const auto mine = extent_of(scene);
-    std::vector<double> told{computing / static_cast<double>(steps), pairs_of(scene), static_cast<double>(s.fluid)};
+    const auto& s = box.w.s;
+    const auto& ranks = box.w.d.ranks;
+    const auto mine = extent_of(box);
+    std::vector<double> told{computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(s.fluid)};
     told.insert(told.end(), mine.lower.begin(), mine.lower.end());
     told.insert(told.end(), mine.upper.begin(), mine.upper.end());
     for (const auto& along : mine.cost) told.insert(told.end(), along.begin(), along.end());
@@ -94,7 +96,7 @@ struct load_balance {
     if (expected) experience.moved(*expected, before, cost);
     expected.reset();
 
-    const auto& now = scene.w.d.cuts;
+    const auto& now = box.w.d.cuts;
     v.cuts = balance::propose(now, cost, relaxed(how, experience), where);
     auto price = measures() ? moving : counted_price(v.spread, particles);
     // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
@@ -119,25 +121,26 @@ struct load_balance {
       experience.stayed();
     }
     ++decisions;
+    if (decisions > 1) worst_load = std::max(worst_load.value_or(1.0), 1.0 / balance::spread_of(pairs).efficiency());
     computing = 0.0;
     steps = 0;
     seconds += v.since.busy();
     return v;
   }
 
-  // Collective, when the cuts of a verdict are the scene's but the particles have not moved: those of this rank that
-  // will, by their present positions.
-  std::int64_t leaving(const scene<D>& scene) const {
+  // When the cuts of a verdict are the box's but the particles have not moved: those of this rank that will, by their
+  // present positions, or those of the lists where these stay as they were.
+  std::int64_t leaving(const state<D>& box, bool by_present) const {
     std::int64_t n = 0;
-    const auto cell = scene.w.d.cell();
-    for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
-      n += scene.w.d.within(cell, domain::detail::place_of(scene.w.s, i)) ? 0 : 1;
+    const auto cell = box.w.d.cell();
+    const auto& x = by_present ? box.w.s.x : box.w.s.x_list;
+    for (std::size_t i = 0; i < box.w.s.fluid; ++i) n += box.w.d.within(cell, cells::position<D>(x, i)) ? 0 : 1;
     return n;
   }
 
   // Collective, after the new lists: what they and the move cost. `left`, `came`: particles of this rank.
-  void learn(const scene<D>& scene, verdict& v, std::int64_t left, std::int64_t came) {
-    const auto& ranks = scene.w.d.ranks;
+  void learn(const state<D>& box, verdict& v, std::int64_t left, std::int64_t came) {
+    const auto& ranks = box.w.d.ranks;
     std::array<double, 2> most{v.since.elapsed(), static_cast<double>(left + came)};  // all began together
     ranks.maximum(most);
     v.migrated = static_cast<double>(ranks.sum(left));
@@ -161,21 +164,21 @@ struct load_balance {
   }
 
   // After the first lists: until a move has been seen, to move a particle counts as much as to make its list.
-  void first_lists(const scene<D>& scene, double took) {
-    std::array<double, 2> most{took, static_cast<double>(scene.w.s.fluid)};
-    scene.w.d.ranks.maximum(most);
+  void first_lists(const state<D>& box, double took) {
+    std::array<double, 2> most{took, static_cast<double>(box.w.s.fluid)};
+    box.w.d.ranks.maximum(most);
     moving.rebuild = most[0];
     moving.per_particle = most[0] / std::max(1.0, most[1]);
   }
 
  private:
   // Neighbours of the fluid, and of the walls' markers.
-  static double pairs_of(const scene<D>& scene) {
-    return static_cast<double>(scene.w.list.pairs + scene.walls.near_marker.pairs);
+  static double pairs_of(const state<D>& box) {
+    return static_cast<double>(box.w.list.pairs + box.walls.near_marker.pairs);
   }
   // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
-  static balance::extent<D> extent_of(const scene<D>& scene) {
-    const auto& s = scene.w.s;
+  static balance::extent<D> extent_of(const state<D>& box) {
+    const auto& s = box.w.s;
     const auto length_of = [](const cells::neighbour_list& list, std::size_t r) {
       return static_cast<double>(list.start[r + 1] - list.start[r]);
     };
@@ -183,9 +186,9 @@ struct load_balance {
     for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
     if (s.fluid == 0) return mine;
     mine.begin_costs();
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(domain::detail::place_of(s, i), length_of(scene.w.list, i));
-    for (std::size_t r = 0; r < scene.walls.near_marker.rows(); ++r)
-      mine.add_cost(cells::position<D>(scene.walls.marker, r), length_of(scene.walls.near_marker, r));
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(domain::detail::place_of(s, i), length_of(box.w.list, i));
+    for (std::size_t r = 0; r < box.walls.near_marker.rows(); ++r)
+      mine.add_cost(cells::position<D>(box.walls.marker, r), length_of(box.walls.near_marker, r));
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
@@ -197,4 +200,4 @@ struct load_balance {
   }
 };
 
-}  // namespace tetsuame::hydrostatic
+}  // namespace tetsuame::run

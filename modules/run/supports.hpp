@@ -3,9 +3,9 @@
 
 #include <foundation/error.hpp>
 #include <foundation/exact_sum.hpp>
-#include <images/scene.hpp>
+#include <run/lists.hpp>
 
-namespace tetsuame::images {
+namespace tetsuame::run {
 
 // The largest support of each cell of a coarse grid and its neighbours: how far from a particle one may lie whose
 // support reaches it.
@@ -40,14 +40,13 @@ class largest_near {
   std::vector<double> largest_;
 };
 
-// Row i lists the particles nearer than the larger of the two supports and the skin. `edge`: m, the same on all ranks.
+// Row i lists the particles nearer than the larger of the two supports and the skin.
 template <int D>
-void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, double edge) {
+void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, const cells::grid<D>& grid) {
   auto& s = w.s;
   double most = 0.0;
   for (std::size_t i = 0; i < s.total(); ++i) most = std::max(most, S[i]);
   const largest_near<D> largest(s, S, most + skin);
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), edge);
   cells::make_list<D>(
       w.list, grid, s.fluid, [&](std::size_t i) { return largest(cells::position<D>(s.x, i)) + skin; }, s.null(),
       [&](std::size_t i) { return cells::position<D>(s.x, i); },
@@ -62,9 +61,9 @@ void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, d
 // rebuild() where every particle has a support, m, which may grow until `list_support` and a part of the skin: lists
 // are made for the supports as they then are, or were.
 template <int D>
-void rebuild_with_supports(scene<D>& scene, bool as_they_were, const particles::array& support,
+void rebuild_with_supports(state<D>& box, bool as_they_were, const particles::array& support,
                            particles::array& list_support) {
-  auto& w = scene.w;
+  auto& w = box.w;
   auto& s = w.s;
   const auto lengths = [&] {
     if (!as_they_were) std::copy_n(support.begin(), s.fluid, list_support.begin());
@@ -74,21 +73,20 @@ void rebuild_with_supports(scene<D>& scene, bool as_they_were, const particles::
       most = std::max(most, list_support[i]);
       all.add(list_support[i]);
     }
-    most = w.d.ranks.maximum(most) + scene.skin;
+    most = w.d.ranks.maximum(most) + box.skin;
     w.d.width = most * (1.0 + 1e-6);
     for (std::size_t a = 0; a < D; ++a)
       if (w.d.region.periodic[a] && w.d.width > w.d.region.length[a])
         foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
-    const double mean = w.d.ranks.exact(all) / static_cast<double>(scene.fluid_total);
-    return list_lengths{cells::cell_edge(mean + scene.skin), most};
+    const double mean = w.d.ranks.exact(all) / static_cast<double>(box.fluid_total);
+    return list_lengths{cells::cell_edge(mean + box.skin), most};
   };
-  rebuild_by(scene, as_they_were, lengths, [&](const list_lengths& l) {
+  rebuild_by(box, as_they_were, lengths, [&](const list_lengths&, const cells::grid<D>& grid) {
     w.exchange_fluid({list_support.data()});
-    foundation::for_all(scene.images.source.size(), [&](std::size_t r) {
-      list_support[s.first_wall() + r] = list_support[scene.images.source[r]];
-    });
-    make_list<D>(w, list_support, scene.skin, l.edge);
+    foundation::for_all(box.walls.source.size(),
+                        [&](std::size_t r) { list_support[s.first_wall() + r] = list_support[box.walls.source[r]]; });
+    make_list<D>(w, list_support, box.skin, grid);
   });
 }
 
-}  // namespace tetsuame::images
+}  // namespace tetsuame::run
