@@ -123,7 +123,7 @@ struct shear {
 }  // namespace
 
 // On the lattice, along its rows. What is left with one viscosity is of fourth order; where it varies, Simpson's rule
-// is 2 % off for the longest lines at g = 1.2, Δ = 3 (docs/theory/convection.md).
+// is 2 % off for the longest lines at g = 1.2, Δ = 3 (docs/theory/convection_viscosity.md).
 BOOST_AUTO_TEST_CASE(shear_across_an_exponential_viscosity) {
   const auto scene = box(0.0);
   for (const double g : {0.0, 0.6, 1.2}) {
