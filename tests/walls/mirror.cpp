@@ -3,6 +3,8 @@
 #include <map>
 #include <run/lists.hpp>
 
+#include <run/start_lattice.hpp>
+
 #include "../support/scene.hpp"
 
 using namespace tetsuame;
