@@ -60,15 +60,38 @@ function(tetsuame_module name)
   target_link_libraries(${name} ${scope} tetsuame_options ${arg_DEPENDS} ${arg_LIBRARIES})
 endfunction()
 
+set(TETSUAME_BOTH_WIDTHS OFF)
+if(TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANITIZE
+    AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+  set(TETSUAME_BOTH_WIDTHS ON)
+endif()
+
+# Code with the pair loop that several programs share: a library for each kind of program that WIDE makes, which these
+# name under WIDE_DEPENDS.
+function(tetsuame_wide_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  set(targets ${name})
+  if(TETSUAME_BOTH_WIDTHS)
+    set(targets ${name}_avx2 ${name}_avx512)
+  endif()
+  foreach(target IN LISTS targets)
+    add_library(${target} STATIC EXCLUDE_FROM_ALL ${arg_SOURCES})
+    target_link_libraries(${target} PUBLIC ${arg_DEPENDS} tetsuame_options)
+    set_target_properties(${target} PROPERTIES TETSUAME_FUSE ON)
+  endforeach()
+  if(TETSUAME_BOTH_WIDTHS)
+    set_target_properties(${name}_avx512 PROPERTIES TETSUAME_WIDE ON)
+  endif()
+endfunction()
+
 # WIDE: the pair loop is in it. Built for AVX2 and for AVX-512, in folders of their own; the program's name
 # stands for a launcher that chooses (programs/launcher.cpp), and as a target for it and the one that this machine
 # takes; the other is only built with all. Not with another TETSUAME_ARCH, or for
 # debugging: then the name is the program.
 function(tetsuame_program name)
-  cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS;WIDE_DEPENDS" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/programs)
-  if(arg_WIDE AND TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANITIZE
-      AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+  if(arg_WIDE AND TETSUAME_BOTH_WIDTHS)
     add_executable(${name} ${CMAKE_SOURCE_DIR}/programs/launcher.cpp)
     set(targets ${name}_avx2 ${name}_avx512)
     add_executable(${name}_avx2 ${arg_SOURCES})
@@ -88,6 +111,10 @@ function(tetsuame_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
   add_dependencies(this_machine ${name})
   foreach(target IN LISTS targets)
+    string(REGEX MATCH "_avx[0-9]+$" width ${target})
+    foreach(library IN LISTS arg_WIDE_DEPENDS)
+      target_link_libraries(${target} PRIVATE ${library}${width})
+    endforeach()
     target_link_libraries(${target} PRIVATE ${arg_DEPENDS})
     # The physics is compiled here, from headers. Its sums over neighbours run the same
     # instructions for every particle, so multiply and add may be fused (a sixth faster).

@@ -1,6 +1,7 @@
 // Program A [S0, table 1]: Y by Hosono's iteration, corrected walls, gradient pattern 1.
 #include <gradient/pattern_1.hpp>
-#include <hydrostatic/hydrostatic.hpp>
+#include <liquid/scheme_of.hpp>
+#include <problems/program.hpp>
 #include <volume/hosono_iteration.hpp>
 
 using namespace tetsuame;
@@ -13,4 +14,4 @@ struct program_a {
   using gradient = tetsuame::gradient::pattern_1;
 };
 
-int main(int argc, char** argv) { return hydrostatic::program<program_a>(argc, argv); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_a>()); }

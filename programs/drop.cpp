@@ -1,8 +1,9 @@
 // A drop of one fluid that sinks in another: terminal velocity in a box.
-#include <overturn/program.hpp>
+#include <problems/program.hpp>
 
 using namespace tetsuame;
 
 int main(int argc, char** argv) {
-  return overturn::program(argc, argv, "drop", overturn::problem_kind::drop, "the terminal velocity of creeping flow");
+  return problems::two_fluids(argc, argv, "drop", overturn::problem_kind::drop,
+                              "the terminal velocity of creeping flow");
 }

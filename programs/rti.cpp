@@ -1,9 +1,9 @@
 // Metal over silicate: the overturn of a dense layer over a light one.
-#include <overturn/program.hpp>
+#include <problems/program.hpp>
 
 using namespace tetsuame;
 
 int main(int argc, char** argv) {
-  return overturn::program(argc, argv, "rti", overturn::problem_kind::rayleigh_taylor,
-                           "the growth rates of linear theory");
+  return problems::two_fluids(argc, argv, "rti", overturn::problem_kind::rayleigh_taylor,
+                              "the growth rates of linear theory");
 }

@@ -27,13 +27,20 @@ class body : public run::problem_in_a_box<D> {
     for (std::size_t k = 0; k < S; ++k)
       s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
     run::set_up(world_, domain::communicator::world(), o.box, o.walls, o.common.kernel.name, o.common.kernel.h_over_dx,
-                0.01, o.jitter, 0.0);
+                0.01, o.jitter, o.halo());
+    if (o.by_program) {
+      world_.treatment = walls::make(o.walls.treatment);
+      world_.walls.how = o.walls;
+    }
+    volume_ = std::pow(world_.w.dx, D);
+    place_walls();
     for (std::size_t i = 0; i < s.fluid; ++i) {
       s.T[i] = o.start;
+      s.rho[i] = 1.0;
+      s.m[i] = volume_;
       for (std::size_t a = 0, k = 1; a < D; ++a)
         for (std::size_t b = a; b < D; ++b) s.extras[k++].values[i] = a == b ? 1.0 : 0.0;
     }
-    volume_ = std::pow(world_.w.dx, D);
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
 
@@ -126,9 +133,14 @@ class body : public run::problem_in_a_box<D> {
     run::rebuild(world_, as_they_were);
     std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
     std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
+    std::fill(s.rho.begin(), s.rho.end() - 1, 1.0);
     for (auto& a : next_) a.assign(s.fluid, 0.0);
     for (auto& a : gradient_) a.assign(s.fluid, 0.0);
     refresh_memory();
+  }
+  void place_walls() override {
+    const bool stand = std::visit([](auto t) { return decltype(t)::has_particles; }, world_.treatment);
+    if (stand) walls::place(world_.w, world_.walls, world_.fluid_total, world_.w.support());
   }
 
  private:
@@ -157,11 +169,15 @@ class body : public run::problem_in_a_box<D> {
             ranks().exact(heat)};
   }
 
-  // Of ghosts and images.
+  // Of ghosts, and of what stands behind the walls.
   void refresh_temperature() {
     auto& w = world_.w;
     auto& s = w.s;
     w.exchange_fluid({s.T.data()});
+    if (!world_.mirrors()) {
+      std::visit([&](auto t) { t.kinematics(w, world_.walls); }, world_.treatment);
+      return;
+    }
     foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
       double T = s.T[j];

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cooling/options.hpp>
 
@@ -37,10 +38,16 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("conduction", "temperature", o.start, {.unit = "K", .meaning = "at the start"});
   schema.add("conduction", "reference", o.reference,
              {.choices = {"plate", "half_space"}, .meaning = "exact solution the errors are against"});
-  schema.add("conduction", "operator", o.scheme,
-             {.choices = {"sum", "consistent", "corrected"},
-              .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
-  walls::declare(schema, {.moving = false}, o.walls);
+  if (o.by_program) {
+    o.scheme = "sum";
+    o.common.kernel.name = "quintic";
+    walls::declare(schema, {.treatments = {"virtual_marker", "none", "mirror"}, .moving = false}, o.walls);
+  } else {
+    schema.add("conduction", "operator", o.scheme,
+               {.choices = {"sum", "consistent", "corrected"},
+                .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
+    walls::declare(schema, {.moving = false}, o.walls);
+  }
   run::declare(schema, o.common, {.lists_change = false});
 }
 
@@ -60,7 +67,7 @@ void resolve(const namelist::schema& schema, options& o) {
   const run::box_of_particles box{o.dimension, o.box.length, o.box.particles, o.box.periodic};
   const double support = run::support_over_dx(o.common.kernel) * dx;
   run::check_number(schema, box, expected_particles(o));
-  run::check_widths(schema, box, support + o.common.kernel.skin * dx, support);
+  run::check_widths(schema, box, std::max(support, o.halo()) + o.common.kernel.skin * dx, support);
   const auto& sides = o.walls.sides;
   if (sides[3].thermal != "fixed")
     schema.fail("walls", "thermal_top", "the exact solutions are of a top at a fixed temperature");

@@ -16,9 +16,13 @@ struct options {
   std::string reference = "plate";
   std::string scheme = "consistent";
   walls::options walls;
+  bool by_program = false;  // a program's kernel, walls and sum
   run::common_options common;
 
   double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }
+  double halo() const {  // m, what a particle, or a marker, reaches
+    return run::support_over_dx(common.kernel) * dx() * (by_program ? walls::radius_factor(walls) : 1.0);
+  }
   double temperature_top() const { return walls.sides[3].temperature; }
 };
 

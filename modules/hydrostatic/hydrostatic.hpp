@@ -1,65 +1,37 @@
-// A liquid at rest in a box, by the modules of a program: volume, pressure, walls, gradient (right_hand_side.hpp).
+// A liquid at rest in a box, by the scheme of a program.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <hydrostatic/measures.hpp>
-#include <hydrostatic/residuals.hpp>
-#include <hydrostatic/right_hand_side.hpp>
 #include <hydrostatic/state.hpp>
+#include <liquid/scheme.hpp>
 #include <optional>
 #include <run/box.hpp>
-#include <run/time_loop.hpp>
-#include <volume/hosono_iteration.hpp>
 
 namespace tetsuame::hydrostatic {
 
-template <class Program, int D>
+template <int D>
 class problem : public run::problem_in_a_box<D> {
  public:
-  using volume_module = typename Program::volume;
-  static constexpr bool iterates = requires(volume_module v) { v.residuals; };
-
   using base = run::problem_in_a_box<D>;
   using base::ranks;
 
   scene<D> world;
-  volume_module how{};
 
-  explicit problem(const options& o, const domain::communicator& of = domain::communicator::world())
-      : base(world, o.balance), o_(o) {
+  problem(const options& o, std::unique_ptr<liquid::scheme<D>> scheme,
+          const domain::communicator& of = domain::communicator::world())
+      : base(world, o.balance), o_(o), scheme_(std::move(scheme)) {
     set_up(o, of, world);
-    world.density_carried = volume_module::carried == volume::carries::density;
-    world.weight_carried = volume_module::carried == volume::carries::weight;
-    if constexpr (iterates) {
-      how.how = o.hosono;
-      volume::add_density_guess(world.w.s);
-      volume::equation_of_state(world.w, world.w.s.fluid);
-      start_kappa_ = volume::detail::largest_kappa(world.w);
-    }
+    scheme_->begin(world);
   }
 
-  // ---- evaluation and stepping ------------------------------------------------------------
-
-  std::vector<integrators::field> fields() override { return state_fields(world); }
-  void evaluate(std::span<double* const> rate) override {
-    hydrostatic::evaluate<Program>(world, how, o_.smoothing, rate);
-  }
+  std::vector<integrators::field> fields() override { return state_fields(world, scheme_->carried()); }
+  void evaluate(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
-
-  // The iteration for Y starts from what it found at the last state that was reached. The start value
-  // moves on only when the rate there is known, so that a restart, which has to find that rate
-  // again, finds the same bits.
-  void keep_memory() override {
-    if constexpr (iterates)
-      std::copy_n(world.w.s.rho.begin(), world.w.s.fluid, particles::extra(world.w.s, volume::density_guess).begin());
-  }
-
+  void keep_memory() override { scheme_->keep_memory(world); }
   bool complete_step(std::int64_t step) override {
-    if constexpr (iterates) {
-      residuals_->append(step, how.residuals);
-      how.residuals.clear();
-    }
+    scheme_->complete_step(step);
     return base::complete_step(step);
   }
 
@@ -70,7 +42,7 @@ class problem : public run::problem_in_a_box<D> {
     const auto& material = eos::about(world.w.materials[0]);
     files.say(fmt::format("equation of state {}: {}{}", material.name, material.source,
                           material.illustrative ? " (illustrative)" : ""));
-    if constexpr (iterates) residuals_.emplace(files.table("residuals.csv", residual_file::columns()));
+    scheme_->begin_tables(files);
   }
 
   std::vector<output::history_column> columns() const override {
@@ -108,26 +80,11 @@ class problem : public run::problem_in_a_box<D> {
     r.metrics["lattice_sum"] = world.w.lattice_sum;
   }
 
-  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
-    if (const auto* diverged = dynamic_cast<const volume::divergence*>(&e)) {
-      r.status = "diverged";
-      r.diverged_step = step + 1;
-      r.diverged_iteration = diverged->iteration();
-    }
-    if constexpr (iterates)
-      if (residuals_) residuals_->append(step + 1, how.residuals);
-  }
+  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override { scheme_->fail(e, step, r); }
 
   void report_counts(run::summary& r) override {
     base::report_counts(r);
-    if constexpr (iterates) {
-      r.metrics["hosono_solver"] = how.how.solver;
-      r.metrics["hosono_passes"] = how.passes;
-      r.metrics["hosono_evaluations"] = how.evaluations;
-      r.metrics["hosono_kappa"] = start_kappa_;
-      r.metrics["hosono_growth_predicted"] =
-          (start_kappa_ - 1.0) * (1.0 - kernels::transfer_minimum<D>(world.w.kernel, world.w.dx).value);
-    }
+    scheme_->report(world, r.metrics);
   }
 
   // ---- checkpoints ------------------------------------------------------------------------
@@ -135,18 +92,12 @@ class problem : public run::problem_in_a_box<D> {
   void save(output::checkpoint_globals& g) const override {
     hydrostatic::save(start_.value_or(totals<D>{}), g);
     base::save(g);
-    if constexpr (iterates) {
-      g.integers["hosono_evaluations"] = how.evaluations;
-      g.integers["hosono_passes"] = how.passes;
-    }
+    scheme_->save(g);
   }
   void restore(const output::checkpoint_globals& g) override {
     start_ = totals_of_start<D>(g);
     base::restore(g);
-    if constexpr (iterates) {
-      how.evaluations = g.integers.at("hosono_evaluations");
-      how.passes = g.integers.at("hosono_passes");
-    }
+    scheme_->restore(g);
   }
 
  protected:
@@ -155,32 +106,8 @@ class problem : public run::problem_in_a_box<D> {
 
  private:
   const options& o_;
-  std::optional<residual_file> residuals_;
+  std::unique_ptr<liquid::scheme<D>> scheme_;
   std::optional<totals<D>> start_;
-  double start_kappa_ = 0.0;  // K_T/p of the start state, at its largest
 };
-
-// Main program: reads the input, runs in 2-D or 3-D, returns the exit status.
-template <class Program>
-int program(int argc, char** argv) {
-  options o;
-  o.walls.treatment = Program::wall::name;
-  const run::program_input own{
-      .program = Program::name,
-      .shorthands = {},
-      .restarts = true,
-      .declare = [&](namelist::schema& schema) { declare(schema, o); },
-      .complete = [&](const namelist::schema& schema) { resolve(schema, o); },
-      .need = [&] { return run::need_of(expected_particles(o), 420.0, o.kernel, o.domain.dimension); }};
-  return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
-    if (o.domain.dimension == 3) {
-      problem<Program, 3> box(o);
-      run::carry_out(box, o, line, resolved);
-    } else {
-      problem<Program, 2> box(o);
-      run::carry_out(box, o, line, resolved);
-    }
-  });
-}
 
 }  // namespace tetsuame::hydrostatic

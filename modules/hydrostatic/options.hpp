@@ -3,9 +3,8 @@
 #pragma once
 
 #include <eos/eos.hpp>
+#include <liquid/options.hpp>
 #include <run/options.hpp>
-#include <volume/hosono_options.hpp>
-#include <volume/shape.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -37,8 +36,7 @@ struct options : run::common_options {
   double g = 0.0;  // m/s2, along -y
   material_options material;
   walls::options walls;
-  volume::smoothing_options smoothing;
-  volume::hosono_options hosono;
+  liquid::options scheme;
 
   options() {
     time = {.method = "euler", .dt = 1e-3, .steps = 1000, .t_end = {}, .cfl = 0.5, .diffusive = 0.25};

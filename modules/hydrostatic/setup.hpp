@@ -13,8 +13,6 @@ template <int D>
 struct scene : run::state<D> {
   std::array<std::int64_t, D> lattice{};   // particles along each axis at the start, numbered by ID along the first one
   std::vector<double> p_exact, rho_exact;  // Pa, kg/m3, of the exact solution, by row along y
-  bool density_carried = false;            // ρ is part of the state
-  bool weight_carried = false;             // Y is
 };
 
 // Where the particle of that ID stood at the start: its place on the lattice along each axis.

@@ -5,14 +5,15 @@
 #include <integrators/explicit_integrator.hpp>
 #include <output/snapshot.hpp>
 #include <output/state_hash.hpp>
+#include <volume/shape.hpp>
 
 namespace tetsuame::hydrostatic {
 
-// Components of the state, in the order of state_rates: x, v, T, u, and ρ or Y where carried. The absolute errors
+// Components of the state, in the order of liquid::rates: x, v, T, u, and ρ or Y where carried. The absolute errors
 // that steps with error control allow, beside those relative to a value (of positions, to the spacing), are far below
 // what a flow has: mm, um/s, uK.
 template <int D>
-std::vector<integrators::field> state_fields(scene<D>& scene) {
+std::vector<integrators::field> state_fields(scene<D>& scene, volume::carries carried) {
   auto& s = scene.w.s;
   std::vector<integrators::field> all;
   constexpr std::array<const char*, 3> axis{"x", "y", "z"};
@@ -20,8 +21,8 @@ std::vector<integrators::field> state_fields(scene<D>& scene) {
   for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 1e-6, 0.0});
   all.push_back({"T", s.T.data(), 1e-6, 0.0});
   all.push_back({"u", s.u.data(), 1e-3, 0.0});
-  if (scene.density_carried) all.push_back({"rho", s.rho.data(), 1e-9, 0.0});
-  if (scene.weight_carried) all.push_back({"Y", s.Y.data(), 1e-9, 0.0});
+  if (carried == volume::carries::density) all.push_back({"rho", s.rho.data(), 1e-9, 0.0});
+  if (carried == volume::carries::weight) all.push_back({"Y", s.Y.data(), 1e-9, 0.0});
   return all;
 }
 

@@ -18,6 +18,7 @@ struct fluids {
   const options& o;
   const parameters& p;
   run::state<D> world;
+  bool weighed = false;  // Y is integrated
   bool carried = false, smoothed = false, first_pattern = false, from_weight = false, warms = false;
   bool enthalpy = false, melts = false;
   bool dissolved = false, tense = false;

@@ -36,8 +36,9 @@ void check_domain(const namelist::schema& schema, options& o, parameters& p) {
   const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
   const run::box_of_particles box{d.dimension, d.length, d.particles, periodic};
   const double support = run::support_over_dx(o.common.kernel) * p.dx;
+  p.halo = o.by_program ? support * walls::radius_factor(o.behind_walls) : support;
   run::check_number(schema, box, expected_particles(o));
-  run::check_widths(schema, box, support + o.common.kernel.skin * p.dx, support);
+  run::check_widths(schema, box, std::max(p.halo, support) + o.common.kernel.skin * p.dx, support);
   run::resolve(schema, o.domain.ranks_x);
 }
 
@@ -94,7 +95,7 @@ box_of_drops box_of(const domain_options& d) {
 void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   const auto names = names_of(kind);
-  o.common.kernel.name = "wendland_c6";
+  o.common.kernel.name = o.by_program ? "quintic" : "wendland_c6";
   o.common.kernel.skin = 0.4;
   o.common.output.history_interval = 10;
   o.common.time.t_end = 3000.0;
@@ -122,7 +123,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare_drops(schema, group, o);
   else
     declare_waves(schema, group, o);
-  declare(schema, group, o.scheme);
+  if (!o.by_program) declare(schema, group, o.scheme);
   declare(schema, o.melting);
   declare(schema, o.element);
   schema.group("walls", "sides of the box that are not periodic");
@@ -132,15 +133,19 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
              {.choices = {"no_slip", "free_slip", "free_surface"}, .meaning = "velocity at the lid, or none there"});
   schema.add("walls", "sides", o.walls.sides,
              {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the sides"});
+  if (o.by_program) {
+    walls::declare_treatment(schema, {"virtual_marker", "none", "repulsion", "mirror"}, o.behind_walls);
+    liquid::declare(schema, o.liquid);
+    run::declare(schema, o.common, {});
+    return;
+  }
   schema.add(
       "walls", "pressure", o.walls.pressure,
       {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
   run::declare(schema, o.common, {});
 }
 
-double expected_particles(const options& o) {
-  return run::lattice_particles(o.domain.dimension, o.domain.particles);
-}
+double expected_particles(const options& o) { return run::lattice_particles(o.domain.dimension, o.domain.particles); }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);

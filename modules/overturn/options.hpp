@@ -1,19 +1,21 @@
 // The input of two fluids under gravity, of programs rti and drop:
 //   &domain   dimension, length_x …, particles_x …, periodic_x, periodic_z
 //   &rti or &drop   shape, materials, start, formulation
-//   &walls    floor, lid, sides
+//   &walls    floor, lid, sides; of a program with a scheme of its own, what stands behind them
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   march/options.hpp
 #pragma once
 
 #include <eos/eos.hpp>
+#include <liquid/options.hpp>
 #include <melting/enthalpy.hpp>
 #include <melting/melting.hpp>
 #include <memory>
 #include <overturn/cloud.hpp>
 #include <overturn/column.hpp>
 #include <run/options.hpp>
+#include <walls/options.hpp>
 
 namespace tetsuame::overturn {
 
@@ -104,12 +106,17 @@ struct options {
   std::optional<double> measure_from, measure_until;  // s, of several drops
 
   scheme_options scheme;
+  // Where a program's own scheme takes its place: what stands behind the walls, and what the scheme is told.
+  bool by_program = false, remembers_density = true;
+  walls::options behind_walls;
+  liquid::options liquid;
   run::common_options common;
 };
 
 // What a run computes with, SI.
 struct parameters {
   double dx;
+  double halo;                                        // m, what a particle, or a marker, reaches
   std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
   double interface;                                   // m, on an edge between rows
   std::unique_ptr<column> base;                       // the column at rest

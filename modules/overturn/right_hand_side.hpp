@@ -257,7 +257,10 @@ template <int D>
 struct places_of_rates {
   std::size_t x = 0, v = D, u = 2 * D, q = 2 * D + 1, rho, T, c, h;
   explicit places_of_rates(const fluids<D>& f)
-      : rho(2 * D + 2), T(rho + (f.carried ? 1 : 0)), c(T + (f.warms ? 1 : 0)), h(c + (f.dissolved ? 1 : 0)) {}
+      : rho(2 * D + 2),
+        T(rho + (f.carried || f.weighed ? 1 : 0)),
+        c(T + (f.warms ? 1 : 0)),
+        h(c + (f.dissolved ? 1 : 0)) {}
 };
 
 // Those of one particle. Returns whether they are finite.

@@ -78,8 +78,28 @@ void check_supports(const namelist::schema& schema, const char* group, const opt
   if (o.surface_tension > 0.0) schema.fail(group, "supports", "surface tension has one support for all: 'fixed'");
 }
 
+// A program's scheme has the notes' viscous sum, one kernel for all and the whole pressure.
+void choose_by_program(const namelist::schema& schema, const char* group, options& o, parameters& p) {
+  if (o.surface_tension > 0.0)
+    schema.fail(group, "surface_tension", "is derived for the volumes of program " + std::string(group) + ": run that");
+  if (o.temperature_law == "enthalpy" && !o.remembers_density)
+    schema.fail(
+        group, "temperature_law",
+        "'enthalpy' needs the density before the volumes are known, which this program's scheme does not carry: "
+        "run one that does (disph_c), or program " +
+            std::string(group));
+  o.scheme = {
+      .volume = "our_method", .reference_pressure = "none", .delta = 0.0, .stress = "laplacian", .viscous_order = 2};
+  p.stress_a = 1.0;
+  p.stress_b = 0.0;
+}
+
 void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p) {
   auto& s = o.scheme;
+  if (o.by_program) {
+    choose_by_program(schema, group, o, p);
+    return;
+  }
   if (s.pressure == "non_smoothed" && s.volume_element == "from_weight")
     schema.fail(group, "volume_element", "Y/p is the particle's own volume where the pressure is not smoothed");
   if (s.volume == "number_density" && schema.given(group, "delta") && s.delta > 0.0)

@@ -217,6 +217,24 @@ void place_fluid(fluids<D>& f) {
   }
 }
 
+// Where particles stand behind the walls: their places, and something to begin with of what every evaluation sets.
+template <int D>
+void place_walls(fluids<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  if (!std::visit([](auto t) { return decltype(t)::has_particles; }, f.world.treatment)) return;
+  walls::place(w, f.world.walls, f.world.fluid_total, w.support());
+  const double rho = on_curve(f, 0, f.o.p_top).density;
+  for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
+    s.T[i] = f.o.temperature;
+    s.eta[i] = f.o.material[0].viscosity;
+    s.k[i] = f.o.conductivity;
+    s.rho[i] = rho;
+    s.dV[i] = std::pow(w.dx, D);
+    s.m[i] = rho * s.dV[i];
+  }
+}
+
 // Walls, lattice and arrays.
 template <int D>
 void set_up(fluids<D>& f) {
@@ -234,6 +252,13 @@ void set_up(fluids<D>& f) {
   if (open) std::erase_if(f.world.walls.sides, [](const auto& side) { return side.axis == 1 && side.inward < 0.0; });
   w.materials = {(*f.p.material)[0], (*f.p.material)[1]};
   w.g[1] = -o.gravity;
+  if (o.by_program) {
+    f.world.treatment = walls::make(o.behind_walls.treatment);
+    f.world.walls.how = o.behind_walls;
+    if (o.conductivity == 0.0 && o.melting.viscosity_law == "constant" &&
+        o.material[0].viscosity == o.material[1].viscosity)
+      w.uniform_transport = o.material[0].viscosity;
+  }
   f.self = std::visit([](const auto& k) { return k.self(); }, w.kernel);
   f.h = o.common.kernel.h_over_dx * w.dx;
   f.S_0 = w.support();

@@ -25,6 +25,7 @@
 
 #include <output/columns.hpp>
 #include <output/state_hash.hpp>
+#include <overturn/by_scheme.hpp>
 #include <overturn/lists.hpp>
 #include <overturn/report.hpp>
 #include <overturn/right_hand_side.hpp>
@@ -39,15 +40,18 @@ class two_fluids : public run::problem_in_a_box<D> {
   using base = run::problem_in_a_box<D>;
   using base::ranks;
 
-  two_fluids(problem_kind kind, const options& o, const parameters& p)
-      : base(f_.world, o.common.balance), f_(kind, o, p) {
+  // scheme: of a program; none: that of terms.hpp, as the input says.
+  two_fluids(problem_kind kind, const options& o, const parameters& p, std::unique_ptr<liquid::scheme<D>> scheme = {})
+      : base(f_.world, o.common.balance), f_(kind, o, p), scheme_(std::move(scheme)) {
     choose_terms(f_);
+    if (scheme_) choose_scheme();
     add_extras(f_);
     set_up(f_);
     place_fluid(f_);
     find_reference(f_);
     bounds_ = find_limit(f_);
     f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
+    if (scheme_) begin_scheme();
   }
 
   std::vector<std::string> about() const override { return f_.p.lines; }
@@ -62,6 +66,7 @@ class two_fluids : public run::problem_in_a_box<D> {
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
     all.push_back({"u", s.u.data(), 0.0, fast * fast});
     all.push_back({"q", f_.dissipated().data(), 0.0, fast * fast});
+    if (f_.weighed) all.push_back({"Y", s.Y.data(), 0.0, f_.p.base->at(0.0).pressure * std::pow(f_.world.w.dx, D)});
     if (f_.carried) all.push_back({"rho", s.rho.data(), 0.0, f_.p.base->at(0.0).density});
     if (f_.warms) all.push_back({"T", s.T.data(), 0.0, f_.o.temperature});
     if (f_.dissolved)
@@ -70,7 +75,12 @@ class two_fluids : public run::problem_in_a_box<D> {
     return all;
   }
 
-  void evaluate(std::span<double* const> rate) override { overturn::evaluate(f_, rate); }
+  void evaluate(std::span<double* const> rate) override {
+    if (scheme_)
+      overturn::evaluate(f_, *scheme_, rate);
+    else
+      overturn::evaluate(f_, rate);
+  }
   // Sound and diffusion over the narrowest kernel.
   integrators::step_limit largest_step() override {
     const double n = narrowest(f_);
@@ -82,6 +92,22 @@ class two_fluids : public run::problem_in_a_box<D> {
   }
   void keep_memory() override {
     if (f_.follows) follow_volumes(f_);
+    if (scheme_) scheme_->keep_memory(f_.world);
+  }
+  bool complete_step(std::int64_t step) override {
+    if (scheme_) scheme_->complete_step(step);
+    return base::complete_step(step);
+  }
+  void begin_tables(run::run_directory& files) override {
+    base::begin_tables(files);
+    if (scheme_) scheme_->begin_tables(files);
+  }
+  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
+    if (scheme_) scheme_->fail(e, step, r);
+  }
+  void report_counts(run::summary& r) override {
+    base::report_counts(r);
+    if (scheme_) scheme_->report(f_.world, r.metrics);
   }
 
   // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
@@ -139,6 +165,7 @@ class two_fluids : public run::problem_in_a_box<D> {
     add(f_.dissipated());
     add(s.m);
     if (f_.carried) add(s.rho);
+    if (f_.weighed) add(s.Y);
     if (f_.enthalpy) add(f_.content());
     if (f_.dissolved) add(f_.element());
     if (f_.follows) add(f_.support());
@@ -148,9 +175,11 @@ class two_fluids : public run::problem_in_a_box<D> {
   void save(output::checkpoint_globals& g) const override {
     base::save(g);
     overturn::save(m_, f_, g);
+    if (scheme_) scheme_->save(g);
   }
   void restore(const output::checkpoint_globals& g) override {
     base::restore(g);
+    if (scheme_) scheme_->restore(g);
     m_ = restored(f_, g);
     bounds_ = find_limit(f_);
   }
@@ -161,9 +190,23 @@ class two_fluids : public run::problem_in_a_box<D> {
     if (f_.follows && !settled_ && !as_they_were) settle_supports(f_);
     settled_ = true;
   }
+  void place_walls() override { overturn::place_walls(f_); }
 
  private:
+  void choose_scheme() {
+    using volume::carries;
+    f_.carried = scheme_->carried() == carries::density;
+    f_.weighed = scheme_->carried() == carries::weight;
+  }
+  void begin_scheme() {
+    auto& s = f_.world.w.s;
+    overturn::place_walls(f_);
+    scheme_->begin(f_.world);
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.p_eos[i] * s.m[i] / s.rho[i];
+  }
+
   fluids<D> f_;
+  std::unique_ptr<liquid::scheme<D>> scheme_;
   measures m_;
   step_bounds bounds_;
   bool settled_ = false;  // the supports of the start

@@ -94,14 +94,18 @@ std::string read_text(const domain::communicator& ranks, const std::string& path
 int run_guarded(const domain::communicator& ranks, command_line& line, const program_input& in,
                 const std::function<void(const command_line&, const std::string&)>& run) {
   try {
+    namelist::document document;
+    if (!line.input.empty()) {
+      document = namelist::parse_text(read_text(ranks, line.input), line.input);
+      for (const auto& argument : line.set) document.set(argument);
+      if (in.choose) in.choose(document);
+    }
     namelist::schema schema;
     in.declare(schema);
     if (line.describe) {
       if (ranks.rank == 0) schema.describe(std::cout);
       return 0;
     }
-    namelist::document document = namelist::parse_text(read_text(ranks, line.input), line.input);
-    for (const auto& argument : line.set) document.set(argument);
     schema.read(document);
     in.complete(schema);
     std::ostringstream resolved;

@@ -35,6 +35,8 @@ struct program_input {
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
   std::vector<flag> flags = {};
   std::function<memory_need()> need = {};  // after complete; none: it is no matter
+  // Before declare: what the input's groups say of the problem. None: there is but one.
+  std::function<void(const namelist::document&)> choose = {};
 };
 // Starts MPI, reads the command line and the input, handles --describe, --check, --help and
 // --version, then calls `run` with the input as resolved, a namelist. Returns the exit status; every error is told

@@ -5,24 +5,6 @@ namespace tetsuame::walls {
 
 namespace {
 
-void declare_treatment(namelist::schema& schema, const abilities& of_problem, options& o) {
-  const auto& all = of_problem.treatments;
-  if (all.size() < 2) return;
-  schema.add("walls", "treatment", o.treatment, {.choices = all, .meaning = "what stands beyond a wall"});
-  if (std::find(all.begin(), all.end(), "virtual_marker") == all.end()) return;
-  schema.add("walls", "interpolation", o.interpolation,
-             {.choices = {"mls", "mls2", "shepard"},
-              .meaning = "at the virtual markers: moving least squares of first or second order, or Shepard's mean"});
-  schema.add(
-      "walls", "marker_radius", o.marker_radius,
-      {.minimum = 0.0, .maximum = 3.0, .meaning = "reach of a marker in kernel supports; 0: 1, and 1.35 for mls2"});
-  schema.add("walls", "repulsion_range", o.repulsion_range,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .exclusive_minimum = true,
-              .meaning = "distance from the wall, in particle spacings, at which the repulsion ends"});
-}
-
 void declare_side(namelist::schema& schema, const abilities& of_problem, std::size_t n,
                   const std::vector<std::string>& heats, side_options& s) {
   const std::string name = side_names[n], only = n > 3 ? " (3-D only)" : "";
@@ -45,11 +27,28 @@ void declare_side(namelist::schema& schema, const abilities& of_problem, std::si
 
 }  // namespace
 
+void declare_treatment(namelist::schema& schema, const std::vector<std::string>& all, options& o) {
+  if (all.size() < 2) return;
+  schema.add("walls", "treatment", o.treatment, {.choices = all, .meaning = "what stands beyond a wall"});
+  if (std::find(all.begin(), all.end(), "virtual_marker") == all.end()) return;
+  schema.add("walls", "interpolation", o.interpolation,
+             {.choices = {"mls", "mls2", "shepard"},
+              .meaning = "at the virtual markers: moving least squares of first or second order, or Shepard's mean"});
+  schema.add(
+      "walls", "marker_radius", o.marker_radius,
+      {.minimum = 0.0, .maximum = 3.0, .meaning = "reach of a marker in kernel supports; 0: 1, and 1.35 for mls2"});
+  schema.add("walls", "repulsion_range", o.repulsion_range,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .exclusive_minimum = true,
+              .meaning = "distance from the wall, in particle spacings, at which the repulsion ends"});
+}
+
 void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
   std::vector<std::string> heats{"adiabatic", "fixed"};
   if (of_problem.flux) heats.emplace_back("flux");
   schema.group("walls", "sides of the box that are not periodic");
-  declare_treatment(schema, of_problem, o);
+  declare_treatment(schema, of_problem.treatments, o);
   if (of_problem.moving)
     schema.add("walls", "slip", o.slip, {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the walls"});
   schema.add("walls", "thermal", o.thermal, {.choices = heats, .meaning = "heat at the walls"});

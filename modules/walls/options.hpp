@@ -39,6 +39,14 @@ struct abilities {
 };
 // Declares group &walls, with a default treatment in `o`.
 void declare(namelist::schema& schema, const abilities& of_problem, options& o);
+// Of a group &walls that is there: the choice of treatment alone, where there is one, with what belongs to it.
+void declare_treatment(namelist::schema& schema, const std::vector<std::string>& treatments, options& o);
+
+// Radius of a marker's interpolation in kernel supports.
+inline double radius_factor(const options& how) {
+  if (how.marker_radius > 0.0) return how.marker_radius;
+  return how.interpolation == "mls2" ? 1.35 : 1.0;
+}
 
 enum class heat { fixed_temperature, given_flux };  // adiabatic is a flux of zero
 

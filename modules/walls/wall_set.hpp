@@ -36,12 +36,6 @@ struct wall_set {
   particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start
 };
 
-// Radius of a marker's interpolation in kernel supports.
-inline double radius_factor(const options& how) {
-  if (how.marker_radius > 0.0) return how.marker_radius;
-  return how.interpolation == "mls2" ? 1.35 : 1.0;
-}
-
 // Places the wall particles of the lattice spacing dx on the lattice outside the box, as
 // deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks. A wall particle stands on the
 // rank whose cell holds its marker, which needs the fluid about it: every mirror image of the marker's lattice place.

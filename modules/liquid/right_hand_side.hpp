@@ -16,24 +16,30 @@
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
 #include <gradient/continuity.hpp>
-#include <hydrostatic/setup.hpp>
+#include <liquid/options.hpp>
+#include <run/state.hpp>
 #include <span>
+#include <volume/shape.hpp>
 
-namespace tetsuame::hydrostatic {
+namespace tetsuame::liquid {
 
-// Where dy/dt goes: one array a component of the state, in the order of `state_fields`.
+// Where dy/dt goes: an array a component of the state.
 template <int D>
-struct state_rates {
+struct rates {
   std::array<double*, D> dx, dv;
   double* dT;
-  double* du;
-  double* volume;  // dρ/dt or dY/dt; null where nothing is carried
+  double* du;                   // of the internal energy gained: compression, friction, conduction
+  double* volume = nullptr;     // dρ/dt or dY/dt; null where nothing is carried
+  double* friction = nullptr;   // W/kg; null where nobody asks
+  double* conducted = nullptr;  // W, an array for conduction apart from friction; null where nobody asks
 
   // Sums that stage 7 turns into rates wait where it puts the velocities.
   double* dlnrho() const { return dx[0]; }  // 1/s
-  double* heat() const { return dx[1]; }    // W, conduction and dissipation
+  double* heat() const { return dx[1]; }    // W, dissipation, and conduction unless it is asked for apart
 
-  explicit state_rates(std::span<double* const> rate) {
+  rates() = default;
+  // x, v, T, u, and ρ or Y where it is carried.
+  explicit rates(std::span<double* const> rate) {
     std::size_t n = 0;
     for (auto& component : dx) component = rate[n++];
     for (auto& component : dv) component = rate[n++];
@@ -44,37 +50,38 @@ struct state_rates {
 };
 
 // The state sets out to the ghosts; it is there after w.end_fluid().
-template <int D>
-void begin_halo(scene<D>& scene) {
-  auto& w = scene.w;
+template <volume::carries carried, int D>
+void begin_halo(run::state<D>& box) {
+  auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
   std::array<double*, D + 3> fields;
   std::size_t n = 0;
   for (auto& component : s.v) fields[n++] = component.data();
   fields[n++] = s.T.data();
-  if (scene.density_carried) fields[n++] = s.rho.data();
-  if (scene.weight_carried) fields[n++] = s.Y.data();
+  if constexpr (carried == volume::carries::density) fields[n++] = s.rho.data();
+  if constexpr (carried == volume::carries::weight) fields[n++] = s.Y.data();
   domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
 }
 
 // Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du. First what walls push,
 // then the sums over neighbours, of some rows at a time.
 template <int D>
-void begin_forces(scene<D>& scene, const state_rates<D>& out) {
-  auto& w = scene.w;
+void begin_forces(run::state<D>& box, const rates<D>& out) {
+  auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
   foundation::for_all(s.fluid, [&](std::size_t i) {
     for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = 0.0;
     out.du[i] = out.heat()[i] = 0.0;
+    if (out.conducted) out.conducted[i] = 0.0;
   });
-  std::visit([&](auto t) { t.template push<D>(w, scene.walls, out.dv); }, scene.treatment);
+  std::visit([&](auto t) { t.template push<D>(w, box.walls, out.dv); }, box.treatment);
 }
 
 template <class Gradient, int D>
-void sum_forces(scene<D>& scene, const state_rates<D>& out, const pairs::stretch& rows) {
-  auto& w = scene.w;
+void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::stretch& rows) {
+  auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
   const auto v = pairs::pointers<D>(s.v);
@@ -85,26 +92,28 @@ void sum_forces(scene<D>& scene, const state_rates<D>& out, const pairs::stretch
           diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), out.dv, out.heat()});
   else
     w.sum(rows, pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
-          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.heat()});
+          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.conducted ? out.conducted : out.heat()});
 }
 
 // Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
 //   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
 template <class Program, int D>
-void finish_rates(scene<D>& scene, const state_rates<D>& out) {
+void finish_rates(run::state<D>& box, const rates<D>& out) {
   using volume::carries;
-  auto& w = scene.w;
+  auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], heating = out.heat()[i] * per_mass;
+    const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], friction = out.heat()[i] * per_mass;
+    const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
     for (std::size_t a = 0; a < D; ++a) {
       out.dx[a][i] = s.v[a][i];
       out.dv[a][i] = out.dv[a][i] * per_mass + w.g[a];
     }
     const double power = out.du[i] * per_mass;
+    if (out.friction) out.friction[i] = friction;
     out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * dlnrho) / s.c_V[i];
     out.du[i] = power + heating;
     if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * dlnrho;
@@ -125,14 +134,14 @@ void finish_rates(scene<D>& scene, const state_rates<D>& out) {
   }
 }
 
-// One evaluation of dy/dt at the state in the particle arrays. Throws on every rank alike.
+// One evaluation of dy/dt at the state in the particle arrays: x, v, T, and ρ or Y where it is carried. Throws on every
+// rank alike.
 template <class Program, int D>
-void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoothing_options& smoothing,
-              std::span<double* const> rate) {
-  auto& w = scene.w;
-  const state_rates<D> out(rate);
+void evaluate(run::state<D>& box, typename Program::volume& how, const volume::smoothing_options& smoothing,
+              const rates<D>& out) {
+  auto& w = box.w;
   w.first_fault = {};
-  const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
+  const volume::surroundings<D> around{box.treatment, box.walls, smoothing};
 
   using volume_module = typename Program::volume;
   using pressure = typename Program::pressure;
@@ -142,14 +151,14 @@ void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoo
   };
   const auto kinematics = [&] {
     const foundation::stage timed(w.times, "walls");
-    std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
+    std::visit([&](auto t) { t.kinematics(w, box.walls); }, box.treatment);
   };
   const auto wall_pressures = [&] {
     const foundation::stage timed(w.times, "walls");
-    std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
+    std::visit([&](auto t) { t.pressures(w, box.walls); }, box.treatment);
   };
 
-  begin_halo(scene);
+  begin_halo<volume_module::carried>(box);
   if constexpr (volume::works_ahead<volume_module>) {
     // Twice a rank sums over the rows that need no ghosts while these travel. Ranks agree on a fault once, at the end:
     // until then numbers may be not finite.
@@ -174,14 +183,14 @@ void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoo
       pressure::sum(w, around, w.at_border());
       pressure::begin(w);
     }
-    begin_forces(scene, out);
-    sum_forces<typename Program::gradient>(scene, out, w.interior());
+    begin_forces(box, out);
+    sum_forces<typename Program::gradient>(box, out, w.interior());
     {
       const foundation::stage timed(w.times, "pressure");
       pressure::end(w);
     }
     wall_pressures();
-    sum_forces<typename Program::gradient>(scene, out, w.at_border());
+    sum_forces<typename Program::gradient>(box, out, w.at_border());
   } else {
     arrive();
     {
@@ -196,12 +205,12 @@ void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoo
     }
     w.agree();
     wall_pressures();
-    begin_forces(scene, out);
-    sum_forces<typename Program::gradient>(scene, out, w.fluid());
+    begin_forces(box, out);
+    sum_forces<typename Program::gradient>(box, out, w.fluid());
   }
   ++w.first_fault.stage;
-  finish_rates<Program>(scene, out);
+  finish_rates<Program>(box, out);
   w.agree();
 }
 
-}  // namespace tetsuame::hydrostatic
+}  // namespace tetsuame::liquid

@@ -5,7 +5,7 @@
 #include <vector>
 #include <volume/hosono_options.hpp>
 
-namespace tetsuame::hydrostatic {
+namespace tetsuame::liquid {
 
 class residual_file {
  public:
@@ -22,4 +22,4 @@ class residual_file {
   output::history& table_;
 };
 
-}  // namespace tetsuame::hydrostatic
+}  // namespace tetsuame::liquid

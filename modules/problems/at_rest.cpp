@@ -1,0 +1,11 @@
+#include <hydrostatic/hydrostatic.hpp>
+#include <problems/make.hpp>
+
+namespace tetsuame::problems {
+
+std::unique_ptr<run::problem> at_rest(const hydrostatic::options& o, const liquid::program& scheme) {
+  if (o.domain.dimension == 3) return std::make_unique<hydrostatic::problem<3>>(o, scheme.in_3d(o.scheme));
+  return std::make_unique<hydrostatic::problem<2>>(o, scheme.in_2d(o.scheme));
+}
+
+}  // namespace tetsuame::problems

@@ -1,0 +1,11 @@
+#include <cooling/cooling.hpp>
+#include <problems/make.hpp>
+
+namespace tetsuame::problems {
+
+std::unique_ptr<run::problem> conduction(const cooling::options& o) {
+  if (o.dimension == 3) return std::make_unique<cooling::body<3>>(o);
+  return std::make_unique<cooling::body<2>>(o);
+}
+
+}  // namespace tetsuame::problems

@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <problems/make.hpp>
+#include <problems/program.hpp>
+#include <run/time_loop.hpp>
+
+namespace tetsuame::problems {
+
+namespace {
+
+using overturn::problem_kind;
+
+std::unique_ptr<run::problem> make_two_fluids(problem_kind kind, const overturn::options& o,
+                                              const overturn::parameters& p, const liquid::program* scheme) {
+  return o.domain.dimension == 3 ? two_fluids_3d(kind, o, p, scheme) : two_fluids_2d(kind, o, p, scheme);
+}
+
+bool has(const namelist::document& input, const char* group) {
+  const auto& all = input.groups();
+  return std::any_of(all.begin(), all.end(), [&](const auto& g) { return g.name == group; });
+}
+
+// A problem and its input.
+struct problem_of_input {
+  virtual ~problem_of_input() = default;
+  virtual void declare(namelist::schema& schema) = 0;
+  virtual void complete(const namelist::schema& schema) = 0;
+  virtual run::memory_need need() const = 0;
+  virtual std::string theory() const { return "there is no theory of this problem\n"; }
+  virtual const run::common_options& common() const = 0;
+  virtual std::unique_ptr<run::problem> make() const = 0;
+};
+
+struct box_at_rest : problem_of_input {
+  const liquid::program& scheme;
+  hydrostatic::options o;
+
+  explicit box_at_rest(const liquid::program& scheme_) : scheme(scheme_) { o.walls.treatment = scheme.wall; }
+  void declare(namelist::schema& schema) override { hydrostatic::declare(schema, o); }
+  void complete(const namelist::schema& schema) override { hydrostatic::resolve(schema, o); }
+  run::memory_need need() const override {
+    return run::need_of(hydrostatic::expected_particles(o), 420.0, o.kernel, o.domain.dimension);
+  }
+  const run::common_options& common() const override { return o; }
+  std::unique_ptr<run::problem> make() const override { return at_rest(o, scheme); }
+};
+
+struct fluids_of_input : problem_of_input {
+  problem_kind kind;
+  const liquid::program* scheme;
+  overturn::options o;
+  overturn::parameters p;
+
+  // The iteration for Y is the cured one: here p < K_T/2 nearly everywhere.
+  fluids_of_input(problem_kind kind_, const liquid::program* scheme_) : kind(kind_), scheme(scheme_) {
+    if (!scheme) return;
+    o.by_program = true;
+    o.remembers_density = scheme->remembers_density;
+    o.behind_walls.treatment = scheme->wall;
+    o.liquid.hosono.solver = "newton";
+  }
+  void declare(namelist::schema& schema) override { overturn::declare(schema, kind, o); }
+  void complete(const namelist::schema& schema) override { p = overturn::resolve(schema, kind, o); }
+  run::memory_need need() const override {
+    return run::need_of(overturn::expected_particles(o), 800.0, o.common.kernel, o.domain.dimension);
+  }
+  std::string theory() const override { return overturn::theory_text(kind, o, p); }
+  const run::common_options& common() const override { return o.common; }
+  std::unique_ptr<run::problem> make() const override { return make_two_fluids(kind, o, p, scheme); }
+};
+
+struct body_of_input : problem_of_input {
+  cooling::options o;
+
+  explicit body_of_input(const liquid::program* scheme) {
+    if (!scheme) return;
+    o.by_program = true;
+    o.walls.treatment = scheme->wall;
+  }
+  void declare(namelist::schema& schema) override { cooling::declare(schema, o); }
+  void complete(const namelist::schema& schema) override { cooling::resolve(schema, o); }
+  run::memory_need need() const override {
+    return run::need_of(cooling::expected_particles(o), 300.0, o.common.kernel, o.dimension);
+  }
+  const run::common_options& common() const override { return o.common; }
+  std::unique_ptr<run::problem> make() const override { return problems::conduction(o); }
+};
+
+// What the input names, for a program whose scheme runs several.
+std::unique_ptr<problem_of_input> named_by(const namelist::document& input, const liquid::program& scheme) {
+  for (const char* other : {"convection", "shock"})
+    if (has(input, other))
+      foundation::fail_input(std::string("the input is of program ") + other + ", whose problem " + scheme.name +
+                             " cannot run: it takes boxes at rest, &rti, &drop and &conduction");
+  if (has(input, "rti")) return std::make_unique<fluids_of_input>(problem_kind::rayleigh_taylor, &scheme);
+  if (has(input, "drop")) return std::make_unique<fluids_of_input>(problem_kind::drop, &scheme);
+  if (has(input, "conduction")) return std::make_unique<body_of_input>(&scheme);
+  return std::make_unique<box_at_rest>(scheme);
+}
+
+using choice = std::function<std::unique_ptr<problem_of_input>(const namelist::document&)>;
+
+// theory_is: what --theory prints, for the help; empty: there is no such option.
+int start(int argc, char** argv, const char* name, std::unique_ptr<problem_of_input> problem, const choice& choose,
+          const std::string& theory_is) {
+  bool theory = false;
+  run::program_input own{.program = name,
+                         .shorthands = {},
+                         .restarts = true,
+                         .declare = [&](namelist::schema& schema) { problem->declare(schema); },
+                         .complete = [&](const namelist::schema& schema) { problem->complete(schema); },
+                         .need = [&] { return problem->need(); }};
+  if (!theory_is.empty()) own.flags = {{"--theory", &theory, "print " + theory_is + ", and stop"}};
+  if (choose) own.choose = [&](const namelist::document& input) { problem = choose(input); };
+  return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
+    if (theory) {
+      if (domain::communicator::world().rank == 0) std::fputs(problem->theory().c_str(), stdout);
+      return;
+    }
+    const auto made = problem->make();
+    run::carry_out(*made, problem->common(), line, resolved);
+  });
+}
+
+}  // namespace
+
+int program(int argc, char** argv, const liquid::program& scheme) {
+  return start(
+      argc, argv, scheme.name, std::make_unique<box_at_rest>(scheme),
+      [&](const namelist::document& input) { return named_by(input, scheme); },
+      "what linear theory or creeping flow says of the problem");
+}
+
+int two_fluids(int argc, char** argv, const char* name, problem_kind kind, const std::string& theory_is) {
+  return start(argc, argv, name, std::make_unique<fluids_of_input>(kind, nullptr), {}, theory_is);
+}
+
+int conduction(int argc, char** argv) {
+  return start(argc, argv, "conduction", std::make_unique<body_of_input>(nullptr), {}, "");
+}
+
+}  // namespace tetsuame::problems

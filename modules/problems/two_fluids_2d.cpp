@@ -1,0 +1,11 @@
+#include <overturn/two_fluids.hpp>
+#include <problems/make.hpp>
+
+namespace tetsuame::problems {
+
+std::unique_ptr<run::problem> two_fluids_2d(overturn::problem_kind kind, const overturn::options& o,
+                                            const overturn::parameters& p, const liquid::program* scheme) {
+  return std::make_unique<overturn::two_fluids<2>>(kind, o, p, scheme ? scheme->in_2d(o.liquid) : nullptr);
+}
+
+}  // namespace tetsuame::problems
