@@ -30,7 +30,7 @@ class shock_rig {
     shocks::declare(schema, o_);
     schema.read(namelist::parse_text(box_of_gas(asked), "bench"));
     shocks::resolve(schema, o_);
-    shocks::set_up(g_.emplace(shocks::world<D>{.o = o_, .test = shocks::make_setup(o_)}));
+    shocks::set_up(g_.emplace(o_, shocks::make_setup(o_)));
     shocks::make_lists(*g_, false);
     shocks::settle(*g_);
     auto& s = g_->w.s;
@@ -69,10 +69,10 @@ class shock_rig {
     if (integrator_) integrator_->resize(shocks::integrated_fields(*g_), g_->w.s.fluid);
   }
 
-  // As run::run does it, whether lists are due or not.
+  // As the time loop does it, whether lists are due or not.
   void step() {
     shocks::moved(*g_);
-    shocks::largest_speed(*g_);
+    run::largest_speed(*g_);
     shocks::next_supports(*g_);
     {
       const foundation::stage timed(g_->w.times, "integration");
