@@ -1,0 +1,60 @@
+// Standard SPH: the density is the kernel's own sum [Gingold & Monaghan, Mon. Not. R. Astron. Soc. 181, 375 (1977)].
+//   ρ_i = (1/s) Σ_j m_j W_ij, j = i included, with m_i for what stands behind walls;  s = Σ W Δx^D of the start lattice
+//   ΔV_i = m_i/ρ_i,  Y_i = p^_i ΔV_i
+// With gradient pattern 1 and p = p^ the force is -m_i Σ_j m_j (p_i/ρ_i² + p_j/ρ_j²) ∇_i W_ij. Where two liquids meet,
+// ρ is smeared over a kernel, and with it p^(ρ): the surface tension that DISPH is without.
+#pragma once
+
+#include <volume/smoothed.hpp>
+
+namespace tetsuame::volume {
+
+// ρ_i as above; `mass` is zero behind walls.
+template <int D>
+struct mass_sum {
+  using real = pairs::real;
+  const double* mass;  // kg
+  double self, scale;  // 1/m^D, 1
+  double* rho;         // kg/m3
+
+  struct me {
+    real fluid, behind_walls;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, mass)}; }
+  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const real m = ij(pairs::of_weight);
+    real W = ij.W;
+    a.fluid += m * W;
+    pairs::stdx::where(m != 0.0, W) = 0.0;
+    a.behind_walls += W;
+  }
+  void end(std::size_t i, const me& a) const {
+    rho[i] = scale * (pairs::sum(a.fluid) + mass[i] * (self + pairs::sum(a.behind_walls)));
+  }
+};
+
+struct density_sum {
+  static constexpr const char* name = "density_sum";
+  static constexpr carries carried = carries::nothing;
+
+  template <int D>
+  static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
+    auto& s = w.s;
+    const std::size_t n = s.first_wall();
+    for (std::size_t i = 0; i <= s.null(); ++i) s.Y[i] = i < n ? s.m[i] : 0.0;
+    w.sum(w.fluid(), mass_sum<D>{s.Y.data(), self_value(w), 1.0 / w.lattice_sum, s.rho.data()});
+    w.exchange_fluid({s.rho.data()});
+    foundation::for_all(n, [&](std::size_t i) { s.dV[i] = s.m[i] / s.rho[i]; });
+    equation_of_state(w, n);
+    foundation::for_all(n, [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
+  }
+
+  template <class Pressure, int D>
+  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+    around.weights(w);
+    Pressure::determine(w, around);
+  }
+};
+
+}  // namespace tetsuame::volume
