@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE moving_cuts
 #include <gradient/pattern_1.hpp>
 #include <hydrostatic/hydrostatic.hpp>
+#include <liquid/scheme_of.hpp>
 #include <volume/our_method.hpp>
 
 #include "../support/scene.hpp"
@@ -37,7 +38,7 @@ struct outcome {
 
 template <int D, class Propose>
 outcome run_with(const hydrostatic::options& o, const domain::communicator& ranks, Propose&& propose) {
-  hydrostatic::problem<program, D> box(o, ranks);
+  hydrostatic::problem<D> box(o, std::make_unique<liquid::scheme_of<program, D>>(o.scheme), ranks);
   box.rebuild(false);
   integrators::explicit_integrator integrator(ranks.comm, box.fields(), box.local_particles(), 0.0,
                                               {.method = o.time.method, .dt = *o.time.dt},

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <gradient/pattern_1.hpp>
 #include <hydrostatic/hydrostatic.hpp>
+#include <liquid/scheme_of.hpp>
 #include <volume/number_density.hpp>
 #include <volume/our_method.hpp>
 
@@ -62,7 +63,10 @@ template <class Program, int D>
 class rig {
  public:
   explicit rig(const request& asked)
-      : asked_(asked), heap_before_(heap_bytes()), options_(box<D>(asked)), box_(options_) {
+      : asked_(asked),
+        heap_before_(heap_bytes()),
+        options_(box<D>(asked)),
+        box_(options_, std::make_unique<liquid::scheme_of<Program, D>>(options_.scheme)) {
     auto& world = box_.world;
     auto& s = world.w.s;
     for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -132,7 +136,7 @@ class rig {
     std::vector<particles::array> rates(2 * D + 3, particles::array(s.fluid));
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
-    const hydrostatic::state_rates<D> out(pointers);
+    const liquid::rates<D> out(pointers);
     const scalar_problem<D> problem{s.fluid,
                                     w.list.start.data(),
                                     w.list.neighbours.data(),
@@ -151,8 +155,8 @@ class rig {
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
-        hydrostatic::begin_forces(world, out);
-        hydrostatic::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
+        liquid::begin_forces(world, out);
+        liquid::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in hydrostatic::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
@@ -193,7 +197,7 @@ class rig {
   request asked_;
   double heap_before_;
   hydrostatic::options options_;
-  hydrostatic::problem<Program, D> box_;
+  hydrostatic::problem<D> box_;
   std::unique_ptr<integrators::explicit_integrator> integrator_;
   std::int64_t steps_ = 0;
   result found_;
