@@ -113,8 +113,10 @@ struct loop {
   double longest = std::numeric_limits<double>::infinity();  // s
   void refresh_lists() {
     const double speed = faster * news.speed, moved = news.moved;
+    // A step that the input gives is kept as long as lists can follow particles that keep their speed.
+    const double most = o.time.dt ? news.speed : speed;
     const double next = controls_error() ? integrator->statistics().next_dt : dt;
-    longest = speed > 0.0 ? p.allowance() / speed : std::numeric_limits<double>::infinity();
+    longest = most > 0.0 ? p.allowance() / most : std::numeric_limits<double>::infinity();
     const bool due = moved != 0.0 && !(moved + speed * std::min(next, longest) <= p.allowance());
     if (p.renew(due, step, last_step() - step)) integrator->resize(p.fields(), p.local_particles());
   }

@@ -208,7 +208,7 @@ json metrics_of(const std::vector<course>& courses, const ledger& book) {
 }
 
 template <int D>
-void run(const run::command_line& line, const options& o, const std::string& resolved) {
+void carry_out(const run::command_line& line, const options& o, const std::string& resolved) {
   if (output::size_of(MPI_COMM_WORLD) > 1)
     foundation::fail_input("balance models its ranks in one process: start it without mpirun, with --ranks P");
   const auto begin = clock::now();
@@ -302,6 +302,6 @@ int main(int argc, char** argv) {
   in.declare = [&](namelist::schema& schema) { declare(schema, o); };
   in.complete = [&](const namelist::schema& schema) { complete(schema, o); };
   return run::start(argc, argv, in, [&](const run::command_line& line, const std::string& resolved) {
-    o.distribution.dimension == 3 ? run<3>(line, o, resolved) : run<2>(line, o, resolved);
+    o.distribution.dimension == 3 ? carry_out<3>(line, o, resolved) : carry_out<2>(line, o, resolved);
   });
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <run/lists.hpp>
+#include <run/start_lattice.hpp>
 
 #include "../support/scene.hpp"
 

@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE operators
 #include <functional>
 #include <run/lists.hpp>
+#include <run/start_lattice.hpp>
 #include <numbers>
 #include <operators/consistent.hpp>
 

@@ -153,7 +153,7 @@ BOOST_AUTO_TEST_CASE(walls_push_what_is_near) {
   b.evaluate();
   const auto without = b.rates;
   const double energy = find_energies(f).potential;
-  f.wall_force = walls::make_boundary_force(dx, c);
+  f.world.walls.force = walls::make_boundary_force(dx, c);
   b.evaluate();
   for (std::size_t i = 0; i < s.fluid; ++i) {
     BOOST_TEST(b.rates[2][i] == without[2][i]);
