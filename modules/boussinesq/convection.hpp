@@ -41,7 +41,6 @@
 #include <boussinesq/terms.hpp>
 #include <march/problem.hpp>
 #include <operators/consistent.hpp>
-#include <operators/sums.hpp>
 #include <output/columns.hpp>
 #include <simulation/state.hpp>
 
@@ -51,12 +50,7 @@ template <int D>
 class convection : public march::problem {
  public:
   convection(const options& o, const parameters& p)
-      : o_(o),
-        p_(p),
-        relaxed_(p.shear_speed > 0.0),
-        fields_(relaxed_ ? most_fields : plain_fields),
-        viscous_first_(relaxed_ ? plain_fields : 0),
-        samples_(measures.size()) {
+      : o_(o), p_(p), fields_(p.relaxed ? most_fields : plain_fields), samples_(measures.size()) {
     using particles::role;
     auto& s = world_.w.s;
     const auto add = [&](std::string name, std::string unit, role kind) {
@@ -65,7 +59,7 @@ class convection : public march::problem {
     };
     pressure_ = add("DynamicPressure", "Pa", role::integrated);
     z_ = s.extras.size();
-    for (std::size_t k = 0; k < D && relaxed_; ++k)
+    for (std::size_t k = 0; k < D && p_.relaxed; ++k)
       add("RelaxedVelocity_" + std::to_string(k), "m/s", role::integrated);
     lap_ = add("Laplacian_0", "", role::memory);
     for (std::size_t k = 1; k < fields_; ++k) add("Laplacian_" + std::to_string(k), "", role::memory);
@@ -115,7 +109,7 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
     all.push_back({"T", s.T.data(), 0.0, p_.fluid.dT});
     all.push_back({"p", pressure_of().data(), 0.0, pressure});
-    for (std::size_t a = 0; a < D && relaxed_; ++a)
+    for (std::size_t a = 0; a < D && p_.relaxed; ++a)
       all.push_back({std::string("z") + axis[a], relaxed_velocity(a).data(), 0.0, speed});
     if (keeps_rate())
       for (std::size_t k = 0; k < all.size(); ++k) all[k].previous_rate = s.extras[earlier_ + k].values.data();
@@ -134,8 +128,7 @@ class convection : public march::problem {
 
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx, fastest = std::max(largest_viscosity(), p_.fluid.kappa);
-    // Waves of compression: where viscosity varies its share of them counts three times.
-    const double sound = *o_.march.time.cfl * dx / std::hypot(p_.c_eff, p_.compression * p_.shear_speed);
+    const double sound = *o_.march.time.cfl * dx / std::hypot(p_.c_eff, p_.shear_speed);
     const double diffusion = *o_.march.time.diffusive * dx * dx / fastest;
     return sound < diffusion ? integrators::step_limit{sound, "sound"}
                              : integrators::step_limit{diffusion, "diffusion"};
@@ -155,7 +148,7 @@ class convection : public march::problem {
     return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
   }
 
-  void expect_memory(bool expected) override { whole_ = expected || p_.lagging == "evaluation"; }
+  void expect_memory(bool expected) override { whole_ = expected; }
   void keep_memory() override {
     take_memory();
     v_max_ = fastest();
@@ -171,39 +164,34 @@ class convection : public march::problem {
     }
   }
   bool asks_again() const override { return extrapolates() || lacks_rate_; }
-  void renew_memory() override {
-    if (p_.lagging == "evaluation") take_memory();
-  }
   bool keeps_rate() const { return o_.march.time.method == "ab2"; }
-  bool extrapolates() const { return p_.lagging == "extrapolated"; }
+  bool extrapolates() const { return o_.march.time.method == "rkl2" || o_.march.time.method == "rkc2"; }
   // Of what the last evaluation summed; extrapolated: by half a step, as long as the one before.
   void take_memory() {
     auto& s = world_.w.s;
     const bool extrapolated = extrapolates();
     const double onwards = has_before_ ? 0.5 : 0.0;
-    // Plain sums keep nothing: no correction then, and images of the first order.
-    if (!plain_sums())
-      foundation::for_all(s.fluid, [&](std::size_t i) {
-        std::size_t before = before_;
-        const auto keep = [&](std::size_t k, double now) {
-          s.extras[k].values[i] = now;
-          if (!extrapolated) return;
-          double& earlier = s.extras[before++].values[i];
-          s.extras[k].values[i] += onwards * (now - earlier);
-          earlier = now;
-        };
-        for (std::size_t k = 0; k < fields_; ++k) keep(lap_ + k, plain_[k][i]);
-        for (std::size_t k = 0; k < fields_; ++k)
-          for (std::size_t a = 0; a < D; ++a) keep(grad_ + k * D + a, gradient_[k][a][i]);
-        for (std::size_t k = 0; k < S; ++k) keep(tensor_ + k, next_B_[k][i]);
-        const auto stress = graded_stress(i);
-        for (std::size_t a = 0; a < D; ++a) keep(stress_ + a, stress[a]);
-        if (!isotropic()) return;
-        const double nu = viscosity(i);
-        for (std::size_t a = 0; a < D; ++a) keep(force_ + a, nu * plain_viscous_[a][i]);
-        for (std::size_t k = 0; k < N; ++k) keep(angles_ + k, next_angles_[k][i]);
-        keep(angles_ + N, nu);
-      });
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      std::size_t before = before_;
+      const auto keep = [&](std::size_t k, double now) {
+        s.extras[k].values[i] = now;
+        if (!extrapolated) return;
+        double& earlier = s.extras[before++].values[i];
+        s.extras[k].values[i] += onwards * (now - earlier);
+        earlier = now;
+      };
+      for (std::size_t k = 0; k < fields_; ++k) keep(lap_ + k, plain_[k][i]);
+      for (std::size_t k = 0; k < fields_; ++k)
+        for (std::size_t a = 0; a < D; ++a) keep(grad_ + k * D + a, gradient_[k][a][i]);
+      for (std::size_t k = 0; k < S; ++k) keep(tensor_ + k, next_B_[k][i]);
+      const auto stress = graded_stress(i);
+      for (std::size_t a = 0; a < D; ++a) keep(stress_ + a, stress[a]);
+      if (!isotropic()) return;
+      const double nu = viscosity(i);
+      for (std::size_t a = 0; a < D; ++a) keep(force_ + a, nu * plain_viscous_[a][i]);
+      for (std::size_t k = 0; k < N; ++k) keep(angles_ + k, next_angles_[k][i]);
+      keep(angles_ + N, nu);
+    });
     has_before_ = extrapolated;
     refresh_memory();
   }
@@ -281,7 +269,7 @@ class convection : public march::problem {
       }
       fastest = std::max(fastest, v2);
       speeds.add(std::sqrt(v2));
-      if (p_.tabulated && !p_.tabulated->covers(s.T[i], f.L - s.x[1][i])) ++outside;
+      if (p_.law.table && !p_.law.table->covers(s.T[i], f.L - s.x[1][i])) ++outside;
       drift.add(p[i] / (f.rho * stiffness(i) * p_.c_eff * p_.c_eff));
     }
     const auto mean = means();
@@ -319,12 +307,9 @@ class convection : public march::problem {
     return level_ == 0 && o_.convection.steady_tolerance > 0.0 && settled(o_.convection.steady_tolerance);
   }
 
-  std::string refine(double t) override {
-    const auto& c = o_.convection;
-    const bool late = c.level_time > 0.0 && t - level_began_ >= c.level_time;
-    if (level_ == 0 || !(late || settled(c.level_tolerance))) return {};
+  std::string refine(double) override {
+    if (level_ == 0 || !settled(coarser_tolerance * o_.convection.steady_tolerance)) return {};
     interpolate_to_next_level();
-    level_began_ = t;
     samples_ = record(measures.size());
     return "half the particle spacing";
   }
@@ -374,8 +359,8 @@ class convection : public march::problem {
     const double friction = j["viscous_heating"], work = j["buoyancy_work"];
     j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
     j["prandtl_effective"] = p_.nu_eff / f.kappa;
-    if (p_.tabulated) j["outside_viscosity_table"] = outside_;
-    j["viscous_response"] = relaxed_ ? "relaxed" : "instant";
+    if (p_.law.table) j["outside_viscosity_table"] = outside_;
+    j["viscous_response"] = p_.relaxed ? "relaxed" : "instant";
     j["zeta"] = p_.slowing.zeta;
     j["xi"] = p_.slowing.xi;
     j["sound_speed_effective"] = p_.c_eff;
@@ -395,7 +380,7 @@ class convection : public march::problem {
     for (const auto& a : s.v) add(a);
     add(s.T);
     add(pressure_of());
-    for (std::size_t a = 0; a < D && relaxed_; ++a) add(relaxed_velocity(a));
+    for (std::size_t a = 0; a < D && p_.relaxed; ++a) add(relaxed_velocity(a));
     return output::state_hash(ranks().comm, {g});
   }
 
@@ -413,7 +398,6 @@ class convection : public march::problem {
     g.reals["v_max"] = v_max_;
     g.reals["faster"] = faster_;
     g.reals["v_rms"] = v_rms_;
-    g.reals["level_began"] = level_began_;
     g.reals["outside"] = outside_;
     g.integers["level"] = level_;
     g.integers["has_before"] = has_before_ ? 1 : 0;
@@ -423,7 +407,6 @@ class convection : public march::problem {
   void restore(const output::checkpoint_globals& g) override {
     lay(g.integers.at("level"));
     has_before_ = extrapolates() && g.integers.at("has_before") != 0;
-    level_began_ = g.reals.at("level_began");
     outside_ = g.reals.at("outside");
     v_max_ = g.reals.at("v_max");
     faster_ = g.reals.at("faster");
@@ -433,6 +416,9 @@ class convection : public march::problem {
   }
 
  private:
+  // Steadiness and averages are over so many turnovers, and a coarser level is steady to so many times the tolerance:
+  // in six the flow has swung to rest (docs/theory/convection.md).
+  static constexpr double turnovers = 6.0, coarser_tolerance = 10.0;
   // Fields of the operators: v, T, p, and z where the viscous response is relaxed.
   static constexpr std::size_t plain_fields = D + 2, most_fields = 2 * D + 2;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms;
@@ -494,7 +480,7 @@ class convection : public march::problem {
     for (std::size_t a = 0; a < D; ++a) f[a] = s.v[a].data();
     f[D] = s.T.data();
     f[D + 1] = pressure_of().data();
-    for (std::size_t a = 0; a < D && relaxed_; ++a) f[plain_fields + a] = relaxed_velocity(a).data();
+    for (std::size_t a = 0; a < D && p_.relaxed; ++a) f[plain_fields + a] = relaxed_velocity(a).data();
     return f;
   }
 
@@ -509,16 +495,12 @@ class convection : public march::problem {
     return p_.weighed ? p_.weighed->slope(y, T) : p_.fluid.alpha * p_.fluid.g;
   }
 
-  void follow_viscosity() { follow(p_, world_.w.dx, nu_ / p_.fluid.nu * std::exp((reached_ - 1.0) * p_.log_middle)); }
+  void follow_viscosity() { follow(p_, world_.w.dx, nu_ / p_.fluid.nu); }
 
-  bool isotropic() const { return o_.convection.line_forces == "isotropic"; }
-  bool varies() const { return o_.convection.viscosity_law != "constant"; }
+  bool isotropic() const { return D == 2 && varies(); }
+  bool varies() const { return p_.law.varies; }
   double viscosity(double y, double T) const {  // m2/s
-    if (!varies()) return nu_;
-    if (p_.tabulated) return nu_ * std::exp(reached_ * (p_.tabulated->log(T, p_.fluid.L - y) - p_.log_reference));
-    const auto& c = o_.convection;
-    return nu_ * std::exp(reached_ * (-c.temperature_exponent * (T - o_.temperature_top()) / p_.fluid.dT +
-                                      c.depth_exponent * (1.0 - y / p_.fluid.L)));
+    return varies() ? nu_ * std::exp(reached_ * p_.law.log(T, y)) : nu_;
   }
   double viscosity(std::size_t i) const { return viscosity(world_.w.s.x[1][i], world_.w.s.T[i]); }
   // xi² at the particle.
@@ -567,7 +549,7 @@ class convection : public march::problem {
     const auto fields = field_arrays();
     std::array<std::array<double, D>, 2> u{}, curvature{};  // of v, and of z
     std::array<std::array<double, D>, most_fields> gradient;
-    const std::size_t flows = relaxed_ ? 2 : 1;
+    const std::size_t flows = p_.relaxed ? 2 : 1;
     for (std::size_t n = 0; n < flows; ++n)
       for (std::size_t a = 0; a < D; ++a) {
         u[n][a] = fields[n * plain_fields + a][j];
@@ -674,35 +656,20 @@ class convection : public march::problem {
     });
   }
 
-  bool plain_sums() const { return o_.convection.operators == "sum"; }
   void sum_over_neighbours() {
     const foundation::stage timed(world_.w.times, "sums");
-    if (plain_sums()) return sum_plainly();
-    if (relaxed_)
-      whole_ ? sum_consistently<most_fields, true>() : sum_consistently<most_fields, false>();
-    else
-      whole_ ? sum_consistently<plain_fields, true>() : sum_consistently<plain_fields, false>();
-  }
-  void sum_plainly() {
-    const auto fields = field_arrays();
-    operators::sums<D, plain_fields> derivatives{{}, volume_, {}};
-    unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
-    for (std::size_t a = 0; a < D; ++a) uneven.out[a] = uneven_[a].data();
-    for (std::size_t k = 0; k < plain_fields; ++k) {
-      derivatives.f[k] = fields[k];
-      for (std::size_t a = 0; a < D; ++a) derivatives.out.gradient[k][a] = gradient_[k][a].data();
-      derivatives.out.laplacian[k] = laplacian_[k].data();
-    }
-    world_.w.sum(world_.w.fluid(), derivatives, uneven);
+    whole_ ? sum_consistently<true>() : sum_consistently<false>();
   }
   // whole: with what is kept for the step, which the stages after the first do not need. The spreading is that of the
   // first.
-  template <int K, bool whole>
+  template <bool whole>
   void sum_consistently() {
     if (varies())
-      sum_consistently<K, whole, true>();
+      sum_consistently<plain_fields, whole, true>();
+    else if (p_.relaxed)
+      sum_consistently<most_fields, whole, false>();
     else
-      sum_consistently<K, whole, false>();
+      sum_consistently<plain_fields, whole, false>();
   }
   template <int K, bool whole, bool graded>
   void sum_consistently() {
@@ -721,9 +688,8 @@ class convection : public march::problem {
       derivatives.out.laplacian[k] = laplacian_[k].data();
       derivatives.out.plain[k] = plain_[k].data();
     }
-    const bool whole_tensor = o_.convection.operators != "trace";
     for (std::size_t k = 0; k < S; ++k) {
-      derivatives.B[k] = whole_tensor ? s.extras[tensor_ + k].values.data() : nullptr;
+      derivatives.B[k] = s.extras[tensor_ + k].values.data();
       derivatives.out.next_B[k] = next_B_[k].data();
     }
     unevenness<D> uneven{volume_, W_self_, per_W_dx_, {}, W_sum_.data()};
@@ -742,52 +708,39 @@ class convection : public march::problem {
         w.sum(w.fluid(), derivatives, smooth, more...);
     };
     if constexpr (graded) {
-      const auto add_viscous = [&](auto viscous) {
-        viscous.root = s.extras[root_].values.data();
+      graded_viscosity<D> viscous{};
+      viscous.root = s.extras[root_].values.data();
+      for (std::size_t a = 0; a < D; ++a) {
+        viscous.out[a] = viscous_[a].data();
+        viscous.slope[a] = log_slope_[a].data();
+        for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[a][b].data();
+      }
+      if constexpr (viscous.isotropic) {
+        viscous.beta = beta_ * (D + 2.0) / (D + 4.0);
         for (std::size_t a = 0; a < D; ++a) {
-          viscous.out[a] = viscous_[a].data();
-          viscous.slope[a] = log_slope_[a].data();
-          for (std::size_t b = 0; b < D; ++b) viscous.gradient[a][b] = gradient_[first + a][b].data();
+          viscous.force[a] = s.extras[force_ + a].values.data();
+          viscous.plain[a] = plain_viscous_[a].data();
         }
-        sum(viscous);
-      };
-      if constexpr (D == 2)
-        isotropic() ? add_viscous(isotropic_viscosity<first>()) : add_viscous(graded_viscosity<D, first, false>{});
-      else
-        add_viscous(graded_viscosity<D, first, false>{});
+        for (std::size_t k = 0; k < N; ++k) {
+          viscous.angular[k] = s.extras[angles_ + k].values.data();
+          viscous.next_angular[k] = next_angles_[k].data();
+        }
+      }
+      sum(viscous);
     } else {
       sum();
     }
     if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
   }
-  // With what isotropic forces lag behind.
-  template <std::size_t first>
-  auto isotropic_viscosity() {
-    auto& extras = world_.w.s.extras;
-    graded_viscosity<D, first, true> viscous{};
-    viscous.beta = beta_ * (D + 2.0) / (D + 4.0);
-    for (std::size_t a = 0; a < D; ++a) {
-      viscous.force[a] = extras[force_ + a].values.data();
-      viscous.plain[a] = plain_viscous_[a].data();
-    }
-    for (std::size_t k = 0; k < N; ++k) {
-      viscous.angular[k] = extras[angles_ + k].values.data();
-      viscous.next_angular[k] = next_angles_[k].data();
-    }
-    return viscous;
-  }
-
-  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s); of z where that makes the force. With ∇²v it is the divergence of 2 ν (e - ½
-  // ∇·v) over ν, e the rate of strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0
-  // alone would feed it.
+  // (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s). With ∇²v it is the divergence of 2 ν (e - ½ ∇·v) over ν, e the rate of
+  // strain: a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0 alone would feed it.
   std::array<double, D> graded_stress(std::size_t i) const {
     std::array<double, D> stress{};
     if (!varies()) return stress;
-    const std::size_t z = viscous_first_;
     for (std::size_t a = 0; a < D; ++a)
       for (std::size_t b = 0; b < D; ++b)
-        stress[a] += (gradient_[z + a][b][i] + gradient_[z + b][a][i]) * log_slope_[b][i] -
-                     gradient_[z + b][b][i] * log_slope_[a][i];
+        stress[a] +=
+            (gradient_[a][b][i] + gradient_[b][a][i]) * log_slope_[b][i] - gradient_[b][b][i] * log_slope_[a][i];
     return stress;
   }
 
@@ -797,14 +750,14 @@ class convection : public march::problem {
     const auto& f = p_.fluid;
     const auto& c = o_.convection;
     const foundation::stage timed(w.times, "rates");
-    const double a_inertia = p_.steady ? 1.0 : 0.0, e_pressure = c.pressure == "eulerian" ? 1.0 : 0.0;
+    const double a_inertia = p_.steady ? 1.0 : 0.0, e_pressure = 1.0;
     const double spread = c.shifting * h_ * v_max_, most = 0.5 * v_max_;
-    const double smoothing = c.pressure_diffusion * h_ * p_.c_eff;
+    const double smoothing = *c.pressure_diffusion * h_ * p_.c_eff;
     const double heating = c.heating * f.kappa / conductivity() * f.rho;
     const auto& p = pressure_of();
     const bool graded = varies();
-    const std::size_t z = viscous_first_;
-    const double theta = p_.instant_share, per_lambda = relaxed_ ? 1.0 / p_.relaxation_time : 0.0;
+    const std::size_t z = p_.relaxed ? plain_fields : 0;  // the velocity of the viscous force
+    const double theta = p_.instant_share, per_lambda = p_.relaxed ? 1.0 / p_.relaxation_time : 0.0;
     const bool follows_pressure = p_.weighed && c.adiabatic_heating;  // c_p, gravity_density.hpp
     bool finite = true;
     double displacing = 0.0;  // m2/s2
@@ -835,7 +788,7 @@ class convection : public march::problem {
         rate[a][i] = v_i[a] + w_i[a];
         moving2 += rate[a][i] * rate[a][i];
         rate[D + a][i] = per_xi2 * force + advected + remap * noise_[a][i];
-        if (relaxed_) {
+        if (p_.relaxed) {
           const double z_a = s.extras[z_ + a].values[i];
           double carried = 0.0;
           for (std::size_t b = 0; b < D; ++b) carried += moving_v[b] * gradient_[z + a][b][i];
@@ -918,7 +871,7 @@ class convection : public march::problem {
       for (std::size_t b = a; b < D; ++b, ++k)
         std::fill_n(s.extras[tensor_ + k].values.begin(), s.fluid, a == b ? 1.0 : 0.0);
     volume_ = std::pow(dx, D);
-    beta_ = o_.convection.operators == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, dx) : 0.0;
+    beta_ = operators::lattice_beta<D>(world_.w.kernel, dx);
     h_ = kernel.h_over_dx * dx;
     std::visit(
         [&](const auto& k) {
@@ -936,7 +889,7 @@ class convection : public march::problem {
     std::array<const double*, most_fields> f;
     std::ranges::copy(field_arrays(), f.begin());
     f[D] = excess.data();
-    for (std::size_t a = 0; a < D && !relaxed_; ++a) f[plain_fields + a] = f[a];  // not used
+    for (std::size_t a = 0; a < D && !p_.relaxed; ++a) f[plain_fields + a] = f[a];  // not used
     const interpolation<D> at(s, world_.w.support());
     // Each rank where its particles stood; rebuild() hands them on where the finer cells differ.
     std::vector<std::int64_t> ids;
@@ -964,7 +917,7 @@ class convection : public march::problem {
       }
       s.T[i] = reference(places[i][1]) + values[i][D];
       pressure_of()[i] = values[i][D + 1];
-      for (std::size_t a = 0; a < D && relaxed_; ++a) relaxed_velocity(a)[i] = values[i][plain_fields + a];
+      for (std::size_t a = 0; a < D && p_.relaxed; ++a) relaxed_velocity(a)[i] = values[i][plain_fields + a];
     }
     // In a closed box the pressure's mean stays what it was, zero.
     foundation::exact_sum sum;
@@ -985,7 +938,7 @@ class convection : public march::problem {
   double window() const {
     const auto& f = p_.fluid;
     const double turnover = v_rms_ > 0.0 ? f.L / v_rms_ : f.L * f.L / f.kappa;
-    return std::max(o_.convection.steady_turnovers * turnover, 0.01 * f.L * f.L / f.kappa);
+    return std::max(turnovers * turnover, 0.01 * f.L * f.L / f.kappa);
   }
 
   // Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
@@ -1001,12 +954,9 @@ class convection : public march::problem {
   }
 
   const options& o_;
-  parameters p_;               // of the present level
-  bool relaxed_;               // the viscous force is that of z
-  std::size_t fields_;         // of the operators
-  std::size_t viscous_first_;  // of the fields, the velocity of the viscous force
-  std::int64_t level_ = 0;     // so many finer ones come
-  double level_began_ = 0.0;   // s
+  parameters p_;            // of the present level
+  std::size_t fields_;      // of the operators
+  std::int64_t level_ = 0;  // so many finer ones come
   std::array<std::int64_t, 3> particles_{};
   images::scene<D> world_;
   std::size_t pressure_ = 0, z_ = 0, lap_ = 0, grad_ = 0, root_ = 0, own_viscosity_ = 0, stress_ = 0, tensor_ = 0,
