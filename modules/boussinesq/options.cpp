@@ -220,8 +220,14 @@ parameters resolve(const namelist::schema& schema, options& o) {
   const auto material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
   p.fluid.nu = material.viscosity / material.density;
   p.fluid.alpha = material.expansivity;
+  p.T_bottom = o.temperature_bottom();
+  p.conductivity = material.conductivity;
+  p.heat_capacity = material.heat_capacity;
+  p.heating = c.heating * p.fluid.kappa / p.conductivity * p.fluid.rho;
   resolve_gravity(schema, o, p);
   resolve_viscosity(schema, o, p);
+  p.nu = p.fluid.nu;
+  p.reached = 1.0;
   resolve_slowing(o, p);
   resolve_levels(schema, o, p);
   p.compressibility = c.gravity_density == "separated"      ? 1.0

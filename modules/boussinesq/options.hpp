@@ -57,10 +57,16 @@ struct options {
   double temperature_top() const { return walls.sides[3].temperature; }
 };
 
-// What the run computes with, all SI.
+// What the run computes with, all SI; the slowing is that of the present lattice and viscosity.
 struct parameters {
   relaxation::fluid_layer fluid;
-  viscosity_law law;  // over the top's viscosity, which is that of `fluid`
+  double T_bottom;       // K
+  double conductivity;   // W/(m K)
+  double heat_capacity;  // J/(kg K), at the top
+  double heating;        // K/s, from inside
+  viscosity_law law;     // over the top's viscosity, which is that of `fluid` when the law is reached
+  double nu;             // m2/s, the top's now
+  double reached;        // share of the law's logarithm that is there
   // By an equation of state; null: by the Boussinesq law.
   std::shared_ptr<const gravity_density> weighed;
   double compressibility;     // what of p/K_0 gravity feels: 0, 1 or zeta²
@@ -89,8 +95,8 @@ double expected_particles(const options& o);  // of the finest level
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
-// Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity in the middle
-// while that is `higher` than at the end.
-void follow(parameters& p, double dx, double higher = 1.0);
+// Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity while that is not
+// yet what it is at the end.
+void follow(parameters& p, double dx);
 
 }  // namespace tetsuame::boussinesq

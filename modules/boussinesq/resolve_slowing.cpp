@@ -98,11 +98,11 @@ void resolve_slowing(options& o, parameters& p) {
   if (!c.pressure_diffusion) c.pressure_diffusion = p.relaxed ? 0.02 : p.steady ? 0.2 : 0.4;
 }
 
-void follow(parameters& p, double dx, double higher) {
+void follow(parameters& p, double dx) {
   if (p.sonic_share == 0.0) return;
   const auto& f = p.fluid;
   if (p.relaxed) {
-    p.c_eff = p.c_end * std::pow(higher, -2.0 / 3.0);
+    p.c_eff = p.c_end * std::pow(p.nu / f.nu, -2.0 / 3.0);
     p.shear_speed = shear_share * p.c_eff;
     p.relaxation_time = relaxation_length(p) / p.shear_speed;
   }
