@@ -41,6 +41,7 @@ void declare_aim(namelist::schema& schema, convection_options& o) {
   schema.add(g, "levels", o.levels,
              {.minimum = -1,
               .maximum = 10,
+              .expert = true,
               .meaning = "the run starts with twice the particle spacing, so many times twice, and goes on with half "
                          "of it whenever the flow is steady to ten times steady_tolerance, which it needs. -1: as many "
                          "as resolve the flow where only the steady state is the aim and the viscosity is constant, "
@@ -49,6 +50,7 @@ void declare_aim(namelist::schema& schema, convection_options& o) {
              {.minimum = 0.0,
               .maximum = 10.0,
               .exclusive_minimum = true,
+              .expert = true,
               .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
                          "slower: at 1.5, Mach 0.25. Not given: 1.5, where the viscosity varies 1"});
 }
@@ -66,14 +68,16 @@ void declare_gravity(namelist::schema& schema, convection_options& o) {
       g, "p_top", o.p_top,
       {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos and viscosity by melt fraction"});
   schema.add(g, "eos_dynamic_pressure", o.eos_dynamic_pressure,
-             {.meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
+             {.expert = true,
+              .meaning = "with eos: gravity feels p'/K too; the heat of that compression is not in the balance"});
 }
 
 void declare_viscosity(namelist::schema& schema, convection_options& o) {
   schema.add(
       g, "viscosity_law", o.viscosity_law,
       {.choices = {"constant", "blankenbach_2a", "blankenbach_2b", "exponential", "table", "melt"},
-       .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64; of "
+       .meaning = "nu = nu_0 exp(-b (T - T_top)/DeltaT + c depth/L); 2a: b = ln 1000, 2b: b = ln 16384, c = ln 64; "
+                  "exponential: exponents of &expert; of "
                   "viscosity_file; or by melt fraction between the mantle's solidus and liquidus at the pressure of a "
                   "column at rest (temperatures are absolute then); a Rayleigh number given scales the last two"});
   schema.add(g, "viscosity_file", o.viscosity_file,
@@ -90,24 +94,29 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
               .meaning = "the exponents grow from zero over this time; with one viscosity and the steady state as the "
                          "aim it falls over this time from that at which Ra is 1000. Not given: 0; falling, 0.033 "
                          "L^2/kappa for each power of ten"});
-  schema.add(g, "temperature_exponent", o.temperature_exponent, {.meaning = "b of the exponential law"});
-  schema.add(g, "depth_exponent", o.depth_exponent, {.meaning = "c of the exponential law"});
+  schema.add(g, "temperature_exponent", o.temperature_exponent,
+             {.expert = true, .meaning = "b of the exponential law"});
+  schema.add(g, "depth_exponent", o.depth_exponent, {.expert = true, .meaning = "c of the exponential law"});
   schema.add(g, "composition", o.composition,
-             {.choices = {"peridotitic", "chondritic"}, .meaning = "law 'melt': of the liquidus above 20 GPa"});
+             {.choices = {"peridotitic", "chondritic"},
+              .expert = true,
+              .meaning = "law 'melt': of the liquidus above 20 GPa"});
 }
 
 void declare_noise(namelist::schema& schema, convection_options& o) {
   schema.add(g, "pressure_diffusion", o.pressure_diffusion,
              {.minimum = 0.0,
               .maximum = 1.0,
+              .expert = true,
               .meaning = "delta of the term that smooths the pressure's noise; not given: target transient 0.4, steady "
                          "0.2, with one viscosity 0.02"});
   schema.add(g, "remap_diffusion", o.remap_diffusion,
              {.minimum = 0.0,
               .maximum = 10.0,
+              .expert = true,
               .meaning = "of the noise in temperature and velocity, times the speed with which particles are spread"});
   schema.add(g, "shifting", o.shifting,
-             {.minimum = 0.0, .maximum = 10.0, .meaning = "strength of the particles' spreading"});
+             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "strength of the particles' spreading"});
 }
 
 // Whether the expansivity says more than how strongly heat drives the flow: how much heat friction and compression make

@@ -137,7 +137,7 @@ BOOST_AUTO_TEST_CASE(response_follows_from_aim_and_viscosity) {
   BOOST_TEST(q.ramp == 1e17);
   BOOST_TEST(*varies.convection.pressure_diffusion == 0.2);
   BOOST_TEST(*varies.convection.steady_mach == 1.0);
-  BOOST_TEST(!resolved("&convection target = 'steady' / &relaxation zeta = 2.0 xi = 1e11 /", given).relaxed);
+  BOOST_TEST(!resolved("&convection target = 'steady' / &expert zeta = 2.0 xi = 1e11 /", given).relaxed);
   BOOST_TEST(!resolved("&convection target = 'transient' /", history).relaxed);
   BOOST_TEST(*history.convection.pressure_diffusion == 0.4);
 }
@@ -166,7 +166,9 @@ BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
   {
     options o;  // the viscosity of the middle is exp(-3) of the top's
     const auto p = resolved(
-        "&convection rayleigh = 3e5 viscosity_law = 'exponential' temperature_exponent = 6.0 steady_mach = 1.5 /", o);
+        "&convection rayleigh = 3e5 viscosity_law = 'exponential' / &expert temperature_exponent = 6.0 steady_mach = "
+        "1.5 /",
+        o);
     BOOST_TEST(p.c_eff == std::pow(3e5 * std::exp(3.0), 2.0 / 3.0) * p.fluid.kappa / p.fluid.L / 1.5,
                tt::tolerance(1e-12));
     BOOST_TEST(p.nu_eff == 0.12 * p.c_eff * p.fluid.L / 100.0, tt::tolerance(1e-12));
@@ -198,7 +200,7 @@ BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
   }
   {
     options o;
-    const auto p = resolved("&convection gravity_density = 'conventional' / &relaxation zeta = 2.0 xi = 1e11 /", o);
+    const auto p = resolved("&convection gravity_density = 'conventional' / &expert zeta = 2.0 xi = 1e11 /", o);
     BOOST_TEST(p.slowing.zeta == 2.0);
     BOOST_TEST(p.slowing.xi == 1e11);
     BOOST_TEST(p.compressibility == 4.0);

@@ -38,7 +38,7 @@ class Convection(Case):
         """Free slip, a cell as wide as high: disturbances grow as (s/Pr + K)(s + K) = Ra pi^2/K, K = 2 pi^2, in kappa/L^2; none below
         Ra = 8 pi^4 = 779.3 [Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), ch. II]."""
         K = 2 * math.pi**2
-        settings = {**size(16), "time.t_end": 1.5e17, "convection.steady_tolerance": 0, "relaxation.xi": 4e12, "relaxation.zeta": 5,
+        settings = {**size(16), "time.t_end": 1.5e17, "convection.steady_tolerance": 0, "expert.xi": 4e12, "expert.zeta": 5,
                     "initial.perturbation": 1e-3}
         for Ra in [600, 1000]:
             result = self.run_program("convection", MANTLE, {**settings, "convection.rayleigh": Ra,
@@ -88,7 +88,7 @@ class Convection(Case):
         """Coarser lattices first: the same steady state as from the lattice itself, for fewer updates; levels are told apart in the history."""
         settings = {**size(24), "convection.steady_tolerance": 2e-4}
         alone = self.run_program("convection", MANTLE, settings).summary
-        result = self.run_program("convection", MANTLE, {**settings, "convection.levels": 1})
+        result = self.run_program("convection", MANTLE, {**settings, "expert.levels": 1})
         s = result.summary
         self.assertTrue(s["metrics"]["steady"])
         self.assertEqual((s["fluid_particles"], s["metrics"]["levels_left"]), (576, 0))
@@ -108,7 +108,7 @@ class Convection(Case):
         relaxed = self.run_program("convection", MANTLE, settings).summary
         xi = math.sqrt(relaxed["metrics"]["prandtl"] / (0.35 * c / n))
         zeta = relaxed["metrics"]["zeta"] * relaxed["metrics"]["xi"] / xi
-        instant = self.run_program("convection", MANTLE, {**settings, "relaxation.xi": xi, "relaxation.zeta": zeta}).summary
+        instant = self.run_program("convection", MANTLE, {**settings, "expert.xi": xi, "expert.zeta": zeta}).summary
         for s, response in [(relaxed, "relaxed"), (instant, "instant")]:
             self.assertTrue(s["metrics"]["steady"])
             self.assertEqual(s["metrics"]["viscous_response"], response)
@@ -127,7 +127,7 @@ class Convection(Case):
         relaxation, at_once = 1 / (math.sqrt(2) * math.pi * shear), max(0.35 * c / n, 1)
         nu = relaxation * shear**2 + at_once
         theta = at_once / nu
-        settings = {**size(n), "domain.periodic_x": ".true.", "walls.slip": "no_slip", "walls.velocity_top": U * 1e-12, "initial.perturbation": 0,
+        settings = {**size(n), "domain.periodic_x": ".true.", "walls.slip": "no_slip", "expert.velocity_top": U * 1e-12, "initial.perturbation": 0,
                     "convection.rayleigh": Ra, "convection.steady_tolerance": 0, "time.t_end": 8e16, "output.history_interval": 2}
         result = self.run_program("convection", MANTLE, settings)
         self.assertAlmostEqual(result.summary["metrics"]["prandtl_effective"] / nu, 1, delta=1e-9)
@@ -158,7 +158,7 @@ class Convection(Case):
     def test_levels_are_chosen(self):
         """As many as resolve the flow, where the steady state is the aim."""
         for settings, levels in [(size(48), 1), (size(100), 2), (size(46), 0), (size(49), 0),
-                                 ({**size(48), "convection.steady_tolerance": 0}, 0), ({**size(48), "convection.levels": 0}, 0),
+                                 ({**size(48), "convection.steady_tolerance": 0}, 0), ({**size(48), "expert.levels": 0}, 0),
                                  ({**size(48), "convection.target": "'transient'"}, 0),
                                  ({**size(100), "convection.rayleigh": 1e6}, 1)]:
             with self.subTest(settings):
@@ -169,8 +169,8 @@ class Convection(Case):
         """Restarts before a level has gone over to the next, and after. Any flow is steady to such a tolerance, once there are six turnovers."""
         loose = {"convection.steady_tolerance": 1, "run.checkpoint_interval": 100}
         for name, settings, parts in [
-                ("walls", {**size(40), "convection.levels": 2, "time.steps": 1800}, [600, 1740]),
-                ("periodic", {**size(20), "convection.levels": 1, "convection.rayleigh": 1e5, "convection.viscosity_ramp": 2e16, "domain.periodic_x": ".true.",
+                ("walls", {**size(40), "expert.levels": 2, "time.steps": 1800}, [600, 1740]),
+                ("periodic", {**size(20), "expert.levels": 1, "convection.rayleigh": 1e5, "convection.viscosity_ramp": 2e16, "domain.periodic_x": ".true.",
                               "walls.slip": "no_slip", "time.method": "ab2", "time.steps": 9400}, [9100, 9300])]:
             with self.subTest(name):
                 settings = {**settings, **loose}
@@ -184,7 +184,7 @@ class Convection(Case):
                     left.append(part["metrics"]["levels_left"])
                     s = self.run_program("convection", MANTLE, settings, output=f"part_{name}_{steps}", options=["--restart", "latest"], ranks=2).summary
                     self.assertEqual((s["state_hash"], s["metrics"]), (whole["state_hash"], whole["metrics"]))
-                self.assertEqual(left, [settings["convection.levels"], 0])
+                self.assertEqual(left, [settings["expert.levels"], 0])
 
     def test_contrast_of_viscosity(self):
         """Case 2a's law at full contrast from the start: the first plume reaches the lid, and temperatures stay between those of the walls
@@ -233,7 +233,7 @@ class Convection(Case):
     def test_contrast_with_depth(self):
         """Case 2b's law: on this coarse lattice ν changes thirtyfold from one particle to the next. The flow lasts until the contrast is full and
         longer, with temperatures nearly between those of the walls (with ν_ij = (ν_i ν_j)^½ it blows up on the way)."""
-        result = self.run_program("convection", "blankenbach_2b", {"domain.particles_x": 60, "domain.particles_y": 24, "convection.levels": 0,
+        result = self.run_program("convection", "blankenbach_2b", {"domain.particles_x": 60, "domain.particles_y": 24, "expert.levels": 0,
                                                                    "convection.viscosity_ramp": 2e16, "time.t_end": 2.2e16})
         self.assertGreater(result.summary["metrics"]["v_rms"], 50)
         self.assertLess(result.summary["metrics"]["v_rms"], 300)
@@ -322,7 +322,7 @@ class Convection(Case):
 
     def test_heat_through_a_wall_of_given_flux(self):
         """It is what was given: 0.01 W/m2 beside k DeltaT/L = 0.005 W/m2 of conduction."""
-        s = self.run_program("convection", MANTLE, {**size(12), "time.steps": 3, "walls.thermal_bottom": "flux", "walls.flux_bottom": 0.01})
+        s = self.run_program("convection", MANTLE, {**size(12), "time.steps": 3, "walls.thermal_bottom": "flux", "expert.flux_bottom": 0.01})
         self.assertAlmostEqual(s.summary["metrics"]["nusselt_bottom"], 2, delta=1e-9)
         self.assertNotIn("nan", (s.directory / "history.csv").read_text())
 
@@ -339,12 +339,12 @@ class Convection(Case):
         """Each choice changes the run, and runs."""
         settings = {**SHORT, **size(12), "initial.perturbation": 0.2}
         hashes = {"as it is": self.run_program("convection", MANTLE, settings).summary["state_hash"]}
-        law = {"convection.viscosity_law": "exponential", "convection.temperature_exponent": 1.0}
-        for change in [{"convection.shifting": 0.5}, {"convection.pressure_diffusion": 0.1}, {"convection.remap_diffusion": 0.1}, {"convection.steady_mach": 0.5},
-                       {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional", "convection.steady_mach": 0.3},
+        law = {"convection.viscosity_law": "exponential", "expert.temperature_exponent": 1.0}
+        for change in [{"expert.shifting": 0.5}, {"expert.pressure_diffusion": 0.1}, {"expert.remap_diffusion": 0.1}, {"expert.steady_mach": 0.5},
+                       {"convection.gravity_density": "separated"}, {"convection.gravity_density": "conventional", "expert.steady_mach": 0.3},
                        {"convection.heating": 1e-11}, {"convection.viscous_heating": ".true."}, {"convection.adiabatic_heating": ".true."},
-                       law, {**law, "convection.depth_exponent": 1.0}, {"convection.viscosity_ramp": 1e18}, {"convection.target": "transient"},
-                       {"walls.slip_top": "no_slip"}, {"walls.thermal_right": "flux", "walls.flux_right": 0.01}, {"walls.slip_top": "no_slip", "walls.velocity_top": 1e-11},
+                       law, {**law, "expert.depth_exponent": 1.0}, {"convection.viscosity_ramp": 1e18}, {"convection.target": "transient"},
+                       {"expert.slip_top": "no_slip"}, {"expert.thermal_right": "flux", "expert.flux_right": 0.01}, {"expert.slip_top": "no_slip", "expert.velocity_top": 1e-11},
                        {"domain.periodic_x": ".true."}, {"time.method": "ssp_rk3"}, {"time.method": "rkc2"}]:
             with self.subTest(**change):
                 s = self.run_program("convection", MANTLE, {**settings, **change}).summary
@@ -353,12 +353,29 @@ class Convection(Case):
 
     def test_wrong_input(self):
         for key, value, word in [("domain.periodic_y", ".true.", "periodic_y"), ("walls.temperature_bottom", -1, "temperature_bottom"),
-                                 ("convection.rayleigh", -1, "rayleigh"), ("convection.temperature_exponent", 1, "viscosity_law"),
-                                 ("convection.levels", 7, "levels")]:
+                                 ("convection.rayleigh", -1, "rayleigh"), ("expert.temperature_exponent", 1, "viscosity_law"),
+                                 ("expert.levels", 7, "levels")]:
             with self.subTest(key):
                 result = self.run_program("convection", MANTLE, {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
+
+    def test_keys_that_have_moved_or_gone(self):
+        """An input of old is told where its keys stand now; what is settled is no key."""
+        for key, says in [("convection.levels=1", "&convection levels: this key stands in group &expert"),
+                          ("walls.velocity_top=1e-9", "&walls velocity_top: this key stands in group &expert"),
+                          ("convection.zeta=3", "unknown key zeta"), ("convection.zeta=3", "&expert has a key of this name"), ("convection.lagging=step", "unknown key lagging")]:
+            with self.subTest(key):
+                self.assert_says(self.call("convection", INPUTS / f"{MANTLE}.nml", "--set", key, "--check"), BAD_INPUT, f"--set {key}: ", says)
+
+    def test_what_is_shown(self):
+        """At most 60 keys before &expert, which stands last."""
+        described = self.call("convection", "--describe").stdout
+        ordinary, expert = described.split("&expert\n")
+        keys = [line for line in ordinary.splitlines() if " =" in line and not line.lstrip().startswith("!")]
+        self.assertLessEqual(len(keys), 60)
+        self.assertNotIn("\n&", expert)
+        self.assertIn("! of &walls: ", expert)
 
     def test_viscosity_that_falls(self):
         """A tenth of the Rayleigh number at first: the roll is slower; once the viscosity is there, the steady state is that of the input."""
@@ -373,7 +390,7 @@ class Convection(Case):
         self.assertAlmostEqual(m["v_rms"] / 42.864947, 1, delta=0.01)
 
     def test_levels_need_a_steady_aim(self):
-        result = self.run_program("convection", MANTLE, {"convection.levels": 1, "convection.steady_tolerance": 0}, expect=BAD_INPUT)
+        result = self.run_program("convection", MANTLE, {"expert.levels": 1, "convection.steady_tolerance": 0}, expect=BAD_INPUT)
         self.assertIn("levels", result.stderr)
 
     def test_too_large_a_step_is_told(self):
@@ -385,7 +402,7 @@ class EquationOfState(Case):
     """Gravity feels the density of an equation of state; what rises cools."""
 
     def test_linear_is_the_separated_density(self):
-        same = {**size(12), **SHORT, "convection.eos": "linear", "convection.p_top": 0, "convection.eos_dynamic_pressure": "T"}
+        same = {**size(12), **SHORT, "convection.eos": "linear", "convection.p_top": 0, "expert.eos_dynamic_pressure": "T"}
         one = self.run_program("convection", "super_earth", same).rows()[1][-1]
         boussinesq = (self.here / "separated.nml")
         boussinesq.write_text("".join(line for line in (INPUTS / "super_earth.nml").read_text().splitlines(True) if "eos" not in line))
