@@ -4,4 +4,4 @@ execute_process(COMMAND git -C ${SOURCE} describe --always --dirty --abbrev=12
 if(NOT commit)
   set(commit "unknown")
 endif()
-file(WRITE ${FILE} "#include <simulation/command_line.hpp>\nstd::string tetsuame::simulation::version() { return \"${commit}\"; }\n")
+file(WRITE ${FILE} "#include <run/command_line.hpp>\nstd::string tetsuame::run::version() { return \"${commit}\"; }\n")

@@ -1,6 +1,6 @@
 // Program A [S0, table 1]: Y by Hosono's iteration, corrected walls, gradient pattern 1.
 #include <gradient/pattern_1.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/hosono_iteration.hpp>
 
 using namespace tetsuame;
@@ -13,4 +13,4 @@ struct program_a {
   using gradient = tetsuame::gradient::pattern_1;
 };
 
-int main(int argc, char** argv) { return simulation::hydrostatic<program_a>(argc, argv); }
+int main(int argc, char** argv) { return hydrostatic::program<program_a>(argc, argv); }

@@ -1,6 +1,6 @@
 // Program D [S0, table 1]: Y by our method, smoothed pressure, no wall support, gradient pattern 1.
 #include <gradient/pattern_1.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/our_method.hpp>
 
 using namespace tetsuame;
@@ -13,4 +13,4 @@ struct program_d {
   using gradient = tetsuame::gradient::pattern_1;
 };
 
-int main(int argc, char** argv) { return simulation::hydrostatic<program_d>(argc, argv); }
+int main(int argc, char** argv) { return hydrostatic::program<program_d>(argc, argv); }

@@ -1,6 +1,6 @@
 // Program E [S0, table 1]: Y by our method, smoothed pressure, corrected walls, gradient pattern 2.
 #include <gradient/pattern_2.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/our_method.hpp>
 
 using namespace tetsuame;
@@ -13,4 +13,4 @@ struct program_e {
   using gradient = tetsuame::gradient::pattern_2;
 };
 
-int main(int argc, char** argv) { return simulation::hydrostatic<program_e>(argc, argv); }
+int main(int argc, char** argv) { return hydrostatic::program<program_e>(argc, argv); }

@@ -1,6 +1,6 @@
 // Program F [S0, table 1]: Y by our method, non-smoothed pressure, corrected walls, gradient pattern 1.
 #include <gradient/pattern_1.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/our_method.hpp>
 
 using namespace tetsuame;
@@ -13,4 +13,4 @@ struct program_f {
   using gradient = tetsuame::gradient::pattern_1;
 };
 
-int main(int argc, char** argv) { return simulation::hydrostatic<program_f>(argc, argv); }
+int main(int argc, char** argv) { return hydrostatic::program<program_f>(argc, argv); }

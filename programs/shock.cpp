@@ -1,12 +1,12 @@
 // Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
-#include <march/march.hpp>
+#include <run/time_loop.hpp>
 #include <shocks/make.hpp>
 
 using namespace tetsuame;
 
 namespace {
 
-std::unique_ptr<march::problem> make(const shocks::options& o, const std::vector<shocks::level>& coarser) {
+std::unique_ptr<run::problem> make(const shocks::options& o, const std::vector<shocks::level>& coarser) {
   return o.dimension == 1   ? shocks::make_1d(o, coarser)
          : o.dimension == 2 ? shocks::make_2d(o, coarser)
                             : shocks::make_3d(o, coarser);
@@ -17,7 +17,7 @@ std::unique_ptr<march::problem> make(const shocks::options& o, const std::vector
 int main(int argc, char** argv) {
   shocks::options o;
   std::vector<shocks::coarser_input> coarser;
-  const simulation::program_input own{
+  const run::program_input own{
       .program = "shock",
       .shorthands = {},
       .restarts = true,
@@ -27,8 +27,8 @@ int main(int argc, char** argv) {
             shocks::resolve(schema, o);
             coarser = shocks::coarser_inputs(schema, o);
           },
-      .need = [&] { return simulation::need_of(shocks::expected_particles(o), 1080.0, o.march.kernel, o.dimension); }};
-  return simulation::start(argc, argv, own, [&](const simulation::command_line& line, const std::string& resolved) {
+      .need = [&] { return run::need_of(shocks::expected_particles(o), 1080.0, o.common.kernel, o.dimension); }};
+  return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     shocks::run_all(o, resolved, coarser, line, make);
   });
 }

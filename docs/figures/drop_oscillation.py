@@ -1,4 +1,4 @@
-"""Period and decay of a viscous drop's oscillation in another liquid, in two dimensions: the figures of docs/theory/drop.md.
+"""Period and decay of a viscous drop's oscillation in another liquid, in two dimensions: the figures of docs/studies/2026-11-21_drops_and_surface_tension.md.
 
     python3 docs/figures/drop_oscillation.py          # needs python3-scipy
 

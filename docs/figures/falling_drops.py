@@ -1,4 +1,4 @@
-"""Drops of iron in magma with surface tension: outlines from the snapshots of two runs (docs/theory/drop.md).
+"""Drops of iron in magma with surface tension: outlines from the snapshots of two runs (docs/studies/2026-11-21_drops_and_surface_tension.md).
 
     python3 docs/figures/falling_drops.py RUN_SMALL RUN_LARGE     # output directories, radii 5 and 10 mm
 """

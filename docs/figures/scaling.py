@@ -21,11 +21,18 @@ sys.path.insert(0, str(ROOT / "programs/python"))
 from tetsuame.scaling import analysis, figures, model  # noqa: E402  (the path is set first)
 
 HERE = Path(__file__).resolve().parent
-STUDY, PAGE = HERE / "scaling.json", ROOT / "docs/scaling.md"
+STUDY, PAGE, SPEED = HERE / "scaling.json", ROOT / "docs/scaling.md", ROOT / "docs/performance.md"
 MODELLED = (1e6, 1e7)                         # particles held by `balance`
 RANKS = [4 ** k for k in range(8)]
 NOTES = 8.9e8                                 # particles of the report whose parallel fraction is 99.96 %
-IN_SPACE = 2.1e-6                             # s a particle of program C in 3-D, docs/performance.md (4 lanes)
+
+
+def in_space() -> float:
+    """s a particle of program C in 3-D: what docs/performance.md has of a whole step."""
+    found = re.search(r"^\| all \| \d+ \| (\d+) \|$", SPEED.read_text(encoding="utf-8"), re.MULTILINE)
+    if not found:
+        sys.exit(f"scaling.py: {SPEED} has no line of all stages")
+    return 1e-9 * float(found[1])
 
 
 def balance_points(program: Path, particles: float, costs: model.Costs, folder: Path) -> list[tuple[int, float]]:
@@ -77,7 +84,7 @@ def costs_table(c: model.Costs) -> str:
 
 
 def predicted_table(rows: list[dict], c: model.Costs) -> str:
-    solid = model.Costs(IN_SPACE, c.halo * 11 / 9, c.latency, c.messages, c.collective, c.collectives, c.halo_bytes * 11 / 9)
+    solid = model.Costs(in_space(), c.halo * 11 / 9, c.latency, c.messages, c.collective, c.collectives, c.halo_bytes * 11 / 9)
     lines = []
     for name, costs, dimension in (("2-D", c, 2), ("3-D", solid, 3)):
         for ranks in (484, 4096, 16384):

@@ -4,7 +4,7 @@ factor by which a pass multiplies the residual, and the passes that the other so
 
     ./run build && docs/figures/threshold.py
 
-writes docs/figures/threshold.png and prints the table of docs/theory/hosono_iteration.md. Runs: output/threshold.
+writes docs/figures/threshold.png and prints the table of docs/studies/2026-11-21_threshold_of_the_plain_iteration.md. Runs: output/threshold.
 
 The factor is fitted to the residuals r_n of the first evaluation, which starts from the exact profile. Left out are
 residuals above 0.1, where the equation of state is no longer a straight line in ln rho, those below 1e-13, where

@@ -518,6 +518,12 @@ spread spread_of(const std::vector<double>& time) {
   return {std::accumulate(time.begin(), time.end(), 0.0) / static_cast<double>(time.size()), *least, *most};
 }
 
+template cuts<1> propose(const cuts<1>&, const std::vector<double>&, const balancer_options&, const extents<1>&);
+template std::vector<double> redistribute(const cuts<1>&, const cuts<1>&, const std::vector<double>&,
+                                          const extents<1>&);
+template std::vector<double> migrating(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const extents<1>&);
+template decision worth_moving(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const std::vector<double>&,
+                               const move_costs&, std::int64_t, const experience&, const extents<1>&);
 template cuts<2> propose(const cuts<2>&, const std::vector<double>&, const balancer_options&, const extents<2>&);
 template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&,
                                           const extents<2>&);

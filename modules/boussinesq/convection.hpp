@@ -7,21 +7,24 @@
 #include <boussinesq/levels.hpp>
 #include <boussinesq/pass.hpp>
 #include <boussinesq/step.hpp>
-#include <march/problem.hpp>
 #include <output/columns.hpp>
-#include <simulation/state.hpp>
+#include <output/state_hash.hpp>
+#include <run/checkpoint_table.hpp>
+#include <run/lists.hpp>
+#include <run/problem.hpp>
 
 namespace tetsuame::boussinesq {
 
 template <int D>
-class convection : public march::problem {
+class convection : public run::problem {
  public:
   convection(const options& o, const parameters& p) : state_(o, p) {}
 
   const domain::communicator& ranks() const override { return state_.ranks(); }
   std::size_t local_particles() const override { return state_.fluid().fluid; }
   std::size_t simd_lanes() const override { return pairs::lanes; }
-  output::snapshot_header header() const override { return images::snapshot_header(state_.world); }
+  foundation::stage_times& times() override { return state_.world.w.times; }
+  output::snapshot_header header() const override { return run::snapshot_header(state_.world); }
   std::vector<std::string> about() const override { return state_.layer.lines; }
 
   std::vector<integrators::field> fields() override {
@@ -56,20 +59,20 @@ class convection : public march::problem {
   void keep_memory() override { begin_step(state_); }
   bool asks_again() const override { return state_.before || lacks_rate_; }
   bool set_time(double t) override { return boussinesq::set_time(state_, t); }
-  bool complete_step() override {
+  bool complete_step(std::int64_t) override {
     lacks_rate_ = false;
-    const std::int64_t crossings = ranks().sum(images::reflect(state_.world.images, state_.fluid()));
+    const std::int64_t crossings = walls::reflect(state_.world.walls, state_.fluid());
     crossings_ += crossings;
     return crossings > 0;
   }
 
-  double moved() override { return images::moved_since_lists(state_.world); }
+  double moved() override { return run::moved_since_lists(state_.world); }
   double allowance() const override { return 0.5 * state_.world.skin; }
   // Of the particles, which are spread as well: as at the start of the last step in proportion.
   double speed() override { return fastest_flow(state_) * state_.start.faster; }
 
   void rebuild(bool as_they_were) override {
-    images::rebuild(state_.world, as_they_were);
+    run::rebuild(state_.world, as_they_were);
     state_.last.resize(state_.layer, state_.fluid().fluid);
     refresh_lagged_terms(state_);
   }
@@ -106,9 +109,8 @@ class convection : public march::problem {
     return {g};
   }
 
-  void report(double, simulation::summary& r) override {
-    boussinesq::report(state_, measured_, steady(), crossings_, r);
-    r.stages = state_.world.w.times.seconds();
+  void report(double, run::summary& r) override {
+    boussinesq::report(state_, measured_, steady(), ranks().sum(crossings_), r);
   }
 
   std::string hash() override {
@@ -121,12 +123,12 @@ class convection : public march::problem {
   // ---- checkpoints ------------------------------------------------------------------------
 
   output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(state_.fluid(), materials);
+    return run::checkpoint_table(state_.fluid(), materials);
   }
   // A checkpoint of another method has neither the rate of the step before nor what was extrapolated from.
   void read_particles(const output::table& t) override {
     lacks_rate_ = keeps_rate(state_.input) && !t.reals.contains("EarlierRate_0_0");
-    simulation::fluid_from_checkpoint(t, state_.fluid(), [](std::string_view name) {
+    run::fluid_from_checkpoint(t, state_.fluid(), [](std::string_view name) {
       return name.starts_with("EarlierRate_") || name.starts_with("Before");
     });
   }
@@ -137,7 +139,7 @@ class convection : public march::problem {
     g.reals["outside"] = measured_.outside;
     g.integers["level"] = state_.at_start.level;
     g.integers["has_before"] = state_.has_before ? 1 : 0;
-    g.integers["wall_crossings"] = crossings_;
+    g.integers["wall_crossings"] = ranks().sum(crossings_);
     g.blobs["samples"] = measured_.samples.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
@@ -148,15 +150,15 @@ class convection : public march::problem {
     measured_.v_rms = g.reals.at("v_rms");
     measured_.outside = g.reals.at("outside");
     measured_.samples.restore(g.blobs.at("samples"));
-    crossings_ = g.integers.at("wall_crossings");
+    crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
   }
 
  private:
   convection_state<D> state_;
   measured<D> measured_;
-  bool whole_ = true;        // the next evaluation is one whose lagged terms are kept
-  bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
-  std::int64_t crossings_ = 0;
+  bool whole_ = true;           // the next evaluation is one whose lagged terms are kept
+  bool lacks_rate_ = false;     // of the step before: 'ab2' starts anew
+  std::int64_t crossings_ = 0;  // of this rank
 };
 
 }  // namespace tetsuame::boussinesq

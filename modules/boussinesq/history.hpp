@@ -5,7 +5,7 @@
 #include <boussinesq/rates.hpp>
 #include <boussinesq/steady.hpp>
 #include <output/history.hpp>
-#include <simulation/summary.hpp>
+#include <run/summary.hpp>
 
 namespace tetsuame::boussinesq {
 
@@ -74,8 +74,8 @@ box_means means_over_box(const convection_state<D>& state) {
   foundation::for_all(s.fluid,
                       [&](std::size_t i) { product[friction][i] = dissipation(state, i, state.viscosity(i)); });
   state.world.w.exchange_fluid({product[friction].data()});
-  foundation::for_all(state.world.images.source.size(), [&](std::size_t r) {
-    product[friction][s.first_wall() + r] = product[friction][state.world.images.source[r]];
+  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) {
+    product[friction][s.first_wall() + r] = product[friction][state.world.walls.source[r]];
   });
   foundation::for_all(s.total(), [&](std::size_t i) {
     const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
@@ -192,7 +192,7 @@ void report_averages(const convection_state<D>& state, const measured<D>& m, nlo
   for (std::size_t k = 0; k < measures.size(); ++k) {
     const auto a = m.samples.over(k, span);
     j[measures[k]] = a.mean;
-    if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = simulation::or_null(a.uncertainty);
+    if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
   }
   j["averaged_over"] = span;
 }
@@ -216,7 +216,7 @@ void report_layer(const convection_state<D>& state, const measured<D>& m, nlohma
 
 template <int D>
 void report(const convection_state<D>& state, const measured<D>& m, bool steady, std::int64_t crossings,
-            simulation::summary& r) {
+            run::summary& r) {
   auto& j = r.metrics;
   report_averages(state, m, j);
   j["steady"] = steady;

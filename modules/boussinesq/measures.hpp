@@ -4,14 +4,14 @@
 #include <boussinesq/interpolation.hpp>
 #include <boussinesq/wall_gradient.hpp>
 #include <foundation/exact_sum.hpp>
-#include <images/scene.hpp>
 #include <limits>
+#include <run/lists.hpp>
 
 namespace tetsuame::boussinesq {
 
 // visit(number, place) for those of a lattice of n places, dx apart, that are in this rank's cell, by ascending number.
 template <int D>
-void for_each_place(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n, double dx, const auto& visit) {
+void for_each_place(const run::state<D>& scene, const std::array<std::int64_t, 3>& n, double dx, const auto& visit) {
   const auto cell = scene.w.d.cell();
   std::int64_t total = 1;
   for (std::size_t a = 0; a < D; ++a) total *= n[a];
@@ -30,7 +30,7 @@ void for_each_place(const images::scene<D>& scene, const std::array<std::int64_t
 // Particles at walls stand in rows, whose volumes 1/ΣW has wrong by a hundredth: sums with those are of the first order
 // (docs/theory/convection.md). Where places have too few particles near (the flow blows up) the particles' own mean.
 template <int D, std::size_t K>
-std::array<double, K> mean_over_box(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n,
+std::array<double, K> mean_over_box(const run::state<D>& scene, const std::array<std::int64_t, 3>& n,
                                     const std::array<particles::array, K>& values) {
   const auto& ranks = scene.w.d.ranks;
   std::array<const double*, K> f;
@@ -58,7 +58,7 @@ std::array<double, K> mean_over_box(const images::scene<D>& scene, const std::ar
 
 // The mean of the inward gradient of temperature at a wall, and those at its ends x = 0 and x = length, times `unit`.
 template <int D>
-std::array<double, 3> wall_gradients(const images::scene<D>& scene, const images::side<D>& wall,
+std::array<double, 3> wall_gradients(const run::state<D>& scene, const walls::side<D>& wall,
                                      const std::array<std::int64_t, 3>& n, double length, double unit) {
   const auto& s = scene.w.s;
   const auto& ranks = scene.w.d.ranks;
@@ -103,14 +103,14 @@ struct wall_measures {
 // Heat through top and bottom over that of conduction, and gradients at the corners, for unit = L/ΔT; where the flux of
 // heat is given, which is conducted with `conductivity` (W/(m K)), those that it makes.
 template <int D>
-wall_measures wall_heat(const images::scene<D>& scene, const std::array<std::int64_t, 3>& n, double length, double unit,
+wall_measures wall_heat(const run::state<D>& scene, const std::array<std::int64_t, 3>& n, double length, double unit,
                         double conductivity) {
   wall_measures m{};
-  for (const auto& wall : scene.images.sides) {
+  for (const auto& wall : scene.walls.sides) {
     if (wall.axis != 1) continue;
     const bool top = wall.inward < 0.0;
     const double given = -wall.flux / conductivity * unit;
-    const auto [mean, left, right] = wall.thermal == images::heat::fixed_temperature
+    const auto [mean, left, right] = wall.thermal == walls::heat::fixed_temperature
                                          ? wall_gradients(scene, wall, n, length, unit)
                                          : std::array{given, given, given};
     const double sign = top ? 1.0 : -1.0;  // heat goes up: T falls from the bottom, rises from the top into the fluid

@@ -1,6 +1,6 @@
 // What ghosts and images hold: the state before each evaluation, what lags behind when that moves on.
 //
-// Walls are mirror images (images/images.hpp). p is even but for the step that the momentum balance asks for,
+// Walls are mirror images (walls/mirror.hpp). p is even but for the step that the momentum balance asks for,
 //   p_g = p_s - 2 d ∂p/∂n,  ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ - ∇·v)·∇ν]_n + b n_y)
 // and of z they ask what they ask of v.
 #pragma once
@@ -31,7 +31,7 @@ struct reflected {
 
 // Pa/m, of the pressure at the wall, inwards; y, T: behind it.
 template <int D>
-double pressure_slope(const convection_state<D>& state, const images::side<D>& wall, std::size_t source,
+double pressure_slope(const convection_state<D>& state, const walls::side<D>& wall, std::size_t source,
                       const reflected<D>& inside, double y, double T) {
   const auto& layer = state.layer;
   const double rho = layer.fluid.rho;
@@ -50,7 +50,7 @@ double pressure_slope(const convection_state<D>& state, const images::side<D>& w
 
 // d: m, of the source from the wall.
 template <int D>
-void reflect_velocity(const images::side<D>& wall, double d, typename reflected<D>::velocity& flow) {
+void reflect_velocity(const walls::side<D>& wall, double d, typename reflected<D>::velocity& flow) {
   for (auto& of_component : flow.gradient) of_component[wall.axis] = -of_component[wall.axis];
   if (!wall.no_slip) {
     flow.u[wall.axis] = -flow.u[wall.axis];
@@ -66,13 +66,13 @@ void reflect_velocity(const images::side<D>& wall, double d, typename reflected<
 }
 
 template <int D>
-void reflect(const convection_state<D>& state, const images::side<D>& wall, std::size_t source, reflected<D>& at) {
+void reflect(const convection_state<D>& state, const walls::side<D>& wall, std::size_t source, reflected<D>& at) {
   const double d = wall.distance(state.fluid().x[wall.axis][source]), conductivity = state.layer.conductivity;
   const reflected<D> inside = at;
   if (wall.axis == 1) at.y = 2.0 * wall.position - at.y;
   at.gradient_T[wall.axis] = -at.gradient_T[wall.axis];
   at.gradient_p[wall.axis] = -at.gradient_p[wall.axis];
-  if (wall.thermal == images::heat::fixed_temperature) {
+  if (wall.thermal == walls::heat::fixed_temperature) {
     at.T = 2.0 * wall.temperature - at.T;
     for (double& g : at.gradient_T) g = -g;
   } else {
@@ -90,7 +90,7 @@ void reflect(const convection_state<D>& state, const images::side<D>& wall, std:
 template <int D>
 void mirror_state(convection_state<D>& state, std::size_t r) {
   auto& s = state.fluid();
-  const std::size_t i = s.first_wall() + r, j = state.world.images.source[r];
+  const std::size_t i = s.first_wall() + r, j = state.world.walls.source[r];
   const auto& laplacian = state.lagged.laplacian;
   const auto& gradient = state.lagged.gradient;
   const bool relaxed = state.layer.relaxed;
@@ -104,7 +104,7 @@ void mirror_state(convection_state<D>& state, std::size_t r) {
     at.z.u[a] = state.z[a][j], at.z.curvature[a] = (*laplacian[unknown<D>::z + a])[j];
     for (std::size_t b = 0; b < D; ++b) at.z.gradient[a][b] = gradient[unknown<D>::z + a][b][j];
   }
-  images::for_each_mirror(state.world.images, r, [&](const images::side<D>& wall) { reflect(state, wall, j, at); });
+  walls::for_each_mirror(state.world.walls, r, [&](const walls::side<D>& wall) { reflect(state, wall, j, at); });
   s.T[i] = at.T, state.p[i] = at.p;
   for (std::size_t a = 0; a < D; ++a) {
     gradient[unknown<D>::T][a][i] = at.gradient_T[a], gradient[unknown<D>::p][a][i] = at.gradient_p[a];
@@ -128,10 +128,10 @@ void refresh_state(convection_state<D>& state) {
   const bool varies = state.layer.law.varies;
   if (varies) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity(state, i, s.x[1][i]); });
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, unknown_arrays(state), &s.x);
-  images::move(state.world.images, s);
+  walls::move_images(state.world.walls, s);
   if (varies)
     foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(state, s.fluid + g, s.x[1][s.fluid + g]); });
-  foundation::for_all(state.world.images.source.size(), [&](std::size_t r) { mirror_state(state, r); });
+  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) { mirror_state(state, r); });
 }
 
 // The viscous force along a wall is even. Across one that lets slip it goes on smoothly through its value there, ν
@@ -139,11 +139,11 @@ void refresh_state(convection_state<D>& state) {
 template <int D>
 void mirror_viscous_terms(convection_state<D>& state, std::size_t r) {
   auto& lagged = state.lagged;
-  const std::size_t i = state.fluid().first_wall() + r, j = state.world.images.source[r];
+  const std::size_t i = state.fluid().first_wall() + r, j = state.world.walls.source[r];
   const double nu = (*lagged.viscosity)[j];
   for (std::size_t a = 0; a < D; ++a) lagged.force[a][i] = lagged.force[a][j];
   for (std::size_t k = 0; k < angular_terms; ++k) lagged.angles[k][i] = lagged.angles[k][j];
-  images::for_each_mirror(state.world.images, r, [&](const images::side<D>& wall) {
+  walls::for_each_mirror(state.world.walls, r, [&](const walls::side<D>& wall) {
     if (!wall.no_slip) {
       double& across = lagged.force[wall.axis][i];
       across = 2.0 * nu * lagged.stress[wall.axis][j] - across;
@@ -163,15 +163,15 @@ void refresh_lagged_terms(convection_state<D>& state) {
   std::vector<double*> fields;
   for (auto* a : lagged.of_neighbours) fields.push_back(a->data());
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
-  foundation::for_all(state.world.images.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = state.world.images.source[r];
+  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) {
+    const std::size_t i = s.first_wall() + r, j = state.world.walls.source[r];
     std::array<double, unknown<D>::count_with_z> sign;
     sign.fill(1.0);
-    images::for_each_mirror(state.world.images, r, [&](const images::side<D>& wall) {
+    walls::for_each_mirror(state.world.walls, r, [&](const walls::side<D>& wall) {
       if (!wall.no_slip)
         for (const std::size_t first : {std::size_t{0}, unknown<D>::z})
           sign[first + wall.axis] = -sign[first + wall.axis];
-      if (wall.thermal == images::heat::fixed_temperature) sign[unknown<D>::T] = -sign[unknown<D>::T];
+      if (wall.thermal == walls::heat::fixed_temperature) sign[unknown<D>::T] = -sign[unknown<D>::T];
     });
     for (std::size_t k = 0; k < state.unknowns(); ++k) (*lagged.laplacian[k])[i] = sign[k] * (*lagged.laplacian[k])[j];
     if (lagged.viscosity != nullptr) mirror_viscous_terms(state, r);

@@ -159,12 +159,12 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
 // The coarsest lattice must hold the kernel, and the fit of the heat through a wall (measures.hpp).
 void check_lattices(const namelist::schema& schema, const options& o) {
   const auto& d = o.physics.domain;
-  simulation::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
+  run::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
   const auto coarsest = particles_of_level(o, o.convection.levels);
   const double dx = d.length[1] / static_cast<double>(coarsest[1]);
-  const double support = std::max(simulation::support_over_dx(o.march.kernel), fit_radius) * dx;
-  simulation::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.march.kernel.skin * dx,
-                           support);
+  const double support = std::max(run::support_over_dx(o.common.kernel), fit_radius) * dx;
+  run::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.common.kernel.skin * dx,
+                    support);
 }
 
 void resolve_levels(const namelist::schema& schema, options& o, const parameters& p) {
@@ -185,7 +185,7 @@ void resolve_levels(const namelist::schema& schema, options& o, const parameters
 
 void declare(namelist::schema& schema, options& o) {
   relaxation::declare(schema, o.physics);
-  simulation::declare(schema, o.ranks_x);
+  run::declare(schema, o.ranks_x);
   schema.group(g, "numbers, aim, gravity and viscosity");
   declare_numbers(schema, o.convection);
   declare_aim(schema, o.convection);
@@ -203,9 +203,9 @@ void declare(namelist::schema& schema, options& o) {
   sides[2].thermal = sides[3].thermal = "fixed";
   sides[2].temperature = 1000.0;
   sides[3].temperature = 0.0;
-  images::declare(schema, 3, true, o.walls);
-  o.march.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
-  march::declare(schema, o.march, {.keeps_rate = true});
+  walls::declare(schema, {.flux = true}, o.walls);
+  o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
+  run::declare(schema, o.common, {.keeps_rate = true});
 }
 
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
@@ -215,12 +215,12 @@ std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t le
 }
 
 double expected_particles(const options& o) {
-  return simulation::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
+  return run::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
 }
 
 parameters resolve(const namelist::schema& schema, options& o) {
-  march::resolve(o.march);
-  simulation::resolve(schema, o.ranks_x);
+  run::resolve(schema, o.common);
+  run::resolve(schema, o.ranks_x);
   const auto& c = o.convection;
   if (o.physics.domain.periodic[1])
     schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
@@ -243,9 +243,9 @@ parameters resolve(const namelist::schema& schema, options& o) {
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
-  if (!o.march.time.t_end)
-    o.march.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
-  march::check_output(schema, o.march);
+  if (!o.common.time.t_end)
+    o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
+  run::check_output(schema, o.common);
   return p;
 }
 

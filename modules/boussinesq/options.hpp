@@ -1,16 +1,16 @@
 // The input of thermal convection between a hot bottom and a cold top: that of module relaxation, and
 //   &convection  numbers that override the dimensional values, slowing, density, scheme
 //   &initial     perturbation, half_waves
-//   &walls       images/options.hpp
-//   &time, &kernel, &output, &run   march/options.hpp
+//   &walls       walls/options.hpp
+//   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <boussinesq/gravity_density.hpp>
 #include <boussinesq/viscosity.hpp>
-#include <images/scene.hpp>
-#include <march/options.hpp>
 #include <memory>
 #include <relaxation/options.hpp>
+#include <run/lists.hpp>
+#include <run/options.hpp>
 
 namespace tetsuame::boussinesq {
 
@@ -49,8 +49,8 @@ struct options {
   relaxation::options physics;
   convection_options convection;
   initial_options initial;
-  images::options walls;
-  march::options march;
+  walls::options walls;
+  run::common_options common;
   domain::rank_columns ranks_x;
 
   double temperature_bottom() const { return walls.sides[2].temperature; }

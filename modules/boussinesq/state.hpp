@@ -7,7 +7,7 @@
 #include <boussinesq/wall_gradient.hpp>
 #include <foundation/exact_sum.hpp>
 #include <foundation/threads.hpp>
-#include <images/scene.hpp>
+#include <run/start_lattice.hpp>
 
 namespace tetsuame::boussinesq {
 
@@ -30,7 +30,7 @@ struct lattice {
 
 template <int D>
 struct convection_state {
-  images::scene<D> world;
+  run::state<D> world;
   const options& input;
   parameters layer;
   lattice at_start;  // where the particles of this level were
@@ -58,10 +58,10 @@ struct convection_state {
   double viscosity(std::size_t i) const { return boussinesq::viscosity(layer, fluid().x[1][i], fluid().T[i]); }
 };
 
-inline bool keeps_rate(const options& o) { return o.march.time.method == "ab2"; }
+inline bool keeps_rate(const options& o) { return o.common.time.method == "ab2"; }
 // Of all stages of these the rate at the start has the largest weight, -1.1 to -1.9: with what lags extrapolated to the
 // middle of the step they keep their second order (docs/theory/convection.md).
-inline bool extrapolates(const options& o) { return o.march.time.method == "rkl2" || o.march.time.method == "rkc2"; }
+inline bool extrapolates(const options& o) { return o.common.time.method == "rkl2" || o.common.time.method == "rkc2"; }
 
 template <int D>
 auto declared_in(particles::particles<D>& s, const std::string& prefix) {
@@ -112,15 +112,15 @@ template <int D>
 void lay(convection_state<D>& state, std::int64_t level) {
   const auto& o = state.input;
   const auto& d = o.physics.domain;
-  const auto& kernel = o.march.kernel;
+  const auto& kernel = o.common.kernel;
   auto& w = state.world.w;
   auto& s = w.s;
   const auto n = particles_of_level(o, level);
   const double dx = d.length[1] / static_cast<double>(n[1]);
   w.dx = dx;
   follow(state.layer, dx);
-  images::set_up(state.world, domain::communicator::world(), {d.length, n, d.periodic, o.ranks_x}, o.walls, kernel.name,
-                 kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
+  run::set_up(state.world, domain::communicator::world(), {d.length, n, d.periodic, o.ranks_x}, o.walls, kernel.name,
+              kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
   for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
   state.has_before = false;
   for (std::size_t a = 0, k = 0; a < D; ++a)

@@ -83,7 +83,7 @@ double largest_viscosity(const convection_state<D>& state) {
 template <int D>
 integrators::step_limit largest_step(const convection_state<D>& state) {
   const auto& layer = state.layer;
-  const auto& time = state.input.march.time;
+  const auto& time = state.input.common.time;
   const double dx = state.world.w.dx, fastest = std::max(largest_viscosity(state), layer.fluid.kappa);
   const double sound = *time.cfl * dx / std::hypot(layer.c_eff, layer.shear_speed);
   const double diffusion = *time.diffusive * dx * dx / fastest;
@@ -101,7 +101,7 @@ double diffusion_radius(const convection_state<D>& state) {  // 1/s
 template <int D>
 double longest_step(const convection_state<D>& state) {  // s
   const double viscous = state.start.viscous_contrast, sound = state.start.sound_contrast;
-  const bool rk4 = state.input.march.time.method == "rk4";
+  const bool rk4 = state.input.common.time.method == "rk4";
   const double margin = rk4                         ? std::hypot(viscous / 2.7, sound / 3.8)
                         : extrapolates(state.input) ? sound
                                                     : std::max(viscous, sound);

@@ -8,22 +8,26 @@
 #include <cooling/exact.hpp>
 #include <cooling/options.hpp>
 #include <diffusion/conduction.hpp>
-#include <march/problem.hpp>
 #include <operators/consistent.hpp>
-#include <simulation/state.hpp>
+#include <output/state_hash.hpp>
+#include <run/box.hpp>
+#include <run/start_lattice.hpp>
 
 namespace tetsuame::cooling {
 
 template <int D>
-class body : public march::problem {
+class body : public run::problem_in_a_box<D> {
  public:
-  explicit body(const options& o) : o_(o) {
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
+  explicit body(const options& o) : base(world_, o.common.balance), o_(o) {
     auto& s = world_.w.s;
     s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
     for (std::size_t k = 0; k < S; ++k)
       s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
-    images::set_up(world_, domain::communicator::world(), o.box, o.walls, o.march.kernel.name, o.march.kernel.h_over_dx,
-                   0.01, o.jitter, 0.0);
+    run::set_up(world_, domain::communicator::world(), o.box, o.walls, o.common.kernel.name, o.common.kernel.h_over_dx,
+                0.01, o.jitter, 0.0);
     for (std::size_t i = 0; i < s.fluid; ++i) {
       s.T[i] = o.start;
       for (std::size_t a = 0, k = 1; a < D; ++a)
@@ -32,11 +36,6 @@ class body : public march::problem {
     volume_ = std::pow(world_.w.dx, D);
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
-
-  const domain::communicator& ranks() const override { return world_.w.d.ranks; }
-  std::size_t local_particles() const override { return world_.w.s.fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  output::snapshot_header header() const override { return images::snapshot_header(world_); }
 
   std::vector<integrators::field> fields() override {
     return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
@@ -74,7 +73,7 @@ class body : public march::problem {
   // Euler on the lattice is stable up to dx²/(2 d kappa).
   integrators::step_limit largest_step() override {
     const double dx = world_.w.dx;
-    return {*o_.march.time.diffusive * dx * dx / o_.kappa, "diffusion"};
+    return {*o_.common.time.diffusive * dx * dx / o_.kappa, "diffusion"};
   }
   double diffusion_radius() override {
     const double dx = world_.w.dx;
@@ -85,16 +84,6 @@ class body : public march::problem {
     if (o_.scheme == "sum") return;
     auto& s = world_.w.s;
     for (std::size_t k = 0; k < next_.size(); ++k) std::copy_n(next_[k].begin(), s.fluid, s.extras[k].values.begin());
-    refresh_memory();
-  }
-
-  void rebuild(bool as_they_were) override {
-    auto& s = world_.w.s;
-    images::rebuild(world_, as_they_were);
-    std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
-    std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
-    for (auto& a : next_) a.assign(s.fluid, 0.0);
-    for (auto& a : gradient_) a.assign(s.fluid, 0.0);
     refresh_memory();
   }
 
@@ -115,13 +104,12 @@ class body : public march::problem {
     return {g};
   }
 
-  void report(double t, simulation::summary& r) override {
+  void report(double t, run::summary& r) override {
     const auto e = errors(t);
     r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
     r.metrics["reference"] = o_.reference;
     r.metrics["operator"] = o_.scheme;
     r.metrics["heat"] = e.heat;
-    r.stages = world_.w.times.seconds();
   }
 
   std::string hash() override {
@@ -132,10 +120,16 @@ class body : public march::problem {
     return output::state_hash(ranks().comm, {g});
   }
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(world_.w.s, materials);
+ protected:
+  void make_lists(bool as_they_were) override {
+    auto& s = world_.w.s;
+    run::rebuild(world_, as_they_were);
+    std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
+    std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
+    for (auto& a : next_) a.assign(s.fluid, 0.0);
+    for (auto& a : gradient_) a.assign(s.fluid, 0.0);
+    refresh_memory();
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, world_.w.s); }
 
  private:
   static constexpr std::size_t S = operators::symmetric_terms(D);
@@ -168,11 +162,11 @@ class body : public march::problem {
     auto& w = world_.w;
     auto& s = w.s;
     w.exchange_fluid({s.T.data()});
-    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = world_.images.source[r];
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
       double T = s.T[j];
-      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
-        if (wall.thermal == images::heat::fixed_temperature) T = 2.0 * wall.temperature - T;
+      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
+        if (wall.thermal == walls::heat::fixed_temperature) T = 2.0 * wall.temperature - T;
       });
       s.T[i] = T;
     });
@@ -183,17 +177,17 @@ class body : public march::problem {
     auto& s = w.s;
     auto& P = s.extras[0].values;
     w.exchange_fluid({P.data()});
-    foundation::for_all(world_.images.source.size(), [&](std::size_t r) {
-      double value = P[world_.images.source[r]];
-      images::for_each_mirror(world_.images, r, [&](const images::side<D>& wall) {
-        if (wall.thermal == images::heat::fixed_temperature) value = -value;
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
+      double value = P[world_.walls.source[r]];
+      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
+        if (wall.thermal == walls::heat::fixed_temperature) value = -value;
       });
       P[s.first_wall() + r] = value;
     });
   }
 
   const options& o_;
-  images::scene<D> world_;
+  run::state<D> world_;
   double volume_ = 0.0, beta_ = 0.0;
   std::array<particles::array, 1 + S> next_;
   std::array<particles::array, D> gradient_;

@@ -7,11 +7,11 @@ namespace tetsuame::cooling {
 
 void declare(namelist::schema& schema, options& o) {
   constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-  o.walls.sides[2] = {"inherit", "fixed", 1.0, 0.0, 0.0};
-  o.walls.sides[3] = {"inherit", "fixed", 0.0, 0.0, 0.0};
-  o.march.time.method = "euler";
-  o.march.time.t_end = 1e4;
-  o.march.output.history_interval = 50;
+  o.walls.sides[2] = {.thermal = "fixed", .temperature = 1.0};
+  o.walls.sides[3] = {.thermal = "fixed", .temperature = 0.0};
+  o.common.time.method = "euler";
+  o.common.time.t_end = 1e4;
+  o.common.output.history_interval = 50;
 
   schema.group("domain", "the box and the start lattice");
   schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
@@ -26,7 +26,7 @@ void declare(namelist::schema& schema, options& o) {
       schema.add("domain", "periodic_" + axis, o.box.periodic[a],
                  {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
-  simulation::declare(schema, o.box.ranks_x);
+  run::declare(schema, o.box.ranks_x);
   schema.add("domain", "jitter", o.jitter,
              {.minimum = 0.0,
               .maximum = 0.3,
@@ -40,16 +40,16 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("conduction", "operator", o.scheme,
              {.choices = {"sum", "consistent", "corrected"},
               .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
-  images::declare(schema, 3, false, o.walls);
-  march::declare(schema, o.march, {.lists_change = false});
+  walls::declare(schema, {.moving = false}, o.walls);
+  run::declare(schema, o.common, {.lists_change = false});
 }
 
-double expected_particles(const options& o) { return simulation::lattice_particles(o.dimension, o.box.particles); }
+double expected_particles(const options& o) { return run::lattice_particles(o.dimension, o.box.particles); }
 
 void resolve(const namelist::schema& schema, options& o) {
-  march::resolve(o.march);
-  march::check_output(schema, o.march);
-  simulation::resolve(schema, o.box.ranks_x);
+  run::resolve(schema, o.common);
+  run::check_output(schema, o.common);
+  run::resolve(schema, o.box.ranks_x);
   const double dx = o.dx();
   for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
     if (const double spacing = o.box.length[a] / static_cast<double>(o.box.particles[a]);
@@ -57,10 +57,10 @@ void resolve(const namelist::schema& schema, options& o) {
       schema.fail(
           "domain", a == 0 ? "particles_x" : "particles_z",
           fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, dx));
-  const simulation::box_of_particles box{o.dimension, o.box.length, o.box.particles, o.box.periodic};
-  const double support = simulation::support_over_dx(o.march.kernel) * dx;
-  simulation::check_number(schema, box, expected_particles(o));
-  simulation::check_widths(schema, box, support + o.march.kernel.skin * dx, support);
+  const run::box_of_particles box{o.dimension, o.box.length, o.box.particles, o.box.periodic};
+  const double support = run::support_over_dx(o.common.kernel) * dx;
+  run::check_number(schema, box, expected_particles(o));
+  run::check_widths(schema, box, support + o.common.kernel.skin * dx, support);
   const auto& sides = o.walls.sides;
   if (sides[3].thermal != "fixed")
     schema.fail("walls", "thermal_top", "the exact solutions are of a top at a fixed temperature");
@@ -68,9 +68,9 @@ void resolve(const namelist::schema& schema, options& o) {
     schema.fail("conduction", "temperature", "the body must start at another temperature than its top's");
   if (o.reference == "plate" && (sides[2].thermal != "fixed" || sides[2].temperature != o.start))
     schema.fail("walls", "temperature_bottom", "the plate's bottom is kept at the temperature it starts with");
-  if (o.reference == "half_space" && *o.march.time.t_end > 0.0) {
+  if (o.reference == "half_space" && *o.common.time.t_end > 0.0) {
     // The exact solution must not have met the bottom.
-    const double reached = std::erfc(o.box.length[1] / (2.0 * std::sqrt(o.kappa * *o.march.time.t_end)));
+    const double reached = std::erfc(o.box.length[1] / (2.0 * std::sqrt(o.kappa * *o.common.time.t_end)));
     if (reached > 1e-4)
       schema.fail(
           "time", "t_end",

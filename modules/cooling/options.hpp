@@ -1,22 +1,22 @@
 // The input of a plate or half space that cools from its top.
 #pragma once
 
-#include <images/scene.hpp>
-#include <march/options.hpp>
+#include <run/options.hpp>
+#include <run/start_lattice.hpp>
 
 namespace tetsuame::cooling {
 
 // Defaults: [S2]'s 2500 particles and diffusivity. With 0.2 m, Euler's limit dx²/(4 kappa) is its 4 s.
 struct options {
   std::int64_t dimension = 2;
-  images::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, {}};
+  run::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, {}};
   double jitter = 0.0;  // of the particle spacing
   double kappa = 1e-6;  // m2/s
   double start = 1.0;   // K
   std::string reference = "plate";
   std::string scheme = "consistent";
-  images::options walls;
-  march::options march;
+  walls::options walls;
+  run::common_options common;
 
   double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }
   double temperature_top() const { return walls.sides[3].temperature; }

@@ -28,4 +28,16 @@ class collective : public waiting {
   collective() { ++sent.collectives; }
 };
 
+// Seconds since it was made, and those of them that this rank did not wait for others.
+class stopwatch {
+ public:
+  double elapsed() const { return std::chrono::duration<double>(clock::now() - since_).count(); }
+  double busy() const { return elapsed() - (foundation::waited_seconds - waited_); }
+
+ private:
+  using clock = std::chrono::steady_clock;
+  clock::time_point since_ = clock::now();
+  double waited_ = foundation::waited_seconds;
+};
+
 }  // namespace tetsuame::foundation

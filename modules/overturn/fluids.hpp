@@ -1,10 +1,11 @@
 // Two fluids under gravity: what a run holds, as plain data, and names for what is asked of a particle.
 #pragma once
 
-#include <images/scene.hpp>
 #include <integrators/explicit_integrator.hpp>
 #include <overturn/lattice.hpp>
 #include <overturn/options.hpp>
+#include <run/lists.hpp>
+#include <run/start_lattice.hpp>
 #include <walls/boundary_force.hpp>
 
 namespace tetsuame::overturn {
@@ -16,7 +17,7 @@ struct fluids {
   problem_kind kind;
   const options& o;
   const parameters& p;
-  images::scene<D> world;
+  run::state<D> world;
   bool carried = false, smoothed = false, first_pattern = false, from_weight = false, warms = false;
   bool enthalpy = false, melts = false;
   bool dissolved = false, tense = false;
@@ -25,9 +26,7 @@ struct fluids {
   double self = 0.0, h = 0.0;                               // 1/m^D, m
   double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
   viscous_weights viscous;
-  walls::boundary_force wall_force;
   bool second_order = false;  // in the place of the viscous order that was asked for
-  std::int64_t crossings = 0;
 
   // Where supports follow the volumes (supports.hpp): the kernel with support 1, that of the start, those in the sums.
   kernels::any<D> unit = kernels::make<D>("quintic", 1.0);

@@ -111,7 +111,7 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
 
 // Heat conducted across a flat contact at rest: two half spaces, as long as the heat has not reached floor and lid.
 void find_melt(const options& o, parameters& p) {
-  if (!(o.conductivity > 0.0 && o.march.time.t_end)) return;
+  if (!(o.conductivity > 0.0 && o.common.time.t_end)) return;
   const auto [T_s, T_l] = melting_range(o.melting, p.base->at(p.interface).pressure);
   if (!(p.temperature[1] > p.temperature[0] && p.temperature[0] <= T_s)) return;
   const auto side = [&](std::size_t n) {
@@ -120,7 +120,7 @@ void find_melt(const options& o, parameters& p) {
     return theory::half_space{p.base->at(y).density, e.c_V, o.conductivity, p.temperature[n]};
   };
   const auto s = theory::solve({side(1), side(0), T_s, T_l, o.melting.latent_heat});
-  p.melt_conducted = s.melt_thickness(*o.march.time.t_end) / p.interface;
+  p.melt_conducted = s.melt_thickness(*o.common.time.t_end) / p.interface;
 }
 
 std::array<double, 2> melting_range(const melting_options& o, double p) {

@@ -1,8 +1,8 @@
 // Neighbour lists of two fluids, and what of a particle stays while they hold: transport coefficients, supports.
 #pragma once
 
-#include <images/supports.hpp>
 #include <overturn/supports.hpp>
+#include <run/supports.hpp>
 
 namespace tetsuame::overturn {
 
@@ -11,9 +11,9 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   auto& w = f.world.w;
   auto& s = w.s;
   if (f.follows)
-    images::rebuild_with_supports(f.world, as_they_were, f.support(), f.list_support());
+    run::rebuild_with_supports(f.world, as_they_were, f.support(), f.list_support());
   else
-    images::rebuild(f.world, as_they_were);
+    run::rebuild(f.world, as_they_were);
   w.exchange_fluid({s.m.data()});
   for (std::size_t i = 0; i < s.total(); ++i) {
     s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;

@@ -77,7 +77,7 @@ energies find_energies(const fluids<D>& f) {
     const double V = s.m[i] / s.rho[i];
     kinetic.add(0.5 * s.m[i] * f.inertia_of(i) * f.speed2(i));
     potential.add(s.m[i] * f.o.gravity * s.x[1][i]);
-    potential.add(s.m[i] * walls::boundary_potential(f.wall_force, f.world.images.sides, s, i));
+    potential.add(s.m[i] * walls::boundary_potential(f.world.walls.force, f.world.walls.sides, s, i));
     elastic.add(s.m[i] * (f.warms ? s.u[i] : elastic_energy(f, i)) + f.reference_pressure(s.x[1][i]) * V);
     heat.add(s.m[i] * f.dissipated()[i]);
     thermal.add(s.m[i] * s.c_V[i] * (s.T[i] - f.T_start()[i]));
@@ -368,7 +368,6 @@ std::vector<double> next_line(measures& m, const fluids<D>& f, double t) {
 template <int D>
 void save(const measures& measured, const fluids<D>& f, output::checkpoint_globals& g) {
   auto m = measured;
-  g.integers["wall_crossings"] = f.crossings;
   g.blobs["time"] = m.lines.time;
   g.blobs["mode"] = m.lines.mode;
   g.blobs["centroid"] = m.lines.centroid;
@@ -393,7 +392,6 @@ void save(const measures& measured, const fluids<D>& f, output::checkpoint_globa
 template <int D>
 measures restored(fluids<D>& f, const output::checkpoint_globals& g) {
   measures m;
-  f.crossings = g.integers.at("wall_crossings");
   m.lines = {g.blobs.at("time"),
              g.blobs.at("mode"),
              g.blobs.at("centroid"),

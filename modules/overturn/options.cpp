@@ -21,7 +21,7 @@ void declare(namelist::schema& schema, domain_options& o) {
       schema.add("domain", "periodic_" + axis, o.periodic[a],
                  {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
   }
-  simulation::declare(schema, o.ranks_x);
+  run::declare(schema, o.ranks_x);
 }
 
 void check_domain(const namelist::schema& schema, options& o, parameters& p) {
@@ -34,11 +34,11 @@ void check_domain(const namelist::schema& schema, options& o, parameters& p) {
           "domain", std::string("particles_") + axis_names[a],
           fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, p.dx));
   const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
-  const simulation::box_of_particles box{d.dimension, d.length, d.particles, periodic};
-  const double support = simulation::support_over_dx(o.march.kernel) * p.dx;
-  simulation::check_number(schema, box, expected_particles(o));
-  simulation::check_widths(schema, box, support + o.march.kernel.skin * p.dx, support);
-  simulation::resolve(schema, o.domain.ranks_x);
+  const run::box_of_particles box{d.dimension, d.length, d.particles, periodic};
+  const double support = run::support_over_dx(o.common.kernel) * p.dx;
+  run::check_number(schema, box, expected_particles(o));
+  run::check_widths(schema, box, support + o.common.kernel.skin * p.dx, support);
+  run::resolve(schema, o.domain.ranks_x);
 }
 
 void make_materials(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
@@ -94,10 +94,10 @@ box_of_drops box_of(const domain_options& d) {
 void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   const auto names = names_of(kind);
-  o.march.kernel.name = "wendland_c6";
-  o.march.kernel.skin = 0.4;
-  o.march.output.history_interval = 10;
-  o.march.time.t_end = 3000.0;
+  o.common.kernel.name = "wendland_c6";
+  o.common.kernel.skin = 0.4;
+  o.common.output.history_interval = 10;
+  o.common.time.t_end = 3000.0;
   for (const std::size_t n : {0, 1}) o.material[n].density = default_density[n];
   declare(schema, o.domain);
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
@@ -135,17 +135,17 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.add(
       "walls", "pressure", o.walls.pressure,
       {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
-  march::declare(schema, o.march, {});
+  run::declare(schema, o.common, {});
 }
 
 double expected_particles(const options& o) {
-  return simulation::lattice_particles(o.domain.dimension, o.domain.particles);
+  return run::lattice_particles(o.domain.dimension, o.domain.particles);
 }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
-  march::resolve(o.march);
-  march::check_output(schema, o.march);
+  run::resolve(schema, o.common);
+  run::check_output(schema, o.common);
   parameters p{};
   check_domain(schema, o, p);
   find_heat(schema, kind, o, p);
@@ -175,7 +175,7 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
                : p.theory_about + "\n";
   if (p.melt_conducted)
     return fmt::format("{}\nmelt fraction {:.6g} of the lower material at t = {:.6g} s, by conduction at rest\n",
-                       p.theory_about, *p.melt_conducted, *o.march.time.t_end);
+                       p.theory_about, *p.melt_conducted, *o.common.time.t_end);
   if (!p.growth) return p.theory_about + "\n";
   return fmt::format(
       "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"

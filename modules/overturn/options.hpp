@@ -8,12 +8,12 @@
 #pragma once
 
 #include <eos/eos.hpp>
-#include <march/options.hpp>
 #include <melting/enthalpy.hpp>
 #include <melting/melting.hpp>
 #include <memory>
 #include <overturn/cloud.hpp>
 #include <overturn/column.hpp>
+#include <run/options.hpp>
 
 namespace tetsuame::overturn {
 
@@ -104,7 +104,7 @@ struct options {
   std::optional<double> measure_from, measure_until;  // s, of several drops
 
   scheme_options scheme;
-  march::options march;
+  run::common_options common;
 };
 
 // What a run computes with, SI.

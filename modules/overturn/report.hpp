@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <overturn/growth.hpp>
 #include <overturn/measures.hpp>
-#include <simulation/summary.hpp>
+#include <run/summary.hpp>
 #include <theory/radial_exchange.hpp>
 
 namespace tetsuame::overturn {
 
 using json = nlohmann::ordered_json;
-using simulation::or_null;
+using run::or_null;
 
 // ---- the centroid by time -------------------------------------------------------------------
 
@@ -193,7 +193,7 @@ void tell_heat(json& j, const measures& m, const fluids<D>& f) {
 }
 
 template <int D>
-void tell(simulation::summary& r, const measures& m, const fluids<D>& f) {
+void tell(run::summary& r, const measures& m, const fluids<D>& f) {
   auto& j = r.metrics;
   if (f.is_drop())
     tell_drops(j, m, f);
@@ -204,12 +204,10 @@ void tell(simulation::summary& r, const measures& m, const fluids<D>& f) {
   if (f.enthalpy) tell_heat(j, m, f);
   const auto& w = f.world.w;
   const auto total = static_cast<double>(f.world.fluid_total);
-  j["wall_crossings"] = f.crossings;
   j["particles_lost"] = f.world.fluid_total - f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
   j["spurious_shear_modulus"] = f.p.spurious_modulus;
   j["neighbours"] = static_cast<double>(f.ranks().sum(static_cast<std::int64_t>(w.list.pairs))) / total;
   r.conservation = {{"mass", m.mass_drift}, {"momentum", nullptr}, {"energy", m.residual}};
-  r.stages = w.times.seconds();
 }
 
 }  // namespace tetsuame::overturn

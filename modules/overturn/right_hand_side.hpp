@@ -15,9 +15,9 @@ namespace tetsuame::overturn {
 
 // f(image, its source)
 template <int D, class F>
-void for_each_image(const images::scene<D>& world, F&& f) {
-  foundation::for_all(world.images.source.size(),
-                      [&](std::size_t r) { f(world.w.s.first_wall() + r, world.images.source[r]); });
+void for_each_image(const run::state<D>& world, F&& f) {
+  foundation::for_all(world.walls.source.size(),
+                      [&](std::size_t r) { f(world.w.s.first_wall() + r, world.walls.source[r]); });
 }
 
 // Where ghosts and images are, and how they move.
@@ -30,12 +30,12 @@ void refresh_motion(fluids<D>& f) {
   for (auto& v : s.v) fields.push_back(v.data());
   if (f.o.conductivity > 0.0 && !f.enthalpy) fields.push_back(s.T.data());
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
-  images::move(f.world.images, s);
-  foundation::for_all(f.world.images.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = f.world.images.source[r];
+  walls::move_images(f.world.walls, s);
+  foundation::for_all(f.world.walls.source.size(), [&](std::size_t r) {
+    const std::size_t i = s.first_wall() + r, j = f.world.walls.source[r];
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = s.v[a][j];
     s.T[i] = s.T[j];
-    images::for_each_mirror(f.world.images, r, [&](const images::side<D>& wall) {
+    walls::for_each_mirror(f.world.walls, r, [&](const walls::side<D>& wall) {
       if (wall.no_slip)
         for (std::size_t a = 0; a < D; ++a) s.v[a][i] = -s.v[a][i];
       else
@@ -158,11 +158,10 @@ void find_contact(fluids<D>& f) {
     f.area[i] = std::sqrt(G2);
   });
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(G));
-  foundation::for_all(f.world.images.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = f.world.images.source[r];
+  foundation::for_all(f.world.walls.source.size(), [&](std::size_t r) {
+    const std::size_t i = s.first_wall() + r, j = f.world.walls.source[r];
     for (std::size_t a = 0; a < D; ++a) G[a][i] = G[a][j];
-    images::for_each_mirror(f.world.images, r,
-                            [&](const images::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
+    walls::for_each_mirror(f.world.walls, r, [&](const walls::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
   });
 }
 
@@ -276,7 +275,7 @@ bool combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, st
     rate[at.v + a][i] = (per_m * force + w.g[a]) / f.inertia_of(i);
     finite = finite && std::isfinite(rate[at.v + a][i]);
   }
-  walls::push_off(f.wall_force, f.world.images.sides, s, i,
+  walls::push_off(f.world.walls.force, f.world.walls.sides, s, i,
                   [&](std::size_t axis, double a) { rate[at.v + axis][i] += a / f.inertia_of(i); });
   rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * f.compression[i];
   rate[at.q][i] = per_m * f.heat[i];

@@ -119,7 +119,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
 
 // A lattice under pressure resists shear, as no fluid does (kernels/lattice.hpp).
 void find_elasticity(const options& o, parameters& p) {
-  const auto& k = o.march.kernel;
+  const auto& k = o.common.kernel;
   const double h = k.h_over_dx * p.dx;
   const auto mu = o.domain.dimension == 3 ? kernels::spurious_shear_moduli<3>(kernels::make<3>(k.name, h), p.dx)
                                           : kernels::spurious_shear_moduli<2>(kernels::make<2>(k.name, h), p.dx);

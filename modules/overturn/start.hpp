@@ -224,20 +224,20 @@ void set_up(fluids<D>& f) {
   auto& w = f.world.w;
   const auto& d = o.domain;
   const bool open = o.walls.lid == "free_surface";
-  images::options walls;
+  walls::options walls;
   walls.slip = o.walls.sides;
   walls.sides[2].slip = o.walls.floor;
   walls.sides[3].slip = open ? "free_slip" : o.walls.lid;
   const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
-  images::set_up(f.world, domain::communicator::world(), {d.length, d.particles, periodic, d.ranks_x}, walls,
-                 o.march.kernel.name, o.march.kernel.h_over_dx, o.march.kernel.skin, 0.0, 0.0);
-  if (open) std::erase_if(f.world.images.sides, [](const auto& side) { return side.axis == 1 && side.inward < 0.0; });
+  run::set_up(f.world, domain::communicator::world(), {d.length, d.particles, periodic, d.ranks_x}, walls,
+              o.common.kernel.name, o.common.kernel.h_over_dx, o.common.kernel.skin, 0.0, 0.0);
+  if (open) std::erase_if(f.world.walls.sides, [](const auto& side) { return side.axis == 1 && side.inward < 0.0; });
   w.materials = {(*f.p.material)[0], (*f.p.material)[1]};
   w.g[1] = -o.gravity;
   f.self = std::visit([](const auto& k) { return k.self(); }, w.kernel);
-  f.h = o.march.kernel.h_over_dx * w.dx;
+  f.h = o.common.kernel.h_over_dx * w.dx;
   f.S_0 = w.support();
-  f.unit = kernels::make<D>(o.march.kernel.name, 1.0 / kernels::find(o.march.kernel.name).support_over_h);
+  f.unit = kernels::make<D>(o.common.kernel.name, 1.0 / kernels::find(o.common.kernel.name).support_over_h);
 }
 
 // What particles carry beside the usual.

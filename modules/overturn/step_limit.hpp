@@ -61,9 +61,9 @@ step_bounds find_limit(fluids<D>& f) {
   const double conduction = rates_of_lattice<D>(kernel, dx, {}).viscous * most.kappa;
   const double diffusive = std::max(stiff.viscous * most.nu, conduction);
   // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
-  const double sound = *o.march.time.cfl * 2.2 / stiff.sound * dx / most.sound;
-  const double viscous = *o.march.time.diffusive * 4.0 * D * dx * dx / diffusive;
-  const double wave = capillary_frequency(f) / (*o.march.time.cfl * 2.2);
+  const double sound = *o.common.time.cfl * 2.2 / stiff.sound * dx / most.sound;
+  const double viscous = *o.common.time.diffusive * 4.0 * D * dx * dx / diffusive;
+  const double wave = capillary_frequency(f) / (*o.common.time.cfl * 2.2);
   const double both = 1.0 / std::hypot(1.0 / sound, 1.0 / viscous, wave);
   const char* by = wave * std::min(sound, viscous) > 1.0 ? "surface tension"
                    : sound < viscous                     ? "sound"

@@ -123,8 +123,8 @@ void take_supports(fluids<D>& f) {
   auto& s = w.s;
   std::copy_n(f.support().begin(), s.fluid, f.S.begin());
   w.exchange_fluid({f.S.data()});
-  foundation::for_all(f.world.images.source.size(),
-                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.images.source[r]]; });
+  foundation::for_all(f.world.walls.source.size(),
+                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.walls.source[r]]; });
   foundation::for_all(s.total(), [&](std::size_t i) { f.per_S[i] = 1.0 / f.S[i]; });
   f.per_S[s.null()] = 0.0;
 }
@@ -135,12 +135,12 @@ void follow_volumes(fluids<D>& f) {
   take_supports(f);
 }
 
-// m, that the supports have grown since the lists were made.
+// m, that the supports of this rank have grown since the lists were made.
 template <int D>
 double grown(const fluids<D>& f) {
   double most = 0.0;
   for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support()[i] - f.list_support()[i]);
-  return f.ranks().maximum(most);
+  return most;
 }
 
 // The smallest support over that of the start, which steps are for.

@@ -16,40 +16,40 @@
 //   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
 //     flow is the same, and viscosity asks for the steps of η_x.
 //
-// Walls are mirror images (images/images.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
+// Walls are mirror images (walls/mirror.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
 // images have the reversed velocity. The mirror in two sides stands behind a corner.
 //
 // Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.
 #pragma once
 
-#include <march/problem.hpp>
 #include <output/columns.hpp>
+#include <output/state_hash.hpp>
 #include <overturn/lists.hpp>
 #include <overturn/report.hpp>
 #include <overturn/right_hand_side.hpp>
 #include <overturn/step_limit.hpp>
-#include <simulation/state.hpp>
+#include <run/box.hpp>
 
 namespace tetsuame::overturn {
 
 template <int D>
-class two_fluids : public march::problem {
+class two_fluids : public run::problem_in_a_box<D> {
  public:
-  two_fluids(problem_kind kind, const options& o, const parameters& p) : f_(kind, o, p) {
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
+  two_fluids(problem_kind kind, const options& o, const parameters& p)
+      : base(f_.world, o.common.balance), f_(kind, o, p) {
     choose_terms(f_);
     add_extras(f_);
     set_up(f_);
     place_fluid(f_);
     find_reference(f_);
     bounds_ = find_limit(f_);
-    f_.wall_force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
+    f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
   }
 
-  const domain::communicator& ranks() const override { return f_.ranks(); }
-  std::size_t local_particles() const override { return f_.world.w.s.fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  output::snapshot_header header() const override { return images::snapshot_header(f_.world); }
   std::vector<std::string> about() const override { return f_.p.lines; }
 
   std::vector<integrators::field> fields() override {
@@ -84,12 +84,6 @@ class two_fluids : public march::problem {
     if (f_.follows) follow_volumes(f_);
   }
 
-  bool complete_step() override {
-    const std::int64_t crossings = ranks().sum(images::reflect(f_.world.images, f_.world.w.s));
-    f_.crossings += crossings;
-    return crossings > 0;
-  }
-
   // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
   std::string refine(double) override {
     const bool fell = m_.dissipated_now < m_.dissipated_most * (1.0 - 1e-6);
@@ -102,25 +96,13 @@ class two_fluids : public march::problem {
 
   // Supports take a part of the skin, and particles the rest.
   double moved() override {
-    const double moved = images::moved_since_lists(f_.world);
+    const double moved = base::moved();
     return f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9) ? std::max(moved, allowance()) : moved;
   }
   double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
-  double speed() override {
-    double v2 = 0.0;
-    for (std::size_t i = 0; i < f_.world.w.s.fluid; ++i) v2 = std::max(v2, f_.speed2(i));
-    return std::sqrt(ranks().maximum(v2));
-  }
-
-  void rebuild(bool as_they_were) override {
-    make_lists(f_, as_they_were);
-    if (f_.follows && !settled_ && !as_they_were) settle_supports(f_);
-    settled_ = true;
-  }
-
   std::vector<output::history_column> columns() const override { return columns_of(f_); }
   std::vector<double> row(double t) override { return next_line(m_, f_, t); }
-  void report(double, simulation::summary& r) override { tell(r, m_, f_); }
+  void report(double, run::summary& r) override { tell(r, m_, f_); }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = f_.world.w.s;
@@ -163,14 +145,21 @@ class two_fluids : public march::problem {
     return output::state_hash(ranks().comm, {g});
   }
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(f_.world.w.s, materials);
+  void save(output::checkpoint_globals& g) const override {
+    base::save(g);
+    overturn::save(m_, f_, g);
   }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, f_.world.w.s); }
-  void save(output::checkpoint_globals& g) const override { overturn::save(m_, f_, g); }
   void restore(const output::checkpoint_globals& g) override {
+    base::restore(g);
     m_ = restored(f_, g);
     bounds_ = find_limit(f_);
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override {
+    overturn::make_lists(f_, as_they_were);
+    if (f_.follows && !settled_ && !as_they_were) settle_supports(f_);
+    settled_ = true;
   }
 
  private:

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <march/march.hpp>
+#include <run/time_loop.hpp>
 #include <output/directory.hpp>
 #include <shocks/convergence.hpp>
 #include <sstream>
@@ -44,7 +44,7 @@ bool has_checkpoint(const fs::path& folder) {
 }
 
 enum class start_from { nothing, checkpoint, done };
-start_from where_it_is(const fs::path& folder, const std::string& resolved, const simulation::command_line& line) {
+start_from where_it_is(const fs::path& folder, const std::string& resolved, const run::command_line& line) {
   if (line.restart.empty()) return start_from::nothing;
   const auto ranks = domain::communicator::world();
   const bool done = ranks.rank == 0 && completed(summary_in(folder)) && text_of(folder / "resolved.nml") == resolved;
@@ -52,7 +52,7 @@ start_from where_it_is(const fs::path& folder, const std::string& resolved, cons
   return has_checkpoint(folder) ? start_from::checkpoint : start_from::nothing;
 }
 
-simulation::command_line line_for(simulation::command_line line, const fs::path& folder, start_from found) {
+run::command_line line_for(run::command_line line, const fs::path& folder, start_from found) {
   line.output = folder.string();
   line.restart = found == start_from::checkpoint ? "latest" : "";
   line.force = found != start_from::checkpoint;
@@ -60,8 +60,8 @@ simulation::command_line line_for(simulation::command_line line, const fs::path&
 }
 
 // The limit of the wall clock is that of all runs together.
-void run_within(march::options o, std::chrono::steady_clock::time_point began,
-                const std::function<void(const march::options&)>& run) {
+void run_within(run::common_options o, std::chrono::steady_clock::time_point began,
+                const std::function<void(const run::common_options&)>& run) {
   const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   auto& limit = o.run.wall_clock_limit;
   if (limit > 0.0) limit = std::max(limit - spent, 1e-3);
@@ -82,11 +82,11 @@ level level_in(const fs::path& folder, const options& o) {
 }
 
 // A run that fails is a level without errors; one that is interrupted interrupts all.
-void run_one(const coarser_input& in, const simulation::command_line& line, std::chrono::steady_clock::time_point began,
+void run_one(const coarser_input& in, const run::command_line& line, std::chrono::steady_clock::time_point began,
              const maker& make) {
   try {
-    run_within(in.values.march, began,
-               [&](const march::options& rest) { march::run(*make(in.values, {}), rest, line, in.resolved); });
+    run_within(in.values.common, began,
+               [&](const run::common_options& rest) { run::carry_out(*make(in.values, {}), rest, line, in.resolved); });
   } catch (const foundation::error& e) {
     const std::string which = fmt::format("with {} particles along x: {}", in.values.box.particles[0], e.what());
     if (e.status() != exit_status::calculation_failed) throw foundation::error(e.status(), which);
@@ -125,8 +125,8 @@ std::vector<coarser_input> coarser_inputs(const namelist::schema& schema, option
 }
 
 void run_all(const options& o, const std::string& resolved, const std::vector<coarser_input>& coarser,
-             const simulation::command_line& line, const maker& make) {
-  if (coarser.empty()) return march::run(*make(o, {}), o.march, line, resolved);
+             const run::command_line& line, const maker& make) {
+  if (coarser.empty()) return run::carry_out(*make(o, {}), o.common, line, resolved);
   using mode = output::directory_mode;
   const auto ranks = domain::communicator::world();
   const auto began = std::chrono::steady_clock::now();
@@ -147,7 +147,7 @@ void run_all(const options& o, const std::string& resolved, const std::vector<co
     own.restart.clear();
     own.force = true;
   }
-  run_within(o.march, began, [&](const march::options& rest) { march::run(*make(o, levels), rest, own, resolved); });
+  run_within(o.common, began, [&](const run::common_options& rest) { run::carry_out(*make(o, levels), rest, own, resolved); });
 }
 
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest) {

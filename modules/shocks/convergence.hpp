@@ -3,11 +3,11 @@
 #pragma once
 
 #include <functional>
-#include <march/problem.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <run/command_line.hpp>
+#include <run/problem.hpp>
 #include <shocks/options.hpp>
-#include <simulation/command_line.hpp>
 #include <string>
 #include <vector>
 
@@ -31,9 +31,9 @@ std::vector<coarser_input> coarser_inputs(const namelist::schema& schema, option
 // Collective. The coarser runs one after the other in OUTPUT/coarser_k, whole runs of their own, then the one asked
 // for. With --restart: those that completed are taken as they are, the others continue from their last checkpoint, or
 // start.
-using maker = std::function<std::unique_ptr<march::problem>(const options&, const std::vector<level>& coarser)>;
+using maker = std::function<std::unique_ptr<run::problem>(const options&, const std::vector<level>& coarser)>;
 void run_all(const options& o, const std::string& resolved, const std::vector<coarser_input>& coarser,
-             const simulation::command_line& line, const maker& make);
+             const run::command_line& line, const maker& make);
 
 // For summary.json: by level, and the orders. A level without errors, or at another time, is named and left out.
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest);

@@ -4,34 +4,25 @@
 // are, so they need not be converged.
 #pragma once
 
-#include <march/problem.hpp>
+#include <output/state_hash.hpp>
+#include <run/box.hpp>
 #include <shocks/convergence.hpp>
 #include <shocks/measures.hpp>
 #include <shocks/rates.hpp>
 #include <shocks/start.hpp>
 #include <shocks/steps.hpp>
-#include <simulation/state.hpp>
 
 namespace tetsuame::shocks {
 
 template <int D>
-class flow : public march::problem {
+class flow : public run::problem_in_a_box<D> {
  public:
-  flow(const options& o, const std::vector<level>& coarser) : g_{.o = o, .test = make_setup(o)}, coarser_(coarser) {
-    set_up(g_);
-  }
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
 
-  const domain::communicator& ranks() const override { return g_.ranks(); }
-  std::size_t local_particles() const override { return g_.w.s.fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  output::snapshot_header header() const override {
-    output::snapshot_header header;
-    header.dimension = D;
-    for (std::size_t a = 0; a < D; ++a) {
-      header.box_lengths[a] = g_.w.d.region.length[a];
-      header.periodic[a] = g_.w.d.region.periodic[a];
-    }
-    return header;
+  flow(const options& o, const std::vector<level>& coarser)
+      : base(g_, o.common.balance), g_(o, make_setup(o)), coarser_(coarser) {
+    set_up(g_);
   }
 
   std::vector<integrators::field> fields() override { return integrated_fields(g_); }
@@ -46,28 +37,13 @@ class flow : public march::problem {
   void evaluate(std::span<double* const> rate) override { shocks::evaluate(g_, rate); }
 
   integrators::step_limit largest_step() override { return shocks::largest_step(g_); }
-  double diffusion_radius() override { return 0.0; }
   double moved() override { return shocks::moved(g_); }
   double allowance() const override { return shocks::allowance(g_); }
-  double speed() override { return largest_speed(g_); }
 
   void keep_memory() override { next_supports(g_); }
-  bool complete_step() override {
-    const std::int64_t crossings = ranks().sum(images::reflect(g_.walls, g_.w.s));
-    crossings_ += crossings;
-    return crossings > 0;
-  }
   bool set_time(double t) override {
     time_ = t;
     return false;
-  }
-
-  void rebuild(bool as_they_were) override {
-    make_lists(g_, as_they_were);
-    const bool at_start = !settled_ && !as_they_were;
-    settled_ = true;
-    if (!at_start) return;
-    settle(g_);
   }
 
   std::vector<output::history_column> columns() const override {
@@ -90,30 +66,24 @@ class flow : public march::problem {
     return {shocks::snapshot(g_, time_, extra)};
   }
 
-  void report(double t, simulation::summary& r) override {
+  void report(double t, run::summary& r) override {
     const totals<D> now = sum_up(g_);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
                       {"energy", now.energy() / first_->energy() - 1.0}};
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
-    for (const auto& [name, value] : g_.test.known) r.metrics[name] = simulation::or_null(value);
+    for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);
     if (g_.test.measures)
       for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_))
-        r.metrics[name] = simulation::or_null(value);
-    r.metrics["wall_crossings"] = crossings_;
+        r.metrics[name] = run::or_null(value);
     if (g_.test.exact) r.errors = errors(g_, t);
     if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.box.particles[0], t, r.errors, ""});
-    r.stages = g_.w.times.seconds();
   }
   std::string hash() override { return state_hash(g_); }
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return simulation::checkpoint_table(g_.w.s, materials);
-  }
-  void read_particles(const output::table& t) override { simulation::fluid_from_checkpoint(t, g_.w.s); }
   void save(output::checkpoint_globals& to) const override {
-    to.integers["crossings"] = crossings_;
+    base::save(to);
     if (!first_) return;
     std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->potential, first_->momentum_scale};
     all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
@@ -122,7 +92,7 @@ class flow : public march::problem {
     for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
   void restore(const output::checkpoint_globals& from) override {
-    crossings_ = from.integers.at("crossings");
+    base::restore(from);
     const auto& all = from.blobs.at("first_totals");
     first_.emplace(totals<D>{all[0], all[1], all[2], all[3], all[4], {}});
     std::copy_n(all.begin() + 5, D, first_->momentum.begin());
@@ -131,10 +101,17 @@ class flow : public march::problem {
     for (auto line = flat.begin(); line != flat.end(); line += width) samples_.emplace_back(line, line + width);
   }
 
+ protected:
+  void make_lists(bool as_they_were) override {
+    shocks::make_lists(g_, as_they_were);
+    const bool at_start = !settled_ && !as_they_were;
+    settled_ = true;
+    if (at_start) settle(g_);
+  }
+
  private:
   world<D> g_;
   const std::vector<level> coarser_;
-  std::int64_t crossings_ = 0;
   double time_ = 0.0;  // s, of the state
   bool settled_ = false;
   std::optional<totals<D>> first_;

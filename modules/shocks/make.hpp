@@ -6,8 +6,8 @@
 
 namespace tetsuame::shocks {
 
-std::unique_ptr<march::problem> make_1d(const options& o, const std::vector<level>& coarser);
-std::unique_ptr<march::problem> make_2d(const options& o, const std::vector<level>& coarser);
-std::unique_ptr<march::problem> make_3d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::problem> make_1d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::problem> make_2d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::problem> make_3d(const options& o, const std::vector<level>& coarser);
 
 }  // namespace tetsuame::shocks

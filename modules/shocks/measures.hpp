@@ -81,7 +81,7 @@ nlohmann::ordered_json errors(const world<D>& g, double t) {
   const double all = g.ranks().exact(volume);
   const auto mean = [&](const foundation::exact_sum& sum) {
     const double of_all = g.ranks().exact(sum);
-    return simulation::or_null(all != 0.0 ? std::optional(of_all / all) : std::nullopt);
+    return run::or_null(all != 0.0 ? std::optional(of_all / all) : std::nullopt);
   };
   return {{"density_l1", mean(rho)}, {"velocity_l1", mean(v)}, {"pressure_l1", mean(p)}};
 }

@@ -24,7 +24,7 @@ void declare_box(namelist::schema& schema, options& o) {
     schema.add("domain", "periodic_" + axis, o.box.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls that reflect"});
   }
-  simulation::declare(schema, o.box.ranks_x);
+  run::declare(schema, o.box.ranks_x);
 }
 
 void declare_case(namelist::schema& schema, shock_options& s) {
@@ -161,10 +161,10 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
-  o.march.time.method = "adaptive";
-  o.march.time.rtol = 0.02;
-  o.march.kernel.name = "quintic";
-  o.march.kernel.skin = 0.5;
+  o.common.time.method = "adaptive";
+  o.common.time.rtol = 0.02;
+  o.common.kernel.name = "quintic";
+  o.common.kernel.skin = 0.5;
   declare_box(schema, o);
   schema.group("shock", "gas with contacts and shocks");
   declare_case(schema, o.shock);
@@ -172,7 +172,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  march::declare(schema, o.march, {.kernels = {"quintic", "wendland_c4"}});
+  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}});
 }
 
 eos::any eos_of(const std::string& name) {
@@ -183,7 +183,7 @@ eos::any eos_of(const std::string& name) {
 
 // As setups.cpp lays them.
 double expected_particles(const options& o) {
-  const double lattice = simulation::lattice_particles(o.dimension, o.box.particles);
+  const double lattice = run::lattice_particles(o.dimension, o.box.particles);
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.dimension));
   return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
@@ -216,16 +216,16 @@ void resolve_axis(const namelist::schema& schema, options& o, std::size_t a) {
 // Of a run at this or a coarser resolution.
 void check_kernel_fits(const namelist::schema& schema, const options& o, const std::array<std::int64_t, 3>& particles) {
   const double dx = o.box.length[0] / static_cast<double>(particles[0]);
-  const double support = simulation::support_over_dx(o.march.kernel) * dx;
-  simulation::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic},
-                           support + o.march.kernel.skin * dx, support);
+  const double support = run::support_over_dx(o.common.kernel) * dx;
+  run::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic},
+                           support + o.common.kernel.skin * dx, support);
 }
 
 void resolve_box(const namelist::schema& schema, options& o) {
-  simulation::resolve(schema, o.box.ranks_x);
+  run::resolve(schema, o.box.ranks_x);
   for (std::size_t a = 1; a < static_cast<std::size_t>(o.dimension); ++a) resolve_axis(schema, o, a);
   for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
-  simulation::check_number(schema, {o.dimension, o.box.length, o.box.particles, o.box.periodic}, expected_particles(o));
+  run::check_number(schema, {o.dimension, o.box.length, o.box.particles, o.box.periodic}, expected_particles(o));
   check_kernel_fits(schema, o, o.box.particles);
 }
 
@@ -307,14 +307,14 @@ void check_coarser(const namelist::schema& schema, const options& o) {
 }  // namespace
 
 void resolve(const namelist::schema& schema, options& o) {
-  if (!o.march.time.cfl) o.march.time.cfl = o.march.time.method == "euler" ? 0.1 : 0.4;
-  march::resolve(o.march);
-  march::check_output(schema, o.march);
+  if (!o.common.time.cfl) o.common.time.cfl = o.common.time.method == "euler" ? 0.1 : 0.4;
+  run::resolve(schema, o.common);
+  run::check_output(schema, o.common);
   resolve_materials(schema, o);
   resolve_box(schema, o);
   check_test(schema, o);
   check_coarser(schema, o);
-  if (!o.march.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
   schema.placed("shock", "test", [&] { make_setup(o); });
 }
 

@@ -6,9 +6,9 @@
 
 #include <array>
 #include <eos/eos.hpp>
-#include <images/scene.hpp>
-#include <march/options.hpp>
 #include <optional>
+#include <run/lists.hpp>
+#include <run/options.hpp>
 
 namespace tetsuame::shocks {
 
@@ -36,9 +36,9 @@ struct shock_options {
 
 struct options {
   std::int64_t dimension = 1;
-  images::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
+  run::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
   shock_options shock;
-  march::options march;
+  run::common_options common;
 
   double dx() const { return box.length[0] / static_cast<double>(box.particles[0]); }
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }

@@ -1,19 +1,19 @@
 // A box of gas whose particles have supports of their own: start, walls that reflect.
 #pragma once
 
-#include <images/supports.hpp>
+#include <run/supports.hpp>
 #include <shocks/setups.hpp>
 
 namespace tetsuame::shocks {
 
 // Walls where the box is not periodic: free slip, no heat.
 template <int D>
-std::vector<images::side<D>> reflecting_walls(const domain::box<D>& box) {
-  std::vector<images::side<D>> all;
+std::vector<walls::side<D>> reflecting_walls(const domain::box<D>& box) {
+  std::vector<walls::side<D>> all;
   for (std::size_t axis = 0; axis < D; ++axis)
     for (const bool high : {false, true}) {
       if (box.periodic[axis]) continue;
-      images::side<D> s;
+      walls::side<D> s;
       s.axis = axis;
       s.position = high ? box.length[axis] : 0.0;
       s.inward = high ? -1.0 : 1.0;

@@ -48,7 +48,7 @@ void add_fields(world<D>& g) {
 
 template <int D>
 void choose_kernel(world<D>& g) {
-  const auto& kernel = g.o.march.kernel;
+  const auto& kernel = g.o.common.kernel;
   const auto& line = kernels::find(kernel.name);
   g.support_over_dx = line.support_over_h * kernel.h_over_dx;
   g.support_over_h = line.support_over_h;
@@ -71,7 +71,7 @@ void make_box(world<D>& g) {
     region.periodic[a] = g.o.box.periodic[a];
   }
   g.w.dx = g.o.dx();
-  g.skin = g.o.march.kernel.skin * g.w.dx;
+  g.skin = g.o.common.kernel.skin * g.w.dx;
   g.w.d =
       domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin, g.o.box.ranks_x);
   g.walls.sides = reflecting_walls<D>(region);

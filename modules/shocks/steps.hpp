@@ -2,7 +2,7 @@
 // cover.
 #pragma once
 
-#include <march/problem.hpp>
+#include <integrators/explicit_integrator.hpp>
 #include <shocks/world.hpp>
 
 namespace tetsuame::shocks {
@@ -14,13 +14,7 @@ integrators::step_limit largest_step(const world<D>& g) {
     const double spacing = g.S[i] / g.support_over_dx, signal = std::max(g.signal[i], 2.0 * g.sound_speed(i));
     least = std::min(least, 2.0 * spacing / signal);
   }
-  return {*g.o.march.time.cfl * g.ranks().minimum(least), "sound"};
-}
-
-// m, since the lists were made
-template <int D>
-double displacement(const world<D>& g) {
-  return std::sqrt(g.ranks().maximum(particles::moved_since_lists(g.w.s)));
+  return {*g.o.common.time.cfl * g.ranks().minimum(least), "sound"};
 }
 
 template <int D>
@@ -33,20 +27,8 @@ template <int D>
 double moved(world<D>& g) {
   double growth = 0.0;
   for (std::size_t i = 0; i < g.w.s.fluid; ++i) growth = std::max(growth, g.support()[i] - g.list_support()[i]);
-  const bool no_room = g.ranks().maximum(growth) >= g.room_to_grow() * (1.0 - 1e-9);
-  return no_room ? std::max(displacement(g), allowance(g)) : displacement(g);
-}
-
-template <int D>
-double largest_speed(const world<D>& g) {
-  const auto& s = g.w.s;
-  double v2 = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double sum = 0.0;
-    for (std::size_t a = 0; a < D; ++a) sum += s.v[a][i] * s.v[a][i];
-    v2 = std::max(v2, sum);
-  }
-  return std::sqrt(g.ranks().maximum(v2));
+  const bool no_room = growth >= g.room_to_grow() * (1.0 - 1e-9);
+  return no_room ? std::max(run::moved_since_lists(g), allowance(g)) : run::moved_since_lists(g);
 }
 
 }  // namespace tetsuame::shocks

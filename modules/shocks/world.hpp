@@ -22,20 +22,18 @@ struct totals {
 };
 
 template <int D>
-struct world {
+struct world : run::state<D> {
+  using run::state<D>::w, run::state<D>::walls, run::state<D>::skin, run::state<D>::fluid_total;
   static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);      // gradients
   static constexpr std::size_t R = 2 + static_cast<std::size_t>(D) * (D + 2);  // m_0, A, B and gradients of A, B
 
   const options& o;
   const setup test;
-  std::vector<eos::caloric> materials = {};  // left, right; none: gases
-  std::vector<double> stiffening = {};       // K_S' of each
-  pairs::workspace<D> w = {};
-  images::image_set<D> walls = {};
+  std::vector<eos::caloric> materials = {};                 // left, right; none: gases
+  std::vector<double> stiffening = {};                      // K_S' of each
   kernel_choice<D> unit = kernels::quintic_spline<D>(1.0);  // support 1
-  double support_over_dx = 0.0, support_over_h = 0.0, skin = 0.0;
+  double support_over_dx = 0.0, support_over_h = 0.0;
   double speed_scale = 0.0, density_scale = 0.0;
-  std::int64_t fluid_total = 0;
 
   // Of all particles, ghosts and images included. kind: which material
   particles::array S = {}, per_S = {}, weight = {}, slope = {}, correction = {}, dissipation = {};
@@ -47,6 +45,8 @@ struct world {
   particles::array count = {}, count_slope = {}, mass_density = {};
   std::array<particles::array, D> force = {};
   particles::array power = {}, signal = {}, density_rate = {};
+
+  world(const options& o_, setup test_) : o(o_), test(std::move(test_)) {}
 
   const domain::communicator& ranks() const { return w.d.ranks; }
 
@@ -99,7 +99,7 @@ void for_each_image(world<D>& g, F&& f) {
   foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
     std::array<double, D> sign;
     sign.fill(1.0);
-    images::for_each_mirror(g.walls, r, [&](const images::side<D>& wall) { sign[wall.axis] = -sign[wall.axis]; });
+    walls::for_each_mirror(g.walls, r, [&](const walls::side<D>& wall) { sign[wall.axis] = -sign[wall.axis]; });
     f(g.w.s.first_wall() + r, g.walls.source[r], sign);
   });
 }

@@ -1,17 +1,18 @@
+#include <algorithm>
 #include <walls/options.hpp>
 
 namespace tetsuame::walls {
 
-void declare(namelist::schema& schema, int dimension, options& o) {
-  schema.group("walls", "sides of the box that are not periodic");
-  schema.add("walls", "treatment", o.treatment,
-             {.choices = {"virtual_marker", "none", "frozen", "repulsion"},
-              .meaning = "what stands beyond a wall; default: the program's own"});
+namespace {
+
+void declare_treatment(namelist::schema& schema, const abilities& of_problem, options& o) {
+  const auto& all = of_problem.treatments;
+  if (all.size() < 2) return;
+  schema.add("walls", "treatment", o.treatment, {.choices = all, .meaning = "what stands beyond a wall"});
+  if (std::find(all.begin(), all.end(), "virtual_marker") == all.end()) return;
   schema.add("walls", "interpolation", o.interpolation,
              {.choices = {"mls", "mls2", "shepard"},
               .meaning = "at the virtual markers: moving least squares of first or second order, or Shepard's mean"});
-  schema.add("walls", "slip", o.slip, {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the walls"});
-  schema.add("walls", "thermal", o.thermal, {.choices = {"adiabatic", "fixed"}, .meaning = "heat at the walls"});
   schema.add(
       "walls", "marker_radius", o.marker_radius,
       {.minimum = 0.0, .maximum = 3.0, .meaning = "reach of a marker in kernel supports; 0: 1, and 1.35 for mls2"});
@@ -20,17 +21,47 @@ void declare(namelist::schema& schema, int dimension, options& o) {
               .maximum = 10.0,
               .exclusive_minimum = true,
               .meaning = "distance from the wall, in particle spacings, at which the repulsion ends"});
-  for (std::size_t n = 0; n < static_cast<std::size_t>(2 * dimension); ++n) {
-    const std::string name = side_names[n];
-    side_options& s = o.sides[n];
+}
+
+void declare_side(namelist::schema& schema, const abilities& of_problem, std::size_t n,
+                  const std::vector<std::string>& heats, side_options& s) {
+  const std::string name = side_names[n], only = n > 3 ? " (3-D only)" : "";
+  auto choices = heats;
+  choices.insert(choices.begin(), "inherit");
+  const bool rare = name != "bottom" && name != "top";
+  if (of_problem.moving)
     schema.add("walls", "slip_" + name, s.slip,
-               {.choices = {"inherit", "no_slip", "free_slip"}, .meaning = "velocity at this side; inherit: as slip"});
-    schema.add("walls", "thermal_" + name, s.thermal,
-               {.choices = {"inherit", "adiabatic", "fixed"}, .meaning = "heat at this side; inherit: as thermal"});
-    schema.add("walls", "temperature_" + name, s.temperature,
-               {.unit = "K", .minimum = 0.0, .meaning = "temperature of the side where thermal is fixed"});
-    schema.add("walls", "velocity_" + name, s.velocity, {.unit = "m/s", .meaning = "of the side along itself"});
-  }
+               {.choices = {"inherit", "no_slip", "free_slip"},
+                .expert = true,
+                .meaning = "velocity at this side; inherit: as slip" + only});
+  schema.add("walls", "thermal_" + name, s.thermal,
+             {.choices = choices, .expert = rare, .meaning = "heat at this side; inherit: as thermal" + only});
+  schema.add("walls", "temperature_" + name, s.temperature,
+             {.unit = "K",
+              .minimum = 0.0,
+              .expert = rare,
+              .meaning = "temperature of the side where thermal is fixed" + only});
+  if (of_problem.flux)
+    schema.add("walls", "flux_" + name, s.flux,
+               {.unit = "W/m^2",
+                .expert = true,
+                .meaning = "heat into the fluid through the side where thermal is flux" + only});
+  if (of_problem.moving)
+    schema.add("walls", "velocity_" + name, s.velocity,
+               {.unit = "m/s", .expert = true, .meaning = "of the side along itself" + only});
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
+  std::vector<std::string> heats{"adiabatic", "fixed"};
+  if (of_problem.flux) heats.emplace_back("flux");
+  schema.group("walls", "sides of the box that are not periodic");
+  declare_treatment(schema, of_problem, o);
+  if (of_problem.moving)
+    schema.add("walls", "slip", o.slip, {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the walls"});
+  schema.add("walls", "thermal", o.thermal, {.choices = heats, .meaning = "heat at the walls"});
+  for (std::size_t n = 0; n < side_names.size(); ++n) declare_side(schema, of_problem, n, heats, o.sides[n]);
 }
 
 }  // namespace tetsuame::walls

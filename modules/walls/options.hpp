@@ -1,5 +1,5 @@
-// The walls of a box as the input gives them: treatment, interpolation, and for each
-// side slip, heat and the wall's own velocity.
+// The walls of a box as the input gives them: what stands behind them, and for each side slip, heat and the wall's own
+// velocity.
 #pragma once
 
 #include <array>
@@ -15,11 +15,12 @@ struct side_options {
   std::string slip = "inherit";  // 'inherit': as &walls slip
   std::string thermal = "inherit";
   double temperature = 300.0;  // K, where thermal is 'fixed'
+  double flux = 0.0;           // W/m2 into the fluid, where thermal is 'flux'
   double velocity = 0.0;       // m/s, along the wall (x for bottom and top, y for left and right)
 };
 
 struct options {
-  std::string treatment;  // the program's own unless the input says otherwise
+  std::string treatment = "mirror";
   std::string interpolation = "mls";
   std::string slip = "no_slip";
   std::string thermal = "adiabatic";
@@ -30,19 +31,30 @@ struct options {
 
 inline constexpr std::array<const char*, 6> side_names{"left", "right", "bottom", "top", "back", "front"};
 
-// Declares group &walls; `dimension` decides how many sides there are.
-void declare(namelist::schema& schema, int dimension, options& o);
+// What the walls of a problem may be, and so what is declared.
+struct abilities {
+  std::vector<std::string> treatments = {"mirror"};  // one: there is no choice
+  bool moving = true;                                // the fluid moves: slip, velocity of the sides
+  bool flux = false;                                 // heat may be given to the fluid
+};
+// Declares group &walls, with a default treatment in `o`.
+void declare(namelist::schema& schema, const abilities& of_problem, options& o);
+
+enum class heat { fixed_temperature, given_flux };  // adiabatic is a flux of zero
 
 // One plane wall: the fluid is where (x - position) * inward > 0 along the axis.
 template <int D>
 struct side {
-  std::size_t axis;
-  double position;  // m
-  double inward;    // +1 at the low end, -1 at the high end
-  bool no_slip;
-  bool fixed_temperature;
-  double temperature;                // K
+  std::size_t axis = 0;
+  double position = 0.0;  // m
+  double inward = 1.0;    // +1 at the low end, -1 at the high end
+  bool no_slip = true;
+  heat thermal = heat::given_flux;
+  double temperature = 0.0;          // K
+  double flux = 0.0;                 // W/m2
   std::array<double, D> velocity{};  // m/s
+
+  double distance(double x) const { return (x - position) * inward; }  // m, from the wall into the fluid
 };
 
 // The walls of the box: one side at each end of every axis that is not periodic.
@@ -53,13 +65,15 @@ std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
     if (box.periodic[axis]) continue;
     for (const std::size_t end : {0, 1}) {
       const auto& given = o.sides[2 * axis + end];
+      const std::string& thermal = given.thermal == "inherit" ? o.thermal : given.thermal;
       side<D> s;
       s.axis = axis;
       s.position = end == 0 ? 0.0 : box.length[axis];
       s.inward = end == 0 ? 1.0 : -1.0;
       s.no_slip = (given.slip == "inherit" ? o.slip : given.slip) == "no_slip";
-      s.fixed_temperature = (given.thermal == "inherit" ? o.thermal : given.thermal) == "fixed";
+      s.thermal = thermal == "fixed" ? heat::fixed_temperature : heat::given_flux;
       s.temperature = given.temperature;
+      s.flux = thermal == "flux" ? given.flux : 0.0;
       s.velocity[axis == 0 ? 1 : 0] = given.velocity;
       all.push_back(s);
     }

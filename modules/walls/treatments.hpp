@@ -11,6 +11,8 @@
 //   and the force of boundary_force.hpp
 // none: no support beyond the wall, kernels are cut off there ("without boundary correction").
 // frozen: wall particles keep the start's profile and the wall's own velocity.
+// mirror: the fluid itself, seen in the wall (mirror.hpp); behind floor and lid p goes on with ρ g, and so does Y; the
+//   force of boundary_force.hpp as above.
 // repulsion [S2]: markers without the step in pressure (p_w = p_m), and instead
 //   Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range.
 #pragma once
@@ -19,6 +21,7 @@
 #include <foundation/threads.hpp>
 #include <variant>
 #include <walls/interpolation.hpp>
+#include <walls/mirror.hpp>
 #include <walls/wall_set.hpp>
 
 namespace tetsuame::walls {
@@ -347,14 +350,73 @@ struct frozen : nothing {
   }
 };
 
+struct mirror : nothing {
+  static constexpr const char* name = "mirror";
+  static constexpr bool has_particles = false, has_markers = false;
+
+  template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    auto& s = w.s;
+    move_images(set, s);
+    foundation::for_all(set.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = set.source[r];
+      std::array<double, D> v;
+      for (std::size_t a = 0; a < D; ++a) v[a] = s.v[a][j];
+      mirror_velocity<D>(set, r, v);
+      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+      s.T[i] = mirror_temperature(set, r, s.T[j]);
+      s.rho[i] = s.rho[j];
+      s.dV[i] = s.dV[j];
+      s.eta[i] = s.eta[j];
+      s.k[i] = s.k[j];
+    });
+  }
+  template <int D>
+  static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
+    auto& s = w.s;
+    foundation::for_all(set.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = set.source[r];
+      s.Y[i] = s.Y[j] + s.m[j] * fall(w, i, j);
+    });
+  }
+  template <int D>
+  static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
+    auto& s = w.s;
+    foundation::for_all(set.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = set.source[r];
+      s.p[i] = s.p[j] + s.rho[j] * fall(w, i, j);
+      s.dV[i] = s.dV[j];
+    });
+  }
+  template <int D>
+  static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
+    foundation::for_all(w.s.fluid, [&](std::size_t i) {
+      push_off(set.force, set.sides, w.s, i, [&](std::size_t axis, double a) { force[axis][i] += w.s.m[i] * a; });
+    });
+  }
+
+ private:
+  // m2/s2, g·(x_i - x_j): what a hydrostatic pressure gains from j to i, by density.
+  template <int D>
+  static double fall(const pairs::workspace<D>& w, std::size_t i, std::size_t j) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < D; ++a) sum += w.g[a] * (w.s.x[a][i] - w.s.x[a][j]);
+    return sum;
+  }
+};
+
 // The treatment of a run, chosen once by name.
-using any = std::variant<virtual_marker, none, frozen, repulsion>;
+using any = std::variant<virtual_marker, none, frozen, repulsion, mirror>;
+
+inline const std::vector<std::string> names{virtual_marker::name, none::name, frozen::name, repulsion::name,
+                                            mirror::name};
 
 inline any make(const std::string& name) {
   any treatment;
   if (name == none::name) treatment = none{};
   if (name == frozen::name) treatment = frozen{};
   if (name == repulsion::name) treatment = repulsion{};
+  if (name == mirror::name) treatment = mirror{};
   return treatment;
 }
 

@@ -1,4 +1,4 @@
-// Wall particles of one rank and, for the treatments that need them, their markers.
+// The walls of a box: its sides, and of one rank the particles that stand behind them, with their sources or markers.
 #pragma once
 
 #include <cells/neighbour_list.hpp>
@@ -15,9 +15,10 @@ struct wall_set {
   std::vector<side<D>> sides;
   boundary_force force;  // of the virtual markers' walls
 
-  // Row r belongs to the owned wall particle first_wall() + r.
-  std::array<particles::array, D> marker;  // m, mirror image of the wall particle
+  // Row r belongs to the wall particle first_wall() + r.
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
+  std::vector<std::uint32_t> source;       // of a mirror image: local index
+  std::array<particles::array, D> marker;  // m, mirror image of a wall particle that stands still
   cells::neighbour_list near_marker;       // fluid within reach of each marker: places in `listed`
   particles::array phi;                    // shape function of each entry of that list
   pairs::chosen near_wall;                 // owned fluid that some marker may see
@@ -136,7 +137,8 @@ void mirror_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D
 template <int D>
 double mirror_temperature(const wall_set<D>& set, std::size_t r, double T) {
   for (std::size_t k = 0; k < set.sides.size(); ++k)
-    if ((set.mirrored[r] >> k & 1U) != 0 && set.sides[k].fixed_temperature) T = 2.0 * set.sides[k].temperature - T;
+    if ((set.mirrored[r] >> k & 1U) != 0 && set.sides[k].thermal == heat::fixed_temperature)
+      T = 2.0 * set.sides[k].temperature - T;
   return T;
 }
 

@@ -17,8 +17,8 @@
 #include <output/file.hpp>
 #include <output/history.hpp>
 #include <output/log.hpp>
-#include <simulation/command_line.hpp>
-#include <simulation/summary.hpp>
+#include <run/command_line.hpp>
+#include <run/summary.hpp>
 #include <virtual_ranks/machine.hpp>
 #include <virtual_ranks/zoltan.hpp>
 
@@ -208,7 +208,7 @@ json metrics_of(const std::vector<course>& courses, const ledger& book) {
 }
 
 template <int D>
-void run(const simulation::command_line& line, const options& o, const std::string& resolved) {
+void run(const run::command_line& line, const options& o, const std::string& resolved) {
   if (output::size_of(MPI_COMM_WORLD) > 1)
     foundation::fail_input("balance models its ranks in one process: start it without mpirun, with --ranks P");
   const auto begin = clock::now();
@@ -274,9 +274,9 @@ void run(const simulation::command_line& line, const options& o, const std::stri
   j["counts"] = v.cuts.counts;
   j["wall_seconds"] = seconds_since(begin);
   j["metrics"] = metrics_of(v.courses, v.book);
-  if (const auto lost = simulation::first_not_finite(j["metrics"]); !lost.empty())
+  if (const auto lost = run::first_not_finite(j["metrics"]); !lost.empty())
     foundation::fail_calculation("metrics." + lost + " is not a finite number: times of the input lie too far apart");
-  j["version"] = simulation::version();
+  j["version"] = run::version();
   output::write_text(MPI_COMM_WORLD, line.output + "/cuts.csv", v.cuts_csv);
   output::write_text(MPI_COMM_WORLD, line.output + "/times.csv", v.times_csv);
   output::write_summary(MPI_COMM_WORLD, line.output + "/summary.json", j);
@@ -296,12 +296,12 @@ void run(const simulation::command_line& line, const options& o, const std::stri
 
 int main(int argc, char** argv) {
   options o;
-  simulation::program_input in;
+  run::program_input in;
   in.program = "balance";
   in.shorthands = {{"--ranks", "machine.ranks", "P", "virtual ranks"}};
   in.declare = [&](namelist::schema& schema) { declare(schema, o); };
   in.complete = [&](const namelist::schema& schema) { complete(schema, o); };
-  return simulation::start(argc, argv, in, [&](const simulation::command_line& line, const std::string& resolved) {
+  return run::start(argc, argv, in, [&](const run::command_line& line, const std::string& resolved) {
     o.distribution.dimension == 3 ? run<3>(line, o, resolved) : run<2>(line, o, resolved);
   });
 }

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <pairs/records.hpp>
-#include <simulation/command_line.hpp>
+#include <run/command_line.hpp>
 
 namespace {
 
@@ -62,7 +62,7 @@ int parse(int argc, char** argv, settings& o) {
   app.add_option("--steps-per-list", o.steps_a_list, "steps that share the making of one list")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.set_version_flag("--version", simulation::version());
+  app.set_version_flag("--version", run::version());
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
@@ -144,7 +144,7 @@ json as_json(const bench::result& r, const settings& o, const std::string& proce
   j["load_average"] = r.load_average;
   j["processor"] = processor_name;
   j["simd_lanes"] = pairs::lanes;
-  j["version"] = simulation::version();
+  j["version"] = run::version();
   return j;
 }
 
@@ -173,7 +173,7 @@ void write(const std::string& directory, const json& all) {
   if (!file) foundation::fail_file(path.string() + ": cannot be written; is there space, and may you write there?");
 }
 
-void run(const settings& o) {
+void measure_all(const settings& o) {
   if (domain::communicator::world().size > 1)
     foundation::fail_input("bench measures one process and its threads: start it without mpirun");
   std::error_code failed;
@@ -183,7 +183,7 @@ void run(const settings& o) {
   const auto requests = plan(o);
   const bool watched = isatty(STDERR_FILENO) != 0;
   const std::string name = processor();
-  fmt::print("{}, {} lanes of double, version {}\n", name, pairs::lanes, simulation::version());
+  fmt::print("{}, {} lanes of double, version {}\n", name, pairs::lanes, run::version());
   print_head();
   json all = json::array();
   for (std::size_t n = 0; n < requests.size(); ++n) {
@@ -215,7 +215,7 @@ int main(int argc, char** argv) {
   int status = parse(argc, argv, o);
   if (status < 0) {
     try {
-      run(o);
+      measure_all(o);
       status = 0;
     } catch (const foundation::error& e) {
       fmt::print(stderr, "bench: {}\n", e.what());

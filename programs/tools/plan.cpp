@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <foundation/error.hpp>
 #include <plan/shared.hpp>
-#include <simulation/command_line.hpp>
+#include <run/command_line.hpp>
 
 int main(int argc, char** argv) {
   using namespace tetsuame;
   CLI::App app{"Time steps, their number and the time they take, before a run is started.", "plan"};
-  app.set_version_flag("--version", simulation::version());
+  app.set_version_flag("--version", run::version());
   app.require_subcommand(1);
   auto* first = app.add_subcommand("relaxation", "convection with slowed sound and inertia: zeta, xi, steps");
   auto* second = app.add_subcommand("timestep", "metal sinking through silicate with damped sound: eta, steps");

@@ -15,7 +15,7 @@
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <regex>
-#include <simulation/command_line.hpp>
+#include <run/command_line.hpp>
 #include <sstream>
 #include <submit/script.hpp>
 
@@ -82,7 +82,7 @@ int parse(int argc, char** argv, submit::options& o) {
       ->capture_default_str();
   app.add_flag("--submit", o.submit, "submit it, too");
   app.add_flag("--force", o.force, "start anew, in place of the results that are in the output directory");
-  app.set_version_flag("--version", simulation::version());
+  app.set_version_flag("--version", run::version());
   try {
     app.parse(argc, argv);
     if (o.chain == "ahead" && most->count() == 0) throw CLI::RequiredError("--chain ahead: --max-jobs");

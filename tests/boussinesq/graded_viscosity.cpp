@@ -4,7 +4,8 @@
 #include <boussinesq/graded_viscosity.hpp>
 #include <cmath>
 #include <functional>
-#include <images/scene.hpp>
+#include <run/lists.hpp>
+#include <run/start_lattice.hpp>
 
 #include "../support/scene.hpp"
 
@@ -20,16 +21,16 @@ using vector_field = std::function<place(place)>;
 
 constexpr std::int64_t side = 32;  // particles, spacing 1
 
-images::scene<2> box(double jitter) {
-  images::scene<2> scene;
-  images::box_options o;
+run::state<2> box(double jitter) {
+  run::state<2> scene;
+  run::box_options o;
   for (std::size_t a = 0; a < 2; ++a) {
     o.length[a] = static_cast<double>(side);
     o.particles[a] = side;
     o.periodic[a] = true;
   }
-  images::set_up<2>(scene, alone(), o, {}, "wendland_c2", 1.3, 0.1, jitter, 0.0);
-  images::rebuild(scene, false);
+  run::set_up<2>(scene, alone(), o, {}, "wendland_c2", 1.3, 0.1, jitter, 0.0);
+  run::rebuild(scene, false);
   return scene;
 }
 
@@ -39,7 +40,7 @@ struct forces {
 };
 
 // Of velocities and viscosities given wherever there are particles; what lags comes from `passes` evaluations.
-forces force_of(const images::scene<2>& scene, const vector_field& v, const std::function<double(double)>& nu,
+forces force_of(const run::state<2>& scene, const vector_field& v, const std::function<double(double)>& nu,
                 bool isotropic, int passes) {
   constexpr std::size_t N = angular_terms;
   const auto& s = scene.w.s;
@@ -96,7 +97,7 @@ forces force_of(const images::scene<2>& scene, const vector_field& v, const std:
 }
 
 // Root mean square of the error over particles at least eight spacings from the box's border, over that of `exact`.
-double error(const images::scene<2>& scene, const std::array<particles::array, 2>& f, const vector_field& exact) {
+double error(const run::state<2>& scene, const std::array<particles::array, 2>& f, const vector_field& exact) {
   double sum = 0.0, all = 0.0;
   for (std::size_t i = 0; i < scene.w.s.fluid; ++i) {
     const auto x = cells::position<2>(scene.w.s.x, i);
@@ -123,7 +124,7 @@ struct shear {
 }  // namespace
 
 // On the lattice, along its rows. What is left with one viscosity is of fourth order; where it varies, Simpson's rule
-// is 2 % off for the longest lines at g = 1.2, Δ = 3 (docs/theory/convection.md).
+// is 2 % off for the longest lines at g = 1.2, Δ = 3 (docs/theory/convection_viscosity.md).
 BOOST_AUTO_TEST_CASE(shear_across_an_exponential_viscosity) {
   const auto scene = box(0.0);
   for (const double g : {0.0, 0.6, 1.2}) {
@@ -158,7 +159,7 @@ BOOST_AUTO_TEST_CASE(shear_in_disorder) {
 // Right for a smooth viscosity, and bounded where it jumps: the chain rule would give a hundred.
 BOOST_AUTO_TEST_CASE(slope_of_the_logarithm) {
   const auto at_rest = [](place) { return place{0.0, 0.0}; };
-  const auto in_middle = [](const images::scene<2>& scene, const particles::array& f, const auto& check) {
+  const auto in_middle = [](const run::state<2>& scene, const particles::array& f, const auto& check) {
     for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
       if (std::abs(scene.w.s.x[1][i] - 16.0) < 8.0) check(f[i]);
   };

@@ -16,7 +16,7 @@ struct point {
 // All fluid and wall particles of all ranks, and their images over periodic borders: positions are
 // the sums the halo makes, so everything below holds bit by bit.
 template <int D>
-std::vector<point<D>> all_with_images(const simulation::scene<D>& scene) {
+std::vector<point<D>> all_with_images(const hydrostatic::scene<D>& scene) {
   const auto& s = scene.w.s;
   std::vector<point<D>> all;
   const auto gather = [&](std::size_t begin, std::size_t n) {
@@ -68,7 +68,7 @@ std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point
 }
 
 template <int D>
-void check_lists(const simulation::scene<D>& scene) {
+void check_lists(const hydrostatic::scene<D>& scene) {
   const auto& w = scene.w;
   const auto& s = w.s;
   const auto all = all_with_images<D>(scene);

@@ -26,9 +26,9 @@ class Compare(unittest.TestCase):
             program.write_bytes((HERE / "fake_program.py").read_bytes())
             program.chmod(0o755)
 
-    def run_compare(self, *arguments, fault=""):
+    def run_compare(self, *arguments, fault="", place="2,2"):
         command = [sys.executable, "-m", "tetsuame", "compare", "--binaries", self.binaries, "--output", self.output, *arguments]
-        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs/python"), "FAKE_FAULT": fault}
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "programs/python"), "FAKE_FAULT": fault, "FAKE_PLACE": place}
         return subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT)
 
     def rows(self):
@@ -50,7 +50,9 @@ class Compare(unittest.TestCase):
         self.assertEqual((diverged["outcome"], diverged["step"], diverged["iteration"]), ("diverged", "2", "2"))
         self.assertIn("particle 7", diverged["reason"])
         self.assertEqual(diverged["pressure_error_mean"], "")  # of a state on its way out
-        self.assertEqual((diverged["note"], diverged["agrees"]), ("diverges, step 2, iteration 2", "yes"))
+        self.assertEqual((diverged["note"], diverged["agrees"], diverged["agrees_in_place"]),
+                         ("diverges, step 2, iteration 2", "yes", "yes"))
+        self.assertNotIn("Not the note's", self.page())
         self.assertEqual(float(rows["12", "A", "newton"]["pressure_error_mean"]), 4.7e-4)
         self.assertEqual(float(rows["column", "E", ""]["pressure_error_mean"]), 4.9e-5)
         self.assertEqual(rows["column", "E", ""]["agrees"], "")  # the note has no column
@@ -89,6 +91,20 @@ class Compare(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("Not as in the note: A on file 12: completed; the note: diverges, step 2, iteration 2", done.stdout)
         self.assertEqual(len(self.rows()), 1)  # the user chose the solver: no other is run beside it
+
+    def test_the_same_outcome_elsewhere_is_said_with_its_reason(self):
+        done = self.run_compare("--programs", "A,C", "--inputs", "12", "--set", "time.dt=2e-5", place="1,16")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        row = self.rows()["12", "A", ""]
+        self.assertEqual((row["agrees"], row["agrees_in_place"]), ("yes", "no"))
+        self.assertEqual(self.rows()["12", "C", ""]["agrees_in_place"], "")  # it completes, here and there
+        self.assertIn("Not where the note has it: A on file 12: diverged, step 1, iteration 16; the note: "
+                      "diverges, step 2, iteration 2", done.stdout)
+        page = self.page()
+        self.assertIn("<td>plain, 1.0e-12</td>", page)
+        self.assertIn("A on file 12: step 1, iteration 16; the note: diverges, step 2, iteration 2; the residual of the last one "
+                      "grew from 1.0e-07 in", page)
+        self.assertIn("C on file 12: &amp;time dt = 2e-05, the note: 1e-5", page)
 
     def test_page_needs_nothing_else(self):
         self.run_compare("--inputs", "13", "--programs", "A,C,D")

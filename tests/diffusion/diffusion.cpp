@@ -36,7 +36,7 @@ particles::array conducted(const pairs::workspace<D>& w) {
 }
 
 template <int D>
-simulation::scene<D> disorder() {
+hydrostatic::scene<D> disorder() {
   std::array<std::int64_t, D> n;
   n.fill(8);
   n[0] = 16;

@@ -22,7 +22,7 @@ located<D> locate(const particles::particles<D>& s, std::size_t i) {
 
 // The block's particles of all ranks with all images over the periodic borders, shifted as the halo shifts.
 template <int D>
-std::vector<located<D>> images(const simulation::scene<D>& scene, std::size_t begin, std::size_t n) {
+std::vector<located<D>> images(const hydrostatic::scene<D>& scene, std::size_t begin, std::size_t n) {
   const auto& ranks = scene.w.d.ranks;
   std::vector<double> mine;
   for (std::size_t i = begin; i < begin + n; ++i) {
@@ -50,7 +50,7 @@ std::vector<located<D>> images(const simulation::scene<D>& scene, std::size_t be
 // The ghosts are those images of all ranks' particles in this rank's cell widened by the halo that are not
 // owned here, each once, bit by bit. Cells are read off the cuts here anew.
 template <int D>
-std::size_t check_halo(const simulation::scene<D>& scene) {
+std::size_t check_halo(const hydrostatic::scene<D>& scene) {
   const auto& s = scene.w.s;
   const auto& d = scene.w.d;
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ balance::cuts<D> irregular(const domain::decomposition<D>& d, std::uint64_t salt
 
 // Ghosts before and after cuts moved. Ranks along x: as chosen, one, and all of them.
 template <int D>
-void check_halos(simulation::options o) {
+void check_halos(hydrostatic::options o) {
   const auto world = domain::communicator::world();
   for (const int ranks_x : {0, 1, world.size}) {
     o.domain.ranks_x.number = ranks_x;
@@ -113,8 +113,8 @@ void check_halos(simulation::options o) {
     for (const std::uint64_t salt : {1, 2, 3}) {
       const auto ghosts = check_halo<D>(scene);
       BOOST_TEST((world.sum(static_cast<std::int64_t>(ghosts)) > 0) == (world.size > 1 || o.domain.periodic[0]));
-      simulation::move_cuts<D>(o, scene, irregular<D>(scene.w.d, salt));
-      simulation::rebuild<D>(scene);
+      hydrostatic::move_cuts<D>(o, scene, irregular<D>(scene.w.d, salt));
+      hydrostatic::rebuild<D>(scene);
       for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
         BOOST_REQUIRE(scene.w.d.owner(cells::position<D>(scene.w.s.x, i)) == world.rank);
       particles::array one(scene.w.s.total(), 1.0);
@@ -283,14 +283,14 @@ BOOST_AUTO_TEST_CASE(empty_ranks_and_walls_survive_migration) {
              fluid_m = fluid_by_id(scene, s.m);
   const auto start = fluid_by_id(scene, s.x[0]), height = fluid_by_id(scene, s.x[1]);
   for (std::size_t i = 0; i < s.fluid; ++i) s.x[0][i] = 15.9, s.x[1][i] = 7.9;
-  simulation::rebuild<2>(scene);
+  hydrostatic::rebuild<2>(scene);
   const bool last = scene.w.d.ranks.rank + 1 == scene.w.d.ranks.size;
   BOOST_TEST(s.fluid == (last ? static_cast<std::size_t>(scene.fluid_total) : 0U));
   for (std::size_t i = 0; i < s.fluid; ++i) {
     s.x[0][i] = start[static_cast<std::size_t>(s.id[i])];
     s.x[1][i] = height[static_cast<std::size_t>(s.id[i])];
   }
-  simulation::rebuild<2>(scene);
+  hydrostatic::rebuild<2>(scene);
   BOOST_TEST(same_bits(fluid_by_id(scene, s.x[0]), start));
   BOOST_TEST(same_bits(fluid_by_id(scene, s.m), fluid_m));
   BOOST_TEST(same_bits(walls_by_id(scene, s.rho), wall_rho));

@@ -1,7 +1,7 @@
 // Cuts that move while a program runs: nobody's result changes, whoever computes it.
 #define BOOST_TEST_MODULE moving_cuts
 #include <gradient/pattern_1.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/our_method.hpp>
 
 #include "../support/scene.hpp"
@@ -18,7 +18,7 @@ struct program {
 };
 
 // Walls below and above drag the fluid along in opposite directions; periodic sideways.
-simulation::options channel(simulation::options o) {
+hydrostatic::options channel(hydrostatic::options o) {
   o.domain.periodic[1] = false;
   o.walls.sides[2].velocity = -700.0;
   o.walls.sides[3].velocity = 700.0;
@@ -36,35 +36,40 @@ struct outcome {
 };
 
 template <int D, class Propose>
-outcome run_with(const simulation::options& o, const domain::communicator& ranks, Propose&& propose) {
-  const simulation::command_line line{};
-  const simulation::input in{o, ""};
-  simulation::run<program, D> run(line, in);
-  run.ranks = ranks;
-  simulation::set_up<D>(o, ranks, run.world);
-  run.world.density_carried = true;
-  simulation::rebuild<D>(run.world);
-  run.make_integrator(0.0);
+outcome run_with(const hydrostatic::options& o, const domain::communicator& ranks, Propose&& propose) {
+  hydrostatic::problem<program, D> box(o, ranks);
+  box.rebuild(false);
+  integrators::explicit_integrator integrator(ranks.comm, box.fields(), box.local_particles(), 0.0,
+                                              {.method = o.time.method, .dt = *o.time.dt},
+                                              [&](double, std::span<double* const> rate) {
+                                                box.evaluate(rate);
+                                                return 0;
+                                              });
   outcome found;
   std::vector<std::size_t> sizes;
-  run.other_cuts = [&](const balance::cuts<D>& now) {
-    sizes.push_back(run.world.w.s.fluid);
+  box.other_cuts = [&](const balance::cuts<D>& now) {
+    sizes.push_back(box.local_particles());
     return propose(now, found.moves++);
   };
   for (int n = 0; n < o.time.steps; ++n) {
-    run.refresh_lists();
-    run.timed_step();
-    run.complete_step();
+    const double reach = ranks.maximum(box.moved()) + 1.6 * ranks.maximum(box.speed()) * *o.time.dt;
+    if (box.renew(n > 0 && reach > box.allowance(), n, o.time.steps - n))
+      integrator.resize(box.fields(), box.local_particles());
+    integrator.step(integrator.time() + *o.time.dt);
+    box.complete_step(n + 1);
   }
-  run.evaluate_here();
-  found.hash = simulation::hash_of_state(run.world);
+  std::vector<particles::array> rates(box.fields().size(), particles::array(box.local_particles()));
+  std::vector<double*> pointers;
+  for (auto& a : rates) pointers.push_back(a.data());
+  box.evaluate(pointers);
+  found.hash = box.hash();
   std::sort(sizes.begin(), sizes.end());
   found.distinct_sizes = static_cast<std::size_t>(std::unique(sizes.begin(), sizes.end()) - sizes.begin());
   return found;
 }
 
 template <int D>
-void compare(simulation::options o) {
+void compare(hydrostatic::options o) {
   const auto stay = [](const balance::cuts<D>& now, int) { return now; };
   const auto alone_hash = run_with<D>(o, alone(), stay);
   BOOST_TEST(alone_hash.moves > 3);  // lists were made anew so often

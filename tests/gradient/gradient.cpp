@@ -34,7 +34,7 @@ output_arrays<D> evaluate(const pairs::workspace<D>& w) {
 
 // A disordered fluid whose pressure, volume, mass and velocity vary from particle to particle.
 template <int D>
-simulation::scene<D> disorder() {
+hydrostatic::scene<D> disorder() {
   std::array<std::int64_t, D> n;
   n.fill(8);
   n[0] = 16;

@@ -1,7 +1,7 @@
 // Gradients and Laplacians: what they are exact for, and their order with the deferred correction.
 #define BOOST_TEST_MODULE operators
 #include <functional>
-#include <images/scene.hpp>
+#include <run/lists.hpp>
 #include <numbers>
 #include <operators/consistent.hpp>
 
@@ -13,16 +13,16 @@ using namespace tetsuame::test;
 namespace {
 
 template <int D>
-images::scene<D> make(std::int64_t n, double jitter, bool periodic, const char* kernel = "wendland_c2") {
-  images::scene<D> scene;
-  images::box_options box;
+run::state<D> make(std::int64_t n, double jitter, bool periodic, const char* kernel = "wendland_c2") {
+  run::state<D> scene;
+  run::box_options box;
   for (std::size_t a = 0; a < D; ++a) {
     box.length[a] = 1.0;
     box.particles[a] = n;
     box.periodic[a] = periodic;
   }
-  images::set_up<D>(scene, alone(), box, {}, kernel, kernels::find(kernel).default_h_over_dx, 0.1, jitter, 0.0);
-  images::rebuild(scene, false);
+  run::set_up<D>(scene, alone(), box, {}, kernel, kernels::find(kernel).default_h_over_dx, 0.1, jitter, 0.0);
+  run::rebuild(scene, false);
   return scene;
 }
 
@@ -34,7 +34,7 @@ struct derivatives {
 
 // Of f, given wherever there are particles, walls' images included. passes: B and the correction lag one behind.
 template <int D>
-derivatives<D> differentiate(const images::scene<D>& scene, const std::function<double(std::array<double, D>)>& f,
+derivatives<D> differentiate(const run::state<D>& scene, const std::function<double(std::array<double, D>)>& f,
                              bool whole_tensor, double beta, int passes = 1) {
   constexpr std::size_t S = operators::symmetric_terms(D);
   const auto& s = scene.w.s;
@@ -69,7 +69,7 @@ derivatives<D> differentiate(const images::scene<D>& scene, const std::function<
 }
 
 template <int D>
-double largest(const images::scene<D>& scene, const particles::array& a,
+double largest(const run::state<D>& scene, const particles::array& a,
                const std::function<double(std::array<double, D>)>& exact) {
   double e = 0.0;
   for (std::size_t i = 0; i < scene.w.s.fluid; ++i)

@@ -56,6 +56,16 @@ class Result:
         return lines[0], lines[1:]
 
 
+# Metrics of what a run cost on its ranks: those that another number of ranks, or another day, changes.
+OF_RANKS = ("balance_", "time_spread", "load_max_over_mean", "waiting_seconds", "halo_", "migration_bytes", "fluid_halo", "wall_halo",
+            "collectives_per_step")
+
+
+def outcome(summary):
+    """State and metrics of the flow: the same on any number of ranks and threads, and over restarts."""
+    return summary["state_hash"], {name: value for name, value in summary["metrics"].items() if not name.startswith(OF_RANKS)}
+
+
 def command(program, *arguments, ranks=None):
     start = [] if ranks is None else [MPIEXEC, "--bind-to", "none", "-n", str(ranks)]
     return [*start, str(PROGRAMS / program), *map(str, arguments)]

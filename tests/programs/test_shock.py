@@ -153,7 +153,7 @@ class Shock(Case):
             with self.subTest(scheme):
                 s = self.summary("sedov", {**settings, "shock.scheme": scheme})
                 m = s["metrics"]
-                if scheme != "remix":  # ahead by 3.6 %, at twice the resolution by 2.6: docs/theory/shocks.md
+                if scheme != "remix":  # ahead by 3.6 %, at twice the resolution by 2.6: docs/studies/2026-11-21_explosions.md
                     self.assertLess(abs(m["shock_radius"] / m["shock_radius_exact"] - 1), 0.021)
                 self.assertLess(abs(s["conservation"]["energy"]), 1e-3)
                 self.assertLess(s["conservation"]["momentum"], 1e-12)

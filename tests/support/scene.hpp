@@ -1,4 +1,4 @@
-// Small boxes of particles for unit tests: the run's own start (simulation::set_up, rebuild)
+// Small boxes of particles for unit tests: the run's own start (hydrostatic::set_up, rebuild)
 // without an input file, with positions and fields disturbed by numbers that depend on the
 // particle's ID alone, so that every decomposition sees the same particles.
 #pragma once
@@ -9,7 +9,7 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <cstdint>
-#include <simulation/setup.hpp>
+#include <hydrostatic/setup.hpp>
 #include <string>
 #include <vector>
 
@@ -39,9 +39,9 @@ inline double noise(std::int64_t id, std::uint64_t salt) {
 
 // n[a] particles of spacing 1 m along axis a; linear EOS, p = p0 = 1e10 Pa at rho0 = 7000 kg/m3, K_T = 1e11 Pa.
 template <int D>
-simulation::options box(std::array<std::int64_t, D> n, bool periodic, const std::string& treatment = "none",
+hydrostatic::options box(std::array<std::int64_t, D> n, bool periodic, const std::string& treatment = "none",
                         const std::string& kernel = "quintic") {
-  simulation::options o;
+  hydrostatic::options o;
   o.domain.dimension = D;
   for (std::size_t a = 0; a < D; ++a) {
     o.domain.particles[a] = n[a];
@@ -58,22 +58,22 @@ simulation::options box(std::array<std::int64_t, D> n, bool periodic, const std:
 
 // Moves every fluid particle: x = at(id, x of the lattice); what left a periodic box is wrapped.
 template <int D, class At>
-simulation::scene<D> make_scene(const simulation::options& o, const domain::communicator& ranks, At&& at) {
-  simulation::scene<D> scene;
-  simulation::set_up<D>(o, ranks, scene);
+hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::communicator& ranks, At&& at) {
+  hydrostatic::scene<D> scene;
+  hydrostatic::set_up<D>(o, ranks, scene);
   auto& s = scene.w.s;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto x = at(s.id[i], cells::position<D>(s.x, i));
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] = x[a];
   }
   domain::wrap<D>(scene.w.d.region, s);
-  simulation::rebuild<D>(scene);
+  hydrostatic::rebuild<D>(scene);
   return scene;
 }
 
 // The lattice with every coordinate moved by up to `jitter` spacings.
 template <int D>
-simulation::scene<D> make_scene(const simulation::options& o, const domain::communicator& ranks, double jitter = 0.0) {
+hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::communicator& ranks, double jitter = 0.0) {
   return make_scene<D>(o, ranks, [&](std::int64_t id, std::array<double, D> x) {
     for (std::size_t a = 0; a < D; ++a) x[a] += jitter * o.dx() * noise(id, 100 + a);
     return x;
@@ -113,12 +113,12 @@ inline std::vector<double> by_id(const domain::communicator& ranks, const std::v
   return all;
 }
 template <int D>
-std::vector<double> fluid_by_id(const simulation::scene<D>& scene, const particles::array& f) {
+std::vector<double> fluid_by_id(const hydrostatic::scene<D>& scene, const particles::array& f) {
   const auto& w = scene.w;
   return by_id(w.d.ranks, w.s.id, 0, w.s.fluid, f, 0, scene.fluid_total);
 }
 template <int D>
-std::vector<double> walls_by_id(const simulation::scene<D>& scene, const particles::array& f) {
+std::vector<double> walls_by_id(const hydrostatic::scene<D>& scene, const particles::array& f) {
   const auto& w = scene.w;
   const auto total = w.d.ranks.sum(static_cast<std::int64_t>(w.s.walls));
   // IDs of the walls count lattice places, those of the fluid among them: leave room.

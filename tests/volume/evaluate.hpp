@@ -8,7 +8,7 @@
 namespace tetsuame::test {
 
 template <class Pressure, class Volume, int D>
-void evaluate(simulation::scene<D>& scene, Volume& how, const volume::smoothing_options& smoothing = {}) {
+void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing_options& smoothing = {}) {
   auto& w = scene.w;
   w.first_fault = {};
   const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
@@ -22,7 +22,7 @@ void evaluate(simulation::scene<D>& scene, Volume& how, const volume::smoothing_
 
 // The state's ghosts as the time integration would have them.
 template <int D>
-void refresh(simulation::scene<D>& scene) {
+void refresh(hydrostatic::scene<D>& scene) {
   auto& w = scene.w;
   for (auto& component : w.s.v) w.exchange_fluid({component.data()});
   w.exchange_fluid({w.s.T.data(), w.s.rho.data(), w.s.Y.data()});

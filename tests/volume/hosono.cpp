@@ -11,7 +11,7 @@ namespace {
 
 constexpr double K_T = 1e11;  // Pa
 
-simulation::options at_pressure(double p) {
+hydrostatic::options at_pressure(double p) {
   auto o = box<2>({16, 8}, true);
   o.initial.pressure = p;
   o.material.eos.reference_pressure = p;
@@ -25,7 +25,7 @@ struct outcome {
   std::vector<double> residuals;
 };
 
-outcome solve(const simulation::options& o, double jitter, volume::hosono_options options,
+outcome solve(const hydrostatic::options& o, double jitter, volume::hosono_options options,
               const domain::communicator& ranks = domain::communicator::world(), bool normalise = false) {
   auto scene = make_scene<2>(o, ranks, jitter);
   refresh(scene);

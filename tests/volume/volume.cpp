@@ -13,7 +13,7 @@ namespace {
 
 // Disordered fluid, densities and temperatures that vary by a few per cent: p between 0.7e10 and 1.4e10 Pa.
 template <int D>
-simulation::scene<D> disorder(const domain::communicator& ranks, bool periodic = true,
+hydrostatic::scene<D> disorder(const domain::communicator& ranks, bool periodic = true,
                               const std::string& treatment = "none") {
   std::array<std::int64_t, D> n;
   n.fill(8);

@@ -1,7 +1,7 @@
 // Wall particles and their markers, and what each treatment gives them.
 #define BOOST_TEST_MODULE walls
 #include <set>
-#include <simulation/measures.hpp>
+#include <hydrostatic/measures.hpp>
 
 #include "../support/scene.hpp"
 
@@ -12,8 +12,8 @@ namespace {
 
 // Disordered fluid in a box with walls on all sides; in space with the short kernel C2, which keeps it small.
 template <int D>
-simulation::options closed_box(const std::string& treatment, const std::string& interpolation = "mls") {
-  simulation::options o;
+hydrostatic::options closed_box(const std::string& treatment, const std::string& interpolation = "mls") {
+  hydrostatic::options o;
   if constexpr (D == 2)
     o = box<2>({24, 9}, false, treatment);
   else
@@ -23,7 +23,7 @@ simulation::options closed_box(const std::string& treatment, const std::string& 
 }
 
 template <int D>
-simulation::scene<D> disorder(const simulation::options& o,
+hydrostatic::scene<D> disorder(const hydrostatic::options& o,
                               const domain::communicator& ranks = domain::communicator::world()) {
   auto scene = make_scene<D>(o, ranks, 0.25);
   auto& w = scene.w;
@@ -39,7 +39,7 @@ simulation::scene<D> disorder(const simulation::options& o,
 
 // f(i, x, marker) for every owned wall particle, with the marker found from its position alone.
 template <int D, class F>
-void for_each_wall(const simulation::scene<D>& scene, F&& f) {
+void for_each_wall(const hydrostatic::scene<D>& scene, F&& f) {
   const auto& s = scene.w.s;
   for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
     const auto x = cells::position<D>(s.x, i);
@@ -73,7 +73,7 @@ constexpr double exact = 1e-8;
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(places_and_markers) {
-  const auto check = []<int D>(const simulation::scene<D>& scene, std::int64_t expected) {
+  const auto check = []<int D>(const hydrostatic::scene<D>& scene, std::int64_t expected) {
     const auto& w = scene.w;
     std::set<std::int64_t> ids;
     for_each_wall<D>(scene, [&](std::size_t i, const auto& x, const auto& marker) {
@@ -354,9 +354,9 @@ BOOST_AUTO_TEST_CASE(boundary_force_is_the_slope_of_its_potential) {
     for (std::size_t a = 0; a < 2; ++a) {
       const double at = s.x[a][0], small = 1e-4;
       s.x[a][0] = at + small;
-      const double above = simulation::measure_totals(scene).potential;
+      const double above = hydrostatic::measure_totals(scene).potential;
       s.x[a][0] = at - small;
-      const double below = simulation::measure_totals(scene).potential;
+      const double below = hydrostatic::measure_totals(scene).potential;
       s.x[a][0] = at;
       // At the end of the range the slope has a kink, and the difference is off by its half.
       BOOST_TEST(std::abs(force[a][0] + (above - below) / (2.0 * small)) < small * s.m[0] * stiffness);
@@ -366,7 +366,7 @@ BOOST_AUTO_TEST_CASE(boundary_force_is_the_slope_of_its_potential) {
 
 // Lattices at rest, whose first row is at 0.5 Δx, keep their bits; treatments of other kinds have forces of their own.
 BOOST_AUTO_TEST_CASE(boundary_force_ends_before_the_lattice) {
-  const auto pushed = [](const simulation::scene<2>& scene) {
+  const auto pushed = [](const hydrostatic::scene<2>& scene) {
     std::size_t number = 0;
     for (std::size_t i = 0; i < scene.w.s.fluid; ++i)
       walls::push_off(scene.walls.force, scene.walls.sides, scene.w.s, i, [&](std::size_t, double) { ++number; });

@@ -1,6 +1,6 @@
 // A case on the bench: a box of liquid iron at 10 GPa between two walls, periodic sideways, every
-// particle off its lattice place and moving, so that nothing is special. It is stepped by the programs' own
-// time loop with steps so small that nothing changes: all that is measured is what a step costs.
+// particle off its lattice place and moving, so that nothing is special. It is stepped as the programs'
+// time loop does with steps so small that nothing changes: all that is measured is what a step costs.
 #pragma once
 
 #include <omp.h>
@@ -9,7 +9,7 @@
 #include <bench/turns.hpp>
 #include <cmath>
 #include <gradient/pattern_1.hpp>
-#include <simulation/hydrostatic.hpp>
+#include <hydrostatic/hydrostatic.hpp>
 #include <volume/number_density.hpp>
 #include <volume/our_method.hpp>
 
@@ -35,8 +35,8 @@ struct number_density {
 };
 
 template <int D>
-simulation::options box(const request& asked) {
-  simulation::options o;
+hydrostatic::options box(const request& asked) {
+  hydrostatic::options o;
   o.domain.dimension = D;
   for (std::size_t a = 0; a < D; ++a) {
     o.domain.particles[a] = asked.side;
@@ -62,11 +62,8 @@ template <class Program, int D>
 class rig {
  public:
   explicit rig(const request& asked)
-      : asked_(asked), heap_before_(heap_bytes()), in_{box<D>(asked), ""}, run_(line_, in_) {
-    auto& world = run_.world;
-    simulation::set_up<D>(in_.values, run_.ranks, world);
-    world.density_carried = Program::volume::carried == volume::carries::density;
-    world.weight_carried = Program::volume::carried == volume::carries::weight;
+      : asked_(asked), heap_before_(heap_bytes()), options_(box<D>(asked)), box_(options_) {
+    auto& world = box_.world;
     auto& s = world.w.s;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       for (std::size_t a = 0; a < D; ++a) {
@@ -76,7 +73,12 @@ class rig {
       s.T[i] += scatter(s.id[i], 6);  // K
     }
     make_lists();
-    run_.make_integrator(0.0);
+    integrators::explicit_options how;
+    how.method = options_.time.method;
+    how.dt = *options_.time.dt;
+    integrator_ = std::make_unique<integrators::explicit_integrator>(
+        box_.ranks().comm, box_.fields(), box_.local_particles(), 0.0, how,
+        [this](double, std::span<double* const> rate) { return evaluate(rate); });
     step();
     const double support2 = world.w.support() * world.w.support();
     count_pairs(found_, world.w, [&](std::size_t) { return support2; });
@@ -90,9 +92,9 @@ class rig {
   // For each number of threads asked for. They take turns, so that what else the machine does falls on all of them.
   std::vector<result> measure() {
     auto all = with_threads(found_, asked_.threads);
-    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, run_.world.w.times});
+    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, box_.world.w.times});
     if constexpr (std::is_same_v<Program, program_c>)
-      if (run_.world.w.uniform_transport)
+      if (box_.world.w.uniform_transport)
         for (result& r : all) {
           omp_set_num_threads(r.threads);
           compare_with_scalar(r);
@@ -101,33 +103,36 @@ class rig {
   }
 
  private:
-  // As the time loop does it (simulation::run::refresh_lists), whether it is due or not.
   void make_lists() {
-    auto& world = run_.world;
-    domain::wrap(world.w.d.region, world.w.s);
-    simulation::rebuild(world);
-    if (run_.integrator) run_.integrator->resize(simulation::state_fields(world, in_.values.time), world.w.s.fluid);
+    box_.rebuild(false);
+    if (integrator_) integrator_->resize(box_.fields(), box_.local_particles());
   }
 
-  // As in simulation::run::advance.
+  // As in the time loop (run/time_loop.cpp).
+  int evaluate(std::span<double* const> rate) {
+    if (!(box_.moved() <= box_.allowance())) return -1;
+    box_.evaluate(rate);
+    return 0;
+  }
   void step() {
-    run_.refresh_lists();
+    if (box_.moved() + box_.speed() * *options_.time.dt > box_.allowance()) make_lists();
     {
-      const foundation::stage timed(run_.world.w.times, "integration");
-      run_.integrator->step(run_.choose_end().t);
+      const foundation::stage timed(box_.times(), "integration");
+      integrator_->prepare();
+      integrator_->step(integrator_->time() + *options_.time.dt);
     }
-    run_.complete_step();
+    box_.complete_step(++steps_);
   }
 
   // Engine and scalar loop in turn on the same particles and list; the median of the pairs' ratios.
   void compare_with_scalar(result& r) {
-    auto& world = run_.world;
+    auto& world = box_.world;
     auto& w = world.w;
     auto& s = w.s;
     std::vector<particles::array> rates(2 * D + 3, particles::array(s.fluid));
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
-    const simulation::state_rates<D> out(pointers);
+    const hydrostatic::state_rates<D> out(pointers);
     const scalar_problem<D> problem{s.fluid,
                                     w.list.start.data(),
                                     w.list.neighbours.data(),
@@ -146,9 +151,9 @@ class rig {
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
-        simulation::begin_forces(world, out);
-        simulation::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
-        foundation::for_all(s.fluid, [&](std::size_t i) {  // as in simulation::finish_rates
+        hydrostatic::begin_forces(world, out);
+        hydrostatic::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
+        foundation::for_all(s.fluid, [&](std::size_t i) {  // as in hydrostatic::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
         });
@@ -187,9 +192,10 @@ class rig {
 
   request asked_;
   double heap_before_;
-  simulation::command_line line_{};
-  simulation::input in_;
-  simulation::run<Program, D> run_;
+  hydrostatic::options options_;
+  hydrostatic::problem<Program, D> box_;
+  std::unique_ptr<integrators::explicit_integrator> integrator_;
+  std::int64_t steps_ = 0;
   result found_;
 };
 

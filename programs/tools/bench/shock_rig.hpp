@@ -30,7 +30,7 @@ class shock_rig {
     shocks::declare(schema, o_);
     schema.read(namelist::parse_text(box_of_gas(asked), "bench"));
     shocks::resolve(schema, o_);
-    shocks::set_up(g_.emplace(shocks::world<D>{.o = o_, .test = shocks::make_setup(o_)}));
+    shocks::set_up(g_.emplace(o_, shocks::make_setup(o_)));
     shocks::make_lists(*g_, false);
     shocks::settle(*g_);
     auto& s = g_->w.s;
@@ -41,8 +41,8 @@ class shock_rig {
       }
     make_lists();
     integrators::explicit_options how;
-    how.method = o_.march.time.method;
-    how.dt = *o_.march.time.dt;
+    how.method = o_.common.time.method;
+    how.dt = *o_.common.time.dt;
     integrator_.emplace(g_->ranks().comm, shocks::integrated_fields(*g_), s.fluid, 0.0, how,
                         [this](double, std::span<double* const> rate) {
                           shocks::evaluate(*g_, rate);
@@ -69,16 +69,16 @@ class shock_rig {
     if (integrator_) integrator_->resize(shocks::integrated_fields(*g_), g_->w.s.fluid);
   }
 
-  // As march::run does it, whether lists are due or not.
+  // As the time loop does it, whether lists are due or not.
   void step() {
     shocks::moved(*g_);
-    shocks::largest_speed(*g_);
+    run::largest_speed(*g_);
     shocks::next_supports(*g_);
     {
       const foundation::stage timed(g_->w.times, "integration");
       integrator_->step(1.0);
     }
-    images::reflect(g_->walls, g_->w.s);
+    walls::reflect(g_->walls, g_->w.s);
   }
 
   request asked_;

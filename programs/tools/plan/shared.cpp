@@ -3,7 +3,7 @@
 #include <foundation/error.hpp>
 #include <map>
 #include <plan/shared.hpp>
-#include <simulation/summary.hpp>
+#include <run/summary.hpp>
 
 namespace tetsuame::plan {
 
@@ -27,7 +27,7 @@ CLI::Validator finite(double least, double most, bool least_excluded) {
 }
 
 void check_finite(const json& answer) {
-  if (const auto lost = simulation::first_not_finite(answer); !lost.empty())
+  if (const auto lost = run::first_not_finite(answer); !lost.empty())
     foundation::fail_calculation(lost + " is not a finite number: what is given lies too far apart");
 }
 

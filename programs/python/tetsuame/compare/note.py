@@ -30,13 +30,15 @@ TABLE_1 = {
 @dataclass(frozen=True)
 class Entry:
     dt: str                      # s
-    pressure: str                # Pa
+    pressure: str                # Pa, at the start
     diverged: bool
     step: int | None = None      # where it diverged
     iteration: int | None = None
 
 
-# Table 2: (file, program) -> entry. 1000 steps, 2500 K everywhere.
+STEPS, TEMPERATURE = "1000", "2500"  # K; of all entries of table 2
+
+# Table 2: (file, program) -> entry.
 TABLE_2 = {
     ("11", "A"): Entry("1e-3", "1e5", True, 2, 2),
     ("11", "B"): Entry("1e-3", "1e5", True, 1, 2),

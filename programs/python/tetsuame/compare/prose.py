@@ -1,16 +1,52 @@
 """The explanation in the report, with the numbers of these runs. Derivations: docs/theory."""
 import math
+from html import escape
 
 from . import note
 from .cases import CURES
 from .results import cost_per_step, number, representatives, residuals, wall_share
 from .runner import COMPLETED, Outcome
-from .table import accuracy_order, error, files
+from .table import accuracy_order, agreement_in_place, error, files, note_says, place, set_otherwise
 
 # Properties of the quintic kernel at h = 1.2 spacings on the square lattice, derived in
 # docs/theory/lattice_sum.md and docs/theory/hosono_iteration.md.
 LATTICE_SUM_DEFICIT = 5.622e-5
 FIRST_ROW_SUM = 0.733   # of the kernel sum, with nothing behind the wall
+
+
+def beside_the_note(outcomes: list[Outcome]) -> list[str]:
+    """What of these runs is not as in the note's table 2: settings, and step and iteration of those that diverge."""
+    text = []
+    if others := list(dict.fromkeys(f"{o.case.label} on file {o.case.file}: {'; '.join(differ)}"
+                                    for o in outcomes if (differ := set_otherwise(o)))):
+        text.append(f"<b>Not the note's settings.</b> {escape('. '.join(others))}.")
+    moved = [where_it_stopped(o) for o in outcomes if agreement_in_place(o) == "no"]
+    if moved:
+        text.append(f"<b>Not the note's step and iteration.</b> {escape(' '.join(moved))}")
+        text.append(
+            "That the plain iteration diverges follows from |G| > 1 (below) and from no time step; when, from the size of "
+            "the first disturbance, and from what a program takes for the end of an iteration and of a step. These programs "
+            "count as converged a residual below the tolerance that did not grow in the last pass, stop in the pass in which a pressure is "
+            "not positive, and count the forces at the end of a step to that step, where others have them at the beginning of "
+            "the next. The note tells neither its tolerance nor how it counts, so that its step and iteration cannot be set up again.")
+    return text
+
+
+def where_it_stopped(outcome: Outcome) -> str:
+    """'A on file 12: step 1, iteration 16; the note: ….' with what residuals.csv has of the evaluations before."""
+    said = f"{outcome.case.label} on file {outcome.case.file}: {place(outcome)}; the note: {note_says(outcome)}"
+    course = residuals(outcome.folder)
+    if not course:
+        return f"{said}."
+    *settled, last = course
+    if settled:
+        said += (f". {len(settled)} evaluation{'s' if len(settled) > 1 else ''} before it settled, in at most "
+                 f"{max(len(one.iteration) for one in settled)} passes")
+    if len(last.residual) > 1:
+        said += f"; the residual of the last one grew from {min(last.residual):.1e} in {len(last.residual)} passes"
+    elif not math.isfinite(last.residual[0]):
+        said += "; its first pass leaves a pressure that is not positive"
+    return f"{said}."
 
 
 def iteration(outcomes: list[Outcome]) -> list[str]:

@@ -7,10 +7,12 @@ from pathlib import Path
 from .. import pages
 from ..style import COLOUR
 from . import note, prose
+from .cases import ITERATING
 from .figures import Figure
-from .results import cost_per_step, wall_share
+from .results import cost_per_step, resolved_text, wall_share
 from .runner import COMPLETED, CRASHED, Outcome
-from .table import agreement, cell, error, files, labels, note_says, place, verdict
+from .table import (agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place,
+                    verdict)
 
 
 def page(outcomes: list[Outcome], drawn: list[Figure], settings: tuple[str, ...]) -> str:
@@ -110,28 +112,45 @@ def overview(outcomes: list[Outcome]) -> str:
 
 
 def beside_the_note(outcomes: list[Outcome]) -> str:
-    rows, last_file = [], None
-    for outcome in outcomes:
-        entry = note.TABLE_2.get((outcome.case.file, outcome.case.program))
-        if entry is None or outcome.case.variant:
-            continue
-        ours = "completes" if outcome.kind == COMPLETED else \
-            f"{'diverges' if verdict(outcome) == 'diverged' else verdict(outcome)}{', ' + place(outcome) if place(outcome) else ''}"
-        first = " class=\"first\"" if outcome.case.file != last_file else ""
-        last_file = outcome.case.file
-        rows.append(f"<tr{first}>{program_cell(outcome.case.program)}<td>{escape(outcome.case.file)}</td>"
-                    f"<td class=\"number\">{entry.dt}</td><td class=\"number\">{entry.pressure}</td>"
-                    f"<td>{note_says(outcome)}</td><td class=\"{state_class(outcome)}\">{escape(ours)}</td>"
-                    f"<td class=\"number\">{scientific(error(outcome, 'pressure_mean'))}</td>"
-                    f"<td class=\"number\">{scientific(error(outcome, 'displacement_max_over_dx'))}</td>"
-                    f"<td>{agreement(outcome)}</td></tr>")
-    if not rows:
+    ours = [outcome for outcome in outcomes if entry_of(outcome) is not None]
+    if not ours:
         return ""
+    rows, last_file = [], None
+    for outcome in ours:
+        rows.append(row_beside_the_note(outcome, outcome.case.file != last_file))
+        last_file = outcome.case.file
     return ("<h2>Table 2 of the note, beside ours</h2>\n"
-            + pages.table(["Program", "File", "Δt (s)", "p (Pa)", "The note", "These runs", "mean pressure error",
-                     "max displacement/Δx", "same outcome"], rows, numbers=frozenset({2, 3, 6, 7}))
-            + f"\n<p class=\"small\">Source: {note.SOURCE}, table 2; 1000 steps, 2500 K. The note gives no figures for the "
-            "errors but “1 % without boundary correction, 0.1 % or less with it”. The files' names are the note's.</p>")
+            + pages.table(["Program", "File", "Δt (s)", "p (Pa)", "Iteration", "The note", "These runs", "same outcome",
+                           "same step and iteration", "mean pressure error", "max displacement/Δx"], rows, "wide",
+                          numbers=frozenset({2, 3, 9, 10}))
+            + f"\n<p class=\"small\">Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
+            "The note gives no figures for the errors but “1 % without boundary correction, 0.1 % or less with it”. The files' "
+            "names are the note's. Iteration: the solver and the tolerance of these runs.</p>\n"
+            + "\n".join(f"<p>{text}</p>" for text in prose.beside_the_note(ours)))
+
+
+def row_beside_the_note(outcome: Outcome, first_of_file: bool) -> str:
+    entry = entry_of(outcome)
+    said = verdict(outcome)
+    ours = "completes" if outcome.kind == COMPLETED else \
+        f"{'diverges' if said == 'diverged' else said}{', ' + place(outcome) if place(outcome) else ''}"
+    return (f"<tr{' class=' + chr(34) + 'first' + chr(34) if first_of_file else ''}>{program_cell(outcome.case.program)}"
+            f"<td>{escape(outcome.case.file)}</td>"
+            f"<td class=\"number\">{entry.dt}</td><td class=\"number\">{entry.pressure}</td><td>{escape(iteration_of(outcome))}</td>"
+            f"<td>{note_says(outcome)}</td><td class=\"{state_class(outcome)}\">{escape(ours)}</td>"
+            f"<td>{agreement(outcome)}</td><td>{agreement_in_place(outcome) or ''}</td>"
+            f"<td class=\"number\">{scientific(error(outcome, 'pressure_mean'))}</td>"
+            f"<td class=\"number\">{scientific(error(outcome, 'displacement_max_over_dx'))}</td></tr>")
+
+
+def iteration_of(outcome: Outcome) -> str:
+    """'plain, 1e-12' of a program that iterates."""
+    if outcome.case.program not in ITERATING:
+        return ""
+    try:
+        return ", ".join(resolved_text(outcome.folder, "hosono", key) for key in ("solver", "tolerance"))
+    except (OSError, KeyError):  # a program that crashed may have left nothing
+        return ""
 
 
 def scientific(value: float | None) -> str:

@@ -116,13 +116,18 @@ def last_snapshot(folder: Path) -> Snapshot | None:
 
 
 def resolved(folder: Path, group: str, key: str) -> float:
-    """A number of resolved.nml, which holds every key as run, one to a line."""
+    """A number of resolved.nml."""
+    return float(resolved_text(folder, group, key).lower().replace("d", "e"))
+
+
+def resolved_text(folder: Path, group: str, key: str) -> str:
+    """A value of resolved.nml, which holds every key as run, one to a line; of a text without its quotes."""
     here = ""
     for line in (folder / "resolved.nml").read_text().splitlines():
         if match := re.match(r"\s*&(\w+)", line):
             here = match[1].lower()
         elif here == group and (match := re.match(rf"\s*{key}\s*=\s*([^\s!,/]+)", line, re.IGNORECASE)):
-            return float(match[1].lower().replace("d", "e"))
+            return match[1].strip("'\"")
     raise KeyError(f"{folder / 'resolved.nml'}: no key {key} in group {group}")
 
 

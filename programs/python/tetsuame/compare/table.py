@@ -4,11 +4,11 @@ import re
 from pathlib import Path
 
 from . import note
-from .results import cost_per_step, number, wall_share
+from .results import cost_per_step, number, resolved, wall_share
 from .runner import COMPLETED, CRASHED, STOPPED, Outcome, terminal_of
 
 COLUMNS = (
-    "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees",
+    "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees", "agrees_in_place",
     "pressure_error_mean", "pressure_error_max", "density_error_max", "displacement_max_over_dx",
     "steps", "seconds_per_step", "wall_correction_share", "mass_drift", "momentum_drift", "energy_drift", "state_hash",
 )
@@ -20,7 +20,7 @@ def row(outcome: Outcome) -> dict:
     step, iteration = stopped_step(outcome), number(summary, "diverged_iteration")
     return dict(zip(COLUMNS, (
         case.file, case.program, case.variant, verdict(outcome), step, iteration, outcome.reason or None,
-        note_says(outcome), agreement(outcome),
+        note_says(outcome), agreement(outcome), agreement_in_place(outcome),
         *(error(outcome, name) for name in
           ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
         number(summary, "steps"), cost_per_step(outcome), wall_share(outcome),
@@ -54,8 +54,13 @@ def place(outcome: Outcome) -> str:
     return ", ".join(f"{word} {value:g}" for word, value in parts if value)
 
 
+def entry_of(outcome: Outcome) -> note.Entry | None:
+    """What the note's table 2 has for a run with the input as it is."""
+    return note.TABLE_2.get((outcome.case.file, outcome.case.program)) if not outcome.case.variant else None
+
+
 def note_says(outcome: Outcome) -> str | None:
-    entry = note.TABLE_2.get((outcome.case.file, outcome.case.program)) if not outcome.case.variant else None
+    entry = entry_of(outcome)
     if entry is None:
         return None
     return f"diverges, step {entry.step}, iteration {entry.iteration}" if entry.diverged else "completes"
@@ -63,10 +68,33 @@ def note_says(outcome: Outcome) -> str | None:
 
 def agreement(outcome: Outcome) -> str | None:
     """'yes' or 'no' where the note has an entry: whether the run completes as it does there."""
-    entry = note.TABLE_2.get((outcome.case.file, outcome.case.program)) if not outcome.case.variant else None
+    entry = entry_of(outcome)
     if entry is None:
         return None
     return "yes" if outcome.kind != CRASHED and entry.diverged == (outcome.kind != COMPLETED) else "no"
+
+
+def agreement_in_place(outcome: Outcome) -> str | None:
+    """'yes' or 'no' where the run stopped and the note has it diverge: whether step and iteration are the note's."""
+    entry = entry_of(outcome)
+    if entry is None or not entry.diverged or outcome.kind != STOPPED:
+        return None
+    ours = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
+    return "yes" if ours == (entry.step, entry.iteration) else "no"
+
+
+def set_otherwise(outcome: Outcome) -> list[str]:
+    """What of a run's input is not as in the note's table 2: '&time dt = 0.0001, the note: 1e-3'."""
+    entry = entry_of(outcome)
+    if entry is None:
+        return []
+    wanted = (("time", "dt", entry.dt), ("time", "steps", note.STEPS), ("initial", "pressure", entry.pressure),
+              ("initial", "temperature", note.TEMPERATURE))
+    try:
+        return [f"&{group} {key} = {value:g}, the note: {noted}" for group, key, noted in wanted
+                if (value := resolved(outcome.folder, group, key)) != float(noted)]
+    except (OSError, KeyError):  # a program that crashed may have left nothing
+        return []
 
 
 def files(outcomes: list[Outcome]) -> list[str]:
@@ -135,4 +163,7 @@ def terminal(outcomes: list[Outcome], colour: bool) -> str:
         elif agreement(outcome) == "no":
             lines.append(f"Not as in the note: {outcome.case.label} on file {outcome.case.file}: "
                          f"{verdict(outcome)}; the note: {note_says(outcome)}")
+        elif agreement_in_place(outcome) == "no":
+            lines.append(f"Not where the note has it: {outcome.case.label} on file {outcome.case.file}: "
+                         f"{verdict(outcome)}, {place(outcome)}; the note: {note_says(outcome)}")
     return "\n".join(lines)

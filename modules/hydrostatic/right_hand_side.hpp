@@ -1,0 +1,207 @@
+// The right-hand side, as a list of stages. A program names its modules:
+//
+//   volume    how Y and ΔV come about          gradient  the form of the pressure gradient
+//   pressure  smoothed or not                  wall      the treatment unless the input says otherwise
+//
+//   1  halo       the fluid's state beyond the borders
+//   2  volume     ρ, ΔV as far as the walls need them
+//   3  walls      velocity, temperature, f = ν∇²v + g at the markers
+//   4  volume     Y, p, ΔV = Y/p (the walls' Y on the way), material properties
+//   5  walls      pressure of the wall particles
+//   6  gradient   one pass: pressure force, continuity, viscosity, conduction
+//   7  rates      dT/dt, and what the state carries of the volume
+#pragma once
+
+#include <diffusion/conduction.hpp>
+#include <diffusion/viscosity.hpp>
+#include <foundation/threads.hpp>
+#include <gradient/continuity.hpp>
+#include <hydrostatic/setup.hpp>
+#include <span>
+
+namespace tetsuame::hydrostatic {
+
+// Where dy/dt goes: one array a component of the state, in the order of `state_fields`.
+template <int D>
+struct state_rates {
+  std::array<double*, D> dx, dv;
+  double* dT;
+  double* du;
+  double* volume;  // dρ/dt or dY/dt; null where nothing is carried
+
+  // Sums that stage 7 turns into rates wait where it puts the velocities.
+  double* dlnrho() const { return dx[0]; }  // 1/s
+  double* heat() const { return dx[1]; }    // W, conduction and dissipation
+
+  explicit state_rates(std::span<double* const> rate) {
+    std::size_t n = 0;
+    for (auto& component : dx) component = rate[n++];
+    for (auto& component : dv) component = rate[n++];
+    dT = rate[n++];
+    du = rate[n++];
+    volume = n < rate.size() ? rate[n] : nullptr;
+  }
+};
+
+// The state sets out to the ghosts; it is there after w.end_fluid().
+template <int D>
+void begin_halo(scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  std::array<double*, D + 3> fields;
+  std::size_t n = 0;
+  for (auto& component : s.v) fields[n++] = component.data();
+  fields[n++] = s.T.data();
+  if (scene.density_carried) fields[n++] = s.rho.data();
+  if (scene.weight_carried) fields[n++] = s.Y.data();
+  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields.data(), n), &s.x);
+}
+
+// Stage 6. Forces (N) and the pressure's work (W) stand where their rates will: dv and du. First what walls push,
+// then the sums over neighbours, of some rows at a time.
+template <int D>
+void begin_forces(scene<D>& scene, const state_rates<D>& out) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "gradient");
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = 0.0;
+    out.du[i] = out.heat()[i] = 0.0;
+  });
+  std::visit([&](auto t) { t.template push<D>(w, scene.walls, out.dv); }, scene.treatment);
+}
+
+template <class Gradient, int D>
+void sum_forces(scene<D>& scene, const state_rates<D>& out, const pairs::stretch& rows) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "gradient");
+  const auto v = pairs::pointers<D>(s.v);
+  const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
+  const gradient::continuity<D> continuity{v, s.dV.data(), out.dlnrho()};
+  if (w.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
+    w.sum(rows, pressure, continuity,
+          diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), out.dv, out.heat()});
+  else
+    w.sum(rows, pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat()},
+          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.heat()});
+}
+
+// Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
+//   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
+template <class Program, int D>
+void finish_rates(scene<D>& scene, const state_rates<D>& out) {
+  using volume::carries;
+  auto& w = scene.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "rates");
+  bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], heating = out.heat()[i] * per_mass;
+    for (std::size_t a = 0; a < D; ++a) {
+      out.dx[a][i] = s.v[a][i];
+      out.dv[a][i] = out.dv[a][i] * per_mass + w.g[a];
+    }
+    const double power = out.du[i] * per_mass;
+    out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * dlnrho) / s.c_V[i];
+    out.du[i] = power + heating;
+    if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * dlnrho;
+    if constexpr (Program::volume::carried == carries::weight)
+      out.volume[i] = Program::volume::rate(s.p[i], s.K_T[i], s.alpha[i], s.dV[i], s.m[i], power, out.dT[i]);
+    bool good = std::isfinite(out.dT[i]) && std::isfinite(out.du[i]);
+    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
+    finite = finite && good;
+  }
+  if (finite) return;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    bool good = std::isfinite(out.dT[i]);
+    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
+    if (!good)
+      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
+                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
+                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
+  }
+}
+
+// One evaluation of dy/dt at the state in the particle arrays. Throws on every rank alike.
+template <class Program, int D>
+void evaluate(scene<D>& scene, typename Program::volume& how, const volume::smoothing_options& smoothing,
+              std::span<double* const> rate) {
+  auto& w = scene.w;
+  const state_rates<D> out(rate);
+  w.first_fault = {};
+  const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
+
+  using volume_module = typename Program::volume;
+  using pressure = typename Program::pressure;
+  const auto arrive = [&] {
+    const foundation::stage timed(w.times, "halo");
+    w.end_fluid();
+  };
+  const auto kinematics = [&] {
+    const foundation::stage timed(w.times, "walls");
+    std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
+  };
+  const auto wall_pressures = [&] {
+    const foundation::stage timed(w.times, "walls");
+    std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
+  };
+
+  begin_halo(scene);
+  if constexpr (volume::works_ahead<volume_module>) {
+    // Twice a rank sums over the rows that need no ghosts while these travel. Ranks agree on a fault once, at the end:
+    // until then numbers may be not finite.
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.ahead(w);
+    }
+    {
+      const foundation::stage timed(w.times, "pressure");
+      pressure::sum(w, around, w.interior());
+    }
+    arrive();
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.with_ghosts(w);
+    }
+    kinematics();
+    ++w.first_fault.stage;
+    {
+      const foundation::stage timed(w.times, "pressure");
+      around.weights(w);
+      pressure::sum(w, around, w.at_border());
+      pressure::begin(w);
+    }
+    begin_forces(scene, out);
+    sum_forces<typename Program::gradient>(scene, out, w.interior());
+    {
+      const foundation::stage timed(w.times, "pressure");
+      pressure::end(w);
+    }
+    wall_pressures();
+    sum_forces<typename Program::gradient>(scene, out, w.at_border());
+  } else {
+    arrive();
+    {
+      const foundation::stage timed(w.times, "volume");
+      how.before_walls(w, around);
+    }
+    w.agree();
+    kinematics();
+    {
+      const foundation::stage timed(w.times, "pressure");
+      how.template determine<pressure>(w, around);
+    }
+    w.agree();
+    wall_pressures();
+    begin_forces(scene, out);
+    sum_forces<typename Program::gradient>(scene, out, w.fluid());
+  }
+  ++w.first_fault.stage;
+  finish_rates<Program>(scene, out);
+  w.agree();
+}
+
+}  // namespace tetsuame::hydrostatic

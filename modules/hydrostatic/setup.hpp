@@ -1,0 +1,194 @@
+// The start: lattice, exact profile, walls.
+#pragma once
+
+#include <foundation/threads.hpp>
+#include <hydrostatic/options.hpp>
+#include <kernels/lattice.hpp>
+#include <optional>
+#include <run/lists.hpp>
+
+namespace tetsuame::hydrostatic {
+
+template <int D>
+struct scene : run::state<D> {
+  std::array<std::int64_t, D> lattice{};   // particles along each axis at the start, numbered by ID along the first one
+  std::vector<double> p_exact, rho_exact;  // Pa, kg/m3, of the exact solution, by row along y
+  bool density_carried = false;            // ρ is part of the state
+  bool weight_carried = false;             // Y is
+};
+
+// Where the particle of that ID stood at the start: its place on the lattice along each axis.
+template <int D>
+std::array<std::size_t, D> start_place(const scene<D>& scene, std::int64_t id) {
+  std::array<std::size_t, D> place;
+  for (std::size_t a = 0; a < D; ++a) {
+    place[a] = static_cast<std::size_t>(id % scene.lattice[a]);
+    id /= scene.lattice[a];
+  }
+  return place;
+}
+
+// m, how far fluid particle i is from its start. Over a periodic border the nearest image counts.
+template <int D>
+std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
+  const auto& box = scene.w.d.region;
+  const auto place = start_place(scene, scene.w.s.id[i]);
+  std::array<double, D> d;
+  for (std::size_t a = 0; a < D; ++a) {
+    d[a] = scene.w.s.x[a][i] - (static_cast<double>(place[a]) + 0.5) * scene.w.dx;
+    if (box.periodic[a]) d[a] -= box.length[a] * std::round(d[a] / box.length[a]);
+  }
+  return d;
+}
+
+// Pressure of the exact solution at the height y: the initial pressure, or the hydrostatic
+// dp/dy = -ρ^(p, T) g from the top, by fourth-order Runge–Kutta steps of at most Δx/16.
+class profile {
+ public:
+  profile(const options& o, const eos::any& material) : o_(o), material_(material) {}
+
+  double pressure(double y) const {
+    if (o_.initial.profile == "uniform") return o_.initial.pressure;
+    const double top = o_.domain.length[1];
+    const auto n = static_cast<std::int64_t>(std::ceil(16.0 * std::abs(top - y) / o_.dx()));
+    const double dy = n > 0 ? (y - top) / static_cast<double>(n) : 0.0;
+    double p = o_.initial.pressure;
+    for (std::int64_t k = 0; k < n; ++k) {
+      const double k1 = slope(p), k2 = slope(p + 0.5 * dy * k1), k3 = slope(p + 0.5 * dy * k2), k4 = slope(p + dy * k3);
+      p += dy * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+    }
+    return p;
+  }
+  double density(double p) const { return eos::density(material_, p, o_.initial.temperature); }
+
+ private:
+  double slope(double p) const { return -density(p) * o_.g; }
+
+  const options& o_;
+  const eos::any& material_;
+};
+
+// Fluid of the start lattice in this rank's cell: equal spacing, masses m = ρ Δx^D of the exact profile.
+template <int D>
+void place_fluid(const options& o, scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const profile exact(o, w.materials[0]);
+  auto& cells = scene.lattice;
+  scene.fluid_total = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    cells[a] = o.domain.particles[a];
+    scene.fluid_total *= cells[a];
+  }
+  scene.p_exact.clear();
+  scene.rho_exact.clear();
+  for (std::int64_t row = 0; row < cells[1]; ++row) {
+    scene.p_exact.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
+    scene.rho_exact.push_back(exact.density(scene.p_exact.back()));
+  }
+  // A cell of the slice grid is a box: what it holds along each axis.
+  const auto cell = w.d.cell();
+  std::array<std::vector<std::int64_t>, D> mine;
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    for (std::int64_t n = 0; n < cells[a]; ++n)
+      if (const double x = (static_cast<double>(n) + 0.5) * w.dx; x >= cell.lower[a] && x < cell.upper[a])
+        mine[a].push_back(n);
+    count *= mine[a].size();
+  }
+  particles::allocate(s, count, 0, 0, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t rest = i;
+    std::int64_t stride = 1;
+    s.id[i] = 0;
+    s.material[i] = 0;
+    std::array<std::int64_t, D> at;
+    for (std::size_t a = 0; a < D; ++a) {
+      at[a] = mine[a][rest % mine[a].size()];
+      rest /= mine[a].size();
+      s.id[i] += stride * at[a];
+      stride *= cells[a];
+      s.x[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
+      s.v[a][i] = 0.0;
+    }
+    const auto row = static_cast<std::size_t>(at[1]);
+    s.rho[i] = scene.rho_exact[row];
+    s.T[i] = o.initial.temperature;
+    s.m[i] = s.rho[i] * std::pow(w.dx, D);
+    s.Y[i] = scene.p_exact[row] * s.m[i] / s.rho[i];
+    s.u[i] = 0.0;
+    s.eta[i] = o.material.viscosity;
+    s.k[i] = o.material.conductivity;
+  }
+}
+
+// Wall particles continue the profile where a treatment keeps it.
+template <int D>
+void place_walls(const options& o, scene<D>& scene) {
+  auto& w = scene.w;
+  auto& s = w.s;
+  const bool has_particles = std::visit([](auto t) { return decltype(t)::has_particles; }, scene.treatment);
+  if (!has_particles) return;
+  walls::place(w, scene.walls, scene.fluid_total, w.support());
+  const bool frozen = std::holds_alternative<walls::frozen>(scene.treatment);
+  const profile exact(o, w.materials[0]);
+  for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
+    s.T[i] = o.initial.temperature;
+    s.eta[i] = o.material.viscosity;
+    s.k[i] = o.material.conductivity;
+    s.p[i] = s.p_eos[i] = frozen ? exact.pressure(s.x[1][i]) : o.initial.pressure;
+    s.rho[i] = exact.density(s.p[i]);
+    s.m[i] = s.rho[i] * std::pow(w.dx, D);
+    s.dV[i] = s.m[i] / s.rho[i];
+    s.Y[i] = s.p[i] * s.dV[i];
+  }
+  if (!frozen) return;
+  const auto begin = static_cast<std::ptrdiff_t>(s.first_wall()), end = begin + static_cast<std::ptrdiff_t>(s.walls);
+  scene.walls.p_given.assign(s.p.begin() + begin, s.p.begin() + end);
+  scene.walls.rho_given.assign(s.rho.begin() + begin, s.rho.begin() + end);
+}
+
+// Lists and what stays while they hold: transport coefficients of ghosts.
+template <int D>
+void rebuild(scene<D>& scene, bool as_they_were = false) {
+  auto& s = scene.w.s;
+  run::rebuild(scene, as_they_were);
+  scene.w.exchange_fluid({s.eta.data(), s.k.data()});
+}
+
+// m/s, the largest of the exact profile.
+template <int D>
+double fastest_sound(const options& o, const scene<D>& scene) {
+  double most = 0.0;
+  for (const double rho : scene.rho_exact)
+    most = std::max(most, eos::evaluate(scene.w.materials[0], rho, o.initial.temperature).sound_speed);
+  return most;
+}
+
+// Everything up to the first evaluation, lists included.
+template <int D>
+void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
+  auto& w = scene.w;
+  w.dx = o.dx();
+  w.kernel = kernels::make<D>(o.kernel.name, o.kernel.h_over_dx * w.dx);
+  w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
+  w.materials = {eos::make(o.material.eos)};
+  w.g[1] = -o.g;
+  if (o.material.conductivity == 0.0) w.uniform_transport = o.material.viscosity;
+  scene.skin = o.kernel.skin * w.dx;
+  scene.treatment = walls::make(o.walls.treatment);
+  scene.walls.how = o.walls;
+  domain::box<D> box;
+  for (std::size_t a = 0; a < D; ++a) {
+    box.length[a] = o.domain.length[a];
+    box.periodic[a] = o.domain.periodic[a];
+  }
+  w.d = domain::decompose<D>(ranks, box, o.halo_width(), o.domain.ranks_x);
+  scene.walls.sides = walls::make_sides<D>(o.walls, box);
+  place_fluid(o, scene);
+  place_walls(o, scene);
+  if (std::holds_alternative<walls::virtual_marker>(scene.treatment) || scene.mirrors())
+    scene.walls.force = walls::make_boundary_force(w.dx, fastest_sound(o, scene));
+}
+
+}  // namespace tetsuame::hydrostatic

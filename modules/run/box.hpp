@@ -1,0 +1,145 @@
+// What all problems of particles in a box have in common: whose particle is whose, lists, cuts that move with the load,
+// walls as the last guard, checkpoints, and what of these is told.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <foundation/waiting.hpp>
+#include <functional>
+#include <run/checkpoint_table.hpp>
+#include <run/load_balance.hpp>
+#include <run/problem.hpp>
+
+namespace tetsuame::run {
+
+template <int D>
+class problem_in_a_box : public problem {
+ public:
+  state<D>& box;
+  load_balance<D> balancer;
+  // Cuts from elsewhere, asked for whenever lists are made anew, in the balancer's place; the same on every rank.
+  std::function<balance::cuts<D>(const balance::cuts<D>&)> other_cuts;
+
+  // The state outlives the problem.
+  problem_in_a_box(state<D>& of_problem, const balance_options& o) : box(of_problem), balancer(o) {}
+
+  const domain::communicator& ranks() const final { return box.w.d.ranks; }
+  std::size_t local_particles() const final { return box.w.s.fluid; }
+  std::size_t simd_lanes() const final { return pairs::lanes; }
+  foundation::stage_times& times() final { return box.w.times; }
+  output::snapshot_header header() const final { return snapshot_header(box); }
+
+  double moved() override { return moved_since_lists(box); }
+  double allowance() const override { return 0.5 * box.skin; }
+  double speed() override { return largest_speed(box); }
+
+  bool complete_step(std::int64_t) override {
+    const std::int64_t crossings = walls::reflect(box.walls, box.w.s);
+    wall_crossings_ += crossings;
+    return crossings > 0;
+  }
+
+  void rebuild(bool as_they_were) final {
+    const foundation::stopwatch watch;
+    make_lists(as_they_were);
+    if (!has_lists_) balancer.first_lists(box, watch.elapsed());
+    has_lists_ = true;
+  }
+
+  bool renew(bool lists_are_due, std::int64_t step, std::int64_t left) final {
+    if (lists_are_due) domain::wrap(box.w.d.region, box.w.s);
+    auto verdict = decide_on_cuts(lists_are_due, left);
+    const bool moves = verdict && verdict->decision.move;
+    if (lists_are_due || moves) {
+      const foundation::stage timed(box.w.times, moves ? "balance" : "lists");
+      const auto had = static_cast<std::int64_t>(box.w.s.fluid);
+      const std::int64_t leaving = moves ? balancer.leaving(box, lists_are_due) : 0;
+      make_lists(!lists_are_due);
+      if (verdict) balancer.learn(box, *verdict, leaving, static_cast<std::int64_t>(box.w.s.fluid) - had + leaving);
+    }
+    if (verdict) note(*verdict, step);
+    return lists_are_due || moves;
+  }
+
+  void worked(double seconds) final {
+    balancer.computing += seconds;
+    ++balancer.steps;
+  }
+
+  void begin_tables(run_directory& files) override {
+    files_ = &files;
+    if (balancer.mode != "off") balance_table_ = &files.table("balance.csv", balance_columns());
+  }
+
+  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+    return checkpoint_table(box.w.s, materials);
+  }
+  void read_particles(const output::table& t) override { fluid_from_checkpoint(t, box.w.s); }
+  void save(output::checkpoint_globals& g) const override {
+    g.integers["wall_crossings"] = ranks().sum(wall_crossings_);
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    wall_crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
+  }
+
+  // Of the run, for the metrics; a problem adds its own.
+  void report_counts(summary& r) override {
+    r.wall_particles = ranks().sum(static_cast<std::int64_t>(box.w.s.walls));
+    r.metrics["wall_crossings"] = ranks().sum(wall_crossings_);
+    r.metrics["balance_decisions"] = balancer.decisions;
+    r.metrics["balance_moves"] = balancer.moves;
+    r.metrics["balance_gain_predicted"] = balancer.gain_predicted;
+    r.metrics["balance_seconds"] = ranks().maximum(balancer.seconds);
+    r.metrics["time_spread"] = balancer.time_spread_now(ranks());
+    r.metrics["load_max_over_mean"] = or_null(balancer.worst_load);
+    communication.describe(box.w.d, r.metrics);
+  }
+
+ protected:
+  // rebuild() of run/lists.hpp or run/supports.hpp, and what of the problem hangs on lists.
+  virtual void make_lists(bool as_they_were) = 0;
+  // Where particles stand behind the walls, those of this rank's cell when the cuts have moved.
+  virtual void place_walls() {}
+
+ private:
+  // Cuts that are to move have done so, particles have not.
+  std::optional<typename load_balance<D>::verdict> decide_on_cuts(bool lists_are_due, std::int64_t left) {
+    if (other_cuts) {
+      if (lists_are_due) move_cuts(other_cuts(box.w.d.cuts));
+      return {};
+    }
+    if (ranks().size == 1 || !balancer.due(lists_are_due)) return {};
+    const foundation::stage timed(box.w.times, "balance");
+    auto verdict = balancer.decide(box, lists_are_due, left);
+    if (verdict && verdict->decision.move) move_cuts(verdict->cuts);
+    return verdict;
+  }
+
+  // Gives the ranks other cells. What stands behind walls moves at once; the fluid, and all that hangs on it, with the
+  // next lists.
+  void move_cuts(const balance::cuts<D>& cuts) {
+    box.w.d.cuts = cuts;
+    place_walls();
+  }
+
+  void note(const typename load_balance<D>::verdict& v, std::int64_t step) {
+    files_->say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
+    if (balance_table_)
+      balance_table_->append(step,
+                             std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain,
+                                        v.decision.cost, v.decision.move ? 1.0 : 0.0, v.migrated},
+                             v.decision.reason);
+  }
+
+  static std::vector<output::history_column> balance_columns() {
+    return {{"spread", "1"}, {"max_over_mean", "1"}, {"gain", "s or pairs"}, {"cost", "s or pairs"},
+            {"moved", "1"},  {"migrated", "1"},      {"reason", "text"}};
+  }
+
+  run_directory* files_ = nullptr;
+  output::history* balance_table_ = nullptr;
+  std::int64_t wall_crossings_ = 0;  // of this rank
+  bool has_lists_ = false;
+};
+
+}  // namespace tetsuame::run

@@ -1,0 +1,159 @@
+#include <mpi.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <domain/communicator.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <new>
+#include <run/command_line.hpp>
+#include <run/start_mpi.hpp>
+#include <sstream>
+
+namespace tetsuame::run {
+
+namespace {
+
+using foundation::error;
+using foundation::exit_status;
+
+// A run that goes on has its input in its directory.
+void take_input_of_run(command_line& line) {
+  namespace fs = std::filesystem;
+  if (line.restart != "latest" && line.output.empty())
+    line.output = fs::path(line.restart).has_parent_path() ? fs::path(line.restart).parent_path().string() : ".";
+  if (line.output.empty()) throw CLI::RequiredError("INPUT, or --output DIR of the run that is to go on,");
+  const auto of = line.restart == "latest" ? fs::path(line.output) : fs::path(line.restart).parent_path();
+  line.input = (of / "resolved.nml").string();
+  std::error_code missing;
+  if (fs::exists(line.input, missing) && !fs::is_regular_file(line.input, missing))
+    throw CLI::ValidationError(line.input + " is not a plain file");
+}
+
+// Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
+int parse(int argc, char** argv, bool speaks, const program_input& in, command_line& line) {
+  CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
+  app.add_option("INPUT", line.input, "namelist file")->type_name("INPUT.nml");
+  app.add_option("--set", line.set, "group.key=value, over what the file says; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("group.key=value");
+  app.add_option("--output", line.output, "directory for the results (default: output/PROGRAM/INPUT's name)")
+      ->type_name("DIR");
+  if (in.restarts)
+    app.add_option("--restart", line.restart,
+                   "continue from a checkpoint, or from the latest in the output directory; without INPUT, as that run "
+                   "was told")
+        ->type_name("FILE|latest");
+  std::vector<std::string> short_values(in.shorthands.size());
+  for (std::size_t k = 0; k < short_values.size(); ++k)
+    app.add_option(in.shorthands[k].option, short_values[k],
+                   in.shorthands[k].meaning + ": --set " + in.shorthands[k].key + "=" + in.shorthands[k].type)
+        ->type_name(in.shorthands[k].type);
+  for (const auto& f : in.flags) app.add_flag(f.option, *f.given, f.meaning);
+  app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
+  app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
+  app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");
+  app.set_version_flag("--version", version());
+  try {
+    app.parse(argc, argv);
+    if (line.input.empty() && !line.restart.empty()) take_input_of_run(line);
+    if (!line.describe && line.input.empty()) throw CLI::RequiredError("INPUT");
+    if (line.force && line.restart == "latest")
+      throw CLI::ValidationError("--force and --restart latest exclude each other");
+    for (std::size_t k = 0; k < short_values.size(); ++k)
+      if (!short_values[k].empty()) line.set.push_back(in.shorthands[k].key + "=" + short_values[k]);
+  } catch (const CLI::Success& e) {
+    if (speaks) app.exit(e);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    if (speaks) std::cerr << line.program << ": " << e.what() << "\nTry --help, or --describe for the input's keys.\n";
+    return static_cast<int>(exit_status::bad_input);
+  }
+  return -1;
+}
+
+// Rank 0 reads the file; all ranks parse the same text.
+std::string read_text(const domain::communicator& ranks, const std::string& path) {
+  std::string text, problem;
+  if (ranks.rank == 0) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream all;
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
+      problem = path + ": is a directory, not a namelist file";
+    else if (!file || !(all << file.rdbuf()))
+      problem = path + ": the input file cannot be read, or is empty; is the path right?";
+    text = all.str();
+  }
+  ranks.agree_on_fault(0, problem, exit_status::bad_input);
+  return ranks.broadcast(text);
+}
+
+int run_guarded(const domain::communicator& ranks, command_line& line, const program_input& in,
+                const std::function<void(const command_line&, const std::string&)>& run) {
+  try {
+    namelist::schema schema;
+    in.declare(schema);
+    if (line.describe) {
+      if (ranks.rank == 0) schema.describe(std::cout);
+      return 0;
+    }
+    namelist::document document = namelist::parse_text(read_text(ranks, line.input), line.input);
+    for (const auto& argument : line.set) document.set(argument);
+    schema.read(document);
+    in.complete(schema);
+    std::ostringstream resolved;
+    resolved << "! " << in.program << ", every key as run\n";
+    schema.write_resolved(resolved);
+    if (line.check) {
+      if (ranks.rank == 0) std::cout << resolved.str();
+      return 0;
+    }
+    if (in.need)
+      check_memory(ranks, in.program, in.need(), schema.where("domain", "particles_x") + ": &domain particles_x");
+    if (line.output.empty())
+      line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
+    run(line, resolved.str());
+    return 0;
+  } catch (const error& e) {
+    if (ranks.rank == 0) std::cerr << line.program << ": " << e.what() << '\n';
+    return static_cast<int>(e.status());
+  }
+}
+
+// Where one rank cannot go on, and the others may be waiting for it.
+void end_all(const domain::communicator& ranks) {
+  std::fflush(nullptr);
+  if (ranks.size == 1) std::_Exit(static_cast<int>(exit_status::calculation_failed));
+  MPI_Abort(ranks.comm, static_cast<int>(exit_status::calculation_failed));
+}
+
+}  // namespace
+
+int start(int argc, char** argv, const program_input& input,
+          const std::function<void(const command_line&, const std::string&)>& run) {
+  start_mpi(argc, argv);
+  const auto ranks = domain::communicator::world();
+  command_line line;
+  line.program = input.program;
+  int status = parse(argc, argv, ranks.rank == 0, input, line);
+  if (status < 0) {
+    try {
+      status = run_guarded(ranks, line, input, run);
+    } catch (const std::bad_alloc&) {
+      std::fprintf(stderr,
+                   "%s: out of memory on rank %d of %d: take more nodes, fewer ranks on each, or fewer particles\n",
+                   input.program.c_str(), ranks.rank, ranks.size);
+      end_all(ranks);
+    } catch (const std::exception& e) {
+      std::fprintf(stderr, "%s: rank %d: %s\n", input.program.c_str(), ranks.rank, e.what());
+      end_all(ranks);
+    }
+  }
+  MPI_Finalize();
+  return status;
+}
+
+}  // namespace tetsuame::run

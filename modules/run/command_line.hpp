@@ -1,0 +1,48 @@
+// The command line all programs share, and the end all programs come to.
+#pragma once
+
+#include <functional>
+#include <run/memory.hpp>
+#include <run/options.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+struct command_line {
+  std::string program;           // disph_c
+  std::string input;             // path of the namelist
+  std::vector<std::string> set;  // group.key=value
+  std::string output;            // directory
+  std::string restart;           // checkpoint file, or "latest"; empty: none
+  bool check = false, describe = false, force = false;
+};
+
+// A program with an input of its own.
+struct shorthand {
+  std::string option, key, type, meaning;  // "--ranks", "machine.ranks", "P": --ranks 4 is --set machine.ranks=4
+};
+struct flag {
+  std::string option;  // "--theory"
+  bool* given;
+  std::string meaning;
+};
+struct program_input {
+  std::string program;
+  std::vector<shorthand> shorthands;
+  bool restarts = false;                                  // knows --restart
+  std::function<void(namelist::schema&)> declare;         // all groups and keys
+  std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
+  std::vector<flag> flags = {};
+  std::function<memory_need()> need = {};  // after complete; none: it is no matter
+};
+// Starts MPI, reads the command line and the input, handles --describe, --check, --help and
+// --version, then calls `run` with the input as resolved, a namelist. Returns the exit status; every error is told
+// once, by rank 0.
+int start(int argc, char** argv, const program_input& input,
+          const std::function<void(const command_line&, const std::string& resolved)>& run);
+
+// Of the source: the git commit it was built from.
+std::string version();
+
+}  // namespace tetsuame::run

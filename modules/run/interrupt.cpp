@@ -1,0 +1,73 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <run/interrupt.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+struct known_signal {
+  int number;
+  const char* name;
+};
+constexpr std::array watched = {known_signal{SIGINT, "SIGINT"}, known_signal{SIGTERM, "SIGTERM"},
+                                known_signal{SIGUSR1, "SIGUSR1"}, known_signal{SIGHUP, "SIGHUP"},
+                                known_signal{SIGXCPU, "SIGXCPU"}};
+
+volatile std::sig_atomic_t requested = 0;
+
+// The handler reads one of the two while the other is written.
+std::array<std::array<char, 1024>, 2> texts{};
+std::atomic<int> told{0};
+
+void say(const char* text) {
+  // A message that cannot be written is no reason to fail.
+  if (text[0] != '\0' && ::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;
+}
+
+void request(int signal) {
+  const int code = errno;
+  const char* text = texts[static_cast<std::size_t>(told.load())].data();
+  if (requested == 0 && text[0] != '\0') {
+    say("\n");
+    for (const auto& known : watched)
+      if (known.number == signal) say(known.name);
+    say(text);
+  }
+  requested = signal;
+  if (signal == SIGINT) std::signal(SIGINT, SIG_DFL);
+  errno = code;
+}
+
+}  // namespace
+
+void watch_signals() {
+  for (const auto& known : watched)
+    if (std::signal(known.number, request) == SIG_IGN && known.number == SIGHUP) std::signal(SIGHUP, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+int stop_requested() { return requested; }
+
+void tell_on_signal(const std::string& text) {
+  const int other = 1 - told.load();
+  auto& to = texts[static_cast<std::size_t>(other)];
+  const std::size_t n = std::min(text.size(), to.size() - 1);
+  std::memcpy(to.data(), text.data(), n);
+  to[n] = '\0';
+  told.store(other);
+}
+
+std::string signal_name(int signal) {
+  for (const auto& known : watched)
+    if (known.number == signal) return known.name;
+  return "signal " + std::to_string(signal);
+}
+
+}  // namespace tetsuame::run

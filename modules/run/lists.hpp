@@ -1,0 +1,109 @@
+// Neighbour lists, made anew whenever a particle has moved far enough: who owns which particle, ghosts, what stands
+// behind the walls.
+#pragma once
+
+#include <run/state.hpp>
+
+namespace tetsuame::run {
+
+struct list_lengths {
+  double edge, reach;  // m: of the grid's cells; of halos, images and the widest row
+};
+
+// Sorts the owned fluid, which is in the order of cells and IDs, into layers (workspace::border): within, those whose
+// neighbours may have ghosts or walls for neighbours, and those that may themselves.
+template <int D>
+void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size_t>& order) {
+  w.core = w.border = 0;
+  if (w.d.ranks.size == 1) return;  // nothing is ever on its way
+  auto cell = w.d.cell();
+  const auto deeper_than = [&](double depth) {
+    auto deep = cell;
+    for (std::size_t a = 0; a < D; ++a) {
+      deep.lower[a] = std::max(cell.lower[a], 0.0) + depth;
+      deep.upper[a] = std::min(cell.upper[a], w.d.region.length[a]) - depth;
+    }
+    return [&w, deep](std::size_t i) { return w.d.within(deep, cells::position<D>(w.s.x, i)); };
+  };
+  // A little more than lists reach, against rounding.
+  const auto border = std::stable_partition(order.begin(), order.end(), deeper_than(reach * (1.0 + 1e-6)));
+  const auto core = std::stable_partition(order.begin(), border, deeper_than(2.0 * reach * (1.0 + 1e-6)));
+  w.border = static_cast<std::size_t>(border - order.begin());
+  w.core = static_cast<std::size_t>(core - order.begin());
+}
+
+// Positions of the fluid, and those that the lists were made from.
+template <int D>
+void exchange_list_positions(particles::particles<D>& s) {
+  for (std::size_t a = 0; a < D; ++a)
+    std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
+}
+
+// Ghosts of the fluid, and what stands behind the walls: images, or particles that stay.
+template <int D>
+void surround(state<D>& box, double reach) {
+  auto& w = box.w;
+  auto& s = w.s;
+  domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
+                       [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
+  if (box.mirrors())
+    walls::make_images(box.walls, s, box.fluid_total, reach);
+  else
+    domain::make_halo<D>(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
+                         [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
+}
+
+// Hands particles to their ranks, sorts them by cell and ID, makes halos, what stands behind the walls, and lists. The
+// state's arrays move: the integrator must be told. as_they_were: lists are made from the list positions, with which a
+// restart, or a change of cuts, has the same sums. Ghosts and images have their positions and masses; other fields are
+// the caller's to refresh. lengths(): list_lengths, asked when particles are with their ranks; make_list(list_lengths,
+// grid of all particles).
+template <int D, class Lengths, class MakeList>
+void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const MakeList& make_list) {
+  auto& w = box.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "lists");
+  if (box.mirrors()) particles::allocate(s, s.fluid, 0, 0, 0);
+  if (as_they_were)
+    exchange_list_positions(s);
+  else
+    domain::wrap(w.d.region, s);
+  domain::migrate(w.d, s);
+  const list_lengths l = lengths();
+  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge);
+  std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
+  order_in_layers(w, l.reach, order);
+  particles::reorder(s, 0, std::span<const std::size_t>(order));
+  if (!as_they_were)
+    for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
+  surround(box, l.reach);
+  w.exchange_fluid({s.m.data()});
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), l.edge);
+  make_list(l, grid);
+  std::visit(
+      [&](auto t) {
+        if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, box.walls, grid, box.skin);
+      },
+      box.treatment);
+  if (as_they_were) exchange_list_positions(s);
+}
+
+// Of one support for all.
+template <int D>
+void rebuild(state<D>& box, bool as_they_were) {
+  auto& w = box.w;
+  auto& s = w.s;
+  const double reach = w.support() + box.skin;
+  rebuild_by(
+      box, as_they_were,
+      [&] {
+        return list_lengths{cells::cell_edge(reach), reach};
+      },
+      [&](const list_lengths&, const cells::grid<D>& grid) {
+        cells::make_list<D>(
+            w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
+            cells::others{});
+      });
+}
+
+}  // namespace tetsuame::run

@@ -1,0 +1,203 @@
+// When the cuts between ranks move in a run, and where to. The cost of a rank is counted (pairs of neighbours: the same
+// in every run) or measured (pairs, and what of its seconds of computing, without those it waited for others, they
+// leave unexplained from one decision to the next). What
+// is decided changes who computes a particle, never what is computed.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <balance/balancer.hpp>
+#include <chrono>
+#include <foundation/waiting.hpp>
+#include <optional>
+#include <run/lists.hpp>
+#include <run/options.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+template <int D>
+struct load_balance {
+  // One decision, the same on every rank.
+  struct verdict {
+    balance::decision decision;
+    balance::cuts<D> cuts;
+    balance::spread spread;       // of the cost per step
+    double migrated = 0.0;        // particles
+    bool lists_were_due = false;  // new lists had to be made in any case
+    foundation::stopwatch since;
+  };
+
+  std::string mode;
+  std::int64_t interval;  // steps
+  balance::balancer_options how;
+  balance::experience experience;
+  balance::lasting_cost measured{how.readings};
+
+  // Of this rank, since the last decision.
+  double computing = 0.0;  // s
+  std::int64_t steps = 0;
+
+  // What a move costs, in the unit of the cost: seconds, learnt from lists and moves as they are made, or pairs.
+  balance::move_costs moving;
+  bool moves_known = false;
+  std::optional<double> expected;  // gain per step of the last move
+  std::vector<double> before;
+
+  std::int64_t decisions = 0, moves = 0;
+  double gain_predicted = 0.0;       // in the unit of the cost, of all moves
+  double seconds = 0.0;              // s, for deciding and moving
+  std::optional<double> worst_load;  // largest over mean pairs, from the second decision on
+  double time_spread = 0.0;          // (max - min)/mean of the ranks' computing times, last heard of
+
+  explicit load_balance(const balance_options& o) : mode(o.follows), interval(o.interval), how(o.how) {}
+
+  bool measures() const { return mode == "measured"; }
+  const char* unit() const { return measures() ? "s" : "pairs"; }
+
+  // Whether it is time. A move beside new lists costs least, so a decision waits for them for a while.
+  bool due(bool lists_are_due) const { return mode != "off" && steps >= (lists_are_due ? interval : 4 * interval); }
+
+  // Collective. Nothing where too little was measured to go by. `remaining`: steps of the run.
+  std::optional<verdict> decide(const state<D>& box, bool lists_are_due, std::int64_t remaining) {
+    verdict v;
+    v.lists_were_due = lists_are_due;
+    const auto& s = box.w.s;
+    const auto& ranks = box.w.d.ranks;
+    const auto mine = extent_of(box);
+    std::vector<double> told{computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(s.fluid)};
+    told.insert(told.end(), mine.lower.begin(), mine.lower.end());
+    told.insert(told.end(), mine.upper.begin(), mine.upper.end());
+    for (const auto& along : mine.cost) told.insert(told.end(), along.begin(), along.end());
+    const auto all = ranks.every(std::span<const double>(told));
+    std::vector<double> seconds_per_step, pairs, particles;
+    balance::extents<D> where(static_cast<std::size_t>(ranks.size));
+    for (std::size_t r = 0; r < where.size(); ++r) {
+      const double* of_rank = all.data() + r * told.size();
+      seconds_per_step.push_back(of_rank[0]);
+      pairs.push_back(of_rank[1]);
+      particles.push_back(of_rank[2]);
+      std::copy_n(of_rank + 3, D, where[r].lower.begin());
+      std::copy_n(of_rank + 3 + D, D, where[r].upper.begin());
+      for (std::size_t a = 0; a < D; ++a)
+        std::copy_n(of_rank + 3 + 2 * D + a * mine.bins, mine.bins, where[r].cost[a].begin());
+    }
+    const auto times = balance::spread_of(seconds_per_step);
+    time_spread = times.over_mean();
+    // Readings of the clock that are shorter than what else goes on in a machine say nothing.
+    constexpr double least_seconds = 0.1;
+    if (measures() && times.mean * static_cast<double>(steps) < least_seconds) {
+      seconds += v.since.busy();
+      return {};
+    }
+    const auto cost = measures() ? measured.of(seconds_per_step, pairs) : pairs;
+    v.spread = balance::spread_of(cost);
+    if (expected) experience.moved(*expected, before, cost);
+    expected.reset();
+
+    const auto& now = box.w.d.cuts;
+    v.cuts = balance::propose(now, cost, relaxed(how, experience), where);
+    auto price = measures() ? moving : counted_price(v.spread, particles);
+    // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
+    price.rebuild = lists_are_due ? 0.0 : price.rebuild + v.spread.maximum;
+    const auto horizon = std::min(steps, remaining);
+    v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
+    // Smaller gains come from a row of particles more or less: they do not come true.
+    constexpr double least_gain = 0.01;  // of the slowest rank's cost
+    const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
+    v.decision.move = v.decision.move && !too_little;
+    v.decision.reason =
+        fmt::format("{} {:.3g} {} over {} steps{}, moving costs {:.3g}: {}",
+                    v.decision.gain < 0.0 ? "would lose" : "gain", std::abs(v.decision.gain), unit(), horizon,
+                    too_little ? " (less than 1 %)" : "", v.decision.cost, v.decision.move ? "move" : "stay");
+    if (v.decision.move) {
+      const auto after = balance::redistribute(now, v.cuts, cost, where);
+      expected = v.spread.maximum - *std::max_element(after.begin(), after.end());
+      before = cost;
+      gain_predicted += v.decision.gain;
+      ++moves;
+    } else {
+      experience.stayed();
+    }
+    ++decisions;
+    if (decisions > 1) worst_load = std::max(worst_load.value_or(1.0), 1.0 / balance::spread_of(pairs).efficiency());
+    computing = 0.0;
+    steps = 0;
+    seconds += v.since.busy();
+    return v;
+  }
+
+  // When the cuts of a verdict are the box's but the particles have not moved: those of this rank that will, by their
+  // present positions, or those of the lists where these stay as they were.
+  std::int64_t leaving(const state<D>& box, bool by_present) const {
+    std::int64_t n = 0;
+    const auto cell = box.w.d.cell();
+    const auto& x = by_present ? box.w.s.x : box.w.s.x_list;
+    for (std::size_t i = 0; i < box.w.s.fluid; ++i) n += box.w.d.within(cell, cells::position<D>(x, i)) ? 0 : 1;
+    return n;
+  }
+
+  // Collective, after the new lists: what they and the move cost. `left`, `came`: particles of this rank.
+  void learn(const state<D>& box, verdict& v, std::int64_t left, std::int64_t came) {
+    const auto& ranks = box.w.d.ranks;
+    std::array<double, 2> most{v.since.elapsed(), static_cast<double>(left + came)};  // all began together
+    ranks.maximum(most);
+    v.migrated = static_cast<double>(ranks.sum(left));
+    if (!v.decision.move) {
+      moving.rebuild = most[0];
+      return;
+    }
+    const double beyond = std::max(0.0, most[0] - moving.rebuild);
+    seconds += v.lists_were_due ? beyond : most[0];
+    if (most[1] > 0.0) {
+      const double reading = beyond / most[1];
+      moving.per_particle = moves_known ? 0.5 * (moving.per_particle + reading) : reading;
+      moves_known = true;
+    }
+  }
+
+  // Collective. As of now, if there are enough steps since the last decision to tell.
+  double time_spread_now(const domain::communicator& ranks) const {
+    if (steps < std::min<std::int64_t>(interval, 10)) return time_spread;
+    return balance::spread_of(ranks.every(computing)).over_mean();
+  }
+
+  // After the first lists: until a move has been seen, to move a particle counts as much as to make its list.
+  void first_lists(const state<D>& box, double took) {
+    std::array<double, 2> most{took, static_cast<double>(box.w.s.fluid)};
+    box.w.d.ranks.maximum(most);
+    moving.rebuild = most[0];
+    moving.per_particle = most[0] / std::max(1.0, most[1]);
+  }
+
+ private:
+  // Neighbours of the fluid, and of the walls' markers.
+  static double pairs_of(const state<D>& box) {
+    return static_cast<double>(box.w.list.pairs + box.walls.near_marker.pairs);
+  }
+  // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
+  static balance::extent<D> extent_of(const state<D>& box) {
+    const auto& s = box.w.s;
+    const auto length_of = [](const cells::neighbour_list& list, std::size_t r) {
+      return static_cast<double>(list.start[r + 1] - list.start[r]);
+    };
+    balance::extent<D> mine;
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
+    if (s.fluid == 0) return mine;
+    mine.begin_costs();
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(domain::detail::place_of(s, i), length_of(box.w.list, i));
+    for (std::size_t r = 0; r < box.walls.near_marker.rows(); ++r)
+      mine.add_cost(cells::position<D>(box.walls.marker, r), length_of(box.walls.near_marker, r));
+    return mine;
+  }
+  // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
+  static balance::move_costs counted_price(const balance::spread& pairs, const std::vector<double>& particles) {
+    double sum = 0.0;
+    for (const double n : particles) sum += n;
+    const double each = pairs.mean * static_cast<double>(particles.size()) / std::max(1.0, sum);
+    return {each, 2.0 * pairs.maximum};
+  }
+};
+
+}  // namespace tetsuame::run

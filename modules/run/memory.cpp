@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <cmath>
+#include <cstdio>
+#include <foundation/error.hpp>
+#include <fstream>
+#include <kernels/kernel.hpp>
+#include <limits>
+#include <numbers>
+#include <run/memory.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+// B, for each place in a list: its index, and what the rows' padding and growth add.
+constexpr double bytes_a_neighbour = 6.0;
+
+constexpr double worth_telling = 1e9;  // B
+
+double bytes_in(const std::string& path, const std::string& key, double unit) {
+  std::ifstream file(path);
+  std::string word;
+  double value = 0.0;
+  while (key.empty() ? static_cast<bool>(file >> value) : static_cast<bool>(file >> word)) {
+    if (key.empty()) return value * unit;
+    if (word == key && file >> value) return value * unit;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// B, what this node can still give: all of its ranks together.
+double free_memory() {
+  const double used = bytes_in("/sys/fs/cgroup/memory.current", "", 1.0);
+  double limit = bytes_in("/sys/fs/cgroup/memory.max", "", 1.0);
+  if (std::isfinite(limit) && std::isfinite(used)) limit -= used;
+  return std::min(limit, bytes_in("/proc/meminfo", "MemAvailable:", 1024.0));
+}
+
+int ranks_on_this_node(MPI_Comm comm) {
+  MPI_Comm node = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  int n = 1;
+  MPI_Comm_size(node, &n);
+  MPI_Comm_free(&node);
+  return n;
+}
+
+std::string size_text(double bytes) {
+  return bytes < 1e12 ? fmt::format("{:.3g} GB", bytes / 1e9) : fmt::format("{:.3g} TB", bytes / 1e12);
+}
+
+}  // namespace
+
+memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension) {
+  const double r = kernels::find(o.name).support_over_h * o.h_over_dx + o.skin;
+  const double neighbours = dimension == 1   ? 2.0 * r
+                            : dimension == 2 ? std::numbers::pi * r * r
+                                             : 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  return {particles, bytes + bytes_a_neighbour * neighbours};
+}
+
+void check_memory(const domain::communicator& ranks, const std::string& program, const memory_need& need,
+                  const std::string& where) {
+  const double here = need.total() * ranks_on_this_node(ranks.comm) / ranks.size;
+  const double least = ranks.minimum(free_memory() / here);
+  const auto text =
+      fmt::format("{:.4g} particles x {:.0f} B = {}", need.particles, need.bytes_each, size_text(need.total()));
+  if (least < 1.0)
+    foundation::fail_input(fmt::format(
+        "{}: {} of memory, of which a node here has {} free for its share of {}: take fewer particles, or more nodes; "
+        "nothing was written",
+        where, text, size_text(least * here), size_text(here)));
+  if (need.total() >= worth_telling && ranks.rank == 0)
+    std::fputs(fmt::format("{}: {} of memory\n", program, text).c_str(), stderr);
+}
+
+}  // namespace tetsuame::run

@@ -1,0 +1,26 @@
+// What a run takes of memory, before its lattice is built.
+#pragma once
+
+#include <domain/communicator.hpp>
+#include <run/options.hpp>
+#include <string>
+
+namespace tetsuame::run {
+
+struct memory_need {
+  double particles, bytes_each;
+  double total() const { return particles * bytes_each; }  // B
+};
+
+// particles: of the fluid, of all ranks together. bytes: of each, beside its list: fields, their copies in the
+// integrator, and what writing a snapshot takes, as measured of the largest resident size. The list has the particles
+// within the kernel's support and the skin (o: resolved), as on a lattice.
+memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension);
+
+// Collective. Says how much it will be where that is worth knowing, and throws bad_input where this machine has less:
+// without it the system would end the program, or others, some time later. `where` is the place in the input, as its
+// errors begin.
+void check_memory(const domain::communicator& ranks, const std::string& program, const memory_need& need,
+                  const std::string& where);
+
+}  // namespace tetsuame::run

@@ -1,0 +1,215 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <kernels/kernel.hpp>
+#include <run/options.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+
+}  // namespace
+
+void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names) {
+  schema.group("kernel", "smoothing kernel and neighbour lists");
+  if (names.empty())
+    for (const auto& k : kernels::table) names.emplace_back(k.name);
+  schema.add("kernel", "name", o.name, {.choices = names, .meaning = "of the kernel"});
+  schema.add(
+      "kernel", "h_over_dx", o.h_over_dx,
+      {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
+  if (lists_change)
+    schema.add("kernel", "skin", o.skin,
+               {.minimum = 0.0,
+                .maximum = 2.0,
+                .exclusive_minimum = true,
+                .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
+}
+
+void resolve(const namelist::schema& schema, kernel_options& o) {
+  const auto& kernel = kernels::find(o.name);
+  if (o.h_over_dx == 0.0) o.h_over_dx = kernel.default_h_over_dx;
+  if (support_over_dx(o) < 1.0)
+    schema.fail("kernel", "h_over_dx",
+                fmt::format("expected at least {:.3g}, with which the {} kernel reaches the nearest neighbours, or 0",
+                            1.0 / kernel.support_over_h, o.name));
+}
+
+double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
+
+double lattice_particles(std::int64_t dimension, const std::array<std::int64_t, 3>& particles) {
+  double n = 1.0;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(dimension); ++a) n *= static_cast<double>(particles[a]);
+  return n;
+}
+
+void declare(namelist::schema& schema, domain::rank_columns& o) {
+  schema.add("domain", "ranks_x", o.number,
+             {.minimum = 0,
+              .maximum = 1e6,
+              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+}
+
+void resolve(const namelist::schema& schema, domain::rank_columns& o) {
+  o.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
+}
+
+namespace {
+
+std::string along(const char* what, std::size_t axis) { return std::string(what) + axis_names[axis]; }
+
+}  // namespace
+
+void check_number(const namelist::schema& schema, const box_of_particles& box, double expected) {
+  if (expected <= 1e12) return;
+  const auto first = box.particles.begin();
+  const auto most = std::max_element(first, first + box.dimension);
+  schema.fail("domain", along("particles_", static_cast<std::size_t>(most - first)),
+              fmt::format("expected at most 1e12 particles in the box, found {:.3g}", expected));
+}
+
+void check_widths(const namelist::schema& schema, const box_of_particles& box, double halo, double support) {
+  for (std::size_t a = 0; a < static_cast<std::size_t>(box.dimension); ++a) {
+    if (box.periodic[a] && halo > box.length[a] * (1.0 - 2e-6))
+      schema.fail(
+          "domain", along("particles_", a),
+          fmt::format("the periodic box is too narrow along {}: {:.6g} m, less than the halo's {:.6g} m (kernel "
+                      "support, marker radius and list skin); use more particles, a smaller h_over_dx or a "
+                      "smaller skin",
+                      axis_names[a], box.length[a], halo));
+    if (!box.periodic[a] && support > box.length[a] * (1.0 + 1e-9))
+      schema.fail("domain", along("particles_", a),
+                  fmt::format("the box is narrower along {}, {:.6g} m, than the kernel reaches, {:.6g} m: use more "
+                              "particles or a smaller h_over_dx",
+                              axis_names[a], box.length[a], support));
+  }
+}
+
+void check_interval(const namelist::schema& schema, const output_options& o, double t_end) {
+  constexpr double most = 1e6;
+  if (o.interval > 0.0 && t_end / o.interval > most)
+    schema.fail(
+        "output", "interval",
+        fmt::format("would write {:.3g} snapshots until t = {:.6g} s: expected 0 or at least {:.3g} s, for {:.0e} "
+                    "of them",
+                    t_end / o.interval, t_end, t_end / most, most));
+}
+
+void declare(namelist::schema& schema, output_options& o) {
+  schema.group("output", "what is written, and how often");
+  schema.add("output", "interval", o.interval,
+             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
+  schema.add("output", "history_interval", o.history_interval,
+             {.minimum = 1, .meaning = "steps between lines of history.csv"});
+}
+
+void declare(namelist::schema& schema, balance_options& o) {
+  schema.add("domain", "balance", o.follows,
+             {.choices = {"measured", "counted", "off"},
+              .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
+                         "every run), or nothing"});
+  balance::declare(schema, o.how);
+  schema.add("balancer", "interval", o.interval,
+             {.minimum = 1,
+              .maximum = 1e9,
+              .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
+}
+
+void declare(namelist::schema& schema, run_options& o) {
+  schema.group("run", "limits and checkpoints");
+  schema.add("run", "wall_clock_limit", o.wall_clock_limit,
+             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
+  schema.add("run", "checkpoint_interval", o.checkpoint_interval,
+             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
+  schema.add("run", "checkpoint_seconds", o.checkpoint_seconds,
+             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+}
+
+std::int64_t time_options::last_step(double output_interval) const {
+  constexpr std::int64_t unlimited = std::int64_t{1} << 50;
+  if (t_end) return steps;
+  const double steps_between = output_interval / *dt;
+  const bool all_equal = std::abs(steps_between - std::round(steps_between)) <= 1e-6;
+  return method == "adaptive" || !all_equal ? unlimited : steps;
+}
+
+bool time_options::controls_error() const {
+  return method == "adaptive" || ((method == "rkl2" || method == "rkc2") && error_control);
+}
+
+void declare(namelist::schema& schema, time_options& o, const abilities& of_problem) {
+  schema.group("time", "time integration (ARKODE)");
+  std::vector<std::string> methods{"euler", "order_2", "order_3", "order_4", "order_5", "ssp_rk3", "rk4"};
+  if (of_problem.diffuses) methods.insert(methods.end(), {"rkl2", "rkc2"});
+  methods.emplace_back("adaptive");
+  if (of_problem.keeps_rate) methods.emplace_back("ab2");
+  const std::string stabilised = of_problem.diffuses ? "; rkl2, rkc2: stabilised for diffusion" : "";
+  schema.add("time", "method", o.method,
+             {.choices = methods,
+              .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control"});
+  schema.add("time", "order", o.order, {.minimum = 2, .maximum = 5, .meaning = "of the adaptive method"});
+  schema.add("time", "dt", o.dt,
+             {.unit = "s",
+              .minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "time step, with error control the first one; not given: by cfl and diffusive"});
+  if (of_problem.diffuses)
+    schema.add("time", "error_control", o.error_control,
+               {.meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
+  schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .meaning = "at most"});
+  schema.add("time", "t_end", o.t_end,
+             {.unit = "s",
+              .minimum = 0.0,
+              .stays_open = of_problem.ends_by_steps,
+              .meaning = std::string("time at the end") + (of_problem.ends_by_steps ? "; not given: steps * dt" : "")});
+  schema.add(
+      "time", "rtol", o.rtol,
+      {.minimum = 1e-14, .maximum = 1e-1, .meaning = "error control: of a step, relative to each field's scale"});
+  schema.add("time", "cfl", o.cfl,
+             {.minimum = 1e-9, .stays_open = true, .meaning = "largest dt c/dx; not given: by the method"});
+  schema.add("time", "diffusive", o.diffusive,
+             {.minimum = 1e-9,
+              .stays_open = true,
+              .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
+}
+
+void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
+  declare(schema, o.time, of_problem);
+  declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
+  declare(schema, o.output);
+  declare(schema, o.run);
+  declare(schema, o.balance);
+}
+
+fractions stable_fractions(const std::string& method) {
+  if (method == "euler") return {0.05, 0.2};
+  if (method == "ab2") return {0.2, 0.09};
+  if (method == "order_2") return {0.4, 0.2};
+  if (method == "ssp_rk3" || method == "order_3") return {0.7, 0.25};
+  if (method == "rkl2" || method == "rkc2") return {0.5, 1e6};
+  return {1.0, 0.3};
+}
+
+void resolve(const namelist::schema& schema, common_options& o) {
+  resolve(schema, o.kernel);
+  const auto f = stable_fractions(o.time.method);
+  if (!o.time.cfl) o.time.cfl = f.cfl;
+  if (!o.time.diffusive) o.time.diffusive = f.diffusive;
+}
+
+void check_output(const namelist::schema& schema, const common_options& o) {
+  check_interval(schema, o.output, o.time.t_end.value_or(0.0));
+}
+
+std::string method_of(const std::string& input) {
+  const auto document = namelist::parse_text(input, "the checkpoint's input");
+  for (const auto& group : document.groups())
+    for (const auto& from : group.assignments)
+      if (group.name == "time" && from.key == "method") return from.values.front().content;
+  return {};
+}
+
+}  // namespace tetsuame::run

@@ -1,0 +1,97 @@
+// What the time loop asks of a problem: its state, the right-hand side, and what is to be told of it.
+#pragma once
+
+#include <domain/communicator.hpp>
+#include <foundation/stages.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <limits>
+#include <output/checkpoint.hpp>
+#include <output/history.hpp>
+#include <output/snapshot.hpp>
+#include <particles/particles.hpp>
+#include <run/communication.hpp>
+#include <run/run_directory.hpp>
+#include <run/summary.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+class problem {
+ public:
+  virtual ~problem() = default;
+
+  virtual const domain::communicator& ranks() const = 0;
+  virtual std::size_t local_particles() const = 0;
+  virtual std::size_t simd_lanes() const = 0;                    // of the pair loop, which is compiled with the program
+  virtual output::snapshot_header header() const = 0;            // all but time and step
+  virtual std::vector<std::string> about() const { return {}; }  // lines for the log and the terminal
+
+  virtual foundation::stage_times& times() = 0;  // seconds in each stage of the steps, of this rank
+
+  // The integrated arrays, which rebuild() and read_particles() move.
+  virtual std::vector<integrators::field> fields() = 0;
+  // Whether the state can be evaluated; where it cannot, methods that choose their steps take a shorter one.
+  virtual bool evaluable() { return true; }
+  // dy/dt at the state in the arrays. A memory (lagged terms) may be read; it moves on in keep_memory only.
+  virtual void evaluate(std::span<double* const> rate) = 0;
+  virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
+  virtual double diffusion_radius() { return 0.0; }    // 1/s, a bound for 'rkl2' and 'rkc2', where these are offered
+  // s, of the present state, once its rate is known: a bound for the next step, whatever its length was to be.
+  virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
+
+  // Whether keep_memory may follow the next evaluations; else what serves that alone can be left out. True at first.
+  virtual void expect_memory(bool) {}
+  // The rate at the present state is known: what the next evaluations lag behind may become the present.
+  virtual void keep_memory() {}
+  // Whether that rate is to be evaluated again then, so that all stages of a step have one memory.
+  virtual bool asks_again() const { return false; }
+  // Before every evaluation of a step but the first: the memory may become that of the evaluation before.
+  virtual void renew_memory() {}
+  // At the start and after each step. Returns whether the equations change with the time, so that a rate known is none.
+  virtual bool set_time(double) { return false; }
+  // After an accepted step. Returns whether it changed the state on this rank.
+  virtual bool complete_step(std::int64_t) { return false; }
+  // m: the largest displacement since the lists were made, on this rank or any, not a number where a place is none;
+  // what the lists allow; the largest speed (m/s).
+  virtual double moved() { return 0.0; }
+  virtual double allowance() const { return 1.0; }
+  virtual double speed() { return 0.0; }
+  // Sorting, ghosts, lists. as_they_were: positions of the last time are used, so that sums keep their order.
+  virtual void rebuild(bool as_they_were) = 0;
+  // Before the step after `step`, when `left` may follow: lists where they are due, and cuts between ranks where they
+  // pay. Returns whether the arrays are others.
+  virtual bool renew(bool lists_are_due, std::int64_t /*step*/, std::int64_t /*left*/) {
+    if (lists_are_due) rebuild(false);
+    return lists_are_due;
+  }
+  // s, that this rank computed in the last step, without what it waited for others.
+  virtual void worked(double) {}
+  // Of the steps, without output.
+  communication_meter communication;
+
+  // Tables of the problem's own, beside the history.
+  virtual void begin_tables(run_directory&) {}
+  // Measures need an evaluation at the present state.
+  virtual std::vector<output::history_column> columns() const = 0;  // beside time and dt
+  virtual std::vector<double> row(double t) = 0;
+  virtual bool steady() const { return false; }  // after row(): nothing more will happen
+  // After row(). What has changed, where the problem goes on at the same time with other particles, in other arrays, or
+  // with other sums; empty: nothing.
+  virtual std::string refine(double) { return {}; }
+  virtual std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) = 0;
+  virtual void report(double t, summary& s) = 0;
+  // Collective. What may be said of a run that failed, too.
+  virtual void report_counts(summary&) {}
+  // The calculation failed in the step after `step`, for this reason: what of it summary and tables are to say.
+  virtual void fail(const foundation::error&, std::int64_t /*step*/, summary&) {}
+  virtual std::string hash() = 0;
+
+  virtual output::table_view particles_table(std::vector<std::int64_t>& materials) = 0;
+  virtual void save(output::checkpoint_globals&) const {}
+  virtual void restore(const output::checkpoint_globals&) {}
+  virtual void read_particles(const output::table& t) = 0;  // after restore()
+};
+
+}  // namespace tetsuame::run

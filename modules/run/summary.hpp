@@ -1,0 +1,68 @@
+// summary.json and the lines a run ends with.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <domain/communicator.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <output/history.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+// A number that may be absent, which is no fault.
+inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+// A bound that is infinite where nothing binds.
+inline nlohmann::ordered_json bound_or_null(double bound) {
+  return or_null(std::isfinite(bound) ? std::optional(bound) : std::nullopt);
+}
+
+// The first number in it that is not finite, as "name.part"; empty: there is none. (In a file such a number would be
+// null, as one that is absent.)
+std::string first_not_finite(const nlohmann::ordered_json& j);
+
+// fail_calculation where a value of a line of the history is not finite, which it then names.
+void check_line(const std::vector<output::history_column>& columns, std::span<const double> values);
+
+struct summary {
+  std::string program, status = "failed", message, state_hash;
+  std::int64_t steps = 0;
+  double time = 0.0;  // s
+  int dimension = 2;
+  std::int64_t fluid_particles = 0, wall_particles = 0;
+  int ranks = 1, threads = 1, simd_lanes = 1;
+  double wall_seconds = 0.0, stepping_seconds = 0.0;
+  integrators::explicit_statistics statistics;
+  std::optional<double> particle_updates;  // where the number of particles changed on the way
+  std::optional<std::int64_t> diverged_step, diverged_iteration;
+  std::map<std::string, double> stages;  // s
+  nlohmann::ordered_json errors = nullptr, conservation = nullptr, metrics = nlohmann::ordered_json::object();
+
+  void set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx);
+  void set_conservation(double mass, double momentum, double energy);
+  // "metrics.nusselt_top (nan)", say, of this rank's numbers; empty: all are finite.
+  std::string first_not_finite() const;
+  // Collective: fail_calculation where one of rank 0's is not. A run has completed only if they are.
+  void check_finite(const domain::communicator& where) const;
+  // Collective: DIRECTORY/summary.json.
+  void write(const domain::communicator& where, const std::string& directory) const;
+  void print() const;
+};
+
+// Collective: a small text file of rank 0, replaced in one step.
+void write_text(const domain::communicator& ranks, const std::string& path, const std::string& text);
+
+// Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer, and for
+// &domain's ranks_x and balance, which may change) is not the present one's.
+void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
+                   const std::string& input);
+
+}  // namespace tetsuame::run

@@ -1,0 +1,378 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <foundation/waiting.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <output/progress.hpp>
+#include <run/records.hpp>
+#include <run/run_directory.hpp>
+#include <run/time_loop.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+struct loop {
+  problem& p;
+  const common_options& o;
+  const command_line& line;
+  const std::string& resolved;
+
+  const domain::communicator& ranks = p.ranks();
+  run_directory files{ranks, line, resolved, static_cast<int>(p.simd_lanes())};
+  summary& report = files.report;
+  std::unique_ptr<integrators::explicit_integrator> integrator{};
+  std::int64_t step = 0;
+  bool is_steady = false;
+  double coarser_updates = 0.0;  // of particles, before there were as many as now
+  std::int64_t coarser_evaluations = 0;
+
+  bool controls_error() const { return o.time.controls_error(); }
+  double t_end() const { return o.time.end(); }
+  std::int64_t last_step() const { return o.time.last_step(o.output.interval); }
+
+  // What all ranks know together after a step.
+  struct {
+    double speed = 0.0, moved = 0.0;  // m/s, m, the largest; the latter since the lists were made
+    double stop = 0.0;                // why to stop; 0: nobody asks for it
+    double since_checkpoint = 0.0;    // s, by rank 0's clock
+    bool changed = false;             // the problem changed the state after the step
+  } news;
+
+  // One reduction for all that a step has to agree on.
+  void hear_news(bool changed) {
+    std::array<double, 5> most{p.speed(), p.moved(), files.stop_reason(o.run),
+                               ranks.rank == 0 ? files.checkpoint_age() : 0.0, changed ? 1.0 : 0.0};
+    ranks.maximum(most);
+    news = {most[0], most[1], most[2], most[3], most[4] > 0.0};
+  }
+
+  // ---- stepping ---------------------------------------------------------------------------
+
+  int right_hand_side(std::span<double* const> rate) {
+    // A stage may leave what the lists cover: a smaller step then helps, where there is a choice.
+    const double moved = ranks.maximum(p.moved());
+    if (!(moved <= p.allowance())) {
+      if (controls_error()) return 1;
+      foundation::fail_calculation(
+          fmt::format("particles moved {:.3g} m within one step, more than half the skin of the neighbour lists "
+                      "({:.3g} m): the time step is too large, or the flow has blown up",
+                      moved, p.allowance()));
+    }
+    if (controls_error() && !p.evaluable()) return 1;
+    if (stages_done > 0) p.renew_memory();
+    if (in_step) ++stages_done;
+    p.evaluate(rate);
+    return 0;
+  }
+  bool in_step = false;
+  int stages_done = 0;  // of the step
+
+  void evaluate_here() {
+    std::vector<particles::array> rates(p.fields().size(), particles::array(p.local_particles()));
+    std::vector<double*> pointers;
+    for (auto& a : rates) pointers.push_back(a.data());
+    p.evaluate(pointers);
+  }
+
+  // kept: s, the fixed step of the run that goes on.
+  void make_integrator(double kept = 0.0) {
+    integrators::explicit_options how;
+    how.method = o.time.method;
+    how.order = static_cast<int>(o.time.order);
+    how.rtol = o.time.rtol;
+    how.error_control = controls_error();
+    if (o.time.dt) {
+      how.dt = *o.time.dt;
+      dt_is = "fixed";
+    } else {
+      const auto limit = p.largest_step();
+      how.dt = how.error_control ? 0.0 : kept > 0.0 ? kept : limit.dt;
+      dt_is = limit.name;
+    }
+    how.dt_is = dt_is;
+    integrators::radius_function radius;
+    if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.diffusion_radius(); };
+    integrator = std::make_unique<integrators::explicit_integrator>(
+        ranks.comm, p.fields(), p.local_particles(), 0.0, how,
+        [this](double, std::span<double* const> rate) { return right_hand_side(rate); },
+        [this](double) { return p.largest_step(); }, radius);
+    dt = how.dt;
+  }
+  double dt = 0.0;                         // s, fixed
+  std::string dt_is{};                     // what set it
+  integrators::step_limit bound{0.0, {}};  // of equations that have changed since dt was chosen; 0: they have not
+
+  // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
+  // Particles may gain speed on the way.
+  static constexpr double faster = 1.6;
+  double longest = std::numeric_limits<double>::infinity();  // s
+  void refresh_lists() {
+    const double speed = faster * news.speed, moved = news.moved;
+    const double next = controls_error() ? integrator->statistics().next_dt : dt;
+    longest = speed > 0.0 ? p.allowance() / speed : std::numeric_limits<double>::infinity();
+    const bool due = moved != 0.0 && !(moved + speed * std::min(next, longest) <= p.allowance());
+    if (p.renew(due, step, last_step() - step)) integrator->resize(p.fields(), p.local_particles());
+  }
+
+  // With the problem's new particles, at the same time; the integrator's counts go on.
+  void refine() {
+    if (finished()) return;
+    const std::string change = p.refine(integrator->time());
+    if (change.empty()) return;
+    const auto before = integrator->save();
+    coarser_updates = updates();
+    coarser_evaluations = before.statistics.evaluations;
+    p.rebuild(false);
+    p.set_time(before.t);
+    make_integrator();
+    bound = {0.0, {}};
+    integrators::explicit_memory fresh;
+    fresh.t = before.t;
+    fresh.statistics = before.statistics;
+    integrator->restore(fresh);
+    count_particles();
+    hear_news(false);
+    files.tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
+                           report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
+    warn_about_step();
+  }
+  void count_particles() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles())); }
+  double updates() const {
+    return coarser_updates + static_cast<double>(report.fluid_particles) *
+                                 static_cast<double>(integrator->statistics().evaluations - coarser_evaluations);
+  }
+
+  bool finished() const { return step >= last_step() || is_steady || integrator->time() >= t_end() * (1.0 - 1e-12); }
+
+  // Where the next step must end. Fixed steps keep their length but for what the state asks, output times and the end.
+  run::next_end choose_end() const {
+    const double t = integrator->time(), interval = o.output.interval;
+    if (!(t + 1e-3 * longest > t))
+      foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
+    integrators::step_limit most{longest, "displacement"};
+    if (const double own = p.longest_step(); own < most.dt) most = {own, "accuracy"};
+    if (controls_error()) {
+      const double last = files.last_end(t_end(), interval);
+      return t + most.dt < last ? run::next_end{t + most.dt, most.name} : run::next_end{last, "output"};
+    }
+    if (bound.dt > 0.0 && bound.dt < most.dt) most = bound;
+    if (!(most.dt < dt)) most = {dt, dt_is};
+    return files.end_of_fixed_step(t, dt, most, t_end(), interval);
+  }
+
+  void advance() {
+    output::progress progress(ranks.rank == 0, stderr, state());
+    hear_news(false);
+    while (!finished()) {
+      if (news.stop > 0.0) {
+        progress.finish(state());
+        interrupt_run();
+      }
+      const auto before = seconds_clock::now();
+      p.communication.begin();
+      refresh_lists();
+      take_step();
+      complete_step();
+      p.communication.end();
+      files.stepping_seconds += since(before);
+      record();
+      progress.update(state());
+    }
+    progress.finish(state());
+  }
+
+  void take_step() {
+    const foundation::stopwatch watch;
+    {
+      const foundation::stage timed(p.times(), "integration");
+      integrator->prepare();
+      p.keep_memory();
+      if (p.asks_again()) integrator->state_changed();
+      // The other methods may take the last stage's rate for the first of the next step.
+      p.expect_memory(o.time.method != "rk4");
+      in_step = true;
+      const auto end = choose_end();
+      integrator->step(end.t, end.by);
+      in_step = false;
+      stages_done = 0;
+      p.expect_memory(true);
+    }
+    p.worked(watch.busy());
+  }
+
+  void complete_step() {
+    ++step;
+    const bool moved_on = p.set_time(integrator->time());
+    if (moved_on && !o.time.dt && !controls_error()) bound = p.largest_step();
+    hear_news(p.complete_step(step));
+    if (news.changed || moved_on) integrator->state_changed();
+  }
+
+  output::progress_state state() const {
+    const auto& statistics = integrator->statistics();
+    return {step,    steps_asked().value_or(0), integrator->time(),
+            t_end(), statistics.last_dt,        static_cast<std::uint64_t>(updates())};
+  }
+
+  // Where it is they that end the run, or may.
+  std::optional<std::int64_t> steps_asked() const {
+    if (last_step() > o.time.steps || o.time.steps >= time_options{}.steps) return {};
+    return o.time.steps;
+  }
+
+  [[noreturn]] void interrupt_run() {
+    write_checkpoint();
+    const auto steps = steps_asked();
+    files.interrupt(news.stop, step, steps ? fmt::format(" of {}", *steps) : "", integrator->time());
+  }
+
+  // ---- output -----------------------------------------------------------------------------
+
+  run::records records{{.evaluate = [this] { evaluate_here(); },
+                        .line =
+                            [this] {
+                              append_history();
+                              is_steady = p.steady();
+                            },
+                        .snapshot = [this] { write_snapshot(); },
+                        .checkpoint = [this] { write_checkpoint(); }}};
+
+  void record() {
+    records.lines_and_snapshots(step, step % o.output.history_interval == 0,
+                                files.snapshot_due(integrator->time(), o.output.interval));
+    if (records.has_line(step)) refine();
+    if (finished() || checkpoint_is_due()) records.checkpoint(step);
+  }
+
+  bool checkpoint_is_due() const {
+    if (o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0) return true;
+    return o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds;
+  }
+
+  std::vector<output::history_column> columns() const {
+    std::vector<output::history_column> all{{"time", "s"}, {"dt", "s"}};
+    for (const auto& c : p.columns()) all.push_back(c);
+    return all;
+  }
+
+  void append_history() {
+    const foundation::stage timed(p.times(), "output");
+    std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
+    for (const double v : p.row(integrator->time())) values.push_back(v);
+    files.append_line(step, values);
+  }
+
+  void write_snapshot() {
+    const foundation::stage timed(p.times(), "output");
+    auto header = p.header();
+    header.time = integrator->time();
+    header.step = step;
+    std::vector<particles::array> extra;
+    files.write_snapshot(header, p.snapshot(extra), o.output.interval);
+  }
+
+  void write_checkpoint() {
+    const foundation::stage timed(p.times(), "output");
+    output::checkpoint_globals g;
+    p.save(g);
+    g.reals["fixed_dt"] = dt;
+    g.reals["bound_dt"] = bound.dt;
+    g.texts["bound_is"] = bound.name;
+    g.reals["coarser_updates"] = coarser_updates;
+    g.integers["coarser_evaluations"] = coarser_evaluations;
+    std::vector<std::int64_t> materials;
+    records.save(g);
+    files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
+  }
+
+  // ---- start, restart, end ----------------------------------------------------------------
+
+  void start_anew() {
+    p.rebuild(false);
+    p.set_time(0.0);
+    make_integrator();
+    files.begin();
+    files.start_history(columns());
+    p.begin_tables(files);
+    evaluate_here();
+    records.begin(step);
+  }
+
+  void continue_from(const output::latest_checkpoint& saved) {
+    const auto& g = saved.state.globals;
+    p.restore(g);
+    p.read_particles(saved.state.tables.at("fluid"));
+    p.rebuild(true);
+    count_particles();
+    p.set_time(g.reals.at("time"));
+    // A step chosen for another method is not this one's.
+    const bool as_before = method_of(g.texts.at("input")) == o.time.method;
+    make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
+    if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
+    step = files.continue_from(saved, *integrator, columns(), o.output.interval);
+    p.set_time(integrator->time());
+    records.restore(g, step, files.continues_here());
+    coarser_updates = g.reals.at("coarser_updates");
+    coarser_evaluations = g.integers.at("coarser_evaluations");
+    is_steady = p.steady();
+    p.begin_tables(files);
+    evaluate_here();
+    // An interrupted run may have ended before it went on finer.
+    if (step % o.output.history_interval == 0) refine();
+  }
+
+  void fill_report() {
+    files.fill_report(step, integrator.get());
+    if (integrator) report.particle_updates = updates();
+    report.stages = p.times().seconds();
+    p.report_counts(report);
+  }
+
+  void warn_about_step() {
+    const auto limit = p.largest_step();
+    if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
+      files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
+                             limit.name, limit.dt));
+  }
+
+  void carry_out() {
+    report.dimension = p.header().dimension;
+    count_particles();
+    auto found = files.open();
+    for (const auto& text : p.about()) files.tell(text);
+    try {
+      if (found)
+        continue_from(*found);
+      else
+        start_anew();
+      found.reset();
+      warn_about_step();
+      advance();
+      records.end(step);
+      fill_report();
+      p.report(integrator->time(), report);
+      report.state_hash = p.hash();
+      files.complete(step, integrator->time(), t_end(), is_steady ? ", where the flow is steady" : "");
+    } catch (const foundation::error& e) {
+      // The last good state is in the arrays: it goes to disk with the reason.
+      files.fail(e, step, [&] {
+        p.fail(e, step, report);
+        if (e.status() == foundation::exit_status::calculation_failed && integrator) write_checkpoint();
+        fill_report();
+      });
+    }
+  }
+};
+
+}  // namespace
+
+void carry_out(problem& p, const common_options& o, const run::command_line& line, const std::string& resolved) {
+  loop{p, o, line, resolved}.carry_out();
+}
+
+}  // namespace tetsuame::run
