@@ -5,7 +5,7 @@
 // soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
 // lattice, makes linear velocities exact.
 //
-// s_ij = 1, or isotropic (line_forces): s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
+// s_ij = 1, or isotropic: s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
 // line's angle φ, in 2-D, with a such that
 //   Σ F r² s_ij n(e) = 0
 // then Σ F s e e e e r² is isotropic, as viscosity must be: with s = 1 shear along the rows of a square lattice feels
@@ -37,10 +37,9 @@ inline constexpr angles_tag of_angles;
 
 inline constexpr std::size_t angular_terms = 4;  // numbers of a
 
-// first: v, or what stands in its place, among the fields of the operators.
-template <int D, std::size_t first, bool isotropic>
+template <int D>
 struct graded_viscosity {
-  static_assert(D == 2 || !isotropic);
+  static constexpr bool isotropic = D == 2;
   using real = pairs::real;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = isotropic ? angular_terms : 0;
 
@@ -103,7 +102,7 @@ struct graded_viscosity {
     a.second += F_r2;
     const real part = ij.F * per_r2 * s;
     real along(0.0);
-    for (std::size_t b = 0; b < D; ++b) along += v[first + b] * r[b];
+    for (std::size_t b = 0; b < D; ++b) along += v[b] * r[b];
     const real nu = line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
     a.sum += (part * along * nu) * r;
     a.slope += (ij.F * (nu - 1.0)) * r;

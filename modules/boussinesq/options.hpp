@@ -2,7 +2,7 @@
 //   &convection  numbers that override the dimensional values, slowing, density, scheme
 //   &initial     perturbation, half_waves
 //   &walls       walls/options.hpp
-//   &time, &kernel, &output, &run   march/options.hpp
+//   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <boussinesq/gravity_density.hpp>
@@ -16,37 +16,28 @@ namespace tetsuame::boussinesq {
 
 struct convection_options {
   std::optional<double> rayleigh, prandtl;
-  double zeta = 0.0, xi = 0.0;  // 0: recommended
-  double steady_tolerance = 2e-4;
-  double steady_turnovers = 6.0;
-  std::int64_t levels = -1;  // coarser ones before; -1: chosen
-  double level_tolerance = 2e-3, level_time = 0.0;
+  bool viscous_heating = false, adiabatic_heating = false;
+  double heating = 0.0;  // W/kg
+
   std::string target = "auto";
-  double steady_mach = 1.5;
-  std::string viscous_response = "auto";
-  std::optional<double> shear_damping;  // not given: by the viscosity's law
+  double steady_tolerance = 2e-4;
+  std::int64_t levels = -1;           // coarser ones before; -1: chosen
+  std::optional<double> steady_mach;  // not given: by the viscosity's law
+
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
   double p_top = 0.0;          // Pa
   bool eos_dynamic_pressure = true;
-  std::string pressure = "eulerian";
-  std::string scheme = "consistent";
-  std::string operators = "corrected";
-  std::string lagging = "auto";
-  double pressure_diffusion = 0.2, remap_diffusion = 0.5, shifting = 1.5;
-  std::string line_forces = "auto";  // equal or isotropic: weights of the lines whose viscosity varies
+
   std::string viscosity_law = "constant";
+  std::string viscosity_file;                         // of the 'table' law
+  double viscosity_min = 1e19, viscosity_max = 1e23;  // Pa s, of the 'melt' law
+  std::string composition = "peridotitic";            // of the 'melt' law
   double temperature_exponent = 0.0, depth_exponent = 0.0;
-  std::string viscosity_file;  // of the 'table' law
+  std::optional<double> viscosity_ramp;  // s; not given: chosen
 
-  // Of the 'melt' law.
-  std::string composition = "peridotitic";
-  double viscosity_min = 1e19, viscosity_max = 1e23;  // Pa s
-
-  std::optional<double> viscosity_ramp;   // s; not given: chosen
-  std::optional<double> viscosity_start;  // not given: chosen
-  double heating = 0.0;                   // W/kg
-  bool viscous_heating = false, adiabatic_heating = false;
+  std::optional<double> pressure_diffusion;  // not given: chosen
+  double remap_diffusion = 0.5, shifting = 1.5;
 };
 
 struct initial_options {
@@ -66,32 +57,35 @@ struct options {
   double temperature_top() const { return walls.sides[3].temperature; }
 };
 
-// What the run computes with, all SI.
+// What the run computes with, all SI; the slowing is that of the present lattice and viscosity.
 struct parameters {
   relaxation::fluid_layer fluid;
+  double T_bottom;       // K
+  double conductivity;   // W/(m K)
+  double heat_capacity;  // J/(kg K), at the top
+  double heating;        // K/s, from inside
+  viscosity_law law;     // over the top's viscosity, which is that of `fluid` when the law is reached
+  double nu;             // m2/s, the top's now
+  double reached;        // share of the law's logarithm that is there
+  // By an equation of state; null: by the Boussinesq law.
+  std::shared_ptr<const gravity_density> weighed;
+  double compressibility;     // what of p/K_0 gravity feels: 0, 1 or zeta²
+  double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
+
   relaxation::recommendation slowing;  // by the note's rules, or as given
   bool steady;                         // only the steady state is right: artificial inertia vanishes there
   double c_eff;                        // m/s, slowed sound c_0/(zeta xi)
-  double c_end;                        // m/s, c_eff at the end of the viscosity's ramp, if that follows it; else 0
+  double c_end;                        // m/s, c_eff at the end of the viscosity's ramp
   double ramp, start;                  // s, of the viscosity; so many times as high at first
   double sonic_share;                  // nu_eff = max(sonic_share c_eff dx, kappa); 0: nu_eff does not follow dx
   double nu_eff;                       // m2/s, nu/xi²: where steady everywhere, else at the reference viscosity
-  // Relaxed viscous response; instant: all 0, but for instant_share 1.
-  double shear_share;                              // of c_eff, the speed of waves of shear
-  double compression;                              // of that, what shear adds to the speed of waves of compression
-  double relaxation_length;                        // m, that speed times the relaxation time
-  double shear_speed;                              // m/s
-  double relaxation_time;                          // s
-  double instant_share;                            // of nu_eff, which answers at once
-  double compressibility;                          // what of p/K_0 gravity feels: 0, 1 or zeta²
-  std::shared_ptr<const gravity_density> weighed;  // by an equation of state; null: by the Boussinesq law
-  double dissipation_number;  // alpha g L/c_p; with an equation of state the mean of alpha rho/rho_0 on its adiabat
-  std::vector<std::string> lines;  // what was chosen, and why
+  // The viscous force is that of a velocity which relaxes to v; instant: no waves of shear, instant_share 1.
+  bool relaxed;
+  double shear_speed;      // m/s, of waves of shear
+  double relaxation_time;  // s
+  double instant_share;    // of nu_eff, which answers at once
 
-  std::shared_ptr<const viscosity_table> tabulated;  // null: by exponents
-  double log_reference;                              // of that table's viscosity at the top, ln(Pa s): that of fluid.nu
-  double log_middle;                                 // ln of the viscosity in the middle over that of the top
-  std::string lagging;                               // as asked for, or what 'auto' is with the method of &time
+  std::vector<std::string> lines;  // what was chosen, and why
 };
 
 void declare(namelist::schema& schema, options& o);
@@ -101,8 +95,8 @@ double expected_particles(const options& o);  // of the finest level
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
-// Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity in the middle
-// while that is `higher` than at the end.
-void follow(parameters& p, double dx, double higher = 1.0);
+// Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity while that is not
+// yet what it is at the end.
+void follow(parameters& p, double dx);
 
 }  // namespace tetsuame::boussinesq

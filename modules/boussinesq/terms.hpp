@@ -9,8 +9,9 @@ namespace tetsuame::boussinesq {
 struct slopes_tag {};
 inline constexpr slopes_tag of_slopes;
 
-// Q(f) = Σ V F [2 (f_i - f_j) - (G_i + G_j)·r] of the K fields of operators::consistent (convection.hpp). Graded: Q(p)
-// takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
+// Q(f) = Σ V F [2 (f_i - f_j) - (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)] of the K
+// fields of operators::consistent. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy
+// is p²/ξ²: so it falls, whatever the contrast.
 template <int D, int fields, bool graded>
 struct noise {
   using real = pairs::real;

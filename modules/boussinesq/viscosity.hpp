@@ -10,6 +10,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,20 @@ class viscosity_table {
   viscosity_table() = default;
   std::vector<double> T_, depth_;
   std::vector<double> log_;  // depth changes fastest
+};
+
+// ν over that of the top: exp(-b (T - T_top)/ΔT + c (1 - y/L)), or by a table.
+struct viscosity_law {
+  bool varies = false;
+  double b = 0.0, c = 0.0;                       // exponents of temperature and depth
+  double T_top = 0.0, dT = 1.0, L = 1.0;         // K, K, m
+  std::shared_ptr<const viscosity_table> table;  // null: by the exponents
+  double log_reference = 0.0;                    // of the table at the top, ln(Pa s)
+  double log_middle = 0.0;                       // ln of the viscosity in the middle of the layer over that of the top
+
+  double log(double T, double y) const {  // y: m above the bottom
+    return table ? table->log(T, L - y) - log_reference : -b * (T - T_top) / dT + c * (1.0 - y / L);
+  }
 };
 
 }  // namespace tetsuame::boussinesq

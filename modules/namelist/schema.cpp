@@ -192,8 +192,15 @@ std::size_t array_size(const target& bound) {
       bound);
 }
 
+constexpr const char* expert_group = "expert";
+
 [[noreturn]] void fail_unknown_key(const std::string& where, const key_group& g, const std::string& name,
                                    const std::vector<key_group>& groups) {
+  for (const key_group& other : groups)
+    for (const key& k : other.keys)
+      if (k.name == name && k.declared_in == g.name)
+        foundation::fail_input(
+            fmt::format("{}: &{} {}: this key stands in group &{}", where, g.name, name, other.name));
   std::string hint = g.keys.empty() ? "the group has no keys"
                                     : fmt::format("the nearest valid key is {}", nearest(name, names(g.keys)));
   for (const key_group& other : groups)
@@ -236,18 +243,21 @@ bool default_is_allowed(const key& k) {
 }  // namespace
 
 void schema::group(const std::string& name, const std::string& meaning) {
-  if (find_name(groups_, lower(name)) == groups_.end()) groups_.push_back({lower(name), meaning, {}});
+  if (find_name(groups_, lower(name)) == groups_.end())
+    groups_.insert(find_name(groups_, expert_group), {lower(name), meaning, {}});
 }
 
 void schema::pass_over(const std::string& group) { passed_over_.push_back(lower(group)); }
 
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
-  const auto g = find_name(groups_, lower(group));
   const std::string full = fmt::format("namelist key {}.{}", group, name);
-  if (g == groups_.end()) throw std::logic_error(full + ": the group is not declared");
+  if (find_name(groups_, lower(group)) == groups_.end()) throw std::logic_error(full + ": the group is not declared");
+  if (info.expert) this->group(expert_group, "what only an expert turns, each key as one of the group it belongs to");
+  const auto g = find_name(groups_, info.expert ? expert_group : lower(group));
   if (find_name(g->keys, lower(name)) != g->keys.end()) throw std::logic_error(full + " is declared twice");
   key k;
   k.name = lower(name);
+  k.declared_in = lower(group);
   k.bound = bound;
   k.info = std::move(info);
   k.default_text = value_text(bound);
@@ -301,21 +311,23 @@ void schema::check_unassigned(const std::string& input_name) const {
     }
 }
 
-const key& schema::find(const std::string& group, const std::string& name) const {
-  const auto g = find_name(groups_, lower(group));
-  if (g != groups_.end())
-    if (const auto k = find_name(g->keys, lower(name)); k != g->keys.end()) return *k;
+std::pair<const key&, const std::string&> schema::find(const std::string& group, const std::string& name) const {
+  for (const auto& g : groups_)
+    for (const auto& k : g.keys)
+      if (k.name == lower(name) && (g.name == lower(group) || k.declared_in == lower(group))) return {k, g.name};
   throw std::logic_error(fmt::format("namelist key {}.{} is not declared", group, name));
 }
 
-std::string schema::where(const std::string& group, const std::string& key) const { return find(group, key).origin; }
+std::string schema::where(const std::string& group, const std::string& key) const {
+  return find(group, key).first.origin;
+}
 
-bool schema::given(const std::string& group, const std::string& key) const { return find(group, key).given; }
+bool schema::given(const std::string& group, const std::string& key) const { return find(group, key).first.given; }
 
-void schema::fail(const std::string& group, const std::string& key, const std::string& message) const {
-  const std::string place = where(group, key);
+void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
+  const auto [k, stands_in] = find(group, name);
   foundation::fail_input(
-      fmt::format("{}: &{} {}: {}", place == "default" ? "default value" : place, group, key, message));
+      fmt::format("{}: &{} {}: {}", k.origin == "default" ? "default value" : k.origin, stands_in, k.name, message));
 }
 
 }  // namespace tetsuame::namelist

@@ -13,6 +13,10 @@
 // wrong type, not finite, out of range or too much is an error: foundation::error with
 // status bad_input, which names file and line, what was expected and the nearest valid
 // name. Wrong declarations (a key twice, a default out of its range) are std::logic_error.
+//
+// Keys that only an expert turns are declared like the others, with .expert = true, and
+// stand in one group &expert behind all others; given in the group that declares them
+// they are an error that says so.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +27,7 @@
 #include <namelist/document.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -39,6 +44,7 @@ struct key_info {
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
+  bool expert = false;  // stands in &expert
   std::string meaning = "";
 };
 
@@ -49,6 +55,7 @@ using target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, s
 
 struct key {
   std::string name;
+  std::string declared_in;  // the group, also of a key of &expert
   target bound;
   key_info info;
   std::string default_text;        // as in a namelist; empty: none
@@ -104,7 +111,8 @@ class schema {
   }
 
  private:
-  const key& find(const std::string& group, const std::string& key) const;
+  // The key of that group, or the one of &expert that the group declared; and the name of the group it stands in.
+  std::pair<const key&, const std::string&> find(const std::string& group, const std::string& key) const;
   void check_unassigned(const std::string& input_name) const;
   std::vector<key_group> groups_;
   std::vector<std::string> passed_over_;

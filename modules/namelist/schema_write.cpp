@@ -112,7 +112,8 @@ void schema::describe(std::ostream& out) const {
     if (!g.meaning.empty()) out << comment(g.meaning, "");
     out << '&' << g.name << '\n';
     for (const key& k : g.keys) {
-      if (!k.info.meaning.empty()) out << comment(k.info.meaning, "  ");
+      const std::string whose = k.declared_in == g.name ? "" : fmt::format("of &{}: ", k.declared_in);
+      if (!(whose + k.info.meaning).empty()) out << comment(whose + k.info.meaning, "  ");
       std::string facts = type_name(k);
       if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -81,7 +82,9 @@ struct particles {
   array c_V;    // J/(kg K)
   array c;      // m/s, sound speed
 
-  std::vector<extra_field> extras;  // named by the problem before the first particle is there; not in snapshots
+  // Declared by the problem before the first particle is there (named_fields.hpp), and stay where they are; not in
+  // snapshots.
+  std::deque<extra_field> extras;
 
   std::size_t first_wall() const { return fluid + fluid_ghosts; }
   std::size_t total() const { return fluid + fluid_ghosts + walls + wall_ghosts; }

@@ -41,21 +41,27 @@ void declare(namelist::schema& schema, relaxation_options& o) {
   schema.group("relaxation", "slowed sound (RSST) and inertia (VIM)");
   schema.add("relaxation", "method", o.method,
              {.choices = {"auto", "none", "rsst", "vim", "rsst_vim"},
+              .expert = true,
               .meaning = "auto: rsst_vim where viscosity balances buoyancy, rsst where inertia does"});
-  schema.add("relaxation", "zeta", o.zeta,
-             {.minimum = 1.0, .maximum = 1e30, .meaning = "sound is slowed by it; not given: by the rule"});
   schema.add(
-      "relaxation", "xi", o.xi,
-      {.minimum = 1.0, .maximum = 1e30, .meaning = "inertia is multiplied by its square; not given: by the rule"});
+      "relaxation", "zeta", o.zeta,
+      {.minimum = 1.0, .maximum = 1e30, .expert = true, .meaning = "sound is slowed by it; not given: by the rule"});
+  schema.add("relaxation", "xi", o.xi,
+             {.minimum = 1.0,
+              .maximum = 1e30,
+              .expert = true,
+              .meaning = "inertia is multiplied by its square; not given: by the rule"});
   schema.add("relaxation", "rule", o.rule,
              {.choices = {"slower_speed", "later"},
+              .expert = true,
               .meaning = "slower_speed: note of February 2023; later: of June 2023, with boundary layers"});
   schema.add("relaxation", "boundary_layers", o.boundary_layers,
-             {.meaning = "buoyancy acts on thermal boundary layers only: the wider bounds"});
+             {.expert = true, .meaning = "buoyancy acts on thermal boundary layers only: the wider bounds"});
   schema.add("relaxation", "mach", o.mach,
              {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .meaning = "flow over slowed sound, V/c_eff"});
-  schema.add("relaxation", "phi_xi", o.phi_xi,
-             {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .meaning = "xi over its bound"});
+  schema.add(
+      "relaxation", "phi_xi", o.phi_xi,
+      {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .expert = true, .meaning = "xi over its bound"});
 }
 
 }  // namespace

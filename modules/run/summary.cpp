@@ -115,8 +115,8 @@ void write_text(const domain::communicator& where, const std::string& path, cons
 
 namespace {
 
-// Of &domain who does the work, and of &convection what lags by a step, as goes with the time integration.
-bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance" || key == "lagging"; }
+// Of &domain who does the work.
+bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance"; }
 
 // Lines of the groups that must be the same: all but how long, how to write, and who does the work.
 std::vector<std::string> binding_lines(const std::string& input) {

@@ -10,19 +10,27 @@ void declare_side(namelist::schema& schema, const abilities& of_problem, std::si
   const std::string name = side_names[n], only = n > 3 ? " (3-D only)" : "";
   auto choices = heats;
   choices.insert(choices.begin(), "inherit");
+  const bool rare = name != "bottom" && name != "top";
   if (of_problem.moving)
-    schema.add(
-        "walls", "slip_" + name, s.slip,
-        {.choices = {"inherit", "no_slip", "free_slip"}, .meaning = "velocity at this side; inherit: as slip" + only});
+    schema.add("walls", "slip_" + name, s.slip,
+               {.choices = {"inherit", "no_slip", "free_slip"},
+                .expert = true,
+                .meaning = "velocity at this side; inherit: as slip" + only});
   schema.add("walls", "thermal_" + name, s.thermal,
-             {.choices = choices, .meaning = "heat at this side; inherit: as thermal" + only});
+             {.choices = choices, .expert = rare, .meaning = "heat at this side; inherit: as thermal" + only});
   schema.add("walls", "temperature_" + name, s.temperature,
-             {.unit = "K", .minimum = 0.0, .meaning = "temperature of the side where thermal is fixed" + only});
+             {.unit = "K",
+              .minimum = 0.0,
+              .expert = rare,
+              .meaning = "temperature of the side where thermal is fixed" + only});
   if (of_problem.flux)
     schema.add("walls", "flux_" + name, s.flux,
-               {.unit = "W/m^2", .meaning = "heat into the fluid through the side where thermal is flux" + only});
+               {.unit = "W/m^2",
+                .expert = true,
+                .meaning = "heat into the fluid through the side where thermal is flux" + only});
   if (of_problem.moving)
-    schema.add("walls", "velocity_" + name, s.velocity, {.unit = "m/s", .meaning = "of the side along itself" + only});
+    schema.add("walls", "velocity_" + name, s.velocity,
+               {.unit = "m/s", .expert = true, .meaning = "of the side along itself" + only});
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ forces force_of(const run::state<2>& scene, const vector_field& v, const std::fu
   const double beta = operators::lattice_beta<2>(scene.w.kernel, scene.w.dx);
   bool singular = false;
   operators::consistent<2, 2, false, 0U> gradients{{}, {}, {}, 1.0, beta, {}, &singular};
-  graded_viscosity<2, 0, true> viscous{};
+  graded_viscosity<2> viscous{};
   viscous.root = root.data();
   viscous.beta = beta * 4.0 / 6.0;
   std::array<std::array<particles::array, 2>, 2> gradient;

@@ -191,3 +191,29 @@ BOOST_AUTO_TEST_CASE(wrong_declarations) {
   BOOST_CHECK_THROW(schema.add("a", "list", list, {.maximum_size = 2}), std::logic_error);
   BOOST_CHECK_THROW(schema.add("a", "list", list, {.minimum = 1.0}), std::logic_error);
 }
+
+// Keys of experts are declared with their module's, and stand together behind all groups.
+BOOST_AUTO_TEST_CASE(keys_of_experts) {
+  double g = 10.0, order = 2.0, skin = 0.2;
+  namelist::schema s;
+  s.group("gravity", "");
+  s.add("gravity", "g", g);
+  s.add("gravity", "order", order, {.expert = true, .meaning = "of the sum"});
+  s.group("kernel", "");
+  s.add("kernel", "skin", skin, {.minimum = 0.0, .expert = true});
+  std::ostringstream described;
+  s.describe(described);
+  const std::string shown = described.str();
+  BOOST_TEST(shown.find("&kernel") < shown.find("&expert"));
+  BOOST_TEST(shown.find("! of &gravity: of the sum") > shown.find("&expert"));
+  s.read(namelist::parse_text("&expert order = 3 / &gravity g = 9 /", "f"));
+  BOOST_TEST(order == 3.0);
+  BOOST_TEST(s.given("gravity", "order"));
+  BOOST_TEST(!s.given("kernel", "skin"));
+  const auto read = [&](const std::string& text) { return message([&] { s.read(namelist::parse_text(text, "f")); }); };
+  BOOST_TEST(message([&] { s.fail("gravity", "order", "no"); }) == "f:1: &expert order: no");
+  BOOST_TEST(read("&gravity order = 3 /") == "f:1: &gravity order: this key stands in group &expert");
+  BOOST_TEST(read("&kernel order = 3 /") ==
+             "f:1: &kernel: unknown key order; the group has no keys; &expert has a key of this name");
+  BOOST_CHECK_THROW(s.add("kernel", "order", g, {.expert = true}), std::logic_error);
+}

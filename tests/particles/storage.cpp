@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <cstdint>
+#include <particles/named_fields.hpp>
 #include <particles/storage.hpp>
 #include <set>
 #include <string>
@@ -151,9 +152,27 @@ BOOST_AUTO_TEST_CASE(table_names_each_field_once) {
   });
   BOOST_TEST(names.size() == fields);
   BOOST_TEST(arrays.size() == count);
-  // All of the struct's arrays stand in the table: it holds nothing else but counts, a choice and three vectors.
+  // All of the struct's arrays stand in the table: it holds nothing else but counts, a choice, two vectors and a deque.
   BOOST_TEST(count ==
              (sizeof s - 5 * sizeof(std::size_t) - sizeof s.id - sizeof s.material - sizeof s.extras) / sizeof s.rho);
   for (const role kind : {role::integrated, role::constant, role::memory}) BOOST_TEST(travels(kind));
   BOOST_TEST(!travels(role::derived));
+}
+
+// What declare() gives stays the field, whatever is declared after it and wherever allocate() moves its values.
+BOOST_AUTO_TEST_CASE(fields_declared_by_name) {
+  particles<2> s;
+  array& first = declare(s, "First", "Pa", role::integrated);
+  const auto force = declare_vector<2>(s, "Force", "m/s^2", role::memory, "per mass");
+  for (int k = 0; k < 100; ++k) declare(s, "Other" + std::to_string(k), "1", role::derived);
+  allocate(s, 4, 0, 0, 0);
+  first[3] = 7.0;
+  force[1][2] = 5.0;
+  allocate(s, 1000, 0, 0, 0);
+  BOOST_TEST(extra(s, "First")[3] == 7.0);
+  BOOST_TEST(extra(s, "Force_1")[2] == 5.0);
+  BOOST_TEST(&extra(s, "Force_0") == &force[0]);
+  BOOST_TEST(force.data()[1] == extra(s, "Force_1").data());
+  BOOST_TEST(s.extras[2].description == "per mass");
+  BOOST_CHECK_THROW(declare(s, "Force_0", "1", role::memory), std::logic_error);
 }

@@ -101,8 +101,8 @@ class Refusals(Case):
                 self.refuse(program, name, {"output.interval": 1e-300}, "--set output.interval=1e-300: &output interval: would write")
 
     def test_slowing_below_one(self):
-        self.refuse("convection", "air_1e4", {"convection.zeta": 0.5}, "--set convection.zeta=0.5: &convection zeta", "at least 1")
-        self.refuse("convection", "air_1e4", {"convection.zeta": "1e308"}, "--set convection.zeta=1e308: &convection zeta", "1e+30")
+        self.refuse("convection", "air_1e4", {"expert.zeta": 0.5}, "--set expert.zeta=0.5: &expert zeta", "in [1, 1e+30]")
+        self.refuse("convection", "air_1e4", {"expert.xi": "1e308"}, "--set expert.xi=1e308: &expert xi", "in [1, 1e+30]")
 
     def test_a_drop_below_the_spacing(self):
         """The theory's grid goes with the radius: it must neither hang nor fill the memory."""

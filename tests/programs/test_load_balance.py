@@ -9,11 +9,11 @@ from running import Case
 # are made anew.
 SHEARED = ("hydrostatic_13_linear",
            {"domain.particles_x": 16, "domain.length_x": 80e3, "domain.particles_y": 96, "domain.length_y": 480e3,
-            "time.dt": 0.2, "time.steps": 36, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
+            "time.dt": 0.2, "time.steps": 36, "expert.velocity_top": 2000, "expert.velocity_bottom": -2000,
             "material.viscosity": 2e11, "output.interval": 0, "domain.ranks_x": 1, "walls.marker_radius": 2.5, "balancer.interval": 6})
 
 # Slow enough for the first lists to last: cuts move under lists that stay.
-SLOW = (SHEARED[0], {**SHEARED[1], "walls.velocity_top": 25, "walls.velocity_bottom": -25, "time.steps": 90, "domain.particles_y": 72, "domain.length_y": 360e3,
+SLOW = (SHEARED[0], {**SHEARED[1], "expert.velocity_top": 25, "expert.velocity_bottom": -25, "time.steps": 90, "domain.particles_y": 72, "domain.length_y": 360e3,
                      "balancer.interval": 10, "hosono.solver": "newton"})
 
 

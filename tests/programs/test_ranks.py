@@ -8,7 +8,7 @@ from running import ALL, Case
 # Walls that drag the fluid along in opposite directions: more than a spacing each way in 6 s, with a
 # viscous fluid and a step of about the CFL limit. Particles cross the borders between the ranks of the periodic box.
 SHEARED = ("hydrostatic_13_linear",
-           {"time.dt": 0.2, "time.steps": 30, "walls.velocity_top": 2000, "walls.velocity_bottom": -2000,
+           {"time.dt": 0.2, "time.steps": 30, "expert.velocity_top": 2000, "expert.velocity_bottom": -2000,
             "material.viscosity": 2e11, "output.interval": 0, "hosono.solver": "newton"})
 
 # B and D have no walls that could drag: a box whose fluid falls, and expands where it lacks support. Of 22 columns
@@ -73,7 +73,7 @@ class Same(Case):
                 self.hashes(program, name, settings, [(None, 1), (None, 2), (2, 2)])
 
     def test_in_three_dimensions(self):
-        settings = {"domain.dimension": 3, "time.steps": 8, "time.dt": 0.2, "walls.velocity_top": 2000, "material.viscosity": 2e11,
+        settings = {"domain.dimension": 3, "time.steps": 8, "time.dt": 0.2, "expert.velocity_top": 2000, "material.viscosity": 2e11,
                     "output.interval": 0}
         for axis, n in (("x", 16), ("y", 8), ("z", 10)):
             settings[f"domain.length_{axis}"], settings[f"domain.particles_{axis}"] = n * 5e3, n

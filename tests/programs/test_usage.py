@@ -252,7 +252,7 @@ class Resolved(Case):
     def test_runs_again_with_the_same_result(self):
         # Only what `resolved.nml` keeps can make the second run the same: the settings are not given again.
         settings = {"time.steps": 20, "time.dt": 0.01, "initial.pressure": 1.0e10 / 3.0, "domain.particles_x": 10,
-                    "domain.length_x": 50e3, "walls.velocity_top": 100.0, "walls.slip": "no_slip", "material.viscosity": 1e11}
+                    "domain.length_x": 50e3, "expert.velocity_top": 100.0, "walls.slip": "no_slip", "material.viscosity": 1e11}
         for program in ["disph_c", "disph_d", "disph_f"]:
             with self.subTest(program):
                 first = self.run_program(program, "hydrostatic_column", settings)
