@@ -9,22 +9,18 @@
 #include <boussinesq/step.hpp>
 #include <output/columns.hpp>
 #include <output/state_hash.hpp>
-#include <run/checkpoint_table.hpp>
-#include <run/lists.hpp>
-#include <run/problem.hpp>
+#include <run/box.hpp>
 
 namespace tetsuame::boussinesq {
 
 template <int D>
-class convection : public run::problem {
+class convection : public run::problem_in_a_box<D> {
  public:
-  convection(const options& o, const parameters& p) : state_(o, p) {}
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
 
-  const domain::communicator& ranks() const override { return state_.ranks(); }
-  std::size_t local_particles() const override { return state_.fluid().fluid; }
-  std::size_t simd_lanes() const override { return pairs::lanes; }
-  foundation::stage_times& times() override { return state_.world.w.times; }
-  output::snapshot_header header() const override { return run::snapshot_header(state_.world); }
+  convection(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {}
+
   std::vector<std::string> about() const override { return state_.layer.lines; }
 
   std::vector<integrators::field> fields() override {
@@ -59,23 +55,13 @@ class convection : public run::problem {
   void keep_memory() override { begin_step(state_); }
   bool asks_again() const override { return state_.before || lacks_rate_; }
   bool set_time(double t) override { return boussinesq::set_time(state_, t); }
-  bool complete_step(std::int64_t) override {
+  bool complete_step(std::int64_t step) override {
     lacks_rate_ = false;
-    const std::int64_t crossings = walls::reflect(state_.world.walls, state_.fluid());
-    crossings_ += crossings;
-    return crossings > 0;
+    return base::complete_step(step);
   }
 
-  double moved() override { return run::moved_since_lists(state_.world); }
-  double allowance() const override { return 0.5 * state_.world.skin; }
   // Of the particles, which are spread as well: as at the start of the last step in proportion.
   double speed() override { return fastest_flow(state_) * state_.start.faster; }
-
-  void rebuild(bool as_they_were) override {
-    run::rebuild(state_.world, as_they_were);
-    state_.last.resize(state_.layer, state_.fluid().fluid);
-    refresh_lagged_terms(state_);
-  }
 
   // ---- measures ---------------------------------------------------------------------------
 
@@ -109,9 +95,7 @@ class convection : public run::problem {
     return {g};
   }
 
-  void report(double, run::summary& r) override {
-    boussinesq::report(state_, measured_, steady(), ranks().sum(crossings_), r);
-  }
+  void report(double, run::summary& r) override { boussinesq::report(state_, measured_, steady(), r); }
 
   std::string hash() override {
     const auto& s = state_.fluid();
@@ -122,9 +106,6 @@ class convection : public run::problem {
 
   // ---- checkpoints ------------------------------------------------------------------------
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
-    return run::checkpoint_table(state_.fluid(), materials);
-  }
   // A checkpoint of another method has neither the rate of the step before nor what was extrapolated from.
   void read_particles(const output::table& t) override {
     lacks_rate_ = keeps_rate(state_.input) && !t.reals.contains("EarlierRate_0_0");
@@ -139,7 +120,7 @@ class convection : public run::problem {
     g.reals["outside"] = measured_.outside;
     g.integers["level"] = state_.at_start.level;
     g.integers["has_before"] = state_.has_before ? 1 : 0;
-    g.integers["wall_crossings"] = ranks().sum(crossings_);
+    base::save(g);
     g.blobs["samples"] = measured_.samples.flat();
   }
   void restore(const output::checkpoint_globals& g) override {
@@ -150,15 +131,21 @@ class convection : public run::problem {
     measured_.v_rms = g.reals.at("v_rms");
     measured_.outside = g.reals.at("outside");
     measured_.samples.restore(g.blobs.at("samples"));
-    crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
+    base::restore(g);
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override {
+    run::rebuild(state_.world, as_they_were);
+    state_.last.resize(state_.layer, state_.fluid().fluid);
+    refresh_lagged_terms(state_);
   }
 
  private:
   convection_state<D> state_;
   measured<D> measured_;
-  bool whole_ = true;           // the next evaluation is one whose lagged terms are kept
-  bool lacks_rate_ = false;     // of the step before: 'ab2' starts anew
-  std::int64_t crossings_ = 0;  // of this rank
+  bool whole_ = true;        // the next evaluation is one whose lagged terms are kept
+  bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
 };
 
 }  // namespace tetsuame::boussinesq

@@ -215,8 +215,7 @@ void report_layer(const convection_state<D>& state, const measured<D>& m, nlohma
 }
 
 template <int D>
-void report(const convection_state<D>& state, const measured<D>& m, bool steady, std::int64_t crossings,
-            run::summary& r) {
+void report(const convection_state<D>& state, const measured<D>& m, bool steady, run::summary& r) {
   auto& j = r.metrics;
   report_averages(state, m, j);
   j["steady"] = steady;
@@ -229,7 +228,6 @@ void report(const convection_state<D>& state, const measured<D>& m, bool steady,
   }
   j["mach"] = m.mach;
   j["mean_density_drift"] = m.density_drift;
-  j["wall_crossings"] = crossings;
   report_layer(state, m, j);
   // Where the flow is steady, friction takes the work of buoyancy.
   const double friction = j["viscous_heating"], work = j["buoyancy_work"];
