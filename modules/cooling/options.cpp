@@ -40,6 +40,7 @@ void declare(namelist::schema& schema, options& o) {
              {.choices = {"plate", "half_space"}, .meaning = "exact solution the errors are against"});
   if (o.by_program) {
     o.scheme = "sum";
+    schema.pass_over("conduction", {"operator"});
     o.common.kernel.name = "quintic";
     walls::declare(schema, {.treatments = {"virtual_marker", "none", "mirror"}, .moving = false}, o.walls);
   } else {

@@ -249,6 +249,10 @@ void schema::group(const std::string& name, const std::string& meaning) {
 
 void schema::pass_over(const std::string& group) { passed_over_.push_back(lower(group)); }
 
+void schema::pass_over(const std::string& group, const std::vector<std::string>& keys) {
+  for (const auto& key : keys) keys_passed_over_.emplace_back(group, key);
+}
+
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
   const std::string full = fmt::format("namelist key {}.{}", group, name);
   if (find_name(groups_, lower(group)) == groups_.end()) throw std::logic_error(full + ": the group is not declared");
@@ -286,6 +290,11 @@ void schema::read(const document& input) {
     }
     for (const assignment& a : from.assignments) {
       const auto k = find_name(g->keys, a.key);
+      if (k == g->keys.end() &&
+          std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
+        passed_.push_back("&" + g->name + " " + a.key);
+        continue;
+      }
       if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
       const context c{input, a, g->name, *k};
       if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;

@@ -75,6 +75,9 @@ class schema {
   void group(const std::string& name, const std::string& meaning);
   // A group that other programs read from the same file: passed over, whatever is in it.
   void pass_over(const std::string& group);
+  // Keys of a group that is there, which another program reads: passed over as well, and told by passed().
+  void pass_over(const std::string& group, const std::vector<std::string>& keys);
+  const std::vector<std::string>& passed() const { return passed_; }  // "&group key", as the input has them
   void add(const std::string& group, const std::string& key, target bound, key_info info = {});
 
   template <class T>
@@ -115,7 +118,9 @@ class schema {
   std::pair<const key&, const std::string&> find(const std::string& group, const std::string& key) const;
   void check_unassigned(const std::string& input_name) const;
   std::vector<key_group> groups_;
-  std::vector<std::string> passed_over_;
+  std::vector<std::string> passed_over_;                               // groups
+  std::vector<std::pair<std::string, std::string>> keys_passed_over_;  // group, key
+  std::vector<std::string> passed_;
 };
 
 }  // namespace tetsuame::namelist

@@ -123,7 +123,11 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare_drops(schema, group, o);
   else
     declare_waves(schema, group, o);
-  if (!o.by_program) declare(schema, group, o.scheme);
+  if (o.by_program)
+    schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
+                             "normalise", "delta", "viscous_order", "stress", "rows"});
+  else
+    declare(schema, group, o.scheme);
   declare(schema, o.melting);
   declare(schema, o.element);
   schema.group("walls", "sides of the box that are not periodic");
@@ -134,6 +138,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.add("walls", "sides", o.walls.sides,
              {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the sides"});
   if (o.by_program) {
+    schema.pass_over("walls", {"pressure"});
     walls::declare_treatment(schema, {"virtual_marker", "none", "repulsion", "mirror"}, o.behind_walls);
     liquid::declare(schema, o.liquid);
     run::declare(schema, o.common, {});

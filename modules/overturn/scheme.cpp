@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <kernels/lattice.hpp>
 #include <overturn/groups.hpp>
@@ -92,6 +93,9 @@ void choose_by_program(const namelist::schema& schema, const char* group, option
       .volume = "our_method", .reference_pressure = "none", .delta = 0.0, .stress = "laplacian", .viscous_order = 2};
   p.stress_a = 1.0;
   p.stress_b = 0.0;
+  if (schema.passed().empty()) return;
+  p.lines.push_back(
+      fmt::format("note: passed over, as this program has a scheme of its own: {}", fmt::join(schema.passed(), ", ")));
 }
 
 void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p) {

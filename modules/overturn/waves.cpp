@@ -23,11 +23,12 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
              {.choices = {"eigenmode", "displaced", "coloured"},
               .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
                          "part at the wave"});
-  schema.add(
-      group, "rows", o.scheme.rows,
-      {.choices = {"lattice", "balanced"},
-       .meaning = "of the start: evenly spaced; or, with our_method, moved a little and with pressures such that "
-                  "the sums over neighbours hold their weight"});
+  if (!o.by_program)
+    schema.add(
+        group, "rows", o.scheme.rows,
+        {.choices = {"lattice", "balanced"},
+         .meaning = "of the start: evenly spaced; or, with our_method, moved a little and with pressures such that "
+                    "the sums over neighbours hold their weight"});
   schema.add(group, "pond_top", o.pond_top,
              positive("m", "enthalpy law: the upper material lies below this height, the lower one once more above"));
   schema.add(group, "cover_temperature", o.cover_temperature,

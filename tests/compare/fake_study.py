@@ -20,9 +20,9 @@ def main() -> int:
     folder.mkdir(parents=True)
     n = int(settings["domain.particles_x"])
     case, _, word = os.environ.get("FAKE_FAIL", "").partition(":")
-    stopped = bool(word) and folder.parent.name == case and (word == str(n) or word in settings.values())
+    stopped = bool(word) and folder.parent.name == case and (word in (str(n), program) or word in settings.values())
     message = "step 53: the smoothed pressure is not positive, or the flow has blown up" if stopped else ""
-    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock, "rti": rti}[program](n, source, settings, stopped)
+    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock}.get(program, rti)(n, source, settings, stopped)
     with open(folder / "resolved.nml", "w") as file:
         for name, keys in groups.items():
             file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")

@@ -112,7 +112,7 @@ class Pages(unittest.TestCase):
         self.output = Path(scratch.name) / "compare"
         self.binaries = Path(scratch.name) / "programs"
         self.binaries.mkdir()
-        for name in ("convection", "shock", "rti"):
+        for name in ("convection", "shock", "rti", "disph_c", "disph_n"):
             program = self.binaries / name
             program.write_bytes((HERE / "fake_study.py").read_bytes())
             program.chmod(0o755)
@@ -178,7 +178,7 @@ class Pages(unittest.TestCase):
         self.assertRegex(done.stdout, r"sod +40 .*diverged")
 
     def test_rti(self):
-        done = self.compare("rti", "--variants", "C; N", "--particles", "16", "32", "--overturn", "16", fail="overturn:our_method")
+        done = self.compare("rti", "--schemes", "C; N", "--particles", "16", "32", "--overturn", "16", fail="overturn:disph_c")
         self.assertEqual(done.returncode, 0, done.stderr)
         found = self.results()
         runs = {(one["variant"], one["case"], one["n"]): one for one in found["runs"]}
@@ -193,7 +193,7 @@ class Pages(unittest.TestCase):
     def test_usage_errors_run_nothing(self):
         for arguments, word in ((("convection", "--particles", "4"), "at least 8"), (("convection", "--inputs", "none"), "'none'"),
                                 (("shock", "--tests", "soot"), "no test 'soot'"), (("shock", "--schemes", "sph"), "no scheme 'sph'"),
-                                (("rti", "--variants", "Z"), "no variant 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
+                                (("rti", "--schemes", "Z"), "no scheme 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
             with self.subTest(word):
                 done = self.compare(*arguments)
                 self.assertEqual(done.returncode, 2)

@@ -17,7 +17,6 @@ from .table import verdict
 NAME = "convection"
 TITLE = "Convection against known steady states"
 ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
-BINARIES = ("convection",)
 INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
 QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
 

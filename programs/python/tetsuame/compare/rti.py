@@ -1,4 +1,4 @@
-"""Metal over silicate with the volumes and pressures of the programs C to F, and with number density."""
+"""Metal over silicate by the programs themselves: A to F, Y, number density, standard SPH, and rti."""
 import argparse
 from html import escape
 from pathlib import Path
@@ -13,53 +13,42 @@ from .runner import COMPLETED, CRASHED, Outcome
 from .table import stopped_step, verdict
 
 NAME = "rti"
-TITLE = "Metal over silicate: which formulation survives"
-ABOUT = "Run the program rti with the volumes and pressures of programs C to F and with number density: growth and overturn."
-BINARIES = ("rti",)
+TITLE = "Metal over silicate: which scheme survives"
+ABOUT = "Run the schemes' programs and rti on the same layers of metal over silicate: growth and overturn."
 
-OUR, SMOOTHED = "rti.volume=our_method", "rti.pressure=smoothed"
-NOTES = (OUR, SMOOTHED, "rti.normalise=F", "rti.volume_element=from_weight")
-# Name -> settings. The programs as in the notes have no diffusion of density (δ).
-VARIANTS = {
-    "C": (*NOTES, "rti.delta=0"),
-    "C, δ": (*NOTES, "rti.delta=0.1"),
-    "C, δ, ΔV own": (OUR, SMOOTHED, "rti.delta=0.1"),
-    "D": (*NOTES, "rti.delta=0", "walls.pressure=mirrored"),
-    "D, δ": (*NOTES, "rti.delta=0.1", "walls.pressure=mirrored"),
-    "E": (*NOTES, "rti.gradient=pattern_2", "rti.delta=0"),
-    "E, δ": (*NOTES, "rti.gradient=pattern_2", "rti.delta=0.1"),
-    "E, δ, ΔV own": (OUR, SMOOTHED, "rti.gradient=pattern_2", "rti.delta=0.1"),
-    "F": (OUR, "rti.delta=0"),
-    "F, δ": (OUR, "rti.delta=0.1"),
-    "N": (),
-    "N, smoothed": (SMOOTHED,),
-    "N, smoothed, Y/p": (SMOOTHED, "rti.volume_element=from_weight"),
+# Name -> its program, and what it is.
+SCHEMES = {
+    "A": ("disph_a", "Y by Hosono's iteration (newton), smoothed pressure, virtual markers, pattern 1"),
+    "B": ("disph_b", "as A, nothing behind the walls"),
+    "C": ("disph_c", "our method, smoothed pressure, virtual markers, pattern 1"),
+    "D": ("disph_d", "as C, nothing behind the walls"),
+    "E": ("disph_e", "as C, pattern 2"),
+    "F": ("disph_f", "our method, pressure from the equation of state, virtual markers, pattern 1"),
+    "Y": ("disph_y", "Y by its own evolution equation, smoothed pressure, virtual markers, pattern 1"),
+    "N": ("disph_n", "volumes from the number density, pressure from the equation of state, mirrored walls, pattern 1"),
+    "SSPH": ("ssph", "density by summation, pressure from the equation of state, mirrored walls, pattern 1"),
+    "rti": ("rti", "as N, with a reference pressure, a kernel that resists no shear and a viscous sum of fourth order"),
 }
-METHOD = {
-    "C": "our method, smoothed pressure, force with Y²/p (pattern 1), as in the notes",
-    "D": "as C; behind floor and lid the pressure does not go on with ρg (D has nothing there: not to be had in this program)",
-    "E": "as C with pattern 2",
-    "F": "our method, pressure from the equation of state, force with pΔV²",
-    "N": "number density, pressure from the equation of state, force with pΔV²",
-}
-QUICK = ("C", "C, δ", "C, δ, ΔV own", "D", "E", "E, δ", "F", "F, δ", "N", "N, smoothed, Y/p")
+QUICK = ("A", "C", "E", "F", "Y", "N", "SSPH", "rti")
 GROWTH, OVERTURN = "growth", "overturn"
 VISCOSITY = ("rti.viscosity_upper=6e11", "rti.viscosity_lower=6e11")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--variants", metavar="NAME;…", help=f"variants to run, by semicolons (there are {'; '.join(VARIANTS)})")
+    parser.add_argument("--schemes", metavar="NAME;…", help=f"schemes to run, by semicolons (there are {'; '.join(SCHEMES)})")
     parser.add_argument("--particles", nargs="+", type=int, metavar="N",
                         help="particles along an edge for the growth (default: 24 48; with --quick 24)")
     parser.add_argument("--overturn", type=int, metavar="N", help="particles along an edge for the overturn (default: 40; with --quick 24)")
-    parser.add_argument("--p-top", type=float, default=1e5, metavar="PA", help="pressure at the top (default: %(default)g)")
+    parser.add_argument("--p-top", type=float, default=1e10, metavar="PA",
+                        help="pressure at the top, of the growth (default: %(default)g: with the inputs' 1e5 that of a swing of sound is not "
+                             "positive, and E and Y stop)")
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    names = [name.strip() for name in given.variants.split(";") if name.strip()] if given.variants else QUICK if given.quick else VARIANTS
+    names = [name.strip() for name in given.schemes.split(";") if name.strip()] if given.schemes else QUICK if given.quick else SCHEMES
     for name in names:
-        if name not in VARIANTS:
-            parser.error(f"--variants: no variant '{name}' (there are {'; '.join(VARIANTS)})")
+        if name not in SCHEMES:
+            parser.error(f"--schemes: no scheme '{name}' (there are {'; '.join(SCHEMES)})")
     sizes = sorted(set(given.particles or ((24,) if given.quick else (24, 48))))
     overturn = given.overturn or (24 if given.quick else 40)
     if min(*sizes, overturn) < 12:
@@ -70,9 +59,9 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
 
 def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> Run:
     file = "rti_linear.nml" if case == GROWTH else "rti_note.nml"
-    own = () if case == GROWTH else ("time.t_end=5000", "output.interval=250", *VISCOSITY)
-    settings = (f"domain.particles_x={n}", f"domain.particles_y={n}", f"rti.p_top={given.p_top:g}", *own, *VARIANTS[name], *given.settings)
-    return Run("rti", root / "inputs" / file, name, n, settings, case)
+    own = (f"rti.p_top={given.p_top:g}",) if case == GROWTH else ("time.t_end=5000", "output.interval=250", *VISCOSITY)
+    settings = (f"domain.particles_x={n}", f"domain.particles_y={n}", *own, *given.settings)
+    return Run(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case)
 
 
 def measure(outcomes: list[Outcome]) -> dict:
@@ -115,10 +104,9 @@ def stopped_time(outcome: Outcome) -> float | None:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     names = list(dict.fromkeys(one["variant"] for one in measured["runs"]))
-    methods = "".join(f"<li><b>{letter}</b>: {escape(text)}</li>" for letter, text in METHOD.items()
-                      if any(name[0] == letter for name in names))
-    return ["<p>The same input for all: metal over silicate in the note's box. Letters stand for how the programs of that name find volume and "
-            f"pressure; δ: diffusion of the dynamic pressure in the density; ΔV own: the volume in the force is the density's, not Y/p.</p>\n<ul>{methods}</ul>",
+    methods = "".join(f"<li><b>{escape(name)}</b> ({SCHEMES[name][0]}): {escape(SCHEMES[name][1])}</li>" for name in names)
+    return ["<p>The same input for all: metal over silicate in the note's box, each program with its own kernel, walls and viscous sum. A and B "
+            f"have Newton's iteration here: the plain one of the note diverges where p &lt; K/2.</p>\n<ul>{methods}</ul>",
             "<h2>Who survives</h2>", outcome_table(measured, names),
             "<h2>Overturn</h2>",
             report.drawn(figures.states, outcomes, folder / "states.png",
@@ -144,7 +132,7 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         cells += f"<td class=\"number\">{growth_text(finest)}</td>"
         cells += outcome_cells(over)
         rows.append(f"<tr>{cells}</tr>")
-    return pages.table(["Variant", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
+    return pages.table(["Scheme", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
                          "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8})) + \
         "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
 
@@ -194,11 +182,11 @@ def growth_table(measured: dict, names: list[str]) -> str:
         rows.append(f"<tr><td class=\"name\">{escape(name)}</td>{cells}<td class=\"number\">{slope}</td></tr>")
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
     text = f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else ""
-    return pages.table(["Variant", *(f"error, n = {n}" for n in sizes), "order"], rows, numbers=frozenset(range(1, 2 + len(sizes)))) + text
+    return pages.table(["Scheme", *(f"error, n = {n}" for n in sizes), "order"], rows, numbers=frozenset(range(1, 2 + len(sizes)))) + text
 
 
 def terminal(outcomes: list[Outcome], measured: dict) -> str:
-    lines = [f"{'variant':<18}{'case':<10}{'n':>4}  {'outcome':<11}{'until':>8}  {'growth, error':>13}{'centroid':>10}  why"]
+    lines = [f"{'scheme':<18}{'case':<10}{'n':>4}  {'outcome':<11}{'until':>8}  {'growth, error':>13}{'centroid':>10}  why"]
     for one in measured["runs"]:
         until = f"{one['time']:.0f} s" if one["time"] is not None else "-"
         growth = growth_text(one) if one["case"] == GROWTH and one["outcome"] == COMPLETED else ""

@@ -19,7 +19,6 @@ from .table import place, verdict
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
 ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
-BINARIES = ("shock",)
 SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
 

@@ -1,6 +1,6 @@
 """The other comparisons: convection, shocks, metal over silicate. Each subject is a module with
 
-    NAME, TITLE, ABOUT, BINARIES
+    NAME, TITLE, ABOUT
     add_options(parser), plan(given, root, parser) -> [Run]
     measure(outcomes) -> dict            everything the page says, for results.json
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder

@@ -1,4 +1,4 @@
-"""The figures of the comparison of formulations on metal over silicate."""
+"""The figures of the comparison of schemes on metal over silicate."""
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +10,15 @@ from ..runner import COMPLETED, Outcome
 from . import convergence as orders
 
 MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
-NUMBER = "#111111"   # number density
-DASHES = {"": "-", "δ": (0, (5, 1.5)), "δ, ΔV own": (0, (1, 1)), "smoothed": (0, (5, 1.5)), "smoothed, Y/p": (0, (1, 1))}
+OTHERS = {"Y": "#F0E442", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
 
 
 def colour(name: str) -> str:
-    return style.COLOUR.get(name[0], NUMBER)
+    return style.COLOUR.get(name) or OTHERS[name]
 
 
 def look(name: str) -> dict:
-    return {"color": colour(name), "linestyle": DASHES.get(name.partition(", ")[2], "-"), "linewidth": 1.4}
+    return {"color": colour(name), "linestyle": "-", "linewidth": 1.4}
 
 
 def nearest(x, y, values, points: int = 160) -> np.ndarray:
@@ -103,24 +102,23 @@ def growth(outcomes: list[Outcome], path: Path) -> bool:
     axes[0].set_yscale("log")
     axes[0].set_ylabel("amplitude/start")
     axes[1].set_ylabel("amplitude/theory")
-    axes[1].set_ylim(0.95, 1.05)
+    axes[1].set_ylim(0.65, 1.05)
     for ax in axes[:2]:
         ax.set_xlabel("time (s)")
         ax.set_xlim(0, end)
     handles, labels = axes[0].get_legend_handles_labels()
     axes[2].set_axis_off()
-    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title=f"Variant, n = {finest}", alignment="left", handlelength=3)
+    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title=f"Scheme, n = {finest}", alignment="left", handlelength=3)
     style.save(figure, path)
     return True
 
 
 def convergence(measured: dict, path: Path) -> bool:
     panels: dict[str, list] = {}
-    shades = ("#0072B2", "#D55E00", "#009E73")
     for name in dict.fromkeys(one["variant"] for one in measured["runs"]):
         seen = [one for one in measured["runs"] if one["variant"] == name and one["case"] == "growth" and one["growth_error"] is not None]
-        curves = panels.setdefault(name[0], [])
-        curves.append(orders.Curve(name, shades[len(curves) % len(shades)], [one["n"] for one in seen],
+        curves = panels.setdefault(name, [])
+        curves.append(orders.Curve(name, colour(name), [one["n"] for one in seen],
                                    [abs(one["growth_error"]) for one in seen],
                                    [one["growth_uncertainty"] / one["growth_theory"] for one in seen]))
     several = any(len(curve.n) > 1 for curves in panels.values() for curve in curves)

@@ -1,0 +1,111 @@
+"""Every scheme on every liquid problem that it can run: growth, fall and conduction against theory, ranks and restarts, and what is
+refused."""
+
+import unittest
+
+from running import BAD_INPUT, INPUTS, Case, outcome
+
+SCHEMES = ["disph_a", "disph_c", "disph_f", "disph_y", "disph_n", "ssph"]
+QUIET = {"output.interval": 0}
+
+
+def square(n, **more):
+    return {"domain.particles_x": n, "domain.particles_y": n, **QUIET, **more}
+
+
+class Growth(Case):
+    def error(self, program, n):
+        """Of the growth rate. Pressures are far above what sound and kernels do to them, so that no scheme stops."""
+        m = self.run_program(program, "rti_linear", square(n, **{"rti.p_top": 1e10})).summary["metrics"]
+        self.assertEqual(m["wall_crossings"], 0)
+        return m["growth_rate"] / m["growth_rate_theory"] - 1
+
+    def test_second_order(self):
+        """The notes' viscous sum and smoothed pressures damp a wave by (kh)^2: half the spacing leaves a quarter of the error, or not
+        much more where walls are of first order."""
+        for program in SCHEMES:
+            with self.subTest(program):
+                coarse, fine = self.error(program, 16), self.error(program, 32)
+                self.assertLess(fine, 0)
+                self.assertGreater(fine, -0.25)
+                self.assertGreater(coarse / fine, 1.9)
+
+
+class Exact(Case):
+    def test_ranks_and_restart(self):
+        for program in ["disph_a", "disph_c", "disph_y", "ssph"]:
+            with self.subTest(program):
+                settings = square(16, **{"rti.p_top": 1e10, "time.steps": 24, "domain.balance": "counted", "balancer.interval": 4})
+                whole = self.run_program(program, "rti_note", settings)
+                for ranks in (2, 4):
+                    s = self.run_program(program, "rti_note", settings, ranks=ranks).summary
+                    self.assertEqual(outcome(s), outcome(whole.summary))
+                self.run_program(program, "rti_note", {**settings, "time.steps": 11}, output="part", ranks=3)
+                again = self.run_program(program, "rti_note", settings, output="part", options=["--restart", "latest"])
+                self.assertEqual(outcome(again.summary), outcome(whole.summary))
+
+
+class Problems(Case):
+    def test_drop(self):
+        """A cylinder's fall: within a tenth of creeping flow at 32 particles across, which the kernel smooths."""
+        for program in ["disph_c", "disph_n"]:
+            with self.subTest(program):
+                s = self.run_program(program, "drop_cylinder", {**QUIET, "domain.particles_x": 24, "domain.particles_y": 24}).summary
+                m = s["metrics"]
+                self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.2)
+
+    def test_conduction(self):
+        """Virtual markers and mirror images hold the walls' temperatures; what has no walls keeps its heat."""
+        errors = {program: self.run_program(program, "conduction_plate", square(25)).summary["errors"]["temperature_l2"]
+                  for program in ["disph_c", "disph_n", "disph_d"]}
+        self.assertLess(errors["disph_c"], 0.02)
+        self.assertLess(errors["disph_n"], 0.02)
+        self.assertGreater(errors["disph_d"], 0.2)
+
+    def test_melting_and_an_element(self):
+        for program in ["disph_c", "disph_a"]:
+            with self.subTest(program):
+                pond = self.run_program(program, "pond_on_mantle", square(16, **{"time.steps": 8})).summary
+                self.assertEqual(pond["status"], "completed")
+                metal = self.run_program(program, "partitioning", square(24, **{"time.steps": 8})).summary
+                self.assertLess(abs(metal["metrics"]["element_mass_error"]), 1e-12)
+
+    def test_mirrors_hold_a_column(self):
+        errors = {wall: self.run_program("disph_f", "hydrostatic_13", {**QUIET, "walls.treatment": wall}).summary["errors"]["pressure_max"]
+                  for wall in ("virtual_marker", "mirror", "none")}
+        self.assertLess(errors["mirror"], 2 * errors["virtual_marker"] + 1e-6)
+        self.assertGreater(errors["none"], 10 * errors["mirror"])
+
+
+class Refused(Case):
+    def test_what_a_scheme_cannot_run(self):
+        for program, name, settings, words in [
+                ("disph_c", "blankenbach_1a", {}, ["program convection", "disph_c"]),
+                ("disph_c", "sod", {}, ["program shock", "disph_c"]),
+                ("disph_c", "drop_surface_tension", {}, ["surface_tension", ".nml:"]),
+                ("disph_y", "pond_on_mantle", {}, ["temperature_law", "density", ".nml:"]),
+                ("disph_c", "rti_linear", {"walls.treatment": "frozen"}, ["treatment", "virtual_marker"]),
+                ("disph_c", "conduction_plate", {"walls.treatment": "repulsion"}, ["treatment"]),
+                ("disph_c", "rti_linear", {"rti.volumes": "our_method"}, ["volumes"])]:
+            with self.subTest(program=program, name=name):
+                result = self.run_program(program, name, settings, expect=BAD_INPUT)
+                for word in words:
+                    self.assertIn(word, result.stderr)
+                self.assertFalse(result.directory.exists())
+
+    def test_what_belongs_to_program_rti_is_passed_over_and_said(self):
+        result = self.run_program("disph_c", "rti_linear", square(12, **{"rti.volume": "our_method", "rti.delta": 0.1, "time.steps": 2}))
+        self.assertIn("&rti volume, &rti delta", result.stdout + result.stderr)
+        self.assertNotIn("delta", (result.directory / "resolved.nml").read_text())
+
+    def test_the_problem_decides_what_is_described(self):
+        own = self.call("disph_c", "--describe")
+        of_rti = self.call("disph_c", INPUTS / "rti_linear.nml", "--describe")
+        self.assertIn("&initial", own.stdout)
+        self.assertNotIn("&rti", own.stdout)
+        self.assertIn("&rti", of_rti.stdout)
+        self.assertIn("&hosono", of_rti.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
