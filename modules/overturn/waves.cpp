@@ -86,6 +86,10 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   };
   fits(0, p.k_x, "wavelength");
   if (p.k_z > 0.0) fits(2, p.k_z, "wavelength_z");
+  const double thinner = std::min(p.interface, d.length[1] - p.interface);
+  if (o.start != "coloured" && !(o.amplitude < thinner))
+    schema.fail("rti", "amplitude",
+                fmt::format("is {:.6g} m, more than the thinner layer is high, {:.6g} m", o.amplitude, thinner));
   const bool walls = !d.periodic[0] || (d.dimension == 3 && !d.periodic[2]);
   if (o.temperature_law == "enthalpy") {
     p.theory_about = "materials that melt, or lie in three layers, have no growth rate";

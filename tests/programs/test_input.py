@@ -114,6 +114,16 @@ class Refusals(Case):
             self.assertLess(time.monotonic() - began, 10)  # a minute and gigabytes before
         self.assertIn("finite differences)", result.stdout)
 
+    def test_kernels_that_reach_no_neighbour(self):
+        for program, name in (("rti", "rti_linear"), ("disph_c", "hydrostatic_13"), ("conduction", "conduction_plate")):
+            self.refuse(program, name, {"kernel.h_over_dx": "1e-3"}, "--set kernel.h_over_dx=1e-3: &kernel h_over_dx", "nearest neighbours")
+
+    def test_fractions_of_a_step_that_leave_none(self):
+        self.refuse("conduction", "conduction_plate", {"time.diffusive": "5e-324"}, "--set time.diffusive=5e-324: &time diffusive")
+
+    def test_a_wave_higher_than_its_layer(self):
+        self.refuse("rti", "rti_linear", {"rti.amplitude": "8e5"}, "--set rti.amplitude=8e5: &rti amplitude", "thinner layer")
+
     def test_waves_that_the_theory_cannot_resolve(self):
         thin = {"rti.viscosity_lower": 1e3, "rti.viscosity_upper": 1e3}
         self.refuse("rti", "rti_linear", thin, "rti_linear.nml:", "&rti start", "Choose 'coloured', or larger viscosities")
