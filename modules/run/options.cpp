@@ -128,12 +128,10 @@ void declare(namelist::schema& schema, run_options& o) {
              {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
 }
 
-std::int64_t time_options::last_step(double output_interval) const {
-  constexpr std::int64_t unlimited = std::int64_t{1} << 50;
-  if (t_end) return steps;
+bool time_options::counts_steps(double output_interval) const {
+  if (t_end) return steps < time_options{}.steps;
   const double steps_between = output_interval / *dt;
-  const bool all_equal = std::abs(steps_between - std::round(steps_between)) <= 1e-6;
-  return method == "adaptive" || !all_equal ? unlimited : steps;
+  return method != "adaptive" && std::abs(steps_between - std::round(steps_between)) <= 1e-6;
 }
 
 bool time_options::controls_error() const {
@@ -169,10 +167,10 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
       "time", "rtol", o.rtol,
       {.minimum = 1e-14, .maximum = 1e-1, .meaning = "error control: of a step, relative to each field's scale"});
   schema.add("time", "cfl", o.cfl,
-             {.minimum = 1e-9, .stays_open = true, .meaning = "largest dt c/dx; not given: by the method"});
+             {.minimum = 1e-9, .stays_open = !o.cfl, .meaning = "largest dt c/dx; not given: by the method"});
   schema.add("time", "diffusive", o.diffusive,
              {.minimum = 1e-9,
-              .stays_open = true,
+              .stays_open = !o.diffusive,
               .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 

@@ -33,7 +33,7 @@ struct loop {
 
   bool controls_error() const { return o.time.controls_error(); }
   double t_end() const { return o.time.end(); }
-  std::int64_t last_step() const { return o.time.last_step(o.output.interval); }
+  std::int64_t last_step() const { return o.time.last_step(); }
 
   // What all ranks know together after a step.
   struct {
@@ -221,8 +221,7 @@ struct loop {
 
   // Where it is they that end the run, or may.
   std::optional<std::int64_t> steps_asked() const {
-    if (last_step() > o.time.steps || o.time.steps >= time_options{}.steps) return {};
-    return o.time.steps;
+    return o.time.counts_steps(o.output.interval) ? std::optional(o.time.steps) : std::nullopt;
   }
 
   [[noreturn]] void interrupt_run() {

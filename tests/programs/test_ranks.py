@@ -8,7 +8,7 @@ from running import ALL, Case
 # Walls that drag the fluid along in opposite directions: more than a spacing each way in 6 s, with a
 # viscous fluid and a step of about the CFL limit. Particles cross the borders between the ranks of the periodic box.
 SHEARED = ("hydrostatic_13_linear",
-           {"time.dt": 0.2, "time.steps": 30, "expert.velocity_top": 2000, "expert.velocity_bottom": -2000,
+           {"time.dt": 0.2, "time.steps": 30, "kernel.skin": 0.4, "expert.velocity_top": 2000, "expert.velocity_bottom": -2000,
             "material.viscosity": 2e11, "output.interval": 0, "hosono.solver": "newton"})
 
 # B and D have no walls that could drag: a box whose fluid falls, and expands where it lacks support. Of 22 columns
