@@ -137,7 +137,7 @@ class convection : public run::problem_in_a_box<D> {
  protected:
   void make_lists(bool as_they_were) override {
     run::rebuild(state_.world, as_they_were);
-    state_.last.resize(state_.layer, state_.fluid().fluid);
+    state_.last.resize(state_.fluid().fluid);
     refresh_lagged_terms(state_);
   }
 

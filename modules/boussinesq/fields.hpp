@@ -75,37 +75,32 @@ struct lagged_terms {
 // What one pass over the neighbours leaves, for the fluid.
 template <int D>
 struct sums {
+  std::deque<particles::array> own;  // of all these
   template <std::size_t K>
-  using arrays = std::array<particles::array, K>;
+  particles::vector_field<K> make() {
+    std::array<particles::array*, K> all;
+    for (auto& a : all) a = &own.emplace_back();
+    return particles::vector_field<K>(all);
+  }
 
-  arrays<unknown<D>::count_with_z> laplacian, noise;  // L and Q of each unknown
-  arrays<D> uneven;                                   // 1/m, how unevenly particles stand
-  particles::array W;                                 // Σ W, 1/m^D
-  // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.hpp.
-  arrays<D> viscous, plain_viscous, log_slope;
-  particles::array viscous_contrast, sound_contrast;
-
-  std::deque<particles::array> own;
   lagged_terms<D> latest;  // what the next evaluations may lag behind
+  // L and Q of each unknown.
+  particles::vector_field<unknown<D>::count_with_z> laplacian = make<unknown<D>::count_with_z>(),
+                                                    noise = make<unknown<D>::count_with_z>();
+  particles::vector_field<D> uneven = make<D>();  // 1/m, how unevenly particles stand
+  particles::array& W = own.emplace_back();       // Σ W, 1/m^D
+  // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.hpp.
+  particles::vector_field<D> viscous = make<D>(), plain_viscous = make<D>(), log_slope = make<D>();
+  particles::array &viscous_contrast = own.emplace_back(), &sound_contrast = own.emplace_back();
 
   explicit sums(const parameters& layer)
       : latest(layer, [&](const std::string&, const std::string&) -> particles::array& { return own.emplace_back(); }) {
   }
   sums(const sums&) = delete;
 
-  // Room for n particles.
-  void resize(const parameters& layer, std::size_t n) {
-    const auto grow = [&](particles::array& a) {
+  void resize(std::size_t n) {  // room for n particles
+    for (auto& a : own)
       if (a.size() < n) a.resize(n);
-    };
-    for (std::size_t k = 0; k < latest.laplacian.size(); ++k) grow(laplacian[k]), grow(noise[k]);
-    for (auto& a : uneven) grow(a);
-    grow(W);
-    for (auto& a : own) grow(a);
-    if (!layer.law.varies) return;
-    for (auto* group : {&viscous, &plain_viscous, &log_slope})
-      for (auto& a : *group) grow(a);
-    grow(viscous_contrast), grow(sound_contrast);
   }
 };
 

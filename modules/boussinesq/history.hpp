@@ -60,33 +60,27 @@ inline std::vector<output::history_column> history_columns() {
   return all;
 }
 
-// Over the box: T v_y beyond conduction (K m/s), v² (m2/s2), and W/kg of friction, of rising and of buoyancy.
-struct box_means {
-  double carried, v2, friction, cooling, work;
-};
+// Over the box: T v_y beyond conduction (K m/s), v² (m2/s2), and W/kg of buoyancy, of rising and of friction.
 template <int D>
-box_means means_over_box(const convection_state<D>& state) {
+std::array<double, 5> means_over_box(const convection_state<D>& state) {
   const auto& s = state.fluid();
   const auto& layer = state.layer;
-  enum : std::size_t { carried, v2, work, cooling, friction, products };
-  std::array<particles::array, products> product;
-  for (auto& f : product) f.resize(s.total() + 1);
-  foundation::for_all(s.fluid,
-                      [&](std::size_t i) { product[friction][i] = dissipation(state, i, state.viscosity(i)); });
-  state.world.w.exchange_fluid({product[friction].data()});
-  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) {
-    product[friction][s.first_wall() + r] = product[friction][state.world.walls.source[r]];
-  });
+  std::array<particles::array, 5> all;
+  for (auto& f : all) f.resize(s.total() + 1);
+  auto &carried = all[0], &v2 = all[1], &work = all[2], &cooling = all[3], &friction = all[4];
+  foundation::for_all(s.fluid, [&](std::size_t i) { friction[i] = dissipation(state, i, state.viscosity(i)); });
+  state.world.w.exchange_fluid({friction.data()});
+  foundation::for_all(state.world.walls.source.size(),
+                      [&](std::size_t r) { friction[s.first_wall() + r] = friction[state.world.walls.source[r]]; });
   foundation::for_all(s.total(), [&](std::size_t i) {
     const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
-    product[carried][i] = rising * (T - reference_temperature(layer, y));
-    product[v2][i] = 0.0;
-    for (std::size_t a = 0; a < D; ++a) product[v2][i] += s.v[a][i] * s.v[a][i];
-    product[work][i] = buoyancy(layer, y, T, state.p[i]) * rising;
-    product[cooling][i] = buoyancy_slope(layer, y, T) * rising * T;
+    carried[i] = rising * (T - reference_temperature(layer, y));
+    v2[i] = 0.0;
+    for (std::size_t a = 0; a < D; ++a) v2[i] += s.v[a][i] * s.v[a][i];
+    work[i] = buoyancy(layer, y, T, state.p[i]) * rising;
+    cooling[i] = buoyancy_slope(layer, y, T) * rising * T;
   });
-  const auto mean = mean_over_box(state.world, state.at_start.particles, product);
-  return {mean[carried], mean[v2], mean[friction], mean[cooling], mean[work]};
+  return mean_over_box(state.world, state.at_start.particles, all);
 }
 
 // Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
@@ -152,20 +146,17 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
   measure_drift(state, m);
   m.peaks = peaks_of(state);
   m.mach = fastest_flow(state) / layer.c_eff;
-  const auto mean = means_over_box(state);
-  m.v_rms = std::sqrt(std::max(mean.v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
+  const auto [carried, v2, work, cooling, friction] = means_over_box(state);
+  m.v_rms = std::sqrt(std::max(v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
   const auto walls = wall_heat(state.world, state.at_start.particles, state.input.physics.domain.length[0], f.L / f.dT,
                                layer.conductivity);
-  std::vector<double> line{1.0 + mean.carried / (unit * f.dT),
-                           walls.top,
-                           walls.bottom,
-                           m.v_rms / unit,
-                           m.peaks[0].value / unit,
-                           m.peaks[1].value / unit};
+  std::vector<double> line{
+      1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit, m.peaks[0].value / unit,
+      m.peaks[1].value / unit};
   line.insert(line.end(), walls.corners.begin(), walls.corners.end());
   // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
-  line.push_back(1.0 + mean.friction / (f.alpha * f.g * unit * f.dT));
-  for (const double heat : {mean.friction, mean.cooling, mean.work}) line.push_back(heat / heat_unit);
+  line.push_back(1.0 + friction / (f.alpha * f.g * unit * f.dT));
+  for (const double heat : {friction, cooling, work}) line.push_back(heat / heat_unit);
   m.samples.add(t, line);
   line.insert(line.end(), {m.v_rms, m.mach, m.density_drift});
   return line;

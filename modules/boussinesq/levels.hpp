@@ -6,35 +6,31 @@
 
 namespace tetsuame::boussinesq {
 
-// T beyond its reference and the other unknowns, at the places of the finer lattice in this rank's cell.
+// A particle of the finer lattice: T beyond its reference and the other unknowns.
 template <int D>
-struct interpolated {
-  std::vector<std::int64_t> ids;
-  std::vector<std::array<double, D>> places;
-  std::vector<std::array<double, unknown<D>::count_with_z>> values;
+struct finer_particle {
+  std::int64_t id;
+  std::array<double, D> x;
+  std::array<double, unknown<D>::count_with_z> f;
 };
 
-// Ghosts and images are those of the state.
+// Those of this rank's cell. Ghosts and images are those of the state.
 template <int D>
-interpolated<D> interpolate_state(convection_state<D>& state) {
+std::vector<finer_particle<D>> interpolate_state(convection_state<D>& state) {
   auto& w = state.world.w;
   const auto& s = w.s;
   particles::array excess(s.total());
   for (std::size_t i = 0; i < s.total(); ++i) excess[i] = s.T[i] - reference_temperature(state.layer, s.x[1][i]);
-  const auto now = unknown_arrays(state);
   std::array<const double*, unknown<D>::count_with_z> f;
   f.fill(excess.data());
-  std::ranges::copy(now, f.begin());
+  std::ranges::copy(unknown_arrays(state), f.begin());
   f[unknown<D>::T] = excess.data();
   const interpolation<D> at(s, w.support());
-  interpolated<D> finer;
+  std::vector<finer_particle<D>> finer;
   const auto n = particles_of_level(state.input, state.at_start.level - 1);
   for_each_place(state.world, n, 0.5 * w.dx, [&](std::int64_t id, const std::array<double, D>& x) {
-    finer.ids.push_back(id);
-    finer.places.push_back(x);
-    finer.values.emplace_back();
     if (const auto found = at(x, f))
-      finer.values.back() = *found;
+      finer.push_back({id, x, *found});
     else
       w.first_fault.report(id, "too few particles are near a place of the finer lattice");
   });
@@ -48,17 +44,18 @@ void go_to_next_level(convection_state<D>& state) {
   const auto finer = interpolate_state(state);
   lay(state, state.at_start.level - 1);
   auto& s = state.fluid();
-  particles::allocate(s, finer.ids.size(), 0, 0, 0);
-  for (std::size_t i = 0; i < finer.ids.size(); ++i) {
-    s.id[i] = finer.ids[i];
+  particles::allocate(s, finer.size(), 0, 0, 0);
+  for (std::size_t i = 0; i < finer.size(); ++i) {
+    const auto& [id, x, f] = finer[i];
+    s.id[i] = id;
     s.material[i] = 0;
     for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = finer.places[i][a];
-      s.v[a][i] = finer.values[i][a];
-      if (state.layer.relaxed) state.z[a][i] = finer.values[i][unknown<D>::z + a];
+      s.x[a][i] = x[a];
+      s.v[a][i] = f[a];
+      if (state.layer.relaxed) state.z[a][i] = f[unknown<D>::z + a];
     }
-    s.T[i] = reference_temperature(state.layer, finer.places[i][1]) + finer.values[i][unknown<D>::T];
-    state.p[i] = finer.values[i][unknown<D>::p];
+    s.T[i] = reference_temperature(state.layer, x[1]) + f[unknown<D>::T];
+    state.p[i] = f[unknown<D>::p];
   }
   remove_mean(state, state.p.data());
 }

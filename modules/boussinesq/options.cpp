@@ -119,6 +119,25 @@ void declare_noise(namelist::schema& schema, convection_options& o) {
              {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "strength of the particles' spreading"});
 }
 
+// Keys of a choice that is not made, but for their defaults, which --describe and resolved.nml write.
+void refuse_unused(const namelist::schema& schema, const convection_options& c) {
+  const convection_options initially;
+  const auto only_for = [&](bool used, const char* choice, const char* key, bool differs) {
+    if (differs && !used) schema.fail(g, key, fmt::format("is for {}", choice));
+  };
+  const bool table = c.viscosity_law == "table", melt = c.viscosity_law == "melt";
+  const bool weighed = c.gravity_density == "equation_of_state";
+  only_for(weighed, "gravity_density = 'equation_of_state'", "eos", c.eos != initially.eos);
+  only_for(weighed, "gravity_density = 'equation_of_state'", "eos_dynamic_pressure", !c.eos_dynamic_pressure);
+  only_for(weighed || melt, "gravity_density = 'equation_of_state'", "p_top", c.p_top != 0.0);
+  only_for(table, "viscosity_law = 'table'", "viscosity_file", !c.viscosity_file.empty());
+  only_for(melt, "viscosity_law = 'melt'", "composition", c.composition != initially.composition);
+  only_for(melt, "viscosity_law = 'melt'", "viscosity_min", c.viscosity_min != initially.viscosity_min);
+  only_for(melt, "viscosity_law = 'melt'", "viscosity_max", c.viscosity_max != initially.viscosity_max);
+  if ((c.viscosity_law == "constant" || table || melt) && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
+    schema.fail(g, "viscosity_law", "exponents belong to the 'exponential' law");
+}
+
 // Whether the expansivity says more than how strongly heat drives the flow: how much heat friction and compression make
 // (alpha g L/c_p), which density an equation of state has; or the viscosity is a law's, up to a factor.
 bool expansivity_is_bound(const convection_options& c) {
@@ -233,6 +252,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   p.conductivity = material.conductivity;
   p.heat_capacity = material.heat_capacity;
   p.heating = c.heating * p.fluid.kappa / p.conductivity * p.fluid.rho;
+  refuse_unused(schema, c);
   resolve_gravity(schema, o, p);
   resolve_viscosity(schema, o, p);
   p.nu = p.fluid.nu;

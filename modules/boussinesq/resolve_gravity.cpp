@@ -7,17 +7,6 @@ namespace tetsuame::boussinesq {
 
 namespace {
 
-// What belongs to an equation of state says nothing without one, as --describe and resolved.nml write it.
-void refuse_unused(const namelist::schema& schema, const convection_options& c) {
-  const convection_options initially;
-  const auto refuse = [&](const char* key, bool differs) {
-    if (differs) schema.fail("convection", key, "is for gravity_density = 'equation_of_state'");
-  };
-  refuse("eos", c.eos != initially.eos);
-  refuse("eos_dynamic_pressure", !c.eos_dynamic_pressure);
-  refuse("p_top", c.p_top != 0.0 && c.viscosity_law != "melt");
-}
-
 eos::material_options material_of(const options& o, const relaxation::fluid_layer& f) {
   eos::material_options m;
   m.name = o.convection.eos;
@@ -52,7 +41,7 @@ void resolve_gravity(const namelist::schema& schema, const options& o, parameter
   const auto& f = p.fluid;
   const double c_p = o.physics.material.heat_capacity, T_top = o.temperature_top(), T_bottom = o.temperature_bottom();
   p.dissipation_number = f.alpha * f.g * f.L / c_p;
-  if (c.gravity_density != "equation_of_state") return refuse_unused(schema, c);
+  if (c.gravity_density != "equation_of_state") return;
   if (!(T_top > 0.0))
     schema.fail("convection", "gravity_density",
                 "an equation of state needs absolute temperatures: that of the top must be above 0 K");

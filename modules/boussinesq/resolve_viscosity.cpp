@@ -73,18 +73,6 @@ void follow_exponents(const namelist::schema& schema, convection_options& c, vis
   law.log_middle = 0.5 * (law.c - law.b);
 }
 
-void refuse_unused(const namelist::schema& schema, const convection_options& c) {
-  const convection_options initially;
-  const auto only_for = [&](const char* law, const char* key, bool differs) {
-    if (differs && c.viscosity_law != law)
-      schema.fail("convection", key, fmt::format("is for viscosity_law = '{}'", law));
-  };
-  only_for("table", "viscosity_file", !c.viscosity_file.empty());
-  only_for("melt", "composition", c.composition != initially.composition);
-  only_for("melt", "viscosity_min", c.viscosity_min != initially.viscosity_min);
-  only_for("melt", "viscosity_max", c.viscosity_max != initially.viscosity_max);
-}
-
 // The viscosity of the top, which is that of the fluid unless numbers are given, and of the middle of the conductive
 // state.
 void follow_table(const options& o, parameters& p) {
@@ -124,10 +112,6 @@ void resolve_viscosity(const namelist::schema& schema, options& o, parameters& p
   law.T_top = o.temperature_top();
   law.dT = p.fluid.dT;
   law.L = p.fluid.L;
-  refuse_unused(schema, c);
-  const bool exponential = law.varies && !table && !melt;
-  if (!exponential && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
-    schema.fail("convection", "viscosity_law", "exponents belong to the 'exponential' law");
   if (!table && !melt) return follow_exponents(schema, c, law);
   if (melt && !(std::min(o.temperature_top(), o.temperature_bottom()) > 0.0))
     schema.fail("convection", "viscosity_law", "'melt' needs absolute temperatures: those of top and bottom above 0 K");

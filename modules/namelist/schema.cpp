@@ -194,13 +194,19 @@ std::size_t array_size(const target& bound) {
 
 constexpr const char* expert_group = "expert";
 
+// A key of &expert is as well known in the group that declared it. The end of the group's keys: there is none.
+std::vector<key>::iterator find_in_group_or_expert(std::vector<key_group>& groups, key_group& g,
+                                                   const std::string& name) {
+  const auto own = find_name(g.keys, name);
+  const auto expert = find_name(groups, expert_group);
+  if (own != g.keys.end() || expert == groups.end()) return own;
+  const auto rare =
+      std::ranges::find_if(expert->keys, [&](const key& k) { return k.name == name && k.declared_in == g.name; });
+  return rare != expert->keys.end() ? rare : own;
+}
+
 [[noreturn]] void fail_unknown_key(const std::string& where, const key_group& g, const std::string& name,
                                    const std::vector<key_group>& groups) {
-  for (const key_group& other : groups)
-    for (const key& k : other.keys)
-      if (k.name == name && k.declared_in == g.name)
-        foundation::fail_input(
-            fmt::format("{}: &{} {}: this key stands in group &{}", where, g.name, name, other.name));
   std::string hint = g.keys.empty() ? "the group has no keys"
                                     : fmt::format("the nearest valid key is {}", nearest(name, names(g.keys)));
   for (const key_group& other : groups)
@@ -289,13 +295,17 @@ void schema::read(const document& input) {
           groups_);
     }
     for (const assignment& a : from.assignments) {
-      const auto k = find_name(g->keys, a.key);
+      const auto k = find_in_group_or_expert(groups_, *g, a.key);
       if (k == g->keys.end() &&
           std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
         passed_.push_back("&" + g->name + " " + a.key);
         continue;
       }
       if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
+      if (k->given && k->declared_in == g->name &&
+          std::ranges::none_of(g->keys, [&](const key& own) { return &own == &*k; }))
+        foundation::fail_input(
+            fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, expert_group));
       const context c{input, a, g->name, *k};
       if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;
       const auto written =

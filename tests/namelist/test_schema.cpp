@@ -212,7 +212,10 @@ BOOST_AUTO_TEST_CASE(keys_of_experts) {
   BOOST_TEST(!s.given("kernel", "skin"));
   const auto read = [&](const std::string& text) { return message([&] { s.read(namelist::parse_text(text, "f")); }); };
   BOOST_TEST(message([&] { s.fail("gravity", "order", "no"); }) == "f:1: &expert order: no");
-  BOOST_TEST(read("&gravity order = 3 /") == "f:1: &gravity order: this key stands in group &expert");
+  // As well known in the group that declared it, but not in both.
+  s.read(namelist::parse_text("&gravity order = 4 /", "f"));
+  BOOST_TEST(order == 4.0);
+  BOOST_TEST(read("&expert order = 3 / &gravity order = 3 /") == "f:1: &gravity order: is given in &expert too");
   BOOST_TEST(read("&kernel order = 3 /") ==
              "f:1: &kernel: unknown key order; the group has no keys; &expert has a key of this name");
   BOOST_CHECK_THROW(s.add("kernel", "order", g, {.expert = true}), std::logic_error);
