@@ -36,6 +36,8 @@ SMALL = {"domain.particles_x": 12, "domain.particles_y": 12}
 CASES = {
     **{f"disph_{letter}": [("hydrostatic_11", {}), ("hydrostatic_13", {"hosono.solver": "newton"}),
                            ("hydrostatic_13_linear", {}), ("hydrostatic_column", {})] for letter in "abcdef"},
+    **{scheme: [(name, SMALL) for name in ("rti_linear", "drop_cylinder", "conduction_plate", "pond_on_mantle")] + [("hydrostatic_13", {})]
+       for scheme in ("disph_y", "disph_n", "ssph")},
     "rti": [(name, SMALL) for name in ("rti_note", "rti_linear", "rti_van_keken", "rti_poster", "pond_on_mantle")],
     "drop": [("drop_cylinder", SMALL), ("drop_emulsion", {"domain.particles_x": 16, "domain.particles_y": 24}),
              ("partitioning", SMALL), ("drop_surface_tension", {}), ("drop_sphere", {})],
