@@ -80,7 +80,8 @@ std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, doubl
     groups.push_back(std::move(g));
   };
   add(0, 0, s.fluid);
-  if (scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0) add(1, s.first_wall(), s.walls);
+  // Images are the fluid again.
+  if (!scene.mirrors() && scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0) add(1, s.first_wall(), s.walls);
   return groups;
 }
 
