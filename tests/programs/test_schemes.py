@@ -26,15 +26,11 @@ class Growth(Case):
     def test_second_order(self):
         """The notes' viscous sum damps a wave by a part (kh)^2 too little, and walls and the contact add their share: half the spacing
         leaves a quarter of the error or less."""
-        for program in ["disph_c", "disph_e", "disph_f", "disph_y", "disph_n"]:
+        for program in ["disph_a", "disph_c", "disph_e", "disph_f", "disph_y", "disph_n"]:
             with self.subTest(program):
                 coarse, fine = self.error(program, 16), self.error(program, 32)
                 self.assertLess(abs(fine), 0.02)
                 self.assertGreater(coarse / fine, 3)
-
-    def test_the_iteration_finds_the_same_volumes(self):
-        """Y by iteration or by the integrated density: the same flow."""
-        self.assertAlmostEqual(self.error("disph_a", 16), self.error("disph_c", 16), delta=5e-3)
 
     def test_a_smeared_density_holds_the_contact(self):
         """Standard SPH has a surface tension of its own: the wave grows a third more slowly."""
@@ -45,14 +41,16 @@ class Exact(Case):
     def test_ranks_and_restart(self):
         for program in ["disph_a", "disph_c", "disph_y", "ssph"]:
             with self.subTest(program):
-                settings = square(16, **{"rti.p_top": 1e10, "time.steps": 24, "domain.balance": "counted", "balancer.interval": 4})
-                whole = self.run_program(program, "rti_note", settings)
+                settings = square(16, **FIRM, **{"rti.p_top": 1e10, "rti.amplitude": 4e4, "time.dt": 2.5, "time.steps": 24, "domain.balance": "counted",
+                                                 "balancer.interval": 4})
+                whole = self.run_program(program, "rti_linear", settings)
                 for ranks in (2, 4):
-                    s = self.run_program(program, "rti_note", settings, ranks=ranks).summary
+                    s = self.run_program(program, "rti_linear", settings, ranks=ranks).summary
                     self.assertEqual(outcome(s), outcome(whole.summary))
-                self.run_program(program, "rti_note", {**settings, "time.steps": 11}, output="part", ranks=3)
-                again = self.run_program(program, "rti_note", settings, output="part", options=["--restart", "latest"])
-                self.assertEqual(outcome(again.summary), outcome(whole.summary))
+                self.run_program(program, "rti_linear", {**settings, "time.steps": 11}, output=f"part_{program}", ranks=3)
+                again = self.run_program(program, "rti_linear", settings, output=f"part_{program}", options=["--restart", "latest"])
+                # The rate where the run stopped is found again, and an iteration for it counted.
+                self.assertEqual(again.summary["state_hash"], whole.summary["state_hash"])
 
 
 class Problems(Case):
