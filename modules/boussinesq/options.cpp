@@ -171,7 +171,7 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
     const std::int64_t halved = std::int64_t{2} << level;
     for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
       if (d.particles[a] % halved != 0) return level;
-    if (static_cast<double>(d.particles[1] / halved) < least) return level;
+    if (static_cast<double>(d.particles[1]) < least * static_cast<double>(halved)) return level;
   }
 }
 

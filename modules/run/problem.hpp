@@ -47,8 +47,6 @@ class problem {
   virtual void keep_memory() {}
   // Whether that rate is to be evaluated again then, so that all stages of a step have one memory.
   virtual bool asks_again() const { return false; }
-  // Before every evaluation of a step but the first: the memory may become that of the evaluation before.
-  virtual void renew_memory() {}
   // At the start and after each step. Returns whether the equations change with the time, so that a rate known is none.
   virtual bool set_time(double) { return false; }
   // After an accepted step. Returns whether it changed the state on this rank.

@@ -64,13 +64,9 @@ struct loop {
                       moved, p.allowance()));
     }
     if (controls_error() && !p.evaluable()) return 1;
-    if (stages_done > 0) p.renew_memory();
-    if (in_step) ++stages_done;
     p.evaluate(rate);
     return 0;
   }
-  bool in_step = false;
-  int stages_done = 0;  // of the step
 
   void evaluate_here() {
     std::vector<particles::array> rates(p.fields().size(), particles::array(p.local_particles()));
@@ -197,11 +193,8 @@ struct loop {
       if (p.asks_again()) integrator->state_changed();
       // The other methods may take the last stage's rate for the first of the next step.
       p.expect_memory(o.time.method != "rk4");
-      in_step = true;
       const auto end = choose_end();
       integrator->step(end.t, end.by);
-      in_step = false;
-      stages_done = 0;
       p.expect_memory(true);
     }
     p.worked(watch.busy());
