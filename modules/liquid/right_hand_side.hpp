@@ -148,6 +148,7 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
   const auto arrive = [&] {
     const foundation::stage timed(w.times, "halo");
     w.end_fluid();
+    std::visit([&](auto t) { t.places(w, box.walls); }, box.treatment);
   };
   const auto kinematics = [&] {
     const foundation::stage timed(w.times, "walls");

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <run/time_loop.hpp>
 #include <output/directory.hpp>
+#include <run/time_loop.hpp>
 #include <shocks/convergence.hpp>
 #include <sstream>
 
@@ -147,7 +147,8 @@ void run_all(const options& o, const std::string& resolved, const std::vector<co
     own.restart.clear();
     own.force = true;
   }
-  run_within(o.common, began, [&](const run::common_options& rest) { run::carry_out(*make(o, levels), rest, own, resolved); });
+  run_within(o.common, began,
+             [&](const run::common_options& rest) { run::carry_out(*make(o, levels), rest, own, resolved); });
 }
 
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest) {

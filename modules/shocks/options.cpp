@@ -217,8 +217,8 @@ void resolve_axis(const namelist::schema& schema, options& o, std::size_t a) {
 void check_kernel_fits(const namelist::schema& schema, const options& o, const std::array<std::int64_t, 3>& particles) {
   const double dx = o.box.length[0] / static_cast<double>(particles[0]);
   const double support = run::support_over_dx(o.common.kernel) * dx;
-  run::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic},
-                           support + o.common.kernel.skin * dx, support);
+  run::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic}, support + o.common.kernel.skin * dx,
+                    support);
 }
 
 void resolve_box(const namelist::schema& schema, options& o) {

@@ -1,6 +1,7 @@
 // What stands beyond a wall, by name. Every treatment has the same steps, called in this
 // order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
 //
+//   places       of what stands behind the walls, where it moves with the fluid     (before the volumes are found)
 //   kinematics   v, T, η, k, ΔV of the wall particles
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
@@ -259,6 +260,8 @@ void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
 // Steps that a treatment does not need.
 struct nothing {
   template <int D>
+  static void places(pairs::workspace<D>&, wall_set<D>&) {}
+  template <int D>
   static void kinematics(pairs::workspace<D>&, wall_set<D>&) {}
   template <int D>
   static void weights(pairs::workspace<D>&, wall_set<D>&) {}
@@ -355,9 +358,12 @@ struct mirror : nothing {
   static constexpr bool has_particles = false, has_markers = false;
 
   template <int D>
+  static void places(pairs::workspace<D>& w, wall_set<D>& set) {
+    move_images(set, w.s);
+  }
+  template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     auto& s = w.s;
-    move_images(set, s);
     foundation::for_all(set.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = set.source[r];
       std::array<double, D> v;

@@ -1,10 +1,10 @@
 // Gradients and Laplacians: what they are exact for, and their order with the deferred correction.
 #define BOOST_TEST_MODULE operators
 #include <functional>
-#include <run/lists.hpp>
-#include <run/start_lattice.hpp>
 #include <numbers>
 #include <operators/consistent.hpp>
+#include <run/lists.hpp>
+#include <run/start_lattice.hpp>
 
 #include "../support/scene.hpp"
 

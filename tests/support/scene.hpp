@@ -40,7 +40,7 @@ inline double noise(std::int64_t id, std::uint64_t salt) {
 // n[a] particles of spacing 1 m along axis a; linear EOS, p = p0 = 1e10 Pa at rho0 = 7000 kg/m3, K_T = 1e11 Pa.
 template <int D>
 hydrostatic::options box(std::array<std::int64_t, D> n, bool periodic, const std::string& treatment = "none",
-                        const std::string& kernel = "quintic") {
+                         const std::string& kernel = "quintic") {
   hydrostatic::options o;
   o.domain.dimension = D;
   for (std::size_t a = 0; a < D; ++a) {
@@ -73,7 +73,8 @@ hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::co
 
 // The lattice with every coordinate moved by up to `jitter` spacings.
 template <int D>
-hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::communicator& ranks, double jitter = 0.0) {
+hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::communicator& ranks,
+                                 double jitter = 0.0) {
   return make_scene<D>(o, ranks, [&](std::int64_t id, std::array<double, D> x) {
     for (std::size_t a = 0; a < D; ++a) x[a] += jitter * o.dx() * noise(id, 100 + a);
     return x;

@@ -14,7 +14,7 @@ namespace {
 // Disordered fluid, densities and temperatures that vary by a few per cent: p between 0.7e10 and 1.4e10 Pa.
 template <int D>
 hydrostatic::scene<D> disorder(const domain::communicator& ranks, bool periodic = true,
-                              const std::string& treatment = "none") {
+                               const std::string& treatment = "none") {
   std::array<std::int64_t, D> n;
   n.fill(8);
   n[0] = 16;

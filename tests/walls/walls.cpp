@@ -1,7 +1,7 @@
 // Wall particles and their markers, and what each treatment gives them.
 #define BOOST_TEST_MODULE walls
-#include <set>
 #include <hydrostatic/measures.hpp>
+#include <set>
 
 #include "../support/scene.hpp"
 
@@ -24,7 +24,7 @@ hydrostatic::options closed_box(const std::string& treatment, const std::string&
 
 template <int D>
 hydrostatic::scene<D> disorder(const hydrostatic::options& o,
-                              const domain::communicator& ranks = domain::communicator::world()) {
+                               const domain::communicator& ranks = domain::communicator::world()) {
   auto scene = make_scene<D>(o, ranks, 0.25);
   auto& w = scene.w;
   auto& s = w.s;
