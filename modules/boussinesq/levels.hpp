@@ -44,7 +44,8 @@ void go_to_next_level(convection_state<D>& state) {
   const auto finer = interpolate_state(state);
   lay(state, state.at_start.level - 1);
   auto& s = state.fluid();
-  particles::allocate(s, finer.size(), 0, 0, 0);
+  particles::allocate(s, finer.size(), 0, 0, 0);  // where cuts have moved, others than the lattice's in this cell
+  forget(state);
   for (std::size_t i = 0; i < finer.size(); ++i) {
     const auto& [id, x, f] = finer[i];
     s.id[i] = id;

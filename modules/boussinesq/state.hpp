@@ -107,6 +107,16 @@ std::vector<double*> unknown_arrays(convection_state<D>& state) {
   return all;
 }
 
+// What lags behind and what was known of earlier steps, of the particles that there are: as on a lattice at rest.
+template <int D>
+void forget(convection_state<D>& state) {
+  auto& s = state.fluid();
+  for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
+  state.has_before = false;
+  for (std::size_t a = 0, k = 0; a < D; ++a)
+    for (std::size_t b = a; b < D; ++b, ++k) std::fill_n(state.lagged.tensor[k].begin(), s.fluid, a == b ? 1.0 : 0.0);
+}
+
 // The lattice of a level, at rest, without temperature, and all that goes with its spacing.
 template <int D>
 void lay(convection_state<D>& state, std::int64_t level) {
@@ -121,10 +131,7 @@ void lay(convection_state<D>& state, std::int64_t level) {
   follow(state.layer, dx);
   run::set_up(state.world, domain::communicator::world(), {d.length, n, d.periodic, o.ranks_x}, o.walls, kernel.name,
               kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
-  for (auto& extra : s.extras) std::fill(extra.values.begin(), extra.values.end(), 0.0);
-  state.has_before = false;
-  for (std::size_t a = 0, k = 0; a < D; ++a)
-    for (std::size_t b = a; b < D; ++b, ++k) std::fill_n(state.lagged.tensor[k].begin(), s.fluid, a == b ? 1.0 : 0.0);
+  forget(state);
   state.at_start = {level, n, std::pow(dx, D), kernel.h_over_dx * dx, operators::lattice_beta<D>(w.kernel, dx)};
   std::visit(
       [&](const auto& k) {

@@ -31,8 +31,6 @@ struct time_options {
   std::optional<double> cfl, diffusive;  // dt c/dx, dt D/dx^2
 
   double end() const { return t_end ? *t_end : static_cast<double>(steps) * *dt; }  // s
-  // Where `steps` set the end they have done their work: some may be shorter than dt.
-  std::int64_t last_step() const { return t_end ? steps : std::int64_t{1} << 50; }
   // Whether they are all dt long, as far as the input knows, so that it takes so many.
   bool counts_steps(double output_interval) const;
   // Whether steps follow from an error estimate, so that a state may be refused.

@@ -33,7 +33,11 @@ struct loop {
 
   bool controls_error() const { return o.time.controls_error(); }
   double t_end() const { return o.time.end(); }
-  std::int64_t last_step() const { return o.time.last_step(); }
+  // Where steps set the end of the run and some may be shorter than dt, their number is no limit.
+  std::int64_t last_step() const {
+    constexpr std::int64_t unlimited = std::int64_t{1} << 50;
+    return o.time.t_end || o.time.counts_steps(o.output.interval) ? o.time.steps : unlimited;
+  }
 
   // What all ranks know together after a step.
   struct {
