@@ -4,7 +4,7 @@
 //   &walls    floor, lid, sides; of a program with a scheme of its own, what stands behind them
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
-//   &time, &kernel, &output, &run   march/options.hpp
+//   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <eos/eos.hpp>

@@ -60,7 +60,7 @@ step_bounds find_limit(fluids<D>& f) {
   const auto most = largest_of_materials(f);
   const double conduction = rates_of_lattice<D>(kernel, dx, {}).viscous * most.kappa;
   const double diffusive = std::max(stiff.viscous * most.nu, conduction);
-  // march's fractions are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
+  // The fractions (run/options.hpp) are those of |eigenvalue| <= 2.2 c/dx and 4 d nu/dx^2.
   const double sound = *o.common.time.cfl * 2.2 / stiff.sound * dx / most.sound;
   const double viscous = *o.common.time.diffusive * 4.0 * D * dx * dx / diffusive;
   const double wave = capillary_frequency(f) / (*o.common.time.cfl * 2.2);

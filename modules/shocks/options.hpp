@@ -1,7 +1,7 @@
 // The input of gas with contacts and shocks:
 //   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
 //   &shock    test, scheme, state and material on either side, viscosity, Riemann solver, reconstruction
-//   &time, &kernel, &output, &run   march/options.hpp
+//   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <array>
