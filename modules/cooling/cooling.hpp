@@ -44,6 +44,8 @@ class body : public run::problem_in_a_box<D> {
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
 
+  std::vector<std::string> about() const override { return o_.lines; }
+
   std::vector<integrators::field> fields() override {
     return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
   }

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +56,9 @@ void declare(namelist::schema& schema, options& o) {
 double expected_particles(const options& o) { return run::lattice_particles(o.dimension, o.box.particles); }
 
 void resolve(const namelist::schema& schema, options& o) {
+  if (!schema.passed().empty())
+    o.lines.push_back(fmt::format("note: passed over, as this program has a scheme of its own: {}",
+                                  fmt::join(schema.passed(), ", ")));
   run::resolve(schema, o.common);
   run::check_output(schema, o.common);
   run::resolve(schema, o.box.ranks_x);

@@ -16,7 +16,8 @@ struct options {
   std::string reference = "plate";
   std::string scheme = "consistent";
   walls::options walls;
-  bool by_program = false;  // a program's kernel, walls and sum
+  bool by_program = false;         // a program's kernel, walls and sum
+  std::vector<std::string> lines;  // for the log and the terminal
   run::common_options common;
 
   double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }

@@ -104,6 +104,8 @@ class Refused(Case):
         result = self.run_program("disph_c", "rti_linear", square(12, **{"rti.volume": "our_method", "rti.delta": 0.1, "time.steps": 2}))
         self.assertIn("&rti volume, &rti delta", result.stdout + result.stderr)
         self.assertNotIn("delta", (result.directory / "resolved.nml").read_text())
+        result = self.run_program("disph_c", "conduction_plate", square(12, **{"time.steps": 2}))
+        self.assertIn("&conduction operator", result.stdout + result.stderr)
 
     def test_the_problem_decides_what_is_described(self):
         own = self.call("disph_c", "--describe")
