@@ -84,6 +84,13 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
                   fmt::format("the box holds {:.6g} waves along {}: it must hold a whole number of {}", 0.5 * halves,
                               axis_names[a], d.periodic[a] ? "waves" : "half waves"));
   };
+  // Two spacings: what a lattice can hold.
+  const auto is_resolved = [&](double wavelength, const char* key) {
+    if (wavelength < 2.0 * p.dx * (1.0 - 1e-9))
+      schema.fail("rti", key, fmt::format("expected at least two particle spacings, {:.6g} m", 2.0 * p.dx));
+  };
+  is_resolved(*o.wavelength, "wavelength");
+  if (p.k_z > 0.0) is_resolved(o.wavelength_z, "wavelength_z");
   fits(0, p.k_x, "wavelength");
   if (p.k_z > 0.0) fits(2, p.k_z, "wavelength_z");
   const double thinner = std::min(p.interface, d.length[1] - p.interface);

@@ -40,7 +40,7 @@ CASES = {
        for scheme in ("disph_y", "disph_n", "ssph")},
     "rti": [(name, SMALL) for name in ("rti_note", "rti_linear", "rti_van_keken", "rti_poster", "pond_on_mantle")],
     "drop": [("drop_cylinder", SMALL), ("drop_emulsion", {"domain.particles_x": 16, "domain.particles_y": 24}),
-             ("partitioning", SMALL), ("drop_surface_tension", {}), ("drop_sphere", {})],
+             ("partitioning", SMALL), ("drop_surface_tension", {}), ("drop_sphere", {**SMALL, "domain.particles_z": 12})],
     "conduction": [("conduction_plate", SMALL), ("conduction_half_space", {})],
     "convection": [(name, SMALL) for name in ("air_1e4", "blankenbach_1a", "blankenbach_2b", "rayleigh_benard",
                                               "super_earth", "melting_layer", "square_pr1")],

@@ -121,6 +121,9 @@ class Refusals(Case):
     def test_fractions_of_a_step_that_leave_none(self):
         self.refuse("conduction", "conduction_plate", {"time.diffusive": "5e-324"}, "--set time.diffusive=5e-324: &time diffusive")
 
+    def test_a_wave_that_the_lattice_cannot_hold(self):
+        self.refuse("rti", "rti_poster", {"rti.wavelength": 10}, "--set rti.wavelength=10: &rti wavelength", "spacings")
+
     def test_a_wave_higher_than_its_layer(self):
         self.refuse("rti", "rti_linear", {"rti.amplitude": "8e5"}, "--set rti.amplitude=8e5: &rti amplitude", "thinner layer")
 
