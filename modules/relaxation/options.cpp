@@ -29,7 +29,8 @@ void declare(namelist::schema& schema, domain_options& o) {
 
 void declare(namelist::schema& schema, material_options& o) {
   schema.group("material", "the fluid (Boussinesq)");
-  schema.add("material", "density", o.density, positive("kg/m^3", "rho_0, at the reference temperature"));
+  schema.add("material", "density", o.density,
+             {.unit = "kg/m^3", .minimum = 1e-30, .meaning = "rho_0, at the reference temperature"});
   schema.add("material", "expansivity", o.expansivity, positive("1/K", "alpha, thermal"));
   schema.add("material", "heat_capacity", o.heat_capacity, positive("J/(kg K)", "c_p, at constant pressure"));
   schema.add("material", "conductivity", o.conductivity, positive("W/(m K)", "k, thermal"));
