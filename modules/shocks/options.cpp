@@ -172,7 +172,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}});
+  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}, .diffuses = false});
 }
 
 eos::any eos_of(const std::string& name) {

@@ -31,6 +31,10 @@ class Refusals(Case):
                     self.refuse(program, name, {"time.method": "ab2"}, "--set time.method=ab2: &time method", "'rk4'")
         self.refuse("disph_c", "hydrostatic_11", {"time.method": "ab2"}, "&time method")
 
+    def test_methods_for_diffusion(self):
+        """A gas has none that could bound their stages."""
+        self.refuse("shock", "sod", {"time.method": "rkl2"}, "--set time.method=rkl2: &time method", "'adaptive'")
+
     def test_kernels_of_shock(self):
         described = self.call("shock", "--describe").stdout
         self.assertNotIn("wendland_c2", described)
