@@ -7,18 +7,15 @@ using namespace tetsuame;
 int main(int argc, char** argv) {
   boussinesq::options o;
   boussinesq::parameters p;
-  const run::program_input own{.program = "convection",
-                               .shorthands = {},
-                               .restarts = true,
-                               .declare = [&](namelist::schema& schema) { boussinesq::declare(schema, o); },
-                               .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); },
-                               .need =
-                                   [&] {
-                                     return run::need_of(boussinesq::expected_particles(o), 1440.0, o.common.kernel,
-                                                         o.physics.domain.dimension);
-                                   }};
+  const run::program_input own{
+      .program = "convection",
+      .shorthands = {},
+      .restarts = true,
+      .declare = [&](namelist::schema& schema) { boussinesq::declare(schema, o); },
+      .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); },
+      .need = [&] { return run::need_of(o.domain.lattice_particles(), 1440.0, o.common.kernel, o.domain.dimension); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
-    if (o.physics.domain.dimension == 3) {
+    if (o.domain.dimension == 3) {
       boussinesq::convection<3> problem(o, p);
       run::carry_out(problem, o.common, line, resolved);
     } else {

@@ -8,7 +8,6 @@
 #include <boussinesq/pass.hpp>
 #include <boussinesq/step.hpp>
 #include <output/columns.hpp>
-#include <output/state_hash.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::boussinesq {
@@ -96,13 +95,6 @@ class convection : public run::problem_in_a_box<D> {
   }
 
   void report(double, run::summary& r) override { boussinesq::report(state_, measured_, steady(), r); }
-
-  std::string hash() override {
-    const auto& s = state_.fluid();
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    for (const auto& field : fields()) g.columns.push_back({"", "", "", {field.data}, false});
-    return output::state_hash(ranks().comm, {g});
-  }
 
   // ---- checkpoints ------------------------------------------------------------------------
 

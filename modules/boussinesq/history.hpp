@@ -148,8 +148,8 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
   m.mach = fastest_flow(state) / layer.c_eff;
   const auto [carried, v2, work, cooling, friction] = means_over_box(state);
   m.v_rms = std::sqrt(std::max(v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
-  const auto walls = wall_heat(state.world, state.at_start.particles, state.input.physics.domain.length[0], f.L / f.dT,
-                               layer.conductivity);
+  const auto walls =
+      wall_heat(state.world, state.at_start.particles, state.input.domain.length[0], f.L / f.dT, layer.conductivity);
   std::vector<double> line{
       1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit, m.peaks[0].value / unit,
       m.peaks[1].value / unit};

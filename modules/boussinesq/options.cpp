@@ -11,6 +11,9 @@ namespace {
 
 constexpr const char* g = "convection";
 
+const domain::demands demands{
+    .walls_below_and_above = "heat comes from the bottom and leaves at the top: these are walls", .jitters = false};
+
 void declare_numbers(namelist::schema& schema, convection_options& o) {
   schema.add(g, "rayleigh", o.rayleigh,
              {.minimum = 0.0,
@@ -149,7 +152,7 @@ bool expansivity_is_bound(const convection_options& c) {
 relaxation::material_options consistent_material(const options& o, double dT) {
   const auto& c = o.convection;
   auto m = o.physics.material;
-  const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.physics.domain.length[1];
+  const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.domain.length[1];
   const double drive = o.physics.g * dT * L * L * L / kappa;  // Ra = alpha drive/nu
   const double Ra = c.rayleigh.value_or(m.expansivity * drive / (m.viscosity / m.density));
   if (c.prandtl) m.viscosity = *c.prandtl * kappa * m.density;
@@ -166,7 +169,7 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
   const auto& c = o.convection;
   if (!p.steady || c.viscosity_law != "constant" || c.steady_tolerance == 0.0) return 0;
   const double least = std::max(24.0, 2.0 * 0.25 * std::cbrt(relaxation::rayleigh(p.fluid)));
-  const auto& d = o.physics.domain;
+  const auto& d = o.domain;
   for (std::int64_t level = 0;; ++level) {
     const std::int64_t halved = std::int64_t{2} << level;
     for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
@@ -177,18 +180,16 @@ std::int64_t levels_that_resolve(const options& o, const parameters& p) {
 
 // The coarsest lattice must hold the kernel, and the fit of the heat through a wall (measures.hpp).
 void check_lattices(const namelist::schema& schema, const options& o) {
-  const auto& d = o.physics.domain;
-  run::check_number(schema, {d.dimension, d.length, d.particles, d.periodic}, expected_particles(o));
-  const auto coarsest = particles_of_level(o, o.convection.levels);
-  const double dx = d.length[1] / static_cast<double>(coarsest[1]);
-  const double support = std::max(run::support_over_dx(o.common.kernel), fit_radius) * dx;
-  run::check_widths(schema, {d.dimension, d.length, coarsest, d.periodic}, support + o.common.kernel.skin * dx,
-                    support);
+  const auto& d = o.domain;
+  auto coarsest = d;
+  coarsest.particles = particles_of_level(o, o.convection.levels);
+  const double dx = coarsest.dx(), support = std::max(run::support_over_dx(o.common.kernel), fit_radius) * dx;
+  domain::check_widths(schema, coarsest, support + o.common.kernel.skin * dx, support);
 }
 
 void resolve_levels(const namelist::schema& schema, options& o, const parameters& p) {
   auto& c = o.convection;
-  const auto& d = o.physics.domain;
+  const auto& d = o.domain;
   if (c.levels < 0) c.levels = levels_that_resolve(o, p);
   if (c.levels > 0 && c.steady_tolerance == 0.0)
     schema.fail("convection", "levels",
@@ -203,8 +204,8 @@ void resolve_levels(const namelist::schema& schema, options& o, const parameters
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
+  domain::declare(schema, demands, o.domain);
   relaxation::declare(schema, o.physics);
-  run::declare(schema, o.ranks_x);
   schema.group(g, "numbers, aim, gravity and viscosity");
   declare_numbers(schema, o.convection);
   declare_aim(schema, o.convection);
@@ -228,23 +229,17 @@ void declare(namelist::schema& schema, options& o) {
 }
 
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
-  auto n = o.physics.domain.particles;
+  auto n = o.domain.particles;
   for (auto& along : n) along >>= level;
   return n;
 }
 
-double expected_particles(const options& o) {
-  return run::lattice_particles(o.physics.domain.dimension, o.physics.domain.particles);
-}
-
 parameters resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o.common);
-  run::resolve(schema, o.ranks_x);
+  domain::resolve(schema, demands, o.domain);
   const auto& c = o.convection;
-  if (o.physics.domain.periodic[1])
-    schema.fail("domain", "periodic_y", "heat comes from the bottom and leaves at the top: these are walls");
   parameters p{};
-  p.fluid = relaxation::layer(schema, o.physics, o.temperature_bottom(), o.temperature_top());
+  p.fluid = relaxation::layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
   const auto material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
   p.fluid.nu = material.viscosity / material.density;
   p.fluid.alpha = material.expansivity;

@@ -1,4 +1,4 @@
-// The input of thermal convection between a hot bottom and a cold top: that of module relaxation, and
+// The input of thermal convection between a hot bottom and a cold top: &domain, that of module relaxation, and
 //   &convection  numbers that override the dimensional values, slowing, density, scheme
 //   &initial     perturbation, half_waves
 //   &walls       walls/options.hpp
@@ -46,12 +46,12 @@ struct initial_options {
 };
 
 struct options {
+  domain::options domain{.length = {1e6, 1e6, 1e6}, .particles = {100, 100, 100}};  // y is up: length[1] is the height
   relaxation::options physics;
   convection_options convection;
   initial_options initial;
   walls::options walls;
   run::common_options common;
-  domain::rank_columns ranks_x;
 
   double temperature_bottom() const { return walls.sides[2].temperature; }
   double temperature_top() const { return walls.sides[3].temperature; }
@@ -91,7 +91,6 @@ struct parameters {
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.
 parameters resolve(const namelist::schema& schema, options& o);
-double expected_particles(const options& o);  // of the finest level
 
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);

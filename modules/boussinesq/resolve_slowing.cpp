@@ -34,7 +34,7 @@ void slow_for_the_steady_state(const options& o, const relaxation::choice& wante
   p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
   p.slowing.c_eff = p.c_eff;
   p.slowing.mach = p.slowing.speed / p.c_eff;
-  follow(p, f.L / static_cast<double>(o.physics.domain.particles[1]));
+  follow(p, f.L / static_cast<double>(o.domain.particles[1]));
   p.lines.push_back(fmt::format(
       "slowed for the steady state: xi {:.4g} (Pr_eff {:.4g}{} max({} c_eff dx/kappa, 1)), zeta {:.4g} (c_eff "
       "{:.4g} m/s, {:.4g} kappa/L: Mach {:.3g} by Ra^(2/3) kappa/L); the way there is not a history",

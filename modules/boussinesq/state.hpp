@@ -88,7 +88,7 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
     own_viscosity = &particles::declare(s, "OwnViscosity", "m^2/s", particles::role::derived);
   }
   lay(*this, o.convection.levels);
-  const auto& length = o.physics.domain.length;
+  const auto& length = o.domain.length;
   for (std::size_t i = 0; i < s.fluid; ++i)
     s.T[i] = reference_temperature(layer, s.x[1][i]) +
              o.initial.perturbation * layer.fluid.dT *
@@ -121,18 +121,16 @@ void forget(convection_state<D>& state) {
 template <int D>
 void lay(convection_state<D>& state, std::int64_t level) {
   const auto& o = state.input;
-  const auto& d = o.physics.domain;
-  const auto& kernel = o.common.kernel;
+  auto of = o.domain;
+  of.particles = particles_of_level(o, level);
   auto& w = state.world.w;
   auto& s = w.s;
-  const auto n = particles_of_level(o, level);
-  const double dx = d.length[1] / static_cast<double>(n[1]);
-  w.dx = dx;
+  const double dx = of.dx();
   follow(state.layer, dx);
-  run::set_up(state.world, domain::communicator::world(), {d.length, n, d.periodic, o.ranks_x}, o.walls, kernel.name,
-              kernel.h_over_dx, kernel.skin, 0.0, fit_radius * dx);
+  run::set_up(state.world, domain::communicator::world(), of, o.walls, o.common.kernel, fit_radius * dx);
   forget(state);
-  state.at_start = {level, n, std::pow(dx, D), kernel.h_over_dx * dx, operators::lattice_beta<D>(w.kernel, dx)};
+  state.at_start = {level, of.particles, std::pow(dx, D), o.common.kernel.h_over_dx * dx,
+                    operators::lattice_beta<D>(w.kernel, dx)};
   std::visit(
       [&](const auto& k) {
         state.at_start.W_self = k.self();

@@ -9,8 +9,8 @@
 #include <cooling/options.hpp>
 #include <diffusion/conduction.hpp>
 #include <operators/consistent.hpp>
-#include <output/state_hash.hpp>
 #include <run/box.hpp>
+#include <run/start_file.hpp>
 #include <run/start_lattice.hpp>
 
 namespace tetsuame::cooling {
@@ -26,8 +26,9 @@ class body : public run::problem_in_a_box<D> {
     s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
     for (std::size_t k = 0; k < S; ++k)
       s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
-    run::set_up(world_, domain::communicator::world(), o.box, o.walls, o.common.kernel.name, o.common.kernel.h_over_dx,
-                0.01, o.jitter, o.halo());
+    auto kernel = o.common.kernel;
+    kernel.skin = 0.01;  // nothing moves
+    run::set_up(world_, domain::communicator::world(), o.domain, o.walls, kernel, o.halo());
     if (o.by_program) {
       world_.treatment = walls::make(o.walls.treatment);
       world_.walls.how = o.walls;
@@ -41,6 +42,7 @@ class body : public run::problem_in_a_box<D> {
       for (std::size_t a = 0, k = 1; a < D; ++a)
         for (std::size_t b = a; b < D; ++b) s.extras[k++].values[i] = a == b ? 1.0 : 0.0;
     }
+    if (!o.common.start.file.empty()) run::start_from_file(o.common.start, {.motion = false}, world_);
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
 
@@ -121,14 +123,6 @@ class body : public run::problem_in_a_box<D> {
     r.metrics["heat"] = e.heat;
   }
 
-  std::string hash() override {
-    const auto& s = world_.w.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    for (const auto& component : s.x) g.columns.push_back({"x", "", "", {component.data()}, false});
-    g.columns.push_back({"T", "", "", {s.T.data()}, false});
-    return output::state_hash(ranks().comm, {g});
-  }
-
  protected:
   void make_lists(bool as_they_were) override {
     auto& s = world_.w.s;
@@ -155,7 +149,7 @@ class body : public run::problem_in_a_box<D> {
   };
   error_measures errors(double t) const {
     const auto& s = world_.w.s;
-    const double T0 = o_.temperature_top(), L = o_.box.length[1];
+    const double T0 = o_.temperature_top(), L = o_.domain.length[1];
     foundation::exact_sum squares, heat;
     double largest = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i) {

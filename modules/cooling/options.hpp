@@ -8,9 +8,7 @@ namespace tetsuame::cooling {
 
 // Defaults: [S2]'s 2500 particles and diffusivity. With 0.2 m, Euler's limit dx²/(4 kappa) is its 4 s.
 struct options {
-  std::int64_t dimension = 2;
-  run::box_options box{{0.2, 0.2, 0.2}, {50, 50, 50}, {true, false, true}, {}};
-  double jitter = 0.0;  // of the particle spacing
+  domain::options domain{.length = {0.2, 0.2, 0.2}, .particles = {50, 50, 50}, .periodic = {true, false, true}};
   double kappa = 1e-6;  // m2/s
   double start = 1.0;   // K
   std::string reference = "plate";
@@ -20,15 +18,13 @@ struct options {
   std::vector<std::string> lines;  // for the log and the terminal
   run::common_options common;
 
-  double dx() const { return box.length[1] / static_cast<double>(box.particles[1]); }
   double halo() const {  // m, what a particle, or a marker, reaches
-    return run::support_over_dx(common.kernel) * dx() * (by_program ? walls::radius_factor(walls) : 1.0);
+    return run::support_over_dx(common.kernel) * domain.dx() * (by_program ? walls::radius_factor(walls) : 1.0);
   }
   double temperature_top() const { return walls.sides[3].temperature; }
 };
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);
-double expected_particles(const options& o);
 
 }  // namespace tetsuame::cooling

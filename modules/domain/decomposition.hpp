@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <domain/communicator.hpp>
 #include <domain/halo.hpp>
+#include <domain/options.hpp>
 #include <domain/sparse.hpp>
 #include <limits>
 #include <particles/storage.hpp>
@@ -47,12 +48,6 @@ struct decomposition {
       if (!(x[a] >= cell.lower[a] && x[a] < cell.upper[a])) return false;
     return true;
   }
-};
-
-// Columns of ranks along x, as asked for.
-struct rank_columns {
-  std::int64_t number = 0;                  // 0: as the box's shape suggests
-  std::string place = "&domain ranks_x: ";  // where that was said, for the message
 };
 
 // Cells of equal size.

@@ -61,7 +61,6 @@ class problem : public run::problem_in_a_box<D> {
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     return snapshot_groups(world, o_.kernel.h_over_dx * world.w.dx, extra);
   }
-  std::string hash() override { return hash_of_state(world); }
 
   void report(double, run::summary& r) override {
     const auto e = measure_errors(world);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <hydrostatic/options.hpp>
@@ -8,24 +10,7 @@ namespace tetsuame::hydrostatic {
 
 namespace {
 
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-
-void declare(namelist::schema& schema, domain_options& o) {
-  schema.group("domain", "the box and the start lattice");
-  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis = axis_names[a];
-    const std::string only = a == 2 ? " (3-D only)" : "";
-    schema.add(
-        "domain", "length_" + axis, o.length[a],
-        {.unit = "m", .minimum = 0.0, .exclusive_minimum = true, .meaning = "edge of the box along " + axis + only});
-    schema.add("domain", "particles_" + axis, o.particles[a],
-               {.minimum = 1, .maximum = 1e9, .meaning = "fluid particles along " + axis + only});
-    schema.add("domain", "periodic_" + axis, o.periodic[a],
-               {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
-  }
-  run::declare(schema, o.ranks_x);
-}
+const domain::demands demands{};
 
 void declare(namelist::schema& schema, initial_options& o) {
   schema.group("initial", "start state");
@@ -66,52 +51,37 @@ void declare(namelist::schema& schema, material_options& o) {
 
 void check_box(const namelist::schema& schema, const options& o) {
   const auto& d = o.domain;
-  const run::box_of_particles box{d.dimension, d.length, d.particles, d.periodic};
-  run::check_number(schema, box, expected_particles(o));
-  const double dx = o.dx();
-  for (std::size_t a = 1; a < static_cast<std::size_t>(d.dimension); ++a) {
-    const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
-    if (std::abs(spacing - dx) > 1e-9 * dx)
-      schema.fail("domain", std::string("particles_") + axis_names[a],
-                  "the particle spacing must be the same along x and " + std::string(axis_names[a]) + ": " +
-                      std::to_string(dx) + " m and " + std::to_string(spacing) + " m; change particles_" +
-                      axis_names[a] + " or length_" + axis_names[a]);
-  }
-  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
+  for (std::size_t a = 0; a < d.axes(); ++a)
     if (d.periodic[a] && 2.0 * o.support() > d.length[a])
-      schema.fail("domain", std::string("particles_") + axis_names[a],
-                  "the kernel's support, " + std::to_string(2.0 * o.support()) +
-                      " m across, is wider than the periodic box, " + std::to_string(d.length[a]) + " m along " +
-                      axis_names[a] + ": use more particles or a smaller h_over_dx");
+      schema.fail("domain", std::string("particles_") + "xyz"[a],
+                  fmt::format("the kernel's support, {} m across, is wider than the periodic box, {} m along {}: use "
+                              "more particles or a smaller h_over_dx",
+                              2.0 * o.support(), d.length[a], "xyz"[a]));
   const bool filled =
       o.walls.treatment == "virtual_marker" || o.walls.treatment == "frozen" || o.walls.treatment == "mirror";
-  run::check_widths(schema, box, o.halo_width(), filled ? o.support() : 0.0);
+  domain::check_widths(schema, d, o.halo() + o.kernel.skin * d.dx(), filled ? o.support() : 0.0);
 }
 
 }  // namespace
 
-double options::support() const { return run::support_over_dx(kernel) * dx(); }
+double options::support() const { return run::support_over_dx(kernel) * domain.dx(); }
 
-double options::halo_width() const {
-  return support() * std::max(1.0, walls::radius_factor(walls)) + kernel.skin * dx();
-}
-
-double expected_particles(const options& o) { return run::lattice_particles(o.domain.dimension, o.domain.particles); }
+double options::halo() const { return support() * std::max(1.0, walls::radius_factor(walls)); }
 
 void declare(namelist::schema& schema, options& o) {
-  declare(schema, o.domain);
+  domain::declare(schema, demands, o.domain);
   declare(schema, o.initial);
   schema.group("gravity", "uniform gravity");
   schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   liquid::declare(schema, o.scheme);
-  run::declare(schema, o, {.diffuses = false, .ends_by_steps = true});
+  run::declare(schema, o, {.diffuses = false, .ends_by_steps = true, .starts_from_file = true});
 }
 
 void resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o);
-  run::resolve(schema, o.domain.ranks_x);
+  domain::resolve(schema, demands, o.domain);
   check_box(schema, o);
   if (o.g == 0.0) o.initial.profile = "uniform";
   if (o.initial.profile == "hydrostatic" && o.domain.periodic[1])

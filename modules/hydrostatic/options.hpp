@@ -9,14 +9,6 @@
 
 namespace tetsuame::hydrostatic {
 
-struct domain_options {
-  std::int64_t dimension = 2;
-  std::array<double, 3> length{1e5, 1e5, 1e5};  // m
-  std::array<std::int64_t, 3> particles{20, 20, 20};
-  std::array<bool, 3> periodic{true, false, true};
-  domain::rank_columns ranks_x;
-};
-
 struct initial_options {
   double temperature = 2500.0;          // K
   double pressure = 1e10;               // Pa; with gravity: at the top
@@ -31,7 +23,7 @@ struct material_options {
 
 // Of the notes: Euler's method, the quintic spline. cfl 0.5 and diffusive 0.25 are theirs too [S0 (9)-(11)].
 struct options : run::common_options {
-  domain_options domain;
+  domain::options domain{.length = {1e5, 1e5, 1e5}, .particles = {20, 20, 20}, .periodic = {true, false, true}};
   initial_options initial;
   double g = 0.0;  // m/s2, along -y
   material_options material;
@@ -43,15 +35,12 @@ struct options : run::common_options {
     kernel.name = "quintic";
     walls.treatment = "virtual_marker";
   }
-  double dx() const { return domain.length[0] / static_cast<double>(domain.particles[0]); }
-  double support() const;     // m, of the kernel
-  double halo_width() const;  // m, what a particle, or a marker, reaches
+  double support() const;  // m, of the kernel
+  double halo() const;     // m, what a particle, or a marker, reaches
 };
 
 // Declares every group; all six programs read the same inputs, so that one file runs on all of them.
 void declare(namelist::schema& schema, options& o);
-
-double expected_particles(const options& o);  // fluid
 
 // Fills what the input left to us (h_over_dx, t_end, EOS parameters) and checks what takes more
 // than one key: throws bad_input with file and line.

@@ -3,9 +3,10 @@
 
 #include <foundation/threads.hpp>
 #include <hydrostatic/options.hpp>
-#include <kernels/lattice.hpp>
 #include <optional>
 #include <run/lists.hpp>
+#include <run/start_file.hpp>
+#include <run/start_lattice.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -48,7 +49,7 @@ class profile {
   double pressure(double y) const {
     if (o_.initial.profile == "uniform") return o_.initial.pressure;
     const double top = o_.domain.length[1];
-    const auto n = static_cast<std::int64_t>(std::ceil(16.0 * std::abs(top - y) / o_.dx()));
+    const auto n = static_cast<std::int64_t>(std::ceil(16.0 * std::abs(top - y) / o_.domain.dx()));
     const double dy = n > 0 ? (y - top) / static_cast<double>(n) : 0.0;
     double p = o_.initial.pressure;
     for (std::int64_t k = 0; k < n; ++k) {
@@ -66,50 +67,22 @@ class profile {
   const eos::any& material_;
 };
 
-// Fluid of the start lattice in this rank's cell: equal spacing, masses m = ρ Δx^D of the exact profile.
+// The fluid, which stands on the start lattice: masses m = ρ Δx^D of the exact profile at its rows, so that jitter
+// changes neither; or as a snapshot has it.
 template <int D>
-void place_fluid(const options& o, scene<D>& scene) {
+void fill_fluid(const options& o, scene<D>& scene) {
   auto& w = scene.w;
   auto& s = w.s;
   const profile exact(o, w.materials[0]);
-  auto& cells = scene.lattice;
-  scene.fluid_total = 1;
-  for (std::size_t a = 0; a < D; ++a) {
-    cells[a] = o.domain.particles[a];
-    scene.fluid_total *= cells[a];
-  }
+  for (std::size_t a = 0; a < D; ++a) scene.lattice[a] = o.domain.particles[a];
   scene.p_exact.clear();
   scene.rho_exact.clear();
-  for (std::int64_t row = 0; row < cells[1]; ++row) {
+  for (std::int64_t row = 0; row < scene.lattice[1]; ++row) {
     scene.p_exact.push_back(exact.pressure((static_cast<double>(row) + 0.5) * w.dx));
     scene.rho_exact.push_back(exact.density(scene.p_exact.back()));
   }
-  // A cell of the slice grid is a box: what it holds along each axis.
-  const auto cell = w.d.cell();
-  std::array<std::vector<std::int64_t>, D> mine;
-  std::size_t count = 1;
-  for (std::size_t a = 0; a < D; ++a) {
-    for (std::int64_t n = 0; n < cells[a]; ++n)
-      if (const double x = (static_cast<double>(n) + 0.5) * w.dx; x >= cell.lower[a] && x < cell.upper[a])
-        mine[a].push_back(n);
-    count *= mine[a].size();
-  }
-  particles::allocate(s, count, 0, 0, 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::size_t rest = i;
-    std::int64_t stride = 1;
-    s.id[i] = 0;
-    s.material[i] = 0;
-    std::array<std::int64_t, D> at;
-    for (std::size_t a = 0; a < D; ++a) {
-      at[a] = mine[a][rest % mine[a].size()];
-      rest /= mine[a].size();
-      s.id[i] += stride * at[a];
-      stride *= cells[a];
-      s.x[a][i] = (static_cast<double>(at[a]) + 0.5) * w.dx;
-      s.v[a][i] = 0.0;
-    }
-    const auto row = static_cast<std::size_t>(at[1]);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto row = start_place(scene, s.id[i])[1];
     s.rho[i] = scene.rho_exact[row];
     s.T[i] = o.initial.temperature;
     s.m[i] = s.rho[i] * std::pow(w.dx, D);
@@ -118,6 +91,10 @@ void place_fluid(const options& o, scene<D>& scene) {
     s.eta[i] = o.material.viscosity;
     s.k[i] = o.material.conductivity;
   }
+  if (o.start.file.empty()) return;
+  run::start_from_file(o.start, {}, scene);
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    s.Y[i] = eos::pressure(w.materials[0], s.rho[i], s.T[i]) * s.m[i] / s.rho[i];
 }
 
 // Wall particles continue the profile where a treatment keeps it.
@@ -167,23 +144,13 @@ double fastest_sound(const options& o, const scene<D>& scene) {
 template <int D>
 void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
   auto& w = scene.w;
-  w.dx = o.dx();
-  w.kernel = kernels::make<D>(o.kernel.name, o.kernel.h_over_dx * w.dx);
-  w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
+  run::set_up<D>(scene, ranks, o.domain, o.walls, o.kernel, o.halo());
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;
   if (o.material.conductivity == 0.0) w.uniform_transport = o.material.viscosity;
-  scene.skin = o.kernel.skin * w.dx;
   scene.treatment = walls::make(o.walls.treatment);
   scene.walls.how = o.walls;
-  domain::box<D> box;
-  for (std::size_t a = 0; a < D; ++a) {
-    box.length[a] = o.domain.length[a];
-    box.periodic[a] = o.domain.periodic[a];
-  }
-  w.d = domain::decompose<D>(ranks, box, o.halo_width(), o.domain.ranks_x);
-  scene.walls.sides = walls::make_sides<D>(o.walls, box);
-  place_fluid(o, scene);
+  fill_fluid(o, scene);
   place_walls(o, scene);
   if (std::holds_alternative<walls::virtual_marker>(scene.treatment) || scene.mirrors())
     scene.walls.force = walls::make_boundary_force(w.dx, fastest_sound(o, scene));

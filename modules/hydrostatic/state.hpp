@@ -4,7 +4,6 @@
 #include <hydrostatic/setup.hpp>
 #include <integrators/explicit_integrator.hpp>
 #include <output/snapshot.hpp>
-#include <output/state_hash.hpp>
 #include <volume/shape.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -83,24 +82,6 @@ std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, doubl
   // Images are the fluid again.
   if (!scene.mirrors() && scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0) add(1, s.first_wall(), s.walls);
   return groups;
-}
-
-// The hash of the state that the time integration carries, and of the masses.
-template <int D>
-std::string hash_of_state(const scene<D>& scene) {
-  const auto& s = scene.w.s;
-  output::particle_group g{0, s.fluid, s.id.data(), {}};
-  const auto add = [&](const char* name, const particles::array& a) {
-    g.columns.push_back({name, "", "", {a.data()}, false});
-  };
-  for (std::size_t a = 0; a < D; ++a) add("x", s.x[a]);
-  for (std::size_t a = 0; a < D; ++a) add("v", s.v[a]);
-  add("T", s.T);
-  add("u", s.u);
-  add("m", s.m);
-  add("rho", s.rho);
-  add("p", s.p);
-  return output::state_hash(scene.w.d.ranks.comm, {g});
 }
 
 }  // namespace tetsuame::hydrostatic

@@ -259,6 +259,10 @@ void schema::pass_over(const std::string& group, const std::vector<std::string>&
   for (const auto& key : keys) keys_passed_over_.emplace_back(group, key);
 }
 
+void schema::also_known(const std::string& group, const std::string& older, const std::string& key) {
+  older_names_.push_back({group, older, key});
+}
+
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
   const std::string full = fmt::format("namelist key {}.{}", group, name);
   if (find_name(groups_, lower(group)) == groups_.end()) throw std::logic_error(full + ": the group is not declared");
@@ -295,7 +299,9 @@ void schema::read(const document& input) {
           groups_);
     }
     for (const assignment& a : from.assignments) {
-      const auto k = find_in_group_or_expert(groups_, *g, a.key);
+      const auto older =
+          std::ranges::find_if(older_names_, [&](const auto& n) { return n[0] == g->name && n[1] == a.key; });
+      const auto k = find_in_group_or_expert(groups_, *g, older == older_names_.end() ? a.key : (*older)[2]);
       if (k == g->keys.end() &&
           std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
         passed_.push_back("&" + g->name + " " + a.key);

@@ -19,6 +19,7 @@
 // they are an error that says so.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/error.hpp>
@@ -77,6 +78,8 @@ class schema {
   void pass_over(const std::string& group);
   // Keys of a group that is there, which another program reads: passed over as well, and told by passed().
   void pass_over(const std::string& group, const std::vector<std::string>& keys);
+  // An older name of a key that is declared in this group.
+  void also_known(const std::string& group, const std::string& older, const std::string& key);
   const std::vector<std::string>& passed() const { return passed_; }  // "&group key", as the input has them
   void add(const std::string& group, const std::string& key, target bound, key_info info = {});
 
@@ -121,6 +124,7 @@ class schema {
   std::vector<std::string> passed_over_;                               // groups
   std::vector<std::pair<std::string, std::string>> keys_passed_over_;  // group, key
   std::vector<std::string> passed_;
+  std::vector<std::array<std::string, 3>> older_names_;  // group, older name, key
 };
 
 }  // namespace tetsuame::namelist

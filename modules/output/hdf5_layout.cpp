@@ -244,4 +244,16 @@ std::vector<stored_dataset> list_datasets(const std::string& path, const std::st
   return list;
 }
 
+std::vector<double> read_reals(const std::string& path, const std::string& name) {
+  const quiet silence;
+  const file_context file{path, "read"};
+  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
+  const handle root(open_for_reading(file, access), H5Fclose);
+  const handle set(file.check(H5Dopen2(root, name.c_str(), H5P_DEFAULT)), H5Dclose);
+  const handle space(file.check(H5Dget_space(set)), H5Sclose);
+  std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
+  file.check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+  return values;
+}
+
 }  // namespace tetsuame::output

@@ -57,4 +57,7 @@ double read_real_attribute(const std::string& path, const std::string& object, c
 // The datasets right in the group, by name; "/" is the root. Empty if there is no such group.
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group);
 
+// A dataset of numbers, by rows.
+std::vector<double> read_reals(const std::string& path, const std::string& name);
+
 }  // namespace tetsuame::output

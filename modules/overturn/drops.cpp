@@ -71,7 +71,7 @@ namespace {
 
 // Finite differences over the box, a few cells to the radius, in a fraction of a second and some tens of megabytes: no
 // more than 8000 cells, and where a radius then has less than two, none.
-std::optional<int> cells_across(const domain_options& d, double radius) {
+std::optional<int> cells_across(const domain::options& d, double radius) {
   constexpr double most = 8000.0;
   const double wanted = std::ceil(6.0 * d.length[0] / radius),
                affordable = std::floor(std::sqrt(most * d.length[0] / d.length[1])),
@@ -87,7 +87,7 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
                                        std::string& about) {
   const auto& d = o.domain;
   const double eta = o.material[0].viscosity, eta_drop = o.material[1].viscosity;
-  const auto& w = o.walls;
+  const auto w = slips_of(o);
   if (d.dimension == 2) {
     const auto sides = [](const std::string& slip) {
       return slip == "no_slip" ? theory::sides::no_slip : theory::sides::free_slip;
@@ -107,7 +107,7 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
                   : "no theory: the drop is too small beside the box for finite differences over it";
     return cells ? std::optional(theory::fall_velocity_extrapolated(box, *cells)) : std::nullopt;
   }
-  if (w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || (d.periodic[0] && d.periodic[2]))) {
+  if (w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || w.sides.empty())) {
     const theory::drop_among_free_slip one{3,   d.length, d.periodic,           o.radius, at,
                                            eta, eta_drop, p.density_difference, o.gravity};
     const bool affordable = theory::terms_of_fall(one) <= most_terms;
@@ -174,12 +174,12 @@ void find_cloud(const options& o, parameters& p) {
       2.0 * o.radius * p.base->at(y).density *
       std::abs(p.fall_alone.value_or(deep ? theory::hadamard_rybczynski(one) : p.fall_array.value_or(0.0))) / eta;
   if (fraction <= 0.6) p.hindered = theory::hindered_settling_factor(fraction, reynolds);
-  const auto& w = o.walls;
-  const bool free_sides = d.periodic[0] && (!deep || d.periodic[2]);
+  const auto w = slips_of(o);
   const theory::drop_among_free_slip all{
       static_cast<int>(d.dimension), d.length, d.periodic, o.radius, {}, eta, eta_drop,
       p.density_difference,          o.gravity};
-  if (!(w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || free_sides) && eta == eta_drop)) {
+  if (!(w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || w.sides.empty()) &&
+        eta == eta_drop)) {
     p.theory_about = "for several drops there is a theory for free-slip walls and equal viscosities only";
   } else if (theory::terms_of_mean_fall(all, p.places.size()) > 5.0 * most_terms) {
     p.theory_about = "no theory: the drops are too many, or too small beside the box, for their Fourier series";
@@ -188,6 +188,34 @@ void find_cloud(const options& o, parameters& p) {
     p.theory_about = "creeping flow about the round drops as they lie at the start (Fourier series)";
   }
   p.lines.push_back(fmt::format("{} drops, volume fraction {:.4g}", p.places.size(), fraction));
+}
+
+// One drop, whose place may be left open: it lies in the box, and is measured on its way.
+void check_the_drop(const namelist::schema& schema, options& o, const parameters& p, double y) {
+  const auto& d = o.domain;
+  const bool deep = d.dimension == 3;
+  const double height = d.length[1];
+  const double dimensions = deep ? 3.0 : 2.0;
+  const double thinnest =
+      o.radius * std::min(std::pow(o.elongation, -1.0 / dimensions), std::pow(o.elongation, 1.0 - 1.0 / dimensions));
+  if (thinnest < p.dx)
+    schema.fail("drop", "elongation",
+                fmt::format("leaves the drop {:.6g} m wide about its middle, less than the particle spacing, {:.6g} m",
+                            thinnest, p.dx));
+  if (o.seed != 1) schema.fail("drop", "seed", "is of several drops");
+  for (const auto& [key, value] :
+       {std::pair{"least_gap", &o.least_gap}, {"measure_from", &o.measure_from}, {"measure_until", &o.measure_until}})
+    if (*value) schema.fail("drop", key, "is of several drops");
+  const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!o.centre[a]) o.centre[a] = middle[a];
+  for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
+    if (*o.centre[a] < o.radius || *o.centre[a] > d.length[a] - o.radius)
+      schema.fail("drop", axis_names[a], "the drop must lie inside the box");
+  if (!(y > o.radius && y < *o.centre[1] - 0.02 * height))
+    schema.fail(
+        "drop", "measure_at",
+        "must be lower than the drop starts, by a fiftieth of the height at least, and the drop above the floor");
 }
 
 }  // namespace
@@ -233,27 +261,7 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
     find_tension(o, p, here.density, highest + o.radius);
     return;
   }
-  const double dimensions = deep ? 3.0 : 2.0;
-  const double thinnest =
-      o.radius * std::min(std::pow(o.elongation, -1.0 / dimensions), std::pow(o.elongation, 1.0 - 1.0 / dimensions));
-  if (thinnest < p.dx)
-    schema.fail("drop", "elongation",
-                fmt::format("leaves the drop {:.6g} m wide about its middle, less than the particle spacing, {:.6g} m",
-                            thinnest, p.dx));
-  if (o.seed != 1) schema.fail("drop", "seed", "is of several drops");
-  for (const auto& [key, value] :
-       {std::pair{"least_gap", &o.least_gap}, {"measure_from", &o.measure_from}, {"measure_until", &o.measure_until}})
-    if (*value) schema.fail("drop", key, "is of several drops");
-  const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
-  for (std::size_t a = 0; a < 3; ++a)
-    if (!o.centre[a]) o.centre[a] = middle[a];
-  for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
-    if (*o.centre[a] < o.radius || *o.centre[a] > d.length[a] - o.radius)
-      schema.fail("drop", axis_names[a], "the drop must lie inside the box");
-  if (!(y > o.radius && y < *o.centre[1] - 0.02 * height))
-    schema.fail(
-        "drop", "measure_at",
-        "must be lower than the drop starts, by a fiftieth of the height at least, and the drop above the floor");
+  check_the_drop(schema, o, p, y);
   p.places = {{*o.centre[0], *o.centre[1], *o.centre[2]}};
   find_tension(o, p, here.density, *o.centre[1] + o.radius);
   p.theory_fall = schema.placed("drop", "radius", [&] {

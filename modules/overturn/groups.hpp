@@ -26,6 +26,12 @@ inline void refuse(const namelist::schema& schema, const char* group, std::initi
 
 inline constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 
+// Of floor, lid and those sides that are walls, whose slip is empty where there are none.
+struct slips {
+  std::string floor, lid, sides;
+};
+slips slips_of(const options& o);
+
 // scheme.cpp: materials and formulation
 void declare(namelist::schema& schema, const char* group, const std::string& which, material_options& o);
 void declare(namelist::schema& schema, const char* group, scheme_options& o);

@@ -9,37 +9,14 @@ namespace {
 
 constexpr std::array<double, 2> default_density{3000.0, 7000.0};  // kg/m3, of lower or outside, upper or drop
 
-void declare(namelist::schema& schema, domain_options& o) {
-  schema.group("domain", "the box and the start lattice");
-  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
-    schema.add("domain", "length_" + axis, o.length[a], positive("m", "edge of the box along " + axis + only));
-    schema.add("domain", "particles_" + axis, o.particles[a],
-               {.minimum = 4, .maximum = 1e6, .meaning = "particles along " + axis + only});
-    if (a != 1)
-      schema.add("domain", "periodic_" + axis, o.periodic[a],
-                 {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
-  }
-  run::declare(schema, o.ranks_x);
-}
+const domain::demands demands{.least_particles = 4, .walls_below_and_above = "gravity needs a floor and a lid"};
 
 void check_domain(const namelist::schema& schema, options& o, parameters& p) {
-  const auto& d = o.domain;
-  p.dx = d.length[1] / static_cast<double>(d.particles[1]);
-  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
-    if (const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
-        std::abs(spacing - p.dx) > 1e-9 * p.dx)
-      schema.fail(
-          "domain", std::string("particles_") + axis_names[a],
-          fmt::format("the particle spacing must be the same along all axes: here {} m, along y {} m", spacing, p.dx));
-  const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
-  const run::box_of_particles box{d.dimension, d.length, d.particles, periodic};
+  domain::resolve(schema, demands, o.domain);
+  p.dx = o.domain.dx();
   const double support = run::support_over_dx(o.common.kernel) * p.dx;
-  p.halo = o.by_program ? support * walls::radius_factor(o.behind_walls) : support;
-  run::check_number(schema, box, expected_particles(o));
-  run::check_widths(schema, box, std::max(p.halo, support) + o.common.kernel.skin * p.dx, support);
-  run::resolve(schema, o.domain.ranks_x);
+  p.halo = o.by_program ? support * walls::radius_factor(o.walls) : support;
+  domain::check_widths(schema, o.domain, std::max(p.halo, support) + o.common.kernel.skin * p.dx, support);
 }
 
 void make_materials(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
@@ -88,7 +65,18 @@ void find_layers(const namelist::schema& schema, problem_kind kind, options& o, 
 
 }  // namespace
 
-box_of_drops box_of(const domain_options& d) {
+slips slips_of(const options& o) {
+  slips s{walls::slip_of(o.walls, 2), walls::slip_of(o.walls, 3), ""};
+  for (const std::size_t n : {0, 1, 4, 5}) {
+    if (o.domain.periodic[n / 2] || n / 2 >= o.domain.axes()) continue;
+    const auto& slip = walls::slip_of(o.walls, n);
+    if (!s.sides.empty() && s.sides != slip) return {s.floor, s.lid, "different"};
+    s.sides = slip;
+  }
+  return s;
+}
+
+box_of_drops box_of(const domain::options& d) {
   return {static_cast<int>(d.dimension), d.length, {d.periodic[0], false, d.dimension == 3 && d.periodic[2]}};
 }
 
@@ -100,7 +88,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   o.common.output.history_interval = 10;
   o.common.time.t_end = 3000.0;
   for (const std::size_t n : {0, 1}) o.material[n].density = default_density[n];
-  declare(schema, o.domain);
+  domain::declare(schema, demands, o.domain);
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
   for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
   schema.add(group, "bulk_modulus", o.bulk_modulus, positive("Pa", "K of p = K (rho/rho0 - 1), of both"));
@@ -130,27 +118,25 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare(schema, group, o.scheme);
   declare(schema, o.melting);
   declare(schema, o.element);
-  schema.group("walls", "sides of the box that are not periodic");
-  schema.add("walls", "floor", o.walls.floor,
-             {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the floor"});
-  schema.add("walls", "lid", o.walls.lid,
-             {.choices = {"no_slip", "free_slip", "free_surface"}, .meaning = "velocity at the lid, or none there"});
-  schema.add("walls", "sides", o.walls.sides,
-             {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the sides"});
+  o.walls.slip = "free_slip";
+  o.walls.sides[2].slip = o.walls.sides[3].slip = "no_slip";
+  walls::abilities behind{.moving = false, .heat = false, .free_surface = true};
+  if (o.by_program) behind.treatments = {"virtual_marker", "none", "repulsion", "mirror"};
+  walls::declare(schema, behind, o.walls);
+  schema.also_known("walls", "floor", "slip_bottom");
+  schema.also_known("walls", "lid", "slip_top");
+  schema.also_known("walls", "sides", "slip");
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
-    walls::declare_treatment(schema, {"virtual_marker", "none", "repulsion", "mirror"}, o.behind_walls);
     liquid::declare(schema, o.liquid);
-    run::declare(schema, o.common, {});
+    run::declare(schema, o.common, {.starts_from_file = true});
     return;
   }
   schema.add(
-      "walls", "pressure", o.walls.pressure,
+      "walls", "pressure", o.wall_pressure,
       {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
-  run::declare(schema, o.common, {});
+  run::declare(schema, o.common, {.starts_from_file = true});
 }
-
-double expected_particles(const options& o) { return run::lattice_particles(o.domain.dimension, o.domain.particles); }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
@@ -162,6 +148,9 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   choose_scheme(schema, group, o, p);
   check_element(schema, o.element);
   find_elasticity(o, p);
+  if (!o.common.start.file.empty() && (o.temperature_law == "enthalpy" || o.element.name != "none"))
+    schema.fail("initial", "file",
+                "a snapshot has neither the heat contents of temperature_law 'enthalpy' nor &element");
   if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
     schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
   make_materials(schema, kind, o, p);
@@ -192,7 +181,7 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
       "wave number {:.9g} 1/m, {} floor, {} lid\n"
       "growth rate {:.9g} 1/s (as run: compressible, {} stress)\n"
       "growth rate {:.9g} 1/s (incompressible)\n",
-      p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), o.walls.floor, o.walls.lid, *p.growth,
+      p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), slips_of(o).floor, slips_of(o).lid, *p.growth,
       o.scheme.stress, *p.growth_incompressible);
 }
 

@@ -1,7 +1,7 @@
 // The input of two fluids under gravity, of programs rti and drop:
-//   &domain   dimension, length_x …, particles_x …, periodic_x, periodic_z
+//   &domain   domain/options.hpp
 //   &rti or &drop   shape, materials, start, formulation
-//   &walls    floor, lid, sides; of a program with a scheme of its own, what stands behind them
+//   &walls    walls/options.hpp; pressure
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   run/options.hpp
@@ -20,19 +20,6 @@
 namespace tetsuame::overturn {
 
 enum class problem_kind { rayleigh_taylor, drop };
-
-struct domain_options {
-  std::int64_t dimension = 2;
-  std::array<double, 3> length{1.5e6, 1.5e6, 1.5e6};  // m
-  std::array<std::int64_t, 3> particles{48, 48, 48};
-  std::array<bool, 3> periodic{};
-  domain::rank_columns ranks_x;
-};
-
-struct wall_options {
-  std::string floor = "no_slip", lid = "no_slip", sides = "free_slip";
-  std::string pressure = "hydrostatic";
-};
 
 struct material_options {
   std::string eos = "linear";
@@ -75,8 +62,9 @@ struct element_options {
 };
 
 struct options {
-  domain_options domain;
-  wall_options walls;
+  domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
+  walls::options walls;
+  std::string wall_pressure = "hydrostatic";
   std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
   double bulk_modulus = 5e11;                // Pa
   double gravity = 10.0;                     // m/s2
@@ -106,11 +94,12 @@ struct options {
   std::optional<double> measure_from, measure_until;  // s, of several drops
 
   scheme_options scheme;
-  // Where a program's own scheme takes its place: what stands behind the walls, and what the scheme is told.
+  // Where a program's own scheme takes its place: what it is told.
   bool by_program = false, remembers_density = true;
-  walls::options behind_walls;
   liquid::options liquid;
   run::common_options common;
+
+  bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };
 
 // What a run computes with, SI.
@@ -148,8 +137,7 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
-double expected_particles(const options& o);
-box_of_drops box_of(const domain_options& d);
+box_of_drops box_of(const domain::options& d);
 // What --theory prints.
 std::string theory_text(problem_kind kind, const options& o, const parameters& p);
 

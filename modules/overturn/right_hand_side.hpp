@@ -48,7 +48,7 @@ void refresh_motion(fluids<D>& f) {
 template <int D>
 void mirror(fluids<D>& f, particles::array& p) {
   auto& s = f.world.w.s;
-  const double g = f.o.walls.pressure == "hydrostatic" ? f.o.gravity : 0.0;
+  const double g = f.o.wall_pressure == "hydrostatic" ? f.o.gravity : 0.0;
   for_each_image(f.world, [&](std::size_t i, std::size_t j) {
     s.dV[i] = s.dV[j];
     s.rho[i] = s.rho[j];

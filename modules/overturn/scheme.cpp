@@ -109,14 +109,14 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
   if (s.volume == "number_density" && schema.given(group, "delta") && s.delta > 0.0)
     schema.fail(group, "delta", "belongs to volume = 'our_method': the number density has no rate to add to");
   if (s.volume == "number_density") s.delta = 0.0;
-  if (o.walls.lid == "free_surface" && s.volume == "number_density")
+  if (o.open_lid() && s.volume == "number_density")
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
   if (o.surface_tension > 0.0 &&
       !(s.volume == "number_density" && s.gradient == "pattern_1" && s.pressure == "non_smoothed"))
     schema.fail(group, "surface_tension",
                 "is derived for volume = 'number_density', gradient = 'pattern_1' and pressure = 'non_smoothed'");
-  const bool open = o.walls.lid == "free_surface";
+  const bool open = o.open_lid();
   if (open && s.reference_pressure == "lightest")
     schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
   const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy" || o.surface_tension > 0.0;
@@ -133,8 +133,8 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "viscous_order",
                 "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
                 "motion instead of friction; choose 2");
-  const bool equal = o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity &&
-                     o.walls.lid != "free_surface";
+  const bool equal =
+      o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity && !o.open_lid();
   if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
   if (s.viscous_order == 0) s.viscous_order = s.stress == "laplacian" && o.melting.viscosity_law == "constant" ? 4 : 2;
   p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <overturn/fluids.hpp>
 #include <overturn/rows.hpp>
+#include <run/start_file.hpp>
 
 namespace tetsuame::overturn {
 
@@ -153,8 +154,8 @@ std::vector<double> balance(const fluids<D>& f, std::vector<std::array<place, 2>
     const place& here = rows[r][upper(r) ? 1 : 0];
     start[r] = {(static_cast<double>(r) + 0.5) * dx, here.pressure, here.density};
   }
-  const column_of_rows<D> column(f.world.w.kernel, dx, o.domain.length[1], o.walls.lid == "free_surface", o.gravity,
-                                 o.walls.pressure == "hydrostatic" ? o.gravity : 0.0);
+  const column_of_rows<D> column(f.world.w.kernel, dx, o.domain.length[1], o.open_lid(), o.gravity,
+                                 o.wall_pressure == "hydrostatic" ? o.gravity : 0.0);
   const auto rest = balanced<D>(column, start, dx, o.gravity,
                                 [&](std::size_t r, double p) { return at_pressure(curve(r), p).density; });
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -204,7 +205,7 @@ void place_fluid(fluids<D>& f) {
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto row = static_cast<std::size_t>(s.x[1][i] / w.dx);
     const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
-    if (!heights.empty()) s.x[1][i] = s.x_start[1][i] = heights[row];
+    if (!heights.empty()) s.x[1][i] = s.x_start[1][i] += heights[row] - (static_cast<double>(row) + 0.5) * w.dx;
     s.m[i] = state.density * V;
     s.rho[i] = f.rho_start()[i] = state.density;
     s.T[i] = f.T_start()[i] = state.temperature;
@@ -215,6 +216,7 @@ void place_fluid(fluids<D>& f) {
     if (f.enthalpy) heat_up(f, i);
     if (f.p.mode && f.o.start != "coloured") displace(f, i);
   }
+  if (!f.o.common.start.file.empty()) run::start_from_file(f.o.common.start, {.material = true}, f.world);
 }
 
 // Where particles stand behind the walls: their places, and something to begin with of what every evaluation sets.
@@ -240,21 +242,12 @@ template <int D>
 void set_up(fluids<D>& f) {
   const auto& o = f.o;
   auto& w = f.world.w;
-  const auto& d = o.domain;
-  const bool open = o.walls.lid == "free_surface";
-  walls::options walls;
-  walls.slip = o.walls.sides;
-  walls.sides[2].slip = o.walls.floor;
-  walls.sides[3].slip = open ? "free_slip" : o.walls.lid;
-  const std::array<bool, 3> periodic{d.periodic[0], false, d.periodic[2]};
-  run::set_up(f.world, domain::communicator::world(), {d.length, d.particles, periodic, d.ranks_x}, walls,
-              o.common.kernel.name, o.common.kernel.h_over_dx, o.common.kernel.skin, 0.0, 0.0);
-  if (open) std::erase_if(f.world.walls.sides, [](const auto& side) { return side.axis == 1 && side.inward < 0.0; });
+  run::set_up(f.world, domain::communicator::world(), o.domain, o.walls, o.common.kernel, 0.0);
   w.materials = {(*f.p.material)[0], (*f.p.material)[1]};
   w.g[1] = -o.gravity;
   if (o.by_program) {
-    f.world.treatment = walls::make(o.behind_walls.treatment);
-    f.world.walls.how = o.behind_walls;
+    f.world.treatment = walls::make(o.walls.treatment);
+    f.world.walls.how = o.walls;
     if (o.conductivity == 0.0 && o.melting.viscosity_law == "constant" &&
         o.material[0].viscosity == o.material[1].viscosity)
       w.uniform_transport = o.material[0].viscosity;

@@ -24,7 +24,6 @@
 #pragma once
 
 #include <output/columns.hpp>
-#include <output/state_hash.hpp>
 #include <overturn/by_scheme.hpp>
 #include <overturn/lists.hpp>
 #include <overturn/report.hpp>
@@ -152,24 +151,6 @@ class two_fluids : public run::problem_in_a_box<D> {
       add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", f_.melt);
     }
     return {g};
-  }
-
-  std::string hash() override {
-    const auto& s = f_.world.w.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    const auto add = [&](const particles::array& a) { g.columns.push_back({"", "", "", {a.data()}, false}); };
-    for (const auto& a : s.x) add(a);
-    for (const auto& a : s.v) add(a);
-    add(s.T);
-    add(s.u);
-    add(f_.dissipated());
-    add(s.m);
-    if (f_.carried) add(s.rho);
-    if (f_.weighed) add(s.Y);
-    if (f_.enthalpy) add(f_.content());
-    if (f_.dissolved) add(f_.element());
-    if (f_.follows) add(f_.support());
-    return output::state_hash(ranks().comm, {g});
   }
 
   void save(output::checkpoint_globals& g) const override {

@@ -62,8 +62,9 @@ theory::two_layers layers(const options& o, const parameters& p, bool compressib
   t.gravity = o.gravity;
   t.surface_tension = o.surface_tension;
   t.top_pressure = o.p_top;
-  t.floor = boundary_of(o.walls.floor);
-  t.lid = boundary_of(o.walls.lid);
+  const auto w = slips_of(o);
+  t.floor = boundary_of(w.floor);
+  t.lid = boundary_of(w.lid);
   return t;
 }
 
@@ -97,13 +98,12 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   if (o.start != "coloured" && !(o.amplitude < thinner))
     schema.fail("rti", "amplitude",
                 fmt::format("is {:.6g} m, more than the thinner layer is high, {:.6g} m", o.amplitude, thinner));
-  const bool walls = !d.periodic[0] || (d.dimension == 3 && !d.periodic[2]);
   if (o.temperature_law == "enthalpy") {
     p.theory_about = "materials that melt, or lie in three layers, have no growth rate";
     if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
     return;
   }
-  if (walls && o.walls.sides == "no_slip") {
+  if (const auto sides = slips_of(o).sides; !sides.empty() && sides != "free_slip") {
     p.theory_about = "no-slip sides: there are no separate waves, and no theory to compare with";
     if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
     return;

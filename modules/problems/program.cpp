@@ -28,7 +28,7 @@ struct problem_of_input {
   virtual void complete(const namelist::schema& schema) = 0;
   virtual run::memory_need need() const = 0;
   virtual std::string theory() const { return "there is no theory of this problem\n"; }
-  virtual const run::common_options& common() const = 0;
+  virtual run::common_options& common() = 0;
   virtual std::unique_ptr<run::problem> make() const = 0;
 };
 
@@ -40,9 +40,9 @@ struct box_at_rest : problem_of_input {
   void declare(namelist::schema& schema) override { hydrostatic::declare(schema, o); }
   void complete(const namelist::schema& schema) override { hydrostatic::resolve(schema, o); }
   run::memory_need need() const override {
-    return run::need_of(hydrostatic::expected_particles(o), 420.0, o.kernel, o.domain.dimension);
+    return run::need_of(o.domain.lattice_particles(), 420.0, o.kernel, o.domain.dimension);
   }
-  const run::common_options& common() const override { return o; }
+  run::common_options& common() override { return o; }
   std::unique_ptr<run::problem> make() const override { return at_rest(o, scheme); }
 };
 
@@ -57,16 +57,16 @@ struct fluids_of_input : problem_of_input {
     if (!scheme) return;
     o.by_program = true;
     o.remembers_density = scheme->remembers_density;
-    o.behind_walls.treatment = scheme->wall;
+    o.walls.treatment = scheme->wall;
     o.liquid.hosono.solver = "newton";
   }
   void declare(namelist::schema& schema) override { overturn::declare(schema, kind, o); }
   void complete(const namelist::schema& schema) override { p = overturn::resolve(schema, kind, o); }
   run::memory_need need() const override {
-    return run::need_of(overturn::expected_particles(o), 800.0, o.common.kernel, o.domain.dimension);
+    return run::need_of(o.domain.lattice_particles(), 800.0, o.common.kernel, o.domain.dimension);
   }
   std::string theory() const override { return overturn::theory_text(kind, o, p); }
-  const run::common_options& common() const override { return o.common; }
+  run::common_options& common() override { return o.common; }
   std::unique_ptr<run::problem> make() const override { return make_two_fluids(kind, o, p, scheme); }
 };
 
@@ -81,9 +81,9 @@ struct body_of_input : problem_of_input {
   void declare(namelist::schema& schema) override { cooling::declare(schema, o); }
   void complete(const namelist::schema& schema) override { cooling::resolve(schema, o); }
   run::memory_need need() const override {
-    return run::need_of(cooling::expected_particles(o), 300.0, o.common.kernel, o.dimension);
+    return run::need_of(o.domain.lattice_particles(), 300.0, o.common.kernel, o.domain.dimension);
   }
-  const run::common_options& common() const override { return o.common; }
+  run::common_options& common() override { return o.common; }
   std::unique_ptr<run::problem> make() const override { return problems::conduction(o); }
 };
 
@@ -118,6 +118,7 @@ int start(int argc, char** argv, const char* name, std::unique_ptr<problem_of_in
       if (domain::communicator::world().rank == 0) std::fputs(problem->theory().c_str(), stdout);
       return;
     }
+    if (!line.restart.empty()) problem->common().start.file.clear();
     const auto made = problem->make();
     run::carry_out(*made, problem->common(), line, resolved);
   });

@@ -8,23 +8,8 @@ namespace tetsuame::relaxation {
 
 namespace {
 
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-
 namelist::key_info positive(std::string unit, std::string meaning) {
   return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
-}
-
-void declare(namelist::schema& schema, domain_options& o) {
-  schema.group("domain", "the box and the start lattice");
-  schema.add("domain", "dimension", o.dimension, {.minimum = 2, .maximum = 3, .meaning = "of space; y is up"});
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
-    schema.add("domain", "length_" + axis, o.length[a], positive("m", "edge of the box along " + axis + only));
-    schema.add("domain", "particles_" + axis, o.particles[a],
-               {.minimum = 1, .maximum = 1e9, .meaning = "fluid particles along " + axis + only});
-    schema.add("domain", "periodic_" + axis, o.periodic[a],
-               {.meaning = "the two sides across " + axis + " are one, or else walls" + only});
-  }
 }
 
 void declare(namelist::schema& schema, material_options& o) {
@@ -68,7 +53,6 @@ void declare(namelist::schema& schema, relaxation_options& o) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
-  declare(schema, o.domain);
   declare(schema, o.material);
   schema.group("gravity", "uniform gravity");
   schema.add("gravity", "g", o.g,
@@ -76,23 +60,15 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.relaxation);
 }
 
-fluid_layer layer(const namelist::schema& schema, const options& o, double temperature_bottom, double temperature_top) {
+fluid_layer layer(const namelist::schema& schema, const options& o, double height, double temperature_bottom,
+                  double temperature_top) {
   const double dT = temperature_bottom - temperature_top;
   if (!(dT > 0.0))
     schema.fail("walls", "temperature_bottom",
                 fmt::format("the bottom ({} K) must be hotter than the top ({} K), or nothing rises",
                             temperature_bottom, temperature_top));
-  const auto& d = o.domain;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a) {
-    const double spacing = d.length[a] / static_cast<double>(d.particles[a]);
-    const double dx = d.length[1] / static_cast<double>(d.particles[1]);
-    if (std::abs(spacing - dx) > 1e-9 * dx)
-      schema.fail("domain", std::string("particles_") + axis_names[a],
-                  fmt::format("the particle spacing must be the same along {} ({} m) and y ({} m)", axis_names[a],
-                              spacing, dx));
-  }
   const auto& m = o.material;
-  return {d.length[1],
+  return {height,
           dT,
           m.density,
           m.conductivity / (m.density * m.heat_capacity),
@@ -100,12 +76,6 @@ fluid_layer layer(const namelist::schema& schema, const options& o, double tempe
           o.g,
           m.expansivity,
           m.bulk_modulus};
-}
-
-double volume_ratio(const domain_options& d) {
-  double ratio = d.length[0] / d.length[1];
-  if (d.dimension == 3) ratio *= d.length[2] / d.length[1];
-  return ratio;
 }
 
 choice wanted(const relaxation_options& o) {

@@ -1,5 +1,4 @@
 // The input of a convection problem, for programs that plan it and programs that run it:
-//   &domain      dimension, length_x … , particles_x … , periodic_x …
 //   &material    density, expansivity, heat_capacity, conductivity, viscosity, bulk_modulus
 //   &gravity     g
 //   &walls       temperature_bottom, temperature_top and the rest: declared by module walls
@@ -7,21 +6,12 @@
 // The diffusivities are kappa = k/(rho c_p) and nu = eta/rho.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <namelist/schema.hpp>
 #include <optional>
 #include <relaxation/rules.hpp>
 #include <string>
 
 namespace tetsuame::relaxation {
-
-struct domain_options {
-  std::int64_t dimension = 2;
-  std::array<double, 3> length{1e6, 1e6, 1e6};  // m; y is up: length[1] is the height L
-  std::array<std::int64_t, 3> particles{100, 100, 100};
-  std::array<bool, 3> periodic{false, false, false};
-};
 
 // Defaults: the mantle of Blankenbach et al. (1989), case 1a [S1, table 3].
 struct material_options {
@@ -42,7 +32,6 @@ struct relaxation_options {
 };
 
 struct options {
-  domain_options domain;
   material_options material;
   double g = 10.0;  // m/s2
   relaxation_options relaxation;
@@ -50,9 +39,9 @@ struct options {
 
 void declare(namelist::schema& schema, options& o);
 
-// Checks what takes more than one key: bad_input with file and line. temperature_*: K, from &walls.
-fluid_layer layer(const namelist::schema& schema, const options& o, double temperature_bottom, double temperature_top);
-double volume_ratio(const domain_options& d);  // of the box to its height^dimension
+// Checks what takes more than one key: bad_input with file and line. height: m; temperature_*: K, from &walls.
+fluid_layer layer(const namelist::schema& schema, const options& o, double height, double temperature_bottom,
+                  double temperature_top);
 choice wanted(const relaxation_options& o);
 
 }  // namespace tetsuame::relaxation

@@ -6,6 +6,7 @@
 
 #include <foundation/waiting.hpp>
 #include <functional>
+#include <output/state_hash.hpp>
 #include <run/checkpoint_table.hpp>
 #include <run/load_balance.hpp>
 #include <run/problem.hpp>
@@ -71,8 +72,16 @@ class problem_in_a_box : public problem {
     if (balancer.mode != "off") balance_table_ = &files.table("balance.csv", balance_columns());
   }
 
-  output::table_view particles_table(std::vector<std::int64_t>& materials) override {
+  output::table_view particles_table(std::vector<std::int64_t>& materials) final {
     return checkpoint_table(box.w.s, materials);
+  }
+  // Of all that a checkpoint holds of the particles.
+  std::string hash() final {
+    std::vector<std::int64_t> materials;
+    const auto t = particles_table(materials);
+    output::particle_group g{0, t.n, t.ids, {}};
+    for (const auto& [name, values] : t.reals) g.columns.push_back({name, "", "", {values}, false});
+    return output::state_hash(ranks().comm, {g});
   }
   void read_particles(const output::table& t) override { fluid_from_checkpoint(t, box.w.s); }
   void save(output::checkpoint_globals& g) const override {

@@ -7,12 +7,6 @@
 
 namespace tetsuame::run {
 
-namespace {
-
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-
-}  // namespace
-
 void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names) {
   schema.group("kernel", "smoothing kernel and neighbour lists");
   if (names.empty())
@@ -39,54 +33,6 @@ void resolve(const namelist::schema& schema, kernel_options& o) {
 }
 
 double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
-
-double lattice_particles(std::int64_t dimension, const std::array<std::int64_t, 3>& particles) {
-  double n = 1.0;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(dimension); ++a) n *= static_cast<double>(particles[a]);
-  return n;
-}
-
-void declare(namelist::schema& schema, domain::rank_columns& o) {
-  schema.add("domain", "ranks_x", o.number,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
-}
-
-void resolve(const namelist::schema& schema, domain::rank_columns& o) {
-  o.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
-}
-
-namespace {
-
-std::string along(const char* what, std::size_t axis) { return std::string(what) + axis_names[axis]; }
-
-}  // namespace
-
-void check_number(const namelist::schema& schema, const box_of_particles& box, double expected) {
-  if (expected <= 1e12) return;
-  const auto first = box.particles.begin();
-  const auto most = std::max_element(first, first + box.dimension);
-  schema.fail("domain", along("particles_", static_cast<std::size_t>(most - first)),
-              fmt::format("expected at most 1e12 particles in the box, found {:.3g}", expected));
-}
-
-void check_widths(const namelist::schema& schema, const box_of_particles& box, double halo, double support) {
-  for (std::size_t a = 0; a < static_cast<std::size_t>(box.dimension); ++a) {
-    if (box.periodic[a] && halo > box.length[a] * (1.0 - 2e-6))
-      schema.fail(
-          "domain", along("particles_", a),
-          fmt::format("the periodic box is too narrow along {}: {:.6g} m, less than the halo's {:.6g} m (kernel "
-                      "support, marker radius and list skin); use more particles, a smaller h_over_dx or a "
-                      "smaller skin",
-                      axis_names[a], box.length[a], halo));
-    if (!box.periodic[a] && support > box.length[a] * (1.0 + 1e-9))
-      schema.fail("domain", along("particles_", a),
-                  fmt::format("the box is narrower along {}, {:.6g} m, than the kernel reaches, {:.6g} m: use more "
-                              "particles or a smaller h_over_dx",
-                              axis_names[a], box.length[a], support));
-  }
-}
 
 void check_interval(const namelist::schema& schema, const output_options& o, double t_end) {
   constexpr double most = 1e6;
@@ -174,7 +120,15 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
               .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 
+void declare(namelist::schema& schema, start_options& o) {
+  schema.group("initial", "start state");
+  schema.add("initial", "file", o.file,
+             {.meaning = "a snapshot of the same box, of this program or another: places, velocities, temperatures, "
+                         "densities and masses are those of its particles"});
+}
+
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
+  if (of_problem.starts_from_file) declare(schema, o.start);
   declare(schema, o.time, of_problem);
   declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
   declare(schema, o.output);
@@ -193,6 +147,7 @@ fractions stable_fractions(const std::string& method) {
 
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
+  if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;
   if (!o.time.diffusive) o.time.diffusive = f.diffusive;

@@ -1,24 +1,14 @@
-// What the input of every program with a time loop holds: groups &time, &kernel, &output, &run and &balancer, and the
-// checks that all boxes of particles have in common.
+// What the input of every program with a time loop holds: groups &time, &kernel, &output, &run and &balancer.
 #pragma once
 
-#include <array>
 #include <balance/balancer.hpp>
 #include <cstdint>
-#include <domain/decomposition.hpp>
 #include <namelist/schema.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace tetsuame::run {
-
-struct box_options {
-  std::array<double, 3> length{};  // m
-  std::array<std::int64_t, 3> particles{};
-  std::array<bool, 3> periodic{};
-  domain::rank_columns ranks_x;
-};
 
 struct time_options {
   std::string method = "rk4";
@@ -61,7 +51,14 @@ struct balance_options {
   balance::balancer_options how;
 };
 
+// A snapshot that takes the place of the start lattice.
+struct start_options {
+  std::string file;   // empty: none
+  std::string place;  // where that was said, for the message
+};
+
 struct common_options {
+  start_options start;
   time_options time;
   kernel_options kernel;
   output_options output;
@@ -76,6 +73,7 @@ struct abilities {
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool ends_by_steps = false;             // t_end may follow from steps and dt
+  bool starts_from_file = false;          // a snapshot says enough of its particles
 };
 // &domain must be there.
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem);
@@ -105,23 +103,6 @@ void declare(namelist::schema& schema, output_options& o);
 void declare(namelist::schema& schema, run_options& o);
 // In group &domain, which must be there, and &balancer.
 void declare(namelist::schema& schema, balance_options& o);
-// In group &domain, which must be there; resolve() notes where the number came from.
-void declare(namelist::schema& schema, domain::rank_columns& o);
-void resolve(const namelist::schema& schema, domain::rank_columns& o);
-
-// What every program's input must hold, each placed at its key: fail with exit 2.
-struct box_of_particles {
-  std::int64_t dimension;
-  const std::array<double, 3>& length;  // m
-  const std::array<std::int64_t, 3>& particles;
-  const std::array<bool, 3>& periodic;
-};
-double lattice_particles(std::int64_t dimension, const std::array<std::int64_t, 3>& particles);
-// No more than 1e12 particles: beyond that an ID times a number of images, or a file's offset, would overflow.
-void check_number(const namelist::schema& schema, const box_of_particles& box, double expected);
-// A periodic box is as wide as the halo, so that no particle meets two images of another; between walls there is room
-// for the kernel's support, where what stands behind them is made of the fluid's particles. halo, support: m.
-void check_widths(const namelist::schema& schema, const box_of_particles& box, double halo, double support);
 // A run writes at most a million snapshots.
 void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 

@@ -8,42 +8,53 @@
 
 namespace tetsuame::run {
 
-// Kernel, decomposition, walls and the fluid of the start lattice in this rank's cell. jitter: each particle is moved
-// by up to so many spacings along each axis, by its ID. `halo`: m, the least width.
+namespace detail {
+
+// Where the particle of that ID starts, its row along each axis given: jittered by numbers of its ID alone. A particle
+// stays in its own cell of the lattice.
 template <int D>
-void set_up(run::state<D>& box, const domain::communicator& ranks, const box_options& of,
-            const walls::options& of_walls, std::string_view kernel, double h_over_dx, double skin_over_dx,
-            double jitter, double halo) {
+std::array<double, D> start_place(const domain::options& of, const std::array<std::int64_t, D>& row, std::int64_t id,
+                                  double dx) {
+  std::array<double, D> x;
+  for (std::size_t a = 0; a < D; ++a) x[a] = (static_cast<double>(row[a]) + 0.5) * dx;
+  if (of.jitter == 0.0) return x;
+  std::mt19937_64 random(static_cast<std::uint64_t>(id) + 1);
+  for (auto& component : x)  // 53 bits, so that it is the same with every library
+    component += (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0) * of.jitter * dx;
+  return x;
+}
+
+}  // namespace detail
+
+// The fluid of the start lattice in this rank's cell, numbered along x first, at rest.
+template <int D>
+void place_lattice(run::state<D>& box, const domain::options& of) {
   auto& w = box.w;
   auto& s = w.s;
-  w.dx = of.length[1] / static_cast<double>(of.particles[1]);
-  w.kernel = kernels::make<D>(kernel, h_over_dx * w.dx);
-  w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
-  box.skin = skin_over_dx * w.dx;
-  domain::box<D> region;
+  const auto cell = w.d.cell();
+  // Rows that may lie in the cell.
+  std::array<std::int64_t, D> first, last, row;
   for (std::size_t a = 0; a < D; ++a) {
-    region.length[a] = of.length[a];
-    region.periodic[a] = of.periodic[a];
+    const double n = static_cast<double>(of.particles[a]);
+    first[a] = static_cast<std::int64_t>(std::clamp(std::floor(cell.lower[a] / w.dx) - 1.0, 0.0, n));
+    last[a] = static_cast<std::int64_t>(std::clamp(std::ceil(cell.upper[a] / w.dx) + 1.0, 0.0, n));
   }
-  w.d = domain::decompose<D>(ranks, region, std::max(halo, w.support()) + box.skin, of.ranks_x);
-  box.walls.sides = walls::make_sides<D>(of_walls, region);
-  box.fluid_total = 1;
-  for (std::size_t a = 0; a < D; ++a) box.fluid_total *= of.particles[a];
   std::vector<std::array<double, D>> places;
   std::vector<std::int64_t> ids;
-  for (std::int64_t id = 0; id < box.fluid_total; ++id) {
-    std::mt19937_64 random(static_cast<std::uint64_t>(id) + 1);
-    std::array<double, D> x;
-    std::int64_t rest = id;
-    for (std::size_t a = 0; a < D; ++a) {
-      // 53 bits, so that it is the same with every library.
-      const double shift = jitter > 0.0 ? (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0) * jitter : 0.0;
-      x[a] = (static_cast<double>(rest % of.particles[a]) + 0.5 + shift) * w.dx;
-      rest /= of.particles[a];
+  row = first;
+  bool some = true;
+  for (std::size_t a = 0; a < D; ++a) some = some && first[a] < last[a];
+  while (some) {
+    std::int64_t id = 0;
+    for (std::size_t a = D; a-- > 0;) id = id * of.particles[a] + row[a];
+    const auto x = detail::start_place<D>(of, row, id, w.dx);
+    if (w.d.within(cell, x)) {
+      places.push_back(x);
+      ids.push_back(id);
     }
-    if (!w.d.within(w.d.cell(), x)) continue;
-    places.push_back(x);
-    ids.push_back(id);
+    std::size_t a = 0;
+    while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
+    some = a < D;
   }
   particles::allocate(s, places.size(), 0, 0, 0);
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -55,6 +66,28 @@ void set_up(run::state<D>& box, const domain::communicator& ranks, const box_opt
       s.v[a][i] = 0.0;
     }
   }
+}
+
+// Spacing, kernel, decomposition, walls and the fluid of the start lattice. `reach`: m, the least width of the halo
+// without the lists' skin.
+template <int D>
+void set_up(run::state<D>& box, const domain::communicator& ranks, const domain::options& of,
+            const walls::options& of_walls, const kernel_options& kernel, double reach) {
+  auto& w = box.w;
+  w.dx = of.dx();
+  w.kernel = kernels::make<D>(kernel.name, kernel.h_over_dx * w.dx);
+  w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
+  box.skin = kernel.skin * w.dx;
+  domain::box<D> region;
+  box.fluid_total = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    region.length[a] = of.length[a];
+    region.periodic[a] = of.periodic[a];
+    box.fluid_total *= of.particles[a];
+  }
+  w.d = domain::decompose<D>(ranks, region, std::max(reach, w.support()) + box.skin, of.ranks_x);
+  box.walls.sides = walls::make_sides<D>(of_walls, region);
+  place_lattice(box, of);
 }
 
 }  // namespace tetsuame::run

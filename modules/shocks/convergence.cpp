@@ -73,7 +73,7 @@ level level_in(const fs::path& folder, const options& o) {
   std::string text;
   if (ranks.rank == 0) text = summary_in(folder).dump();
   const auto summary = nlohmann::ordered_json::parse(ranks.broadcast(text));
-  level l{o.box.particles[0]};
+  level l{o.domain.particles[0]};
   if (!summary.is_object()) return l.message = "its summary.json cannot be read", l;
   l.time = summary.value("time", 0.0);
   l.message = summary.value("message", "");
@@ -88,7 +88,7 @@ void run_one(const coarser_input& in, const run::command_line& line, std::chrono
     run_within(in.values.common, began,
                [&](const run::common_options& rest) { run::carry_out(*make(in.values, {}), rest, line, in.resolved); });
   } catch (const foundation::error& e) {
-    const std::string which = fmt::format("with {} particles along x: {}", in.values.box.particles[0], e.what());
+    const std::string which = fmt::format("with {} particles along x: {}", in.values.domain.particles[0], e.what());
     if (e.status() != exit_status::calculation_failed) throw foundation::error(e.status(), which);
     if (domain::communicator::world().rank == 0) fmt::print(stderr, "{}: {}\n", line.program, which);
   }
@@ -110,16 +110,16 @@ std::optional<double> order(const std::vector<const level*>& used, const char* n
 
 std::vector<coarser_input> coarser_inputs(const namelist::schema& schema, options& o) {
   std::vector<coarser_input> all;
-  const auto finest = o.box.particles;
+  const auto finest = o.domain.particles;
   const std::int64_t coarser = o.shock.coarser;
   o.shock.coarser = 0;
   for (std::int64_t k = coarser; k > 0; --k) {
-    for (std::size_t a = 0; a < 3; ++a) o.box.particles[a] = finest[a] >> k;
+    for (std::size_t a = 0; a < 3; ++a) o.domain.particles[a] = finest[a] >> k;
     std::ostringstream resolved;
     schema.write_resolved(resolved);
     all.push_back({o, resolved.str()});
   }
-  o.box.particles = finest;
+  o.domain.particles = finest;
   o.shock.coarser = coarser;
   return all;
 }

@@ -4,7 +4,6 @@
 // are, so they need not be converged.
 #pragma once
 
-#include <output/state_hash.hpp>
 #include <run/box.hpp>
 #include <shocks/convergence.hpp>
 #include <shocks/measures.hpp>
@@ -78,9 +77,8 @@ class flow : public run::problem_in_a_box<D> {
       for (const auto& [name, value] : g_.test.measures(particles_seen(g_), samples_))
         r.metrics[name] = run::or_null(value);
     if (g_.test.exact) r.errors = errors(g_, t);
-    if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.box.particles[0], t, r.errors, ""});
+    if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.domain.particles[0], t, r.errors, ""});
   }
-  std::string hash() override { return state_hash(g_); }
 
   void save(output::checkpoint_globals& to) const override {
     base::save(to);

@@ -3,7 +3,6 @@
 
 #include <nlohmann/json.hpp>
 #include <output/columns.hpp>
-#include <output/state_hash.hpp>
 #include <shocks/world.hpp>
 
 namespace tetsuame::shocks {
@@ -115,23 +114,6 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   group.columns.push_back(
       output::vector_column("VelocitiesReference", "m/s", "exact velocity at this place", std::span(extra).subspan(3)));
   return group;
-}
-
-template <int D>
-std::string state_hash(const world<D>& g) {
-  const auto& s = g.w.s;
-  output::particle_group group{0, s.fluid, s.id.data(), {}};
-  const auto add = [&](const char* name, const particles::array& a) {
-    group.columns.push_back({name, "", "", {a.data()}, false});
-  };
-  for (const auto& component : s.x) add("x", component);
-  for (const auto& component : s.v) add("v", component);
-  add("u", s.u);
-  add("m", s.m);
-  add("rho", s.rho);
-  add("p", s.p);
-  if (g.o.any_eos()) add("T", s.T);
-  return output::state_hash(g.ranks().comm, {group});
 }
 
 }  // namespace tetsuame::shocks

@@ -8,24 +8,7 @@ namespace tetsuame::shocks {
 
 namespace {
 
-void declare_box(namelist::schema& schema, options& o) {
-  constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-  schema.group("domain", "the box and the start lattice");
-  schema.add("domain", "dimension", o.dimension, {.minimum = 1, .maximum = 3, .meaning = "of space"});
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis = axis_names[a], rest = a > 0 ? "; 0: as along x" : "";
-    schema.add(
-        "domain", "length_" + axis, o.box.length[a],
-        {.unit = "m", .minimum = 0.0, .exclusive_minimum = a == 0, .meaning = "edge of the box along " + axis + rest});
-    schema.add("domain", "particles_" + axis, o.box.particles[a],
-               {.minimum = a == 0 ? 8.0 : 0.0,
-                .maximum = 1e7,
-                .meaning = "particles along " + axis + (a > 0 ? "; 0: with the spacing of x" : "")});
-    schema.add("domain", "periodic_" + axis, o.box.periodic[a],
-               {.meaning = "the two sides across " + axis + " are one, or else walls that reflect"});
-  }
-  run::declare(schema, o.box.ranks_x);
-}
+const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follows_x = true, .jitters = false};
 
 void declare_case(namelist::schema& schema, shock_options& s) {
   schema.add(
@@ -165,7 +148,7 @@ void declare(namelist::schema& schema, options& o) {
   o.common.time.rtol = 0.02;
   o.common.kernel.name = "quintic";
   o.common.kernel.skin = 0.5;
-  declare_box(schema, o);
+  domain::declare(schema, demands, o.domain);
   schema.group("shock", "gas with contacts and shocks");
   declare_case(schema, o.shock);
   declare_weights(schema, o.shock);
@@ -183,50 +166,26 @@ eos::any eos_of(const std::string& name) {
 
 // As setups.cpp lays them.
 double expected_particles(const options& o) {
-  const double lattice = run::lattice_particles(o.dimension, o.box.particles);
+  const double lattice = o.domain.lattice_particles();
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
-  const double inside = std::pow(0.5, static_cast<double>(o.dimension));
+  const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
   return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
 }
 
 namespace {
 
-// Along y and z: an edge not given is as long as that along x, or as its particles are wide; particles not given have
-// the spacing of x.
-void resolve_axis(const namelist::schema& schema, options& o, std::size_t a) {
-  const char* axis = a == 1 ? "y" : "z";
-  const std::string of_length = std::string("length_") + axis, of_number = std::string("particles_") + axis;
-  const double dx = o.dx();
-  auto& length = o.box.length[a];
-  auto& n = o.box.particles[a];
-  if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.box.length[0];
-  const bool counted = n > 0;
-  const double wanted = length / dx;
-  if (!counted && !(wanted < 1e12))
-    schema.fail("domain", of_length, fmt::format("would hold {:.3g} particles of the spacing along x", wanted));
-  if (!counted) n = std::llround(wanted);
-  if (n == 0) schema.fail("domain", of_length, fmt::format("{} m are less than the spacing along x, {} m", length, dx));
-  if (const double spacing = length / static_cast<double>(n); std::abs(spacing - dx) > 1e-9 * dx)
-    schema.fail("domain", counted ? of_number : of_length,
-                counted ? fmt::format("the particle spacing must be the same along all axes: here {} m, along x {} m",
-                                      spacing, dx)
-                        : fmt::format("expected a whole number of spacings of x, {} m each, found {}", dx, wanted));
-}
-
 // Of a run at this or a coarser resolution.
-void check_kernel_fits(const namelist::schema& schema, const options& o, const std::array<std::int64_t, 3>& particles) {
-  const double dx = o.box.length[0] / static_cast<double>(particles[0]);
-  const double support = run::support_over_dx(o.common.kernel) * dx;
-  run::check_widths(schema, {o.dimension, o.box.length, particles, o.box.periodic}, support + o.common.kernel.skin * dx,
-                    support);
+void check_kernel_fits(const namelist::schema& schema, const options& o, const domain::options& d) {
+  const double dx = d.dx(), support = run::support_over_dx(o.common.kernel) * dx;
+  domain::check_widths(schema, d, support + o.common.kernel.skin * dx, support);
 }
 
 void resolve_box(const namelist::schema& schema, options& o) {
-  run::resolve(schema, o.box.ranks_x);
-  for (std::size_t a = 1; a < static_cast<std::size_t>(o.dimension); ++a) resolve_axis(schema, o, a);
-  for (std::size_t a = static_cast<std::size_t>(o.dimension); a < 3; ++a) o.box.length[a] = 0.0, o.box.particles[a] = 0;
-  run::check_number(schema, {o.dimension, o.box.length, o.box.particles, o.box.periodic}, expected_particles(o));
-  check_kernel_fits(schema, o, o.box.particles);
+  auto& d = o.domain;
+  domain::resolve(schema, demands, d);
+  for (std::size_t a = d.axes(); a < 3; ++a) d.length[a] = 0.0, d.particles[a] = 0;
+  domain::check_number(schema, d, expected_particles(o));
+  check_kernel_fits(schema, o, d);
 }
 
 // Of one side: with an equation of state the density follows.
@@ -277,13 +236,13 @@ void check_test(const namelist::schema& schema, const options& o) {
   const auto& test = s.test;
   if (test == "rayleigh_taylor" ? s.gravity <= 0.0 : s.gravity != 0.0)
     schema.fail("shock", "gravity", "gravity is for the test 'rayleigh_taylor', which needs it");
-  if (test == "rayleigh_taylor" && o.box.periodic[1])
+  if (test == "rayleigh_taylor" && o.domain.periodic[1])
     schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
   if (s.corner)
-    for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
-      if (test != "sedov" || o.box.periodic[a])
+    for (std::size_t a = 0; a < o.domain.axes(); ++a)
+      if (test != "sedov" || o.domain.periodic[a])
         schema.fail("shock", "corner", "the centre is in a corner only in the test 'sedov' and between walls");
-  if (o.dimension == 1 &&
+  if (o.domain.dimension == 1 &&
       (test == "square" || test == "kelvin_helmholtz" || test == "rayleigh_taylor" || test == "gresho"))
     schema.fail("domain", "dimension", "the test '" + test + "' has two dimensions at least");
 }
@@ -295,12 +254,12 @@ void check_coarser(const namelist::schema& schema, const options& o) {
     if (o.shock.test == test)
       schema.fail("shock", "coarser",
                   fmt::format("the test '{}' has no exact solution to measure errors against", test));
-  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
-    if (const auto n = o.box.particles[a], least = n >> k; (least << k) != n || least < 8)
+  for (std::size_t a = 0; a < o.domain.axes(); ++a)
+    if (const auto n = o.domain.particles[a], least = n >> k; (least << k) != n || least < 8)
       schema.fail("shock", "coarser",
                   fmt::format("{} particles along an axis cannot be halved {} times to 8 or more", n, k));
-  auto coarsest = o.box.particles;
-  for (auto& n : coarsest) n >>= k;
+  auto coarsest = o.domain;
+  for (auto& n : coarsest.particles) n >>= k;
   check_kernel_fits(schema, o, coarsest);
 }
 

@@ -35,12 +35,10 @@ struct shock_options {
 };
 
 struct options {
-  std::int64_t dimension = 1;
-  run::box_options box{{1.0, 0.0, 0.0}, {400, 0, 0}, {false, false, false}, {}};
+  domain::options domain{.dimension = 1, .length = {1.0, 0.0, 0.0}, .particles = {400, 0, 0}};
   shock_options shock;
   run::common_options common;
 
-  double dx() const { return box.length[0] / static_cast<double>(box.particles[0]); }
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }

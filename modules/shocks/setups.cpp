@@ -15,21 +15,21 @@ namespace {
 // An even lattice of about this spacing.
 block lattice(const options& o, const point& low, const point& high, double spacing) {
   block b{low, high, {1, 1, 1}};
-  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
+  for (std::size_t a = 0; a < o.domain.axes(); ++a)
     b.n[a] = std::max<std::int64_t>(1, std::llround((high[a] - low[a]) / spacing));
   return b;
 }
 
 // The spacing with which gas of density rho has particles of the mass they have on the start lattice at rho_lattice.
 double spacing_of(const options& o, double rho, double rho_lattice) {
-  if (o.shock.masses == "equal_spacing") return o.dx();
-  return o.dx() * std::pow(rho_lattice / rho, 1.0 / static_cast<double>(o.dimension));
+  if (o.shock.masses == "equal_spacing") return o.domain.dx();
+  return o.domain.dx() * std::pow(rho_lattice / rho, 1.0 / static_cast<double>(o.domain.dimension));
 }
 
 // Two half boxes; as many particles in all as the lattice has.
 setup riemann_tube(const options& o) {
   const auto& s = o.shock;
-  const point end = o.box.length;
+  const point end = o.domain.length;
   const double middle = 0.5 * end[0], mean = 0.5 * (s.rho_l + s.rho_r);
   setup t;
   t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.rho_l, mean)),
@@ -87,17 +87,17 @@ double distance(const point& a, const point& b) {
 }
 point middle_of(const options& o) {
   point c{};
-  for (std::size_t k = 0; k < 3; ++k) c[k] = 0.5 * o.box.length[k];
+  for (std::size_t k = 0; k < 3; ++k) c[k] = 0.5 * o.domain.length[k];
   return c;
 }
-block whole_box(const options& o) { return lattice(o, {}, o.box.length, o.dx()); }
+block whole_box(const options& o) { return lattice(o, {}, o.domain.length, o.domain.dx()); }
 
 // A square (cube) of half the box's edge, denser than what is around it, in pressure balance: [S4] has densities 4 and
 // 1, pressure 2.5, gamma 5/3.
 setup square(const options& o) {
   const auto& s = o.shock;
-  const auto D = static_cast<std::size_t>(o.dimension);
-  const point end = o.box.length, c = middle_of(o);
+  const auto D = o.domain.axes();
+  const point end = o.domain.length, c = middle_of(o);
   const auto inside = [=](const point& x) {
     for (std::size_t a = 0; a < D; ++a)
       if (std::abs(x[a] - c[a]) > 0.25 * end[a]) return false;
@@ -184,21 +184,21 @@ double shock_radius(const view& w, const point& centre, double dx, double larges
 setup sedov(const options& o) {
   const auto& s = o.shock;
   const point c = s.corner ? point{} : middle_of(o);
-  const double in_box = s.corner ? std::pow(0.5, static_cast<double>(o.dimension)) : 1.0;
+  const double in_box = s.corner ? std::pow(0.5, static_cast<double>(o.domain.dimension)) : 1.0;
   setup t;
   t.blocks = {whole_box(o)};
-  const double radius = s.blast_radius * o.dx();
+  const double radius = s.blast_radius * o.domain.dx();
   const auto share = [=](const point& x) {
     const double q = distance(x, c) / radius;
     return q < 1.0 ? (1.0 - q * q) * (1.0 - q * q) : 0.0;
   };
   // Of the lattice about the centre.
-  const double per_volume = std::pow(o.dx(), static_cast<double>(o.dimension));
+  const double per_volume = std::pow(o.domain.dx(), static_cast<double>(o.domain.dimension));
   double shares = 0.0;
   const auto reach = static_cast<std::int64_t>(s.blast_radius) + 2;
-  const auto& n = o.box.particles;
+  const auto& n = o.domain.particles;
   std::array<std::int64_t, 3> low{}, high{};
-  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a) {
+  for (std::size_t a = 0; a < o.domain.axes(); ++a) {
     const std::int64_t middle = s.corner ? 0 : n[a] / 2;
     low[a] = std::max<std::int64_t>(0, middle - reach);
     high[a] = std::min(n[a] - 1, middle + reach);
@@ -208,14 +208,13 @@ setup sedov(const options& o) {
       for (auto k = low[2]; k <= high[2]; ++k) {
         point x{};
         const std::array<std::int64_t, 3> at{i, j, k};
-        for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a)
-          x[a] = (static_cast<double>(at[a]) + 0.5) * o.dx();
+        for (std::size_t a = 0; a < o.domain.axes(); ++a) x[a] = (static_cast<double>(at[a]) + 0.5) * o.domain.dx();
         shares += share(x) / in_box;
       }
   t.start = [=](const point& x) {
     return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (shares * per_volume), {}, 0};
   };
-  const exact::sedov blast(static_cast<int>(o.dimension), s.gamma);
+  const exact::sedov blast(static_cast<int>(o.domain.dimension), s.gamma);
   t.exact = [=](const point& x, double time) {
     const double r = distance(x, c);
     if (!(time > 0.0)) return state{s.rho_l, s.p_l, {}, 0};
@@ -231,14 +230,15 @@ setup sedov(const options& o) {
   //   ∫ρ u dV = Ω ρ0 u_s r_s^D ∫ g φ λ^D dλ,   u_s = 2 r_s/((D+2) t)
   double shape = 0.0;
   constexpr int intervals = 4000;
-  const auto D = static_cast<double>(o.dimension);
+  const auto D = static_cast<double>(o.domain.dimension);
   for (int k = 0; k < intervals; ++k) {
     const double lambda = (k + 0.5) / intervals;
     const auto w = blast.profile(lambda);
     shape += w.g * w.phi * std::pow(lambda, D) / intervals;
   }
-  shape *= o.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
-  t.measures = [=, dx = o.dx(), half = (s.corner ? 1.0 : 0.5) * o.box.length[0]](const view& w, const samples& all) {
+  shape *= o.domain.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
+  t.measures = [=, dx = o.domain.dx(), half = (s.corner ? 1.0 : 0.5) * o.domain.length[0]](const view& w,
+                                                                                           const samples& all) {
     foundation::exact_sum momentum;
     for (std::size_t i = 0; i < w.n; ++i) {
       const point x = w.place(i), v = w.velocity(i);
@@ -256,7 +256,7 @@ setup sedov(const options& o) {
 setup noh(const options& o) {
   const auto& s = o.shock;
   const point c = middle_of(o);
-  const exact::noh flow{static_cast<int>(o.dimension), s.gamma, s.rho_l, s.u_l};
+  const exact::noh flow{static_cast<int>(o.domain.dimension), s.gamma, s.rho_l, s.u_l};
   setup t;
   t.blocks = {whole_box(o)};
   t.exact = [=](const point& x, double time) {
@@ -270,7 +270,7 @@ setup noh(const options& o) {
   t.measured = [=](const point& x, double) { return distance(x, c) <= s.window * c[0]; };
   const double end = *o.common.time.t_end;
   t.known = {{"shock_radius_exact", flow.shock_radius(end)}};
-  t.measures = [=, dx = o.dx(), most = s.window * c[0]](const view& w, const samples&) {
+  t.measures = [=, dx = o.domain.dx(), most = s.window * c[0]](const view& w, const samples&) {
     return numbers{{"shock_radius", shock_radius(w, c, dx, most, [&](double r) {
                       return flow.rho0 * std::pow(1.0 + flow.u0 * end / r, flow.dimension - 1);
                     })}};
@@ -281,7 +281,7 @@ setup noh(const options& o) {
 setup gresho(const options& o) {
   const auto& s = o.shock;
   const point c = middle_of(o);
-  const exact::gresho vortex{0.2 * o.box.length[0], s.u_l, s.rho_l, s.p_l};
+  const exact::gresho vortex{0.2 * o.domain.length[0], s.u_l, s.rho_l, s.p_l};
   setup t;
   t.blocks = {whole_box(o)};
   t.start = [=](const point& x) {
@@ -299,7 +299,7 @@ setup blasts(const options& o) {
   const auto& s = o.shock;
   setup t;
   t.blocks = {whole_box(o)};
-  t.start = [=, L = o.box.length[0]](const point& x) {
+  t.start = [=, L = o.domain.length[0]](const point& x) {
     return state{s.rho_l, x[0] < 0.1 * L ? s.p_l : x[0] < 0.9 * L ? 0.01 : s.p_r, {}, 0};
   };
   t.measures = [](const view& w, const samples&) {
@@ -348,7 +348,7 @@ std::optional<double> measured_growth(const samples& all, double expected) {
 // both layers, so at the planes of symmetry between them the wave's pressure is zero.
 setup kelvin_helmholtz(const options& o) {
   const auto& s = o.shock;
-  const double H = o.box.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.box.length[0];
+  const double H = o.domain.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.domain.length[0];
   const auto profile = [=](double y, double inner, double outer) {
     const double mean = 0.5 * (inner + outer), jump = 0.5 * (inner - outer), d = 0.25 * H - std::abs(y - 0.5 * H);
     return mean + (d > 0.0 ? jump * (1.0 - std::exp(-d / s.layer)) : -jump * (1.0 - std::exp(d / s.layer)));
@@ -385,7 +385,7 @@ setup kelvin_helmholtz(const options& o) {
 // S = sinh k(H/2 - |d|)/sinh kH/2, with the σ of the theory.
 setup rayleigh_taylor(const options& o) {
   const auto& s = o.shock;
-  const double H = o.box.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.box.length[0];
+  const double H = o.domain.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.domain.length[0];
   const auto profile = [=](double y) {
     const double d = 2.0 * (y - 0.5 * H) / s.layer, jump = s.rho_r - s.rho_l;
     // ln(1 + e^d) without overflow

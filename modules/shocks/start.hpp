@@ -67,13 +67,13 @@ template <int D>
 void make_box(world<D>& g) {
   domain::box<D> region;
   for (std::size_t a = 0; a < D; ++a) {
-    region.length[a] = g.o.box.length[a];
-    region.periodic[a] = g.o.box.periodic[a];
+    region.length[a] = g.o.domain.length[a];
+    region.periodic[a] = g.o.domain.periodic[a];
   }
-  g.w.dx = g.o.dx();
+  g.w.dx = g.o.domain.dx();
   g.skin = g.o.common.kernel.skin * g.w.dx;
-  g.w.d =
-      domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin, g.o.box.ranks_x);
+  g.w.d = domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin,
+                               g.o.domain.ranks_x);
   g.walls.sides = reflecting_walls<D>(region);
 }
 

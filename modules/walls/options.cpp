@@ -11,11 +11,19 @@ void declare_side(namelist::schema& schema, const abilities& of_problem, std::si
   auto choices = heats;
   choices.insert(choices.begin(), "inherit");
   const bool rare = name != "bottom" && name != "top";
-  if (of_problem.moving)
+  std::vector<std::string> slips{"inherit", "no_slip", "free_slip"};
+  const bool may_be_none = of_problem.free_surface && name == "top";
+  if (may_be_none) slips.emplace_back("free_surface");
+  if (of_problem.slips)
     schema.add("walls", "slip_" + name, s.slip,
-               {.choices = {"inherit", "no_slip", "free_slip"},
-                .expert = true,
-                .meaning = "velocity at this side; inherit: as slip" + only});
+               {.choices = slips,
+                .expert = rare,
+                .meaning = std::string("velocity at this side; inherit: as slip") +
+                           (may_be_none ? "; free_surface: there is no wall" : "") + only});
+  if (of_problem.moving)
+    schema.add("walls", "velocity_" + name, s.velocity,
+               {.unit = "m/s", .expert = true, .meaning = "of the side along itself" + only});
+  if (!of_problem.heat) return;
   schema.add("walls", "thermal_" + name, s.thermal,
              {.choices = choices, .expert = rare, .meaning = "heat at this side; inherit: as thermal" + only});
   schema.add("walls", "temperature_" + name, s.temperature,
@@ -28,12 +36,7 @@ void declare_side(namelist::schema& schema, const abilities& of_problem, std::si
                {.unit = "W/m^2",
                 .expert = true,
                 .meaning = "heat into the fluid through the side where thermal is flux" + only});
-  if (of_problem.moving)
-    schema.add("walls", "velocity_" + name, s.velocity,
-               {.unit = "m/s", .expert = true, .meaning = "of the side along itself" + only});
 }
-
-}  // namespace
 
 void declare_treatment(namelist::schema& schema, const std::vector<std::string>& all, options& o) {
   if (all.size() < 2) return;
@@ -52,14 +55,16 @@ void declare_treatment(namelist::schema& schema, const std::vector<std::string>&
               .meaning = "distance from the wall, in particle spacings, at which the repulsion ends"});
 }
 
+}  // namespace
+
 void declare(namelist::schema& schema, const abilities& of_problem, options& o) {
   std::vector<std::string> heats{"adiabatic", "fixed"};
   if (of_problem.flux) heats.emplace_back("flux");
   schema.group("walls", "sides of the box that are not periodic");
   declare_treatment(schema, of_problem.treatments, o);
-  if (of_problem.moving)
+  if (of_problem.slips)
     schema.add("walls", "slip", o.slip, {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the walls"});
-  schema.add("walls", "thermal", o.thermal, {.choices = heats, .meaning = "heat at the walls"});
+  if (of_problem.heat) schema.add("walls", "thermal", o.thermal, {.choices = heats, .meaning = "heat at the walls"});
   for (std::size_t n = 0; n < side_names.size(); ++n) declare_side(schema, of_problem, n, heats, o.sides[n]);
 }
 

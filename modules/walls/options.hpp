@@ -12,7 +12,7 @@
 namespace tetsuame::walls {
 
 struct side_options {
-  std::string slip = "inherit";  // 'inherit': as &walls slip
+  std::string slip = "inherit";  // 'inherit': as &walls slip; 'free_surface', of the top: there is no wall
   std::string thermal = "inherit";
   double temperature = 300.0;  // K, where thermal is 'fixed'
   double flux = 0.0;           // W/m2 into the fluid, where thermal is 'flux'
@@ -34,13 +34,18 @@ inline constexpr std::array<const char*, 6> side_names{"left", "right", "bottom"
 // What the walls of a problem may be, and so what is declared.
 struct abilities {
   std::vector<std::string> treatments = {"mirror"};  // one: there is no choice
-  bool moving = true;                                // the fluid moves: slip, velocity of the sides
+  bool slips = true;                                 // the fluid moves
+  bool moving = true;                                // and so may the sides, along themselves
+  bool heat = true;                                  // they keep a temperature
   bool flux = false;                                 // heat may be given to the fluid
+  bool free_surface = false;                         // there may be nothing at the top
 };
 // Declares group &walls, with a default treatment in `o`.
 void declare(namelist::schema& schema, const abilities& of_problem, options& o);
-// Of a group &walls that is there: the choice of treatment alone, where there is one, with what belongs to it.
-void declare_treatment(namelist::schema& schema, const std::vector<std::string>& treatments, options& o);
+// Of a side by its number in side_names.
+inline const std::string& slip_of(const options& o, std::size_t n) {
+  return o.sides[n].slip == "inherit" ? o.slip : o.sides[n].slip;
+}
 
 // Radius of a marker's interpolation in kernel supports.
 inline double radius_factor(const options& how) {
@@ -73,12 +78,13 @@ std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
     if (box.periodic[axis]) continue;
     for (const std::size_t end : {0, 1}) {
       const auto& given = o.sides[2 * axis + end];
+      if (given.slip == "free_surface") continue;
       const std::string& thermal = given.thermal == "inherit" ? o.thermal : given.thermal;
       side<D> s;
       s.axis = axis;
       s.position = end == 0 ? 0.0 : box.length[axis];
       s.inward = end == 0 ? 1.0 : -1.0;
-      s.no_slip = (given.slip == "inherit" ? o.slip : given.slip) == "no_slip";
+      s.no_slip = slip_of(o, 2 * axis + end) == "no_slip";
       s.thermal = thermal == "fixed" ? heat::fixed_temperature : heat::given_flux;
       s.temperature = given.temperature;
       s.flux = thermal == "flux" ? given.flux : 0.0;

@@ -287,7 +287,7 @@ BOOST_AUTO_TEST_CASE(input_of_gravity_by_an_equation_of_state) {
   const std::string walls = "&walls temperature_bottom = 4000 temperature_top = 1500 /\n";
   const auto p = resolved(walls + "&convection gravity_density = 'equation_of_state' eos = 'liquid_silicate' /\n", o);
   BOOST_TEST_REQUIRE(p.weighed != nullptr);
-  BOOST_TEST(p.weighed->temperature(o.physics.domain.length[1]) == 1500.0, tt::tolerance(1e-12));
+  BOOST_TEST(p.weighed->temperature(o.domain.length[1]) == 1500.0, tt::tolerance(1e-12));
   options cold, plain;
   BOOST_CHECK_THROW(resolved("&convection gravity_density = 'equation_of_state' /\n", cold), foundation::error);
   BOOST_CHECK_THROW(resolved("&convection eos = 'liquid_iron' /\n", plain), foundation::error);

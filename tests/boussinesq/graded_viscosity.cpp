@@ -23,13 +23,14 @@ constexpr std::int64_t side = 32;  // particles, spacing 1
 
 run::state<2> box(double jitter) {
   run::state<2> scene;
-  run::box_options o;
+  domain::options o;
   for (std::size_t a = 0; a < 2; ++a) {
     o.length[a] = static_cast<double>(side);
     o.particles[a] = side;
     o.periodic[a] = true;
   }
-  run::set_up<2>(scene, alone(), o, {}, "wendland_c2", 1.3, 0.1, jitter, 0.0);
+  o.jitter = jitter;
+  run::set_up<2>(scene, alone(), o, {}, {"wendland_c2", 1.3, 0.1}, 0.0);
   run::rebuild(scene, false);
   return scene;
 }

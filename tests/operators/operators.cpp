@@ -16,13 +16,14 @@ namespace {
 template <int D>
 run::state<D> make(std::int64_t n, double jitter, bool periodic, const char* kernel = "wendland_c2") {
   run::state<D> scene;
-  run::box_options box;
+  domain::options box;
   for (std::size_t a = 0; a < D; ++a) {
     box.length[a] = 1.0;
     box.particles[a] = n;
     box.periodic[a] = periodic;
   }
-  run::set_up<D>(scene, alone(), box, {}, kernel, kernels::find(kernel).default_h_over_dx, 0.1, jitter, 0.0);
+  box.jitter = jitter;
+  run::set_up<D>(scene, alone(), box, {}, {kernel, kernels::find(kernel).default_h_over_dx, 0.1}, 0.0);
   run::rebuild(scene, false);
   return scene;
 }

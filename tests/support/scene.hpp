@@ -76,7 +76,7 @@ template <int D>
 hydrostatic::scene<D> make_scene(const hydrostatic::options& o, const domain::communicator& ranks,
                                  double jitter = 0.0) {
   return make_scene<D>(o, ranks, [&](std::int64_t id, std::array<double, D> x) {
-    for (std::size_t a = 0; a < D; ++a) x[a] += jitter * o.dx() * noise(id, 100 + a);
+    for (std::size_t a = 0; a < D; ++a) x[a] += jitter * o.domain.dx() * noise(id, 100 + a);
     return x;
   });
 }

@@ -15,11 +15,12 @@ namespace {
 template <int D>
 run::state<D> make(double jitter, std::array<bool, 3> periodic) {
   run::state<D> scene;
-  run::box_options box;
+  domain::options box;
   box.length = {2.0, 1.0, 1.0};
   box.particles = {20, 10, 10};
   box.periodic = periodic;
-  run::set_up<D>(scene, domain::communicator::world(), box, {}, "wendland_c2", 1.3, 0.4, jitter, 0.0);
+  box.jitter = jitter;
+  run::set_up<D>(scene, domain::communicator::world(), box, {}, {"wendland_c2", 1.3, 0.4}, 0.0);
   run::rebuild(scene, false);
   return scene;
 }

@@ -41,9 +41,15 @@ void declare_all(namelist::schema& schema, case_data& c) {
   schema.pass_over("smoothing");
 }
 
+// Of the box to its height^dimension.
+double volume_ratio(const domain::options& d) {
+  const double across = d.length[0] / d.length[1];
+  return d.dimension == 3 ? across * d.length[2] / d.length[1] : across;
+}
+
 void apply(const question& q, case_data& c) {
   auto& m = c.values.material;
-  auto& d = c.values.domain;
+  auto& d = c.all.domain;
   // kappa and nu are kept when the density or c_p alone changes hands.
   const double kappa = q.kappa.value_or(m.conductivity / (m.density * m.heat_capacity));
   const double nu = q.nu.value_or(m.viscosity / m.density);
@@ -205,8 +211,8 @@ json everything(const fluid_layer& f, const std::vector<rule>& rules, const reco
 // Backwards: the largest n, with what it costs.
 void answer_backwards(const question& q, const fluid_layer& f, const recommendation& r, const case_data& c,
                       const machine& m, json& all) {
-  const int dimension = static_cast<int>(c.values.domain.dimension);
-  const double ratio = volume_ratio(c.values.domain);
+  const int dimension = static_cast<int>(c.all.domain.dimension);
+  const double ratio = volume_ratio(c.all.domain);
   table t{"Backwards: the largest n for one turnover",
           {{"within", "n", "particles", "steps", "run time"}},
           {false, true, true, true, true},
@@ -255,7 +261,7 @@ span affordable_span(const std::function<bool(double)>& fits, double value) {
 // these.
 void answer_others(const question& q, const fluid_layer& f, const choice& w, const case_data& c, const machine& m,
                    json& all) {
-  const auto& d = c.values.domain;
+  const auto& d = c.all.domain;
   const auto plan_of = [&](const fluid_layer& g) {
     return plan_convection(g, recommend(g, w), d.particles[1], static_cast<int>(d.dimension), volume_ratio(d),
                            q.fraction, m.cost);
@@ -306,7 +312,7 @@ void run(const question& q) {
   for (const auto& argument : q.set) document.set(argument);
   schema.read(document);
   apply(q, c);
-  fluid_layer f = layer(schema, c.values, c.temperature_bottom(), c.temperature_top());
+  fluid_layer f = layer(schema, c.values, c.all.domain.length[1], c.temperature_bottom(), c.temperature_top());
   const choice w = wanted(c.values.relaxation);
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
@@ -324,7 +330,7 @@ void run(const question& q) {
                    c.values.material.conductivity * f.dT / f.L);
   }
   const auto rules = all_rules(f, w.phi_xi);
-  const auto& d = c.values.domain;
+  const auto& d = c.all.domain;
   const int dimension = static_cast<int>(d.dimension);
   const double ratio = volume_ratio(d);
   const machine m = this_machine(q.shared, dimension,
