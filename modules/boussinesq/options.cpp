@@ -87,7 +87,8 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
              {.meaning = "law 'table': temperature (K), depth (m), viscosity (Pa s), a line for each pair, ascending, "
                          "depth fastest; ln nu is bilinear between"});
   const auto limit = [&](const char* key, double& value, const char* meaning) {
-    schema.add(g, key, value, {.unit = "Pa s", .minimum = 0.0, .exclusive_minimum = true, .meaning = meaning});
+    schema.add(g, key, value,
+               {.unit = "Pa s", .minimum = 0.0, .exclusive_minimum = true, .expert = true, .meaning = meaning});
   };
   limit("viscosity_min", o.viscosity_min, "law 'melt': the viscosity is not below this");
   limit("viscosity_max", o.viscosity_max, "law 'melt': nor above this");

@@ -41,6 +41,9 @@ void declare(namelist::schema& schema, material_options& o) {
     if (positive || p.allowed == eos::parameter::range::not_negative) info.minimum = 0.0;
     if (p.allowed == eos::parameter::range::above_one) info.minimum = 1.0;
     info.exclusive_minimum = positive || p.allowed == eos::parameter::range::above_one;
+    for (const auto rare : {"bulk_modulus_second_derivative", "gruneisen", "gruneisen_exponent",
+                            "electronic_coefficient", "electronic_exponent", "gamma", "p_infinity"})
+      info.expert = info.expert || p.key == rare;
     if (p.key == "reference_pressure") info.meaning += "; of linear: the initial pressure unless given";
     schema.add("material", std::string(p.key), o.eos.*p.member, info);
   }

@@ -200,15 +200,19 @@ std::vector<key>::iterator find_in_group_or_expert(std::vector<key_group>& group
   const auto own = find_name(g.keys, name);
   const auto expert = find_name(groups, expert_group);
   if (own != g.keys.end() || expert == groups.end()) return own;
-  const auto rare =
-      std::ranges::find_if(expert->keys, [&](const key& k) { return k.name == name && k.declared_in == g.name; });
+  const auto rare = std::ranges::find_if(
+      expert->keys, [&](const key& k) { return k.declared_as == name && k.declared_in == g.name; });
   return rare != expert->keys.end() ? rare : own;
 }
 
 [[noreturn]] void fail_unknown_key(const std::string& where, const key_group& g, const std::string& name,
                                    const std::vector<key_group>& groups) {
-  std::string hint = g.keys.empty() ? "the group has no keys"
-                                    : fmt::format("the nearest valid key is {}", nearest(name, names(g.keys)));
+  auto known = names(g.keys);
+  if (const auto expert = find_name(groups, expert_group); expert != groups.end() && g.name != expert_group)
+    for (const key& k : expert->keys)
+      if (k.declared_in == g.name) known.push_back(k.declared_as);
+  std::string hint =
+      known.empty() ? "the group has no keys" : fmt::format("the nearest valid key is {}", nearest(name, known));
   for (const key_group& other : groups)
     if (find_name(other.keys, name) != other.keys.end())
       hint += fmt::format("; &{} has a key of this name", other.name);
@@ -268,10 +272,12 @@ void schema::add(const std::string& group, const std::string& name, target bound
   if (find_name(groups_, lower(group)) == groups_.end()) throw std::logic_error(full + ": the group is not declared");
   if (info.expert) this->group(expert_group, "what only an expert turns, each key as one of the group it belongs to");
   const auto g = find_name(groups_, info.expert ? expert_group : lower(group));
-  if (find_name(g->keys, lower(name)) != g->keys.end()) throw std::logic_error(full + " is declared twice");
+  const std::string shown = lower(info.expert_name.empty() ? name : info.expert_name);
+  if (find_name(g->keys, shown) != g->keys.end()) throw std::logic_error(full + " is declared twice");
   key k;
-  k.name = lower(name);
+  k.name = shown;
   k.declared_in = lower(group);
+  k.declared_as = lower(name);
   k.bound = bound;
   k.info = std::move(info);
   k.default_text = value_text(bound);
@@ -339,7 +345,9 @@ void schema::check_unassigned(const std::string& input_name) const {
 std::pair<const key&, const std::string&> schema::find(const std::string& group, const std::string& name) const {
   for (const auto& g : groups_)
     for (const auto& k : g.keys)
-      if (k.name == lower(name) && (g.name == lower(group) || k.declared_in == lower(group))) return {k, g.name};
+      if ((k.name == lower(name) && g.name == lower(group)) ||
+          (k.declared_as == lower(name) && k.declared_in == lower(group)))
+        return {k, g.name};
   throw std::logic_error(fmt::format("namelist key {}.{} is not declared", group, name));
 }
 

@@ -45,7 +45,8 @@ struct key_info {
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
-  bool expert = false;  // stands in &expert
+  bool expert = false;           // stands in &expert
+  std::string expert_name = "";  // there, where the key's own says too little without its group
   std::string meaning = "";
 };
 
@@ -56,7 +57,7 @@ using target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, s
 
 struct key {
   std::string name;
-  std::string declared_in;  // the group, also of a key of &expert
+  std::string declared_in, declared_as;  // the group and the name there, also of a key of &expert
   target bound;
   key_info info;
   std::string default_text;        // as in a namelist; empty: none

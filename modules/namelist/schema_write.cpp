@@ -109,6 +109,7 @@ std::string expected(const key& k) {
 
 void schema::describe(std::ostream& out) const {
   for (const key_group& g : groups_) {
+    if (g.keys.empty()) continue;  // all of them are of &expert
     if (!g.meaning.empty()) out << comment(g.meaning, "");
     out << '&' << g.name << '\n';
     for (const key& k : g.keys) {
@@ -127,6 +128,7 @@ void schema::describe(std::ostream& out) const {
 
 void schema::write_resolved(std::ostream& out) const {
   for (const key_group& g : groups_) {
+    if (g.keys.empty()) continue;
     out << '&' << g.name << '\n';
     for (const key& k : g.keys)
       out << line(k, k.info.stays_open && !k.given ? "! " + value_text(k.bound) : value_text(k.bound));

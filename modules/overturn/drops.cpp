@@ -19,24 +19,29 @@ void declare_drops(namelist::schema& schema, const char* group, options& o) {
   schema.add(group, "shape", o.shape,
              {.choices = {"round", "square"}, .meaning = "at the start; square (a cube): of the round one's volume"});
   schema.add(group, "elongation", o.elongation,
-             positive("1", "at the start, extent along y over that across, at the same volume"));
+             for_expert(positive("1", "at the start, extent along y over that across, at the same volume")));
   schema.add(group, "drops", o.drops,
              {.minimum = 1,
               .maximum = 1e5,
               .meaning = "how many; several lie where they are drawn, all over the box, or at places_x …"});
-  schema.add(group, "seed", o.seed, {.minimum = 0, .meaning = "of the places drawn"});
+  schema.add(group, "seed", o.seed, {.minimum = 0, .expert = true, .meaning = "of the places drawn"});
   schema.add(group, "least_gap", o.least_gap,
              {.unit = "m",
               .minimum = 0.0,
+              .expert = true,
               .meaning = "several drops: between the surfaces of two drawn, and to walls; not given: two spacings"});
   for (std::size_t a = 0; a < 3; ++a)
     schema.add(group, std::string("places_") + axis_names[a], o.places[a],
-               {.unit = "m", .minimum = 0.0, .meaning = "several drops: their centres, in the place of drawn ones"});
+               {.unit = "m",
+                .minimum = 0.0,
+                .expert = true,
+                .meaning = "several drops: their centres, in the place of drawn ones"});
   for (auto [key, value, meaning] : {std::tuple{"measure_from", &o.measure_from, "not given: the start"},
                                      {"measure_until", &o.measure_until, "not given: the end"}})
     schema.add(group, key, *value,
                {.unit = "s",
                 .minimum = 0.0,
+                .expert = true,
                 .meaning = std::string("several drops: of the time over which their fall is measured; ") + meaning});
 }
 

@@ -10,19 +10,24 @@ void declare(namelist::schema& schema, melting_options& o) {
              {.choices = {"none", "mantle", "constant"},
               .meaning = "solidus and liquidus: it never melts, fits for the mantle by pressure, or two temperatures"});
   schema.add("melting", "composition", o.composition,
-             {.choices = {"peridotitic", "chondritic"}, .meaning = "curve 'mantle': of the liquidus above 20 GPa"});
-  schema.add("melting", "solidus", o.solidus, positive("K", "curve 'constant'"));
-  schema.add("melting", "liquidus", o.liquidus, positive("K", "curve 'constant'"));
-  schema.add("melting", "latent_heat", o.latent_heat, {.unit = "J/kg", .minimum = 0.0, .meaning = "of fusion"});
+             {.choices = {"peridotitic", "chondritic"},
+              .expert = true,
+              .meaning = "curve 'mantle': of the liquidus above 20 GPa"});
+  schema.add("melting", "solidus", o.solidus, for_expert(positive("K", "curve 'constant'")));
+  schema.add("melting", "liquidus", o.liquidus, for_expert(positive("K", "curve 'constant'")));
+  schema.add("melting", "latent_heat", o.latent_heat,
+             {.unit = "J/kg", .minimum = 0.0, .expert = true, .meaning = "of fusion"});
   schema.add("melting", "viscosity_law", o.viscosity_law,
              {.choices = {"constant", "blended", "suspension"},
               .meaning = "the material's one viscosity; or by temperature and melt fraction, smooth or with the "
                          "crystals' sudden lock at 0.4"});
-  schema.add("melting", "viscosity_min", o.viscosity_min, positive("Pa s", "the law's viscosity is not below this"));
-  schema.add("melting", "viscosity_max", o.viscosity_max, positive("Pa s", "nor above this"));
+  schema.add("melting", "viscosity_min", o.viscosity_min,
+             for_expert(positive("Pa s", "the law's viscosity is not below this")));
+  schema.add("melting", "viscosity_max", o.viscosity_max, for_expert(positive("Pa s", "nor above this")));
   schema.add("melting", "inertia_viscosity", o.inertia_viscosity,
              {.unit = "Pa s",
               .minimum = 0.0,
+              .expert = true,
               .meaning = "what is more viscous gets its inertia raised by the ratio, so that steps need not follow it "
                          "(0: inertia as it is)"});
 }
@@ -34,15 +39,17 @@ void declare(namelist::schema& schema, element_options& o) {
               .meaning = "whose partition coefficient: none, a constant one, or by pressure and temperature (Rubie et "
                          "al. 2015)"});
   schema.add("element", "partition_coefficient", o.partition_coefficient,
-             positive("1", "'constant': metal over silicate at equilibrium"));
-  schema.add("element", "iron_ratio", o.iron_ratio,
-             positive("1", "nickel, cobalt: mole fraction of Fe in the metal over that of FeO in the silicate"));
-  schema.add("element", "diffusivity_silicate", o.diffusivity_silicate, positive("m^2/s", "of the element"));
-  schema.add("element", "diffusivity_metal", o.diffusivity_metal, positive("m^2/s", "of the element"));
+             for_expert(positive("1", "'constant': metal over silicate at equilibrium")));
+  schema.add(
+      "element", "iron_ratio", o.iron_ratio,
+      for_expert(positive("1", "nickel, cobalt: mole fraction of Fe in the metal over that of FeO in the silicate")));
+  schema.add("element", "diffusivity_silicate", o.diffusivity_silicate,
+             for_expert(positive("m^2/s", "of the element")));
+  schema.add("element", "diffusivity_metal", o.diffusivity_metal, for_expert(positive("m^2/s", "of the element")));
   schema.add("element", "concentration_silicate", o.concentration_silicate,
-             {.minimum = 0.0, .meaning = "at the start, amount per mass, in a unit of choice"});
+             {.minimum = 0.0, .expert = true, .meaning = "at the start, amount per mass, in a unit of choice"});
   schema.add("element", "concentration_metal", o.concentration_metal,
-             {.minimum = 0.0, .meaning = "at the start, in the same unit"});
+             {.minimum = 0.0, .expert = true, .meaning = "at the start, in the same unit"});
 }
 
 void check_element(const namelist::schema& schema, const element_options& o) {

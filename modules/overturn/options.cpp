@@ -106,7 +106,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
              {.unit = "N/m", .minimum = 0.0, .meaning = "between the two materials; walls are neutral (90 degrees)"});
   for (const std::size_t n : {1, 0})
     schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
-               positive("K", "at the start, enthalpy law; not given: temperature"));
+               for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
   if (kind == problem_kind::drop)
     declare_drops(schema, group, o);
   else

@@ -13,9 +13,9 @@ void declare(namelist::schema& schema, const char* group, const std::string& whi
              {.choices = choices, .meaning = "equation of state; others than linear have parameters of their own"});
   schema.add(group, "density_" + which, o.density, positive("kg/m^3", "linear equation of state: at zero pressure"));
   schema.add(group, "bulk_modulus_" + which, o.bulk_modulus,
-             positive("Pa", "linear equation of state; not given: bulk_modulus"));
+             for_expert(positive("Pa", "linear equation of state; not given: bulk_modulus")));
   schema.add(group, "heat_capacity_" + which, o.heat_capacity,
-             positive("J/(kg K)", "c_V; not given: the equation of state's"));
+             for_expert(positive("J/(kg K)", "c_V; not given: the equation of state's")));
   schema.add(group, "viscosity_" + which, o.viscosity, positive("Pa s", "dynamic"));
 }
 
@@ -30,28 +30,34 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
              {.choices = {"pattern_1", "pattern_2"}, .meaning = "form of the pressure gradient"});
   schema.add(group, "volume_element", o.volume_element,
              {.choices = {"own", "from_weight"},
+              .expert = true,
               .meaning = "in the forces, with a smoothed pressure: as volume says (p dV^2), or Y/p (Y^2/p)"});
   schema.add(
       group, "reference_pressure", o.reference_pressure,
       {.choices = {"auto", "none", "lightest"},
+       .expert = true,
        .meaning = "a pressure p_r(y) that the forces between particles leave out and that lifts their volumes "
                   "instead: none, or that of a column of the lighter fluid (auto: lightest with the number density "
                   "in a closed box)"});
   schema.add(group, "supports", o.supports,
              {.choices = {"fixed", "volume"},
+              .expert = true,
               .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume"});
-  schema.add(group, "normalise", o.normalise, {.meaning = "smoothing is divided by the sum of dV W"});
+  schema.add(group, "normalise", o.normalise, {.expert = true, .meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
              {.minimum = 0.0,
               .maximum = 1.0,
+              .expert = true,
               .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
   schema.add(group, "viscous_order", o.viscous_order,
              {.minimum = 0,
               .maximum = 4,
+              .expert = true,
               .meaning = "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until the "
                          "energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2"});
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
+              .expert = true,
               .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
 }
 

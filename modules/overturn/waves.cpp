@@ -16,7 +16,7 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
        .meaning = "its height; rows whose centres are not above it are of the lower layer; not given: the middle"});
   schema.add(group, "wavelength", o.wavelength, positive("m", "along x; not given: the box's width"));
   schema.add(group, "wavelength_z", o.wavelength_z,
-             {.unit = "m", .minimum = 0.0, .meaning = "along z; 0: none (3-D only)"});
+             {.unit = "m", .minimum = 0.0, .expert = true, .meaning = "along z; 0: none (3-D only)"});
   schema.add(group, "amplitude", o.amplitude,
              {.unit = "m", .minimum = 0.0, .meaning = "of the interface at the start"});
   schema.add(group, "start", o.start,
@@ -27,12 +27,14 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
     schema.add(
         group, "rows", o.scheme.rows,
         {.choices = {"lattice", "balanced"},
+         .expert = true,
          .meaning = "of the start: evenly spaced; or, with our_method, moved a little and with pressures such that "
                     "the sums over neighbours hold their weight"});
   schema.add(group, "pond_top", o.pond_top,
-             positive("m", "enthalpy law: the upper material lies below this height, the lower one once more above"));
+             for_expert(positive(
+                 "m", "enthalpy law: the upper material lies below this height, the lower one once more above")));
   schema.add(group, "cover_temperature", o.cover_temperature,
-             positive("K", "of what lies above pond_top; not given: temperature"));
+             for_expert(positive("K", "of what lies above pond_top; not given: temperature")));
 }
 
 namespace {

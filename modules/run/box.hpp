@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <foundation/waiting.hpp>
-#include <functional>
 #include <output/state_hash.hpp>
 #include <run/checkpoint_table.hpp>
 #include <run/load_balance.hpp>
@@ -18,9 +17,6 @@ class problem_in_a_box : public problem {
  public:
   state<D>& box;
   load_balance<D> balancer;
-  // Cuts from elsewhere, asked for whenever lists are made anew, in the balancer's place; the same on every rank.
-  std::function<balance::cuts<D>(const balance::cuts<D>&)> other_cuts;
-
   // The state outlives the problem.
   problem_in_a_box(state<D>& of_problem, const balance_options& o) : box(of_problem), balancer(o) {}
 
@@ -60,6 +56,13 @@ class problem_in_a_box : public problem {
     }
     if (verdict) note(*verdict, step);
     return lists_are_due || moves;
+  }
+
+  // Gives the ranks other cells. What stands behind walls moves at once; the fluid, and all that hangs on it, with the
+  // next lists.
+  void move_cuts(const balance::cuts<D>& cuts) {
+    box.w.d.cuts = cuts;
+    place_walls();
   }
 
   void worked(double seconds) final {
@@ -113,22 +116,11 @@ class problem_in_a_box : public problem {
  private:
   // Cuts that are to move have done so, particles have not.
   std::optional<typename load_balance<D>::verdict> decide_on_cuts(bool lists_are_due, std::int64_t left) {
-    if (other_cuts) {
-      if (lists_are_due) move_cuts(other_cuts(box.w.d.cuts));
-      return {};
-    }
     if (ranks().size == 1 || !balancer.due(lists_are_due)) return {};
     const foundation::stage timed(box.w.times, "balance");
     auto verdict = balancer.decide(box, lists_are_due, left);
     if (verdict && verdict->decision.move) move_cuts(verdict->cuts);
     return verdict;
-  }
-
-  // Gives the ranks other cells. What stands behind walls moves at once; the fluid, and all that hangs on it, with the
-  // next lists.
-  void move_cuts(const balance::cuts<D>& cuts) {
-    box.w.d.cuts = cuts;
-    place_walls();
   }
 
   void note(const typename load_balance<D>::verdict& v, std::int64_t step) {

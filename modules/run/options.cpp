@@ -20,6 +20,7 @@ void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std
                {.minimum = 0.0,
                 .maximum = 2.0,
                 .exclusive_minimum = true,
+                .expert = true,
                 .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
 }
 
@@ -61,6 +62,8 @@ void declare(namelist::schema& schema, balance_options& o) {
   schema.add("balancer", "interval", o.interval,
              {.minimum = 1,
               .maximum = 1e9,
+              .expert = true,
+              .expert_name = "balancer_interval",
               .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
 }
 
@@ -99,7 +102,8 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
              {.unit = "s",
               .minimum = 0.0,
               .exclusive_minimum = true,
-              .meaning = "time step, with error control the first one; not given: by cfl and diffusive"});
+              .meaning = "time step, with error control the first one; not given: " +
+                         std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")});
   if (of_problem.diffuses)
     schema.add("time", "error_control", o.error_control,
                {.meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
@@ -114,10 +118,11 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
       {.minimum = 1e-14, .maximum = 1e-1, .meaning = "error control: of a step, relative to each field's scale"});
   schema.add("time", "cfl", o.cfl,
              {.minimum = 1e-9, .stays_open = !o.cfl, .meaning = "largest dt c/dx; not given: by the method"});
-  schema.add("time", "diffusive", o.diffusive,
-             {.minimum = 1e-9,
-              .stays_open = !o.diffusive,
-              .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
+  if (of_problem.limits_diffusion)
+    schema.add("time", "diffusive", o.diffusive,
+               {.minimum = 1e-9,
+                .stays_open = !o.diffusive,
+                .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 
 void declare(namelist::schema& schema, start_options& o) {

@@ -72,6 +72,7 @@ struct abilities {
   bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
+  bool limits_diffusion = true;           // viscosity or conduction limits its steps
   bool ends_by_steps = false;             // t_end may follow from steps and dt
   bool starts_from_file = false;          // a snapshot says enough of its particles
 };

@@ -115,8 +115,8 @@ void write_text(const domain::communicator& where, const std::string& path, cons
 
 namespace {
 
-// Of &domain who does the work.
-bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance"; }
+// Of &domain and &expert who does the work.
+bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance" || key.starts_with("balancer_"); }
 
 // Lines of the groups that must be the same: all but how long, how to write, and who does the work.
 std::vector<std::string> binding_lines(const std::string& input) {
@@ -125,8 +125,7 @@ std::vector<std::string> binding_lines(const std::string& input) {
   bool free = false;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("&"))
-      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run") ||
-             line.starts_with("&balancer");
+      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
     const auto key = std::min(line.find_first_not_of(' '), line.size());
     if (!free && !may_change(line.substr(key, line.find(' ', key) - key))) lines.push_back(line);
   }

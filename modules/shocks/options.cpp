@@ -30,12 +30,14 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
                          "with densities as given at the start"});
   schema.add("shock", "support_terms", s.support_terms,
              {.choices = {"weight", "number", "none"},
+              .expert = true,
               .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
                          "density [S4], or the number density, as it does [Hopkins 2013]; ssph has the first for both. "
                          "none: no such terms, in any of the three, as in gsph"});
   schema.add(
       "shock", "density", s.density,
       {.choices = {"weight", "mass"},
+       .expert = true,
        .meaning =
            "disph, gdisph, in output and errors: m q/U, sharp at contacts, or the sum of m W, for gas so cold that "
            "the pressure at a particle is its neighbours'"});
@@ -93,6 +95,7 @@ void declare_test(namelist::schema& schema, shock_options& s) {
              {.minimum = 0.0,
               .maximum = 1.0,
               .exclusive_minimum = true,
+              .expert = true,
               .meaning = "errors are measured in this part of the box along x, about its middle"});
   schema.add(
       "shock", "coarser", s.coarser,
@@ -103,7 +106,10 @@ void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "energy", s.energy,
              {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
   schema.add("shock", "blast_radius", s.blast_radius,
-             {.minimum = 1.0, .maximum = 100.0, .meaning = "sedov: within so many spacings the energy starts"});
+             {.minimum = 1.0,
+              .maximum = 100.0,
+              .expert = true,
+              .meaning = "sedov: within so many spacings the energy starts"});
   schema.add("shock", "corner", s.corner,
              {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
                          "octant; the energy is that of the whole explosion"});
@@ -126,9 +132,10 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "reconstruction", s.reconstruction,
              {.choices = {"first", "second"}, .meaning = "order of the states at the interface (gsph, gdisph)"});
   schema.add("shock", "limiter", s.limiter,
-             {.choices = {"minmod", "monotonised"}, .meaning = "of the second order's slopes"});
+             {.choices = {"minmod", "monotonised"}, .expert = true, .meaning = "of the second order's slopes"});
   schema.add("shock", "star_pressure", s.star_pressure,
              {.choices = {"full", "balsara"},
+              .expert = true,
               .meaning = "gdisph: the Riemann problem's throughout, or in the part that Balsara's factor gives, and "
                          "the particles' own in the rest"});
   schema.add("shock", "alpha", s.alpha,
@@ -137,7 +144,8 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
               .meaning = "of the artificial viscosity (ssph, disph); time-dependent: the largest"});
   schema.add("shock", "time_dependent_alpha", s.switch_of_alpha,
              {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
-  schema.add("shock", "alpha_min", s.alpha_min, {.minimum = 0.0, .maximum = 10.0, .meaning = "smallest alpha"});
+  schema.add("shock", "alpha_min", s.alpha_min,
+             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "smallest alpha"});
   schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
 }
 
@@ -155,7 +163,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}, .diffuses = false});
+  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
 }
 
 eos::any eos_of(const std::string& name) {

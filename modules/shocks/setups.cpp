@@ -181,19 +181,9 @@ double shock_radius(const view& w, const point& centre, double dx, double larges
   return 0.0;
 }
 
-setup sedov(const options& o) {
+// Of the lattice about the centre.
+double sum_of_shares(const options& o, const std::function<double(const point&)>& share) {
   const auto& s = o.shock;
-  const point c = s.corner ? point{} : middle_of(o);
-  const double in_box = s.corner ? std::pow(0.5, static_cast<double>(o.domain.dimension)) : 1.0;
-  setup t;
-  t.blocks = {whole_box(o)};
-  const double radius = s.blast_radius * o.domain.dx();
-  const auto share = [=](const point& x) {
-    const double q = distance(x, c) / radius;
-    return q < 1.0 ? (1.0 - q * q) * (1.0 - q * q) : 0.0;
-  };
-  // Of the lattice about the centre.
-  const double per_volume = std::pow(o.domain.dx(), static_cast<double>(o.domain.dimension));
   double shares = 0.0;
   const auto reach = static_cast<std::int64_t>(s.blast_radius) + 2;
   const auto& n = o.domain.particles;
@@ -209,8 +199,36 @@ setup sedov(const options& o) {
         point x{};
         const std::array<std::int64_t, 3> at{i, j, k};
         for (std::size_t a = 0; a < o.domain.axes(); ++a) x[a] = (static_cast<double>(at[a]) + 0.5) * o.domain.dx();
-        shares += share(x) / in_box;
+        shares += share(x);
       }
+  return shares;
+}
+
+// Ω ∫ g φ λ^D dλ of the blast's profile, by the midpoint rule.
+double momentum_of_blast(const exact::sedov& blast, int dimension) {
+  double shape = 0.0;
+  constexpr int intervals = 4000;
+  for (int k = 0; k < intervals; ++k) {
+    const double lambda = (k + 0.5) / intervals;
+    const auto w = blast.profile(lambda);
+    shape += w.g * w.phi * std::pow(lambda, dimension) / intervals;
+  }
+  return shape * (dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (dimension - 1.0));
+}
+
+setup sedov(const options& o) {
+  const auto& s = o.shock;
+  const point c = s.corner ? point{} : middle_of(o);
+  const double in_box = s.corner ? std::pow(0.5, static_cast<double>(o.domain.dimension)) : 1.0;
+  setup t;
+  t.blocks = {whole_box(o)};
+  const double radius = s.blast_radius * o.domain.dx();
+  const auto share = [=](const point& x) {
+    const double q = distance(x, c) / radius;
+    return q < 1.0 ? (1.0 - q * q) * (1.0 - q * q) : 0.0;
+  };
+  const double per_volume = std::pow(o.domain.dx(), static_cast<double>(o.domain.dimension));
+  const double shares = sum_of_shares(o, share) / in_box;
   t.start = [=](const point& x) {
     return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (shares * per_volume), {}, 0};
   };
@@ -228,17 +246,9 @@ setup sedov(const options& o) {
   // Two measures of the radius: by the density, and by the momentum along r, which smoothing at the shock does not
   // change:
   //   ∫ρ u dV = Ω ρ0 u_s r_s^D ∫ g φ λ^D dλ,   u_s = 2 r_s/((D+2) t)
-  double shape = 0.0;
-  constexpr int intervals = 4000;
-  const auto D = static_cast<double>(o.domain.dimension);
-  for (int k = 0; k < intervals; ++k) {
-    const double lambda = (k + 0.5) / intervals;
-    const auto w = blast.profile(lambda);
-    shape += w.g * w.phi * std::pow(lambda, D) / intervals;
-  }
-  shape *= o.domain.dimension == 1 ? 2.0 : 2.0 * std::numbers::pi * (D - 1.0);
-  t.measures = [=, dx = o.domain.dx(), half = (s.corner ? 1.0 : 0.5) * o.domain.length[0]](const view& w,
-                                                                                           const samples& all) {
+  const double shape = momentum_of_blast(blast, static_cast<int>(o.domain.dimension));
+  t.measures = [=, D = static_cast<double>(o.domain.dimension), dx = o.domain.dx(),
+                half = (s.corner ? 1.0 : 0.5) * o.domain.length[0]](const view& w, const samples& all) {
     foundation::exact_sum momentum;
     for (std::size_t i = 0; i < w.n; ++i) {
       const point x = w.place(i), v = w.velocity(i);

@@ -24,9 +24,10 @@ void declare(namelist::schema& schema, hosono_options& o) {
   schema.add("hosono", "relaxation", o.relaxation,
              {.minimum = 0.0,
               .maximum = 1.0,
+              .expert = true,
               .meaning = "exponent of (Y_new/Y) for under_relaxed and anderson; 0: the least p/K_T of all particles"});
   schema.add("hosono", "anderson_depth", o.anderson_depth,
-             {.minimum = 0, .maximum = 50, .meaning = "earlier passes that anderson combines"});
+             {.minimum = 0, .maximum = 50, .expert = true, .meaning = "earlier passes that anderson combines"});
 }
 
 }  // namespace tetsuame::volume

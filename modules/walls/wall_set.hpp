@@ -36,67 +36,43 @@ struct wall_set {
   particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start
 };
 
-// Places the wall particles of the lattice spacing dx on the lattice outside the box, as
-// deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks. A wall particle stands on the
-// rank whose cell holds its marker, which needs the fluid about it: every mirror image of the marker's lattice place.
+namespace detail {
+
+// A lattice place along one axis whose mirror image lies in this rank's cell; nothing is mirrored inside the box.
+struct place_along {
+  std::int64_t n;
+  double x, marker;  // m
+  std::uint32_t mirrored;
+};
+
 template <int D>
-void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, double depth) {
-  auto& s = w.s;
-  const auto& box = w.d.region;
-  const auto layers = static_cast<std::int64_t>(std::ceil(depth / w.dx));
-  std::array<std::int64_t, D> cells, low;
-  for (std::size_t a = 0; a < D; ++a) {
-    cells[a] = std::llround(box.length[a] / w.dx);
-    low[a] = box.periodic[a] ? 0 : layers;
-    if (!box.periodic[a] && layers > cells[a])
-      foundation::fail_input(
-          "the box is narrower along axis " + std::to_string(a + 1) +
-          " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
-  }
-  struct point {
-    std::array<double, D> x, marker;
-    std::int64_t id;
-    std::uint32_t mirrored;
-  };
-  // Along each axis, the lattice places whose mirror image lies in this rank's cell; nothing is mirrored inside the
-  // box.
-  struct place_along {
-    std::int64_t n;
-    double x, marker;  // m
-    std::uint32_t mirrored;
-  };
+std::vector<place_along> places_along(const pairs::workspace<D>& w, const wall_set<D>& set, std::size_t axis,
+                                      std::int64_t layers, std::int64_t cells) {
   const auto cell = w.d.cell();
-  std::array<std::vector<place_along>, D> along;
-  std::size_t places = 1;
-  for (std::size_t a = 0; a < D; ++a) {
-    for (std::int64_t n = -low[a]; n < cells[a] + low[a]; ++n) {
-      place_along p{n, (static_cast<double>(n) + 0.5) * w.dx, 0.0, 0};
-      p.marker = p.x;
-      for (std::size_t k = 0; k < set.sides.size(); ++k)
-        if (set.sides[k].axis == a && (p.x - set.sides[k].position) * set.sides[k].inward < 0.0) {
-          p.mirrored |= 1U << k;
-          p.marker = 2.0 * set.sides[k].position - p.x;
-        }
-      if (p.marker >= cell.lower[a] && p.marker < cell.upper[a]) along[a].push_back(p);
-    }
-    places *= along[a].size();
+  std::vector<place_along> all;
+  for (std::int64_t n = -layers; n < cells + layers; ++n) {
+    place_along p{n, (static_cast<double>(n) + 0.5) * w.dx, 0.0, 0};
+    p.marker = p.x;
+    for (std::size_t k = 0; k < set.sides.size(); ++k)
+      if (set.sides[k].axis == axis && (p.x - set.sides[k].position) * set.sides[k].inward < 0.0) {
+        p.mirrored |= 1U << k;
+        p.marker = 2.0 * set.sides[k].position - p.x;
+      }
+    if (p.marker >= cell.lower[axis] && p.marker < cell.upper[axis]) all.push_back(p);
   }
-  std::vector<point> mine;
-  for (std::size_t k = 0; k < places; ++k) {
-    point p{{}, {}, fluid_total, 0};
-    std::int64_t stride = 1;
-    std::size_t rest = k;
-    for (std::size_t a = 0; a < D; ++a) {
-      const auto& here = along[a][rest % along[a].size()];
-      rest /= along[a].size();
-      p.x[a] = here.x;
-      p.marker[a] = here.marker;
-      p.mirrored |= here.mirrored;
-      p.id += stride * (here.n + low[a]);
-      stride *= cells[a] + 2 * low[a];
-    }
-    if (p.mirrored != 0) mine.push_back(p);
-  }
+  return all;
+}
+
+template <int D>
+struct wall_place {
+  std::array<double, D> x, marker;
+  std::int64_t id;
+  std::uint32_t mirrored;
+};
+
+template <int D>
+void store(pairs::workspace<D>& w, wall_set<D>& set, const std::vector<wall_place<D>>& mine) {
+  auto& s = w.s;
   particles::allocate(s, s.fluid, s.fluid_ghosts, mine.size(), 0);
   set.mirrored.resize(mine.size());
   for (auto& component : set.marker) component.resize(mine.size());
@@ -112,6 +88,47 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
     }
     s.m[i] = s.rho[i] = s.p[i] = s.p_eos[i] = s.c_V[i] = s.c[i] = 1.0;
   }
+}
+
+}  // namespace detail
+
+// Places the wall particles of the lattice spacing dx on the lattice outside the box, as
+// deep as the kernel reaches. IDs follow the fluid's: the same on any number of ranks. A wall particle stands on the
+// rank whose cell holds its marker, which needs the fluid about it: every mirror image of the marker's lattice place.
+template <int D>
+void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, double depth) {
+  const auto& box = w.d.region;
+  const auto layers = static_cast<std::int64_t>(std::ceil(depth / w.dx));
+  std::array<std::int64_t, D> cells, low;
+  std::array<std::vector<detail::place_along>, D> along;
+  std::size_t places = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    cells[a] = std::llround(box.length[a] / w.dx);
+    low[a] = box.periodic[a] ? 0 : layers;
+    if (low[a] > cells[a])
+      foundation::fail_input(
+          "the box is narrower along axis " + std::to_string(a + 1) +
+          " than the walls are deep (kernel support): use more particles along it or a smaller h_over_dx");
+    along[a] = detail::places_along(w, set, a, low[a], cells[a]);
+    places *= along[a].size();
+  }
+  std::vector<detail::wall_place<D>> mine;
+  for (std::size_t k = 0; k < places; ++k) {
+    detail::wall_place<D> p{{}, {}, fluid_total, 0};
+    std::int64_t stride = 1;
+    std::size_t rest = k;
+    for (std::size_t a = 0; a < D; ++a) {
+      const auto& here = along[a][rest % along[a].size()];
+      rest /= along[a].size();
+      p.x[a] = here.x;
+      p.marker[a] = here.marker;
+      p.mirrored |= here.mirrored;
+      p.id += stride * (here.n + low[a]);
+      stride *= cells[a] + 2 * low[a];
+    }
+    if (p.mirrored != 0) mine.push_back(p);
+  }
+  detail::store(w, set, mine);
 }
 
 // Values of a wall particle from those at its marker, one mirror after the other: odd about

@@ -175,6 +175,9 @@ BOOST_AUTO_TEST_CASE(numbers_override_dimensional_values) {
     BOOST_TEST(p.instant_share == 1.0);
     BOOST_TEST(p.shear_speed == 0.0);
   }
+}
+
+BOOST_AUTO_TEST_CASE(which_value_a_number_overrides) {
   // Where the expansivity says how much heat compression makes, or a law the viscosity, the viscosity gives way.
   for (const char* bound : {"viscous_heating = T", "adiabatic_heating = T", "gravity_density = 'equation_of_state'"}) {
     options o;

@@ -27,6 +27,7 @@ hydrostatic::options channel(hydrostatic::options o) {
   o.time.dt = 4e-5;
   o.time.steps = 60;
   o.time.t_end = 1.0;
+  o.balance.follows = "off";  // cuts are the test's
   return o;
 }
 
@@ -48,14 +49,14 @@ outcome run_with(const hydrostatic::options& o, const domain::communicator& rank
                                               });
   outcome found;
   std::vector<std::size_t> sizes;
-  box.other_cuts = [&](const balance::cuts<D>& now) {
-    sizes.push_back(box.local_particles());
-    return propose(now, found.moves++);
-  };
   for (int n = 0; n < o.time.steps; ++n) {
     const double reach = ranks.maximum(box.moved()) + 1.6 * ranks.maximum(box.speed()) * *o.time.dt;
-    if (box.renew(n > 0 && reach > box.allowance(), n, o.time.steps - n))
-      integrator.resize(box.fields(), box.local_particles());
+    const bool due = n > 0 && reach > box.allowance();
+    if (due) {
+      sizes.push_back(box.local_particles());
+      box.move_cuts(propose(box.world.w.d.cuts, found.moves++));
+    }
+    if (box.renew(due, n, o.time.steps - n)) integrator.resize(box.fields(), box.local_particles());
     integrator.step(integrator.time() + *o.time.dt);
     box.complete_step(n + 1);
   }

@@ -200,11 +200,11 @@ BOOST_AUTO_TEST_CASE(keys_of_experts) {
   s.add("gravity", "g", g);
   s.add("gravity", "order", order, {.expert = true, .meaning = "of the sum"});
   s.group("kernel", "");
-  s.add("kernel", "skin", skin, {.minimum = 0.0, .expert = true});
+  s.add("kernel", "skin", skin, {.minimum = 0.0, .expert = true, .expert_name = "kernel_skin"});
   std::ostringstream described;
   s.describe(described);
   const std::string shown = described.str();
-  BOOST_TEST(shown.find("&kernel") < shown.find("&expert"));
+  BOOST_TEST(shown.find("&gravity") < shown.find("&expert"));
   BOOST_TEST(shown.find("! of &gravity: of the sum") > shown.find("&expert"));
   s.read(namelist::parse_text("&expert order = 3 / &gravity g = 9 /", "f"));
   BOOST_TEST(order == 3.0);
@@ -212,11 +212,19 @@ BOOST_AUTO_TEST_CASE(keys_of_experts) {
   BOOST_TEST(!s.given("kernel", "skin"));
   const auto read = [&](const std::string& text) { return message([&] { s.read(namelist::parse_text(text, "f")); }); };
   BOOST_TEST(message([&] { s.fail("gravity", "order", "no"); }) == "f:1: &expert order: no");
+  s.read(namelist::parse_text("&expert kernel_skin = 0.5 /", "f"));
+  BOOST_TEST(skin == 0.5);
+  s.read(namelist::parse_text("&kernel skin = 0.7 /", "f"));
+  BOOST_TEST(skin == 0.7);
+  BOOST_TEST(shown.find("\n&kernel") == std::string::npos);
   // As well known in the group that declared it, but not in both.
   s.read(namelist::parse_text("&gravity order = 4 /", "f"));
   BOOST_TEST(order == 4.0);
   BOOST_TEST(read("&expert order = 3 / &gravity order = 3 /") == "f:1: &gravity order: is given in &expert too");
   BOOST_TEST(read("&kernel order = 3 /") ==
-             "f:1: &kernel: unknown key order; the group has no keys; &expert has a key of this name");
+             "f:1: &kernel: unknown key order; the nearest valid key is skin; &expert has a key of this name");
+  s.also_known("gravity", "acceleration", "g");
+  s.read(namelist::parse_text("&gravity acceleration = 3 /", "f"));
+  BOOST_TEST(g == 3.0);
   BOOST_CHECK_THROW(s.add("kernel", "order", g, {.expert = true}), std::logic_error);
 }
