@@ -15,9 +15,14 @@ void declare_drops(namelist::schema& schema, const char* group, options& o) {
     schema.add(group, axis_names[a], o.centre[a],
                {.unit = "m", .minimum = 0.0, .meaning = "its centre; not given: the middle, y at 0.75 of the height"});
   schema.add(group, "measure_at", o.measure_at,
-             {.minimum = 0.0, .maximum = 1.0, .meaning = "height over the box's where the velocity is measured"});
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .expert = true,
+              .meaning = "height over the box's where the velocity is measured"});
   schema.add(group, "shape", o.shape,
-             {.choices = {"round", "square"}, .meaning = "at the start; square (a cube): of the round one's volume"});
+             {.choices = {"round", "square"},
+              .expert = true,
+              .meaning = "at the start; square (a cube): of the round one's volume"});
   schema.add(group, "elongation", o.elongation,
              for_expert(positive("1", "at the start, extent along y over that across, at the same volume")));
   schema.add(group, "drops", o.drops,

@@ -20,16 +20,25 @@ void for_each_image(const run::state<D>& world, F&& f) {
                       [&](std::size_t r) { f(world.w.s.first_wall() + r, world.walls.source[r]); });
 }
 
-// Where ghosts and images are, and how they move.
+// Where ghosts are, and how they move, sets out to them; it is there after end_motion().
 template <int D>
-void refresh_motion(fluids<D>& f) {
+void begin_motion(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
   std::vector<double*> fields;
   for (auto& v : s.v) fields.push_back(v.data());
   if (f.o.conductivity > 0.0 && !f.enthalpy) fields.push_back(s.T.data());
-  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+}
+
+// Images as well.
+template <int D>
+void end_motion(fluids<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  w.end_fluid();
   walls::move_images(f.world.walls, s);
   foundation::for_all(f.world.walls.source.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r, j = f.world.walls.source[r];
@@ -56,6 +65,14 @@ void mirror(fluids<D>& f, particles::array& p) {
   });
 }
 
+// Σ W_ij of these rows, where volumes come from it.
+template <int D>
+void count(fluids<D>& f, const pairs::stretch& rows) {
+  if (f.carried || f.follows) return;
+  const foundation::stage timed(f.world.w.times, "volumes");
+  f.world.w.sum(rows, kernel_sum<D>{f.self, f.W_sum.data()});
+}
+
 // ΔV and ρ of the fluid.
 template <int D>
 void find_own_volumes(fluids<D>& f) {
@@ -70,16 +87,15 @@ void find_own_volumes(fluids<D>& f) {
     volumes_by_count(f);
     return;
   }
-  w.sum(w.fluid(), kernel_sum<D>{f.self, f.W_sum.data()});
   foundation::for_all(s.fluid, [&](std::size_t i) {
     s.dV[i] = w.lattice_sum / f.W_sum[i];
     s.rho[i] = s.m[i] / s.dV[i];
   });
 }
 
-// ΔV and ρ, and the pressure of the equation of state, of fluid and ghosts.
+// ΔV and ρ, and the pressure of the equation of state, of the fluid, set out to its ghosts.
 template <int D>
-void find_volumes(fluids<D>& f) {
+void begin_volumes(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   find_own_volumes(f);
@@ -89,14 +105,24 @@ void find_volumes(fluids<D>& f) {
   }
   const foundation::stage timed(w.times, "halo");
   // A ghost's ρ is to have the bits of its source's: ρ itself, or what ΔV gives there too.
-  if (f.carried) {
-    w.exchange_fluid({s.dV.data(), s.p_eos.data(), s.rho.data()});
-  } else {
-    w.exchange_fluid({s.dV.data(), s.p_eos.data()});
-    if (has_factor(f)) w.exchange_fluid({f.follow_factor.data()});
+  if (f.carried)
+    w.begin_fluid({s.dV.data(), s.p_eos.data(), s.rho.data()});
+  else if (has_factor(f))
+    w.begin_fluid({s.dV.data(), s.p_eos.data(), f.follow_factor.data()});
+  else
+    w.begin_fluid({s.dV.data(), s.p_eos.data()});
+}
+
+// Of ghosts and images.
+template <int D>
+void end_volumes(fluids<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  w.end_fluid();
+  if (!f.carried)
     foundation::for_all(s.fluid_ghosts,
                         [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
-  }
   mirror(f, s.p_eos);
   if (has_factor(f))
     for_each_image(f.world, [&](std::size_t i, std::size_t j) { f.follow_factor[i] = f.follow_factor[j]; });
@@ -196,25 +222,23 @@ void smooth(fluids<D>& f) {
   mirror(f, s.p);
 }
 
-// The pressure in the forces.
+// What the forces have of the pressure of particles first to last.
 template <int D>
-void find_pressures(fluids<D>& f) {
+void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
-  const std::size_t n = s.total();
-  if (f.smoothed)
-    smooth(f);
-  else
-    foundation::for_all(n, [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
-  foundation::for_all(n, [&](std::size_t i) {
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    if (!f.smoothed) s.p[i] = s.p_eos[i];
     f.stress[i] = (s.p[i] - f.reference_pressure(s.x[1][i])) * element_of_work(f, i);
+    if (has_factor(f)) f.stress[i] *= f.follow_factor[i];
     f.factor[i] = f.first_pattern ? 1.0 : s.dV[i];
   });
-  if (has_factor(f)) foundation::for_all(n, [&](std::size_t i) { f.stress[i] *= f.follow_factor[i]; });
   f.stress[s.null()] = f.factor[s.null()] = 0.0;
 }
 
+// Sums over the neighbours of these rows.
 template <int D>
-void sum_over_neighbours(fluids<D>& f) {
+void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
   auto& w = f.world.w;
   auto& s = w.s;
   const auto v = pairs::pointers<D>(s.v);
@@ -233,22 +257,24 @@ void sum_over_neighbours(fluids<D>& f) {
                   f.compression.data(),
                   f.heat.data()};
     for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-    sum(f, all);
-    if (has_factor(f)) foundation::for_all(s.fluid, [&](std::size_t i) { f.compression[i] *= f.follow_factor[i]; });
+    sum(f, rows, all);
   }
   if (f.carried) {
     const foundation::stage timed(w.times, "continuity");
-    sum(f, density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity,
-                           f.o.scheme.delta * f.h, f.rho_rate.data()});
+    sum(f, rows,
+        density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity, f.o.scheme.delta * f.h,
+                        f.rho_rate.data()});
   }
   if (f.o.conductivity > 0.0) {
-    std::fill_n(f.conducted.begin(), s.fluid, 0.0);
-    sum(f, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
+    std::fill(f.conducted.begin() + static_cast<std::ptrdiff_t>(rows.first),
+              f.conducted.begin() + static_cast<std::ptrdiff_t>(rows.last), 0.0);
+    sum(f, rows, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
   }
   if (f.dissolved) {
     const foundation::stage timed(w.times, "element");
-    sum(f, element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(), s.dV.data(),
-                               f.gain.data()});
+    sum(f, rows,
+        element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(), s.dV.data(),
+                            f.gain.data()});
   }
 }
 
@@ -269,6 +295,7 @@ bool combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, st
   const auto& w = f.world.w;
   const auto& s = w.s;
   const double per_m = 1.0 / s.m[i];
+  const double compression = has_factor(f) ? f.compression[i] * f.follow_factor[i] : f.compression[i];
   const double heat = f.heat[i] + (f.o.conductivity > 0.0 ? f.conducted[i] : 0.0);
   bool finite = true;
   for (std::size_t a = 0; a < D; ++a) {
@@ -280,9 +307,9 @@ bool combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, st
   }
   walls::push_off(f.world.walls.force, f.world.walls.sides, s, i,
                   [&](std::size_t axis, double a) { rate[at.v + axis][i] += a / f.inertia_of(i); });
-  rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * f.compression[i];
+  rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * compression;
   rate[at.q][i] = per_m * f.heat[i];
-  double dlnrho = f.compression[i] * (f.first_pattern ? s.dV[i] : 1.0) / w.lattice_sum;
+  double dlnrho = compression * (f.first_pattern ? s.dV[i] : 1.0) / w.lattice_sum;
   if (f.carried) {
     rate[at.rho][i] = f.rho_rate[i];
     dlnrho = f.rho_rate[i] / s.rho[i];
@@ -326,15 +353,28 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
 
 template <int D>
 void evaluate(fluids<D>& f, std::span<double* const> rate) {
-  refresh_motion(f);
-  find_volumes(f);
+  auto& w = f.world.w;
+  const std::size_t own = w.s.fluid;
+  begin_motion(f);
+  count(f, w.interior());
+  end_motion(f);
+  count(f, w.at_border());
+  begin_volumes(f);
+  // Where forces need no more of the ghosts than this, a rank sums them over the rows that have none while it travels.
+  const bool ahead = !(f.enthalpy || f.dissolved || f.tense || f.smoothed);
+  if (ahead) {
+    find_stress(f, 0, own);
+    sum_over_neighbours(f, w.interior());
+  }
+  end_volumes(f);
   if (f.enthalpy) find_phases(f);
   if (f.dissolved) find_partition(f);
   if (f.tense) find_tension(f);
-  find_pressures(f);
-  sum_over_neighbours(f);
+  if (f.smoothed) smooth(f);
+  find_stress(f, ahead ? own : 0, w.s.total());
+  sum_over_neighbours(f, ahead ? w.at_border() : w.fluid());
   find_rates(f, rate);
-  f.world.w.agree();
+  w.agree();
 }
 
 }  // namespace tetsuame::overturn

@@ -50,19 +50,19 @@ struct with_supports {
   void end(std::size_t i, const auto& sums) const { term.end(i, sums); }
 };
 
-// A sum over neighbours, with the one kernel or with everyone's own.
+// A sum over the neighbours of these rows, with the one kernel or with everyone's own.
 template <int D, class Term>
-void sum(const fluids<D>& f, const Term& term) {
+void sum(const fluids<D>& f, const pairs::stretch& rows, const Term& term) {
   const auto& w = f.world.w;
   if (!f.follows) {
-    w.sum(w.fluid(), term);
+    w.sum(rows, term);
     return;
   }
   const schemes::distances_only none{1e-9 * f.S_0};
   std::visit(
       [&](const auto& unit) {
         pairs::sum_over<D>(
-            w.fluid(), w.list, w.x(), none,
+            rows, w.list, w.x(), none,
             with_supports<D, std::remove_cvref_t<decltype(unit)>, Term>{unit, f.per_S.data(), f.S_0, !f.carried, term});
       },
       f.unit);
