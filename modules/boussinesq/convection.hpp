@@ -41,8 +41,13 @@ class convection : public run::problem_in_a_box<D> {
   }
 
   void evaluate(std::span<double* const> rate) override {
-    refresh_state(state_);
-    whole_ ? sum_over_neighbours<true>(state_) : sum_over_neighbours<false>(state_);
+    const auto sum = [&](const pairs::stretch& rows) {
+      whole_ ? sum_over_neighbours<true>(state_, rows) : sum_over_neighbours<false>(state_, rows);
+    };
+    begin_state(state_);
+    sum(state_.world.w.interior());
+    end_state(state_);
+    sum(state_.world.w.at_border());
     rates_of_change(state_, rate);
   }
 

@@ -119,15 +119,25 @@ void mirror_state(convection_state<D>& state, std::size_t r) {
   (*state.own_viscosity)[i] = (*state.own_viscosity)[j];
 }
 
-// Ghosts and images of the state; what the images lag behind is in their lagged terms.
+// The state sets out to the ghosts; it is there, and that of images, after end_state(). What the images lag behind is
+// in their lagged terms.
 template <int D>
-void refresh_state(convection_state<D>& state) {
+void begin_state(convection_state<D>& state) {
   auto& w = state.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
   const bool varies = state.layer.law.varies;
   if (varies) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity(state, i, s.x[1][i]); });
-  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, unknown_arrays(state), &s.x);
+  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, unknown_arrays(state), &s.x);
+}
+
+template <int D>
+void end_state(convection_state<D>& state) {
+  auto& w = state.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  const bool varies = state.layer.law.varies;
+  w.end_fluid();
   walls::move_images(state.world.walls, s);
   if (varies)
     foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(state, s.fluid + g, s.x[1][s.fluid + g]); });

@@ -36,7 +36,7 @@ graded_viscosity<D> viscous_term(convection_state<D>& state) {
 // whole: with what is kept for the step, which the stages after the first do not need. The spreading is that of the
 // first.
 template <int D, int K, bool graded, bool whole>
-void sum_over_neighbours(convection_state<D>& state) {
+void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows) {
   auto& w = state.world.w;
   auto& last = state.last;
   const auto& lagged = state.lagged;
@@ -66,27 +66,27 @@ void sum_over_neighbours(convection_state<D>& state) {
   unevenness<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, {}, last.W.data()};
   for (std::size_t a = 0; a < D; ++a) uneven.out[a] = last.uneven[a].data();
   if constexpr (graded && whole)
-    w.sum(w.fluid(), derivatives, smooth, uneven, viscous_term(state),
+    w.sum(rows, derivatives, smooth, uneven, viscous_term(state),
           contrast{state.viscosity_root->data(), state.own_viscosity->data(), last.viscous_contrast.data(),
                    last.sound_contrast.data()});
   else if constexpr (graded)
-    w.sum(w.fluid(), derivatives, smooth, viscous_term(state));
+    w.sum(rows, derivatives, smooth, viscous_term(state));
   else if constexpr (whole)
-    w.sum(w.fluid(), derivatives, smooth, uneven);
+    w.sum(rows, derivatives, smooth, uneven);
   else
-    w.sum(w.fluid(), derivatives, smooth);
+    w.sum(rows, derivatives, smooth);
   if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
 }
 
 template <bool whole, int D>
-void sum_over_neighbours(convection_state<D>& state) {
+void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows) {
   const foundation::stage timed(state.world.w.times, "sums");
   if (state.layer.law.varies)
-    sum_over_neighbours<D, unknown<D>::count, true, whole>(state);
+    sum_over_neighbours<D, unknown<D>::count, true, whole>(state, rows);
   else if (state.layer.relaxed)
-    sum_over_neighbours<D, unknown<D>::count_with_z, false, whole>(state);
+    sum_over_neighbours<D, unknown<D>::count_with_z, false, whole>(state, rows);
   else
-    sum_over_neighbours<D, unknown<D>::count, false, whole>(state);
+    sum_over_neighbours<D, unknown<D>::count, false, whole>(state, rows);
 }
 
 }  // namespace tetsuame::boussinesq

@@ -5,23 +5,39 @@
 
 namespace tetsuame::shocks {
 
-// x, v, u of ghosts and images, and everyone's weight.
+// Weights of particles first to last.
 template <int D>
-void refresh_state(world<D>& g) {
+void find_weights(world<D>& g, std::size_t first, std::size_t last) {
+  const auto& s = g.w.s;
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume()[i] : s.m[i];
+  });
+}
+
+// x, v, u set out to the ghosts; they are there, and those of images, with the weights, after end_state().
+template <int D>
+void begin_state(world<D>& g) {
   auto& s = g.w.s;
   const foundation::stage timed(g.w.times, "halo");
   std::array<double*, D + 1> state;
   for (std::size_t a = 0; a < D; ++a) state[a] = s.v[a].data();
   state[D] = s.u.data();
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(state), &s.x);
+  domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(state), &s.x);
+  find_weights(g, 0, s.fluid);
+}
+
+template <int D>
+void end_state(world<D>& g) {
+  auto& s = g.w.s;
+  const foundation::stage timed(g.w.times, "halo");
+  g.w.end_fluid();
   walls::move_images(g.walls, s);
   for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = sign[a] * s.v[a][j];
     s.u[i] = s.u[j];
   });
-  foundation::for_all(s.total(), [&](std::size_t i) {
-    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume()[i] : s.m[i];
-  });
+  find_weights(g, s.fluid, s.total());
 }
 
 // What ghosts and images keep while the lists live.
@@ -68,7 +84,8 @@ void make_lists(world<D>& g, bool as_they_were) {
   resize_arrays(g);
   std::copy_n(g.support().begin(), s.fluid, g.S.begin());
   std::fill(g.signal.begin(), g.signal.end(), 0.0);
-  refresh_state(g);
+  begin_state(g);
+  end_state(g);
 }
 
 }  // namespace tetsuame::shocks

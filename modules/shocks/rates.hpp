@@ -24,7 +24,7 @@ void find_gradients(world<D>& g, const Kernel& unit) {
       g.S.data(), {}};
   std::array<double*, world<D>::G> all;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = term.out[k] = g.gradient[k].data();
-  sum(g, term);
+  sum(g, g.w.fluid(), term);
   domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
   for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
     for (std::size_t k = 0; k < D + 2; ++k)
@@ -48,7 +48,7 @@ void find_corrections(world<D>& g, const Kernel& unit) {
     term.out.grad_A[a] = all[2 + D + a];
   }
   for (std::size_t k = 0; k < term.out.grad_B.size(); ++k) term.out.grad_B[k] = all[2 + 2 * D + k];
-  sum(g, term);
+  sum(g, g.w.fluid(), term);
   domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
   for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
     all[0][i] = all[0][j];
@@ -105,24 +105,25 @@ schemes::reproducing_fields<D> corrections_of(const world<D>& g) {
 }
 
 template <int D, class Kernel>
-void find_forces(world<D>& g, const Kernel& unit) {
+void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   const foundation::stage timed(g.w.times, "forces");
   const auto& scheme = g.o.shock.scheme;
   const auto gas = fields_of(g);
   schemes::rates<D> out{{}, g.power.data(), g.signal.data()};
   for (std::size_t a = 0; a < D; ++a) out.force[a] = g.force[a].data();
-  if (scheme == "ssph") return sum(g, schemes::ssph<D, Kernel>{unit, gas, out});
-  if (scheme == "disph") return sum(g, schemes::disph<D, Kernel>{unit, gas, out});
+  if (scheme == "ssph") return sum(g, rows, schemes::ssph<D, Kernel>{unit, gas, out});
+  if (scheme == "disph") return sum(g, rows, schemes::disph<D, Kernel>{unit, gas, out});
   if (scheme == "remix")
-    return sum(g, schemes::remix<D, Kernel>{unit, gas, corrections_of(g), g.w.s.dV.data(), g.w.s.u.data(),
-                                            g.reproducing[0].data(), g.kind.data(), g.support_over_dx, out,
-                                            g.density_rate.data()});
+    return sum(g, rows,
+               schemes::remix<D, Kernel>{unit, gas, corrections_of(g), g.w.s.dV.data(), g.w.s.u.data(),
+                                         g.reproducing[0].data(), g.kind.data(), g.support_over_dx, out,
+                                         g.density_rate.data()});
   const bool second = g.o.second_order();
   if (scheme == "gsph")
-    return second ? sum(g, schemes::gsph<D, Kernel, true>{unit, gas, out})
-                  : sum(g, schemes::gsph<D, Kernel, false>{unit, gas, out});
-  return second ? sum(g, schemes::gdisph<D, Kernel, true>{unit, gas, out})
-                : sum(g, schemes::gdisph<D, Kernel, false>{unit, gas, out});
+    return second ? sum(g, rows, schemes::gsph<D, Kernel, true>{unit, gas, out})
+                  : sum(g, rows, schemes::gsph<D, Kernel, false>{unit, gas, out});
+  return second ? sum(g, rows, schemes::gdisph<D, Kernel, true>{unit, gas, out})
+                : sum(g, rows, schemes::gdisph<D, Kernel, false>{unit, gas, out});
 }
 
 template <int D>
@@ -166,13 +167,20 @@ void combine(world<D>& g, std::span<double* const> rate) {
 // Collective.
 template <int D>
 void evaluate(world<D>& g, std::span<double* const> rate) {
-  refresh_state(g);
+  const auto& w = g.w;
+  const bool from_state = !g.o.second_order() && !g.o.evolves_density();  // forces need no gradients of the ghosts
+  begin_state(g);
   std::visit(
       [&](const auto& unit) {
-        find_state(g, unit);
+        sum_densities(g, unit, w.interior());
+        end_state(g);
+        sum_densities(g, unit, w.at_border());
+        begin_found(g);
+        if (from_state) find_forces(g, unit, w.interior());
+        end_found(g);
         if (g.o.evolves_density()) find_corrections(g, unit);
-        if (g.o.second_order() || g.o.evolves_density()) find_gradients(g, unit);
-        find_forces(g, unit);
+        if (!from_state) find_gradients(g, unit);
+        find_forces(g, unit, from_state ? w.at_border() : w.fluid());
       },
       g.unit);
   combine(g, rate);

@@ -141,7 +141,9 @@ void settle(world<D>& g) {
   }
   if (!g.o.weighs_volume()) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
-  std::visit([&](const auto& unit) { find_state(g, unit); }, g.unit);
+  std::visit([&](const auto& unit) { sum_densities(g, unit, g.w.fluid()); }, g.unit);
+  begin_found(g);
+  end_found(g);
   std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum().begin());
 }
 

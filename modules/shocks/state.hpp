@@ -23,20 +23,21 @@ void next_supports(world<D>& g) {
 
 template <int D, class Kernel>
 void find_supports(world<D>& g, const Kernel& unit) {
-  sum(g, schemes::number_density<Kernel>{unit, g.support().data(), g.count.data(), g.count_slope.data()});
+  sum(g, g.w.fluid(), schemes::number_density<Kernel>{unit, g.support().data(), g.count.data(), g.count_slope.data()});
   next_supports(g);
 }
 
 template <int D, class Kernel>
-void sum_densities(world<D>& g, const Kernel& unit) {
+void sum_densities(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   auto& s = g.w.s;
-  sum(g, schemes::density<D, Kernel>{unit,
-                                     g.weight.data(),
-                                     s.m.data(),
-                                     pairs::pointers<D>(s.v),
-                                     g.S.data(),
-                                     {g.y.data(), g.f.data(), g.z.data(), g.divergence.data(), g.curl.data(),
-                                      g.number.data(), g.mass_density.data(), g.count.data(), g.count_slope.data()}});
+  sum(g, rows,
+      schemes::density<D, Kernel>{unit,
+                                  g.weight.data(),
+                                  s.m.data(),
+                                  pairs::pointers<D>(s.v),
+                                  g.S.data(),
+                                  {g.y.data(), g.f.data(), g.z.data(), g.divergence.data(), g.curl.data(),
+                                   g.number.data(), g.mass_density.data(), g.count.data(), g.count_slope.data()}});
 }
 
 // What no state follows from.
@@ -99,12 +100,20 @@ double dissipation_of(world<D>& g, std::size_t i) {
   return o.evolves_density() ? balsara : own_pressure ? g.alpha()[i] * balsara : part_of_star ? balsara : 1.0;
 }
 
-template <int D, class Kernel>
-void find_state(world<D>& g, const Kernel& unit) {
+// Fields that ghosts and images have of what was found.
+template <int D>
+std::array<double*, 9> found_fields(world<D>& g) {
+  auto& s = g.w.s;
+  return {g.correction.data(), s.rho.data(),   s.p.data(),           s.c.data(),        s.dV.data(),
+          g.per_S.data(),      g.slope.data(), g.dissipation.data(), g.stiffness.data()};
+}
+
+// The state that follows from the sums, set out to the ghosts; it is there, and that of images, after end_found().
+template <int D>
+void begin_found(world<D>& g) {
   const foundation::stage timed(g.w.times, "densities");
   auto& s = g.w.s;
   const auto& o = g.o;
-  sum_densities(g, unit);
   check_sums(g);
   const bool number = o.density_independent() && o.shock.support_terms == "number";
   const bool none = o.shock.scheme == "gsph" || o.shock.support_terms == "none";
@@ -121,10 +130,15 @@ void find_state(world<D>& g, const Kernel& unit) {
   });
   if (o.any_eos()) check_sound(g);
   g.per_S[s.null()] = g.slope[s.null()] = 0.0;
-  const std::array<double*, 9> all{g.correction.data(), s.rho.data(),         s.p.data(),
-                                   s.c.data(),          s.dV.data(),          g.per_S.data(),
-                                   g.slope.data(),      g.dissipation.data(), g.stiffness.data()};
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
+  const auto all = found_fields(g);
+  domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
+}
+
+template <int D>
+void end_found(world<D>& g) {
+  const foundation::stage timed(g.w.times, "halo");
+  g.w.end_fluid();
+  const auto all = found_fields(g);
   for_each_image(g, [&](std::size_t i, std::size_t j, const auto&) {
     for (double* a : all) a[i] = a[j];
   });

@@ -86,11 +86,11 @@ std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
   return left ? std::pair{*q.gamma_l, q.p_infinity_l} : std::pair{*q.gamma_r, q.p_infinity_r};
 }
 
-// The pair sums of the terms.
+// The pair sums of the terms over the neighbours of these rows.
 template <int D, class... Terms>
-void sum(world<D>& g, const Terms&... terms) {
+void sum(world<D>& g, const pairs::stretch& rows, const Terms&... terms) {
   const double nearest = 1e-9 * g.support_over_dx * g.w.dx;
-  pairs::sum_over<D>(g.w.fluid(), g.w.list, g.w.x(), schemes::distances_only{nearest}, terms...);
+  pairs::sum_over<D>(rows, g.w.list, g.w.x(), schemes::distances_only{nearest}, terms...);
 }
 
 // f(image, its source, which velocities and slopes along an axis change sign)
