@@ -124,7 +124,6 @@ void lay(convection_state<D>& state, std::int64_t level) {
   const auto& d = o.physics.domain;
   const auto& kernel = o.common.kernel;
   auto& w = state.world.w;
-  auto& s = w.s;
   const auto n = particles_of_level(o, level);
   const double dx = d.length[1] / static_cast<double>(n[1]);
   w.dx = dx;
