@@ -12,7 +12,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 
 set(TETSUAME_ARCH "x86-64-v3" CACHE STRING "-march= of every target (native: this machine only)")
-option(TETSUAME_AVX512 "Build the programs marked WIDE for AVX-512 too" ON)
+option(TETSUAME_AVX512 "The programs marked WIDE can be built for AVX-512 too" ON)
 option(TETSUAME_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
 
 add_library(tetsuame_options INTERFACE)
@@ -31,6 +31,7 @@ if(TETSUAME_SANITIZE)
   target_link_options(tetsuame_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+# The kind of programs that the machine that configures takes.
 set(TETSUAME_HOST_AVX512 OFF)
 if(EXISTS /proc/cpuinfo)
   file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
@@ -39,8 +40,10 @@ if(EXISTS /proc/cpuinfo)
   endif()
 endif()
 
-# All but programs for processors of the other kind: what tests need.
+# Without a target, ninja builds the programs and tools for the machine that configured. With the tests:
 add_custom_target(this_machine)
+# The programs and tools for processors of both kinds:
+add_custom_target(portable)
 
 function(tetsuame_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
@@ -66,16 +69,25 @@ if(TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANIT
   set(TETSUAME_BOTH_WIDTHS ON)
 endif()
 
+# Links the kind of these libraries that the target is of.
+function(link_wide target)
+  string(REGEX MATCH "_avx[0-9]+$" width ${target})
+  foreach(library IN LISTS ARGN)
+    target_link_libraries(${target} PUBLIC ${library}${width})
+  endforeach()
+endfunction()
+
 # Code with the pair loop that several programs share: a library for each kind of program that WIDE makes, which these
 # name under WIDE_DEPENDS.
 function(tetsuame_wide_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;WIDE_DEPENDS" ${ARGN})
   set(targets ${name})
   if(TETSUAME_BOTH_WIDTHS)
     set(targets ${name}_avx2 ${name}_avx512)
   endif()
   foreach(target IN LISTS targets)
     add_library(${target} STATIC EXCLUDE_FROM_ALL ${arg_SOURCES})
+    link_wide(${target} ${arg_WIDE_DEPENDS})
     target_link_libraries(${target} PUBLIC ${arg_DEPENDS} tetsuame_options)
     set_target_properties(${target} PROPERTIES TETSUAME_FUSE ON)
   endforeach()
@@ -84,21 +96,21 @@ function(tetsuame_wide_library name)
   endif()
 endfunction()
 
-# WIDE: the pair loop is in it. Built for AVX2 and for AVX-512, in folders of their own; the program's name
-# stands for a launcher that chooses (programs/launcher.cpp), and as a target for it and the one that this machine
-# takes; the other is only built with all. Not with another TETSUAME_ARCH, or for
-# debugging: then the name is the program.
+# WIDE: the pair loop is in it. For AVX2 and for AVX-512, in folders of their own; the program's name stands for a
+# launcher that chooses (programs/launcher.cpp), and as a target for it and the one that this machine takes; the other
+# is built on request. Not with another TETSUAME_ARCH, or for debugging: then the name is the program.
 function(tetsuame_program name)
   cmake_parse_arguments(arg "WIDE" "" "SOURCES;DEPENDS;WIDE_DEPENDS" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/programs)
   if(arg_WIDE AND TETSUAME_BOTH_WIDTHS)
     add_executable(${name} ${CMAKE_SOURCE_DIR}/programs/launcher.cpp)
     set(targets ${name}_avx2 ${name}_avx512)
-    add_executable(${name}_avx2 ${arg_SOURCES})
+    add_executable(${name}_avx2 EXCLUDE_FROM_ALL ${arg_SOURCES})
     set_target_properties(${name}_avx2 PROPERTIES OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx2)
-    add_executable(${name}_avx512 ${arg_SOURCES})
+    add_executable(${name}_avx512 EXCLUDE_FROM_ALL ${arg_SOURCES})
     set_target_properties(${name}_avx512 PROPERTIES
       TETSUAME_WIDE ON OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx512)
+    add_dependencies(portable ${targets})
     if(TETSUAME_HOST_AVX512)
       add_dependencies(${name} ${name}_avx512)
     else()
@@ -110,12 +122,10 @@ function(tetsuame_program name)
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${folder})
   add_dependencies(this_machine ${name})
+  add_dependencies(portable ${name})
   foreach(target IN LISTS targets)
-    string(REGEX MATCH "_avx[0-9]+$" width ${target})
-    foreach(library IN LISTS arg_WIDE_DEPENDS)
-      target_link_libraries(${target} PRIVATE ${library}${width})
-    endforeach()
-    target_link_libraries(${target} PRIVATE ${arg_DEPENDS})
+    link_wide(${target} ${arg_WIDE_DEPENDS})
+    target_link_libraries(${target} PUBLIC ${arg_DEPENDS})
     # The physics is compiled here, from headers. Its sums over neighbours run the same
     # instructions for every particle, so multiply and add may be fused (a sixth faster).
     set_target_properties(${target} PROPERTIES TETSUAME_FUSE ON)
@@ -133,7 +143,7 @@ function(tetsuame_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  add_executable(test_${name} ${arg_SOURCES})
+  add_executable(test_${name} EXCLUDE_FROM_ALL ${arg_SOURCES})
   add_dependencies(this_machine test_${name})
   target_compile_definitions(test_${name} PRIVATE BOOST_TEST_DYN_LINK
     TETSUAME_SOURCE_DIR="${CMAKE_SOURCE_DIR}" TETSUAME_BINARY_DIR="${CMAKE_BINARY_DIR}")

@@ -1,5 +1,5 @@
 // Thermal convection of air and mantle, with slowed sound and inertia [S1].
-#include <boussinesq/convection.hpp>
+#include <boussinesq/make.hpp>
 #include <run/time_loop.hpp>
 
 using namespace tetsuame;
@@ -15,12 +15,7 @@ int main(int argc, char** argv) {
       .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); },
       .need = [&] { return run::need_of(o.domain.lattice_particles(), 1440.0, o.common.kernel, o.domain.dimension); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
-    if (o.domain.dimension == 3) {
-      boussinesq::convection<3> problem(o, p);
-      run::carry_out(problem, o.common, line, resolved);
-    } else {
-      boussinesq::convection<2> problem(o, p);
-      run::carry_out(problem, o.common, line, resolved);
-    }
+    const auto problem = o.domain.dimension == 3 ? boussinesq::make_3d(o, p) : boussinesq::make_2d(o, p);
+    run::carry_out(*problem, o.common, line, resolved);
   });
 }

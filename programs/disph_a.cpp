@@ -1,17 +1,7 @@
-// Program A [S0, table 1]: Y by Hosono's iteration, corrected walls, gradient pattern 1.
-#include <gradient/pattern_1.hpp>
 #include <liquid/scheme_of.hpp>
 #include <problems/program.hpp>
-#include <volume/hosono_iteration.hpp>
+#include <programs/disph_a.hpp>
 
 using namespace tetsuame;
 
-struct program_a {
-  static constexpr const char* name = "disph_a";
-  using volume = tetsuame::volume::hosono_iteration;
-  using pressure = tetsuame::volume::smoothed;
-  using wall = walls::virtual_marker;
-  using gradient = tetsuame::gradient::pattern_1;
-};
-
-int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_a>()); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<programs::program_a>()); }

@@ -1,17 +1,7 @@
-// Program B [S0, table 1]: Y by Hosono's iteration, no wall support, gradient pattern 1.
-#include <gradient/pattern_1.hpp>
 #include <liquid/scheme_of.hpp>
 #include <problems/program.hpp>
-#include <volume/hosono_iteration.hpp>
+#include <programs/disph_b.hpp>
 
 using namespace tetsuame;
 
-struct program_b {
-  static constexpr const char* name = "disph_b";
-  using volume = tetsuame::volume::hosono_iteration;
-  using pressure = tetsuame::volume::smoothed;
-  using wall = walls::none;
-  using gradient = tetsuame::gradient::pattern_1;
-};
-
-int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_b>()); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<programs::program_b>()); }

@@ -1,17 +1,7 @@
-// Program D [S0, table 1]: Y by our method, smoothed pressure, no wall support, gradient pattern 1.
-#include <gradient/pattern_1.hpp>
 #include <liquid/scheme_of.hpp>
 #include <problems/program.hpp>
-#include <volume/our_method.hpp>
+#include <programs/disph_d.hpp>
 
 using namespace tetsuame;
 
-struct program_d {
-  static constexpr const char* name = "disph_d";
-  using volume = tetsuame::volume::our_method;
-  using pressure = tetsuame::volume::smoothed;
-  using wall = walls::none;
-  using gradient = tetsuame::gradient::pattern_1;
-};
-
-int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_d>()); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<programs::program_d>()); }

@@ -1,17 +1,7 @@
-// Program E [S0, table 1]: Y by our method, smoothed pressure, corrected walls, gradient pattern 2.
-#include <gradient/pattern_2.hpp>
 #include <liquid/scheme_of.hpp>
 #include <problems/program.hpp>
-#include <volume/our_method.hpp>
+#include <programs/disph_e.hpp>
 
 using namespace tetsuame;
 
-struct program_e {
-  static constexpr const char* name = "disph_e";
-  using volume = tetsuame::volume::our_method;
-  using pressure = tetsuame::volume::smoothed;
-  using wall = walls::virtual_marker;
-  using gradient = tetsuame::gradient::pattern_2;
-};
-
-int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_e>()); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<programs::program_e>()); }

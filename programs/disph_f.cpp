@@ -1,17 +1,7 @@
-// Program F [S0, table 1]: Y by our method, non-smoothed pressure, corrected walls, gradient pattern 1.
-#include <gradient/pattern_1.hpp>
 #include <liquid/scheme_of.hpp>
 #include <problems/program.hpp>
-#include <volume/our_method.hpp>
+#include <programs/disph_f.hpp>
 
 using namespace tetsuame;
 
-struct program_f {
-  static constexpr const char* name = "disph_f";
-  using volume = tetsuame::volume::our_method;
-  using pressure = tetsuame::volume::non_smoothed;
-  using wall = walls::virtual_marker;
-  using gradient = tetsuame::gradient::pattern_1;
-};
-
-int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<program_f>()); }
+int main(int argc, char** argv) { return problems::program(argc, argv, liquid::describe<programs::program_f>()); }

@@ -124,7 +124,6 @@ void lay(convection_state<D>& state, std::int64_t level) {
   auto of = o.domain;
   of.particles = particles_of_level(o, level);
   auto& w = state.world.w;
-  auto& s = w.s;
   const double dx = of.dx();
   follow(state.layer, dx);
   run::set_up(state.world, domain::communicator::world(), of, o.walls, o.common.kernel, fit_radius * dx);

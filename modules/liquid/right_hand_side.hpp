@@ -95,6 +95,21 @@ void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::stretch& r
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.conducted ? out.conducted : out.heat()});
 }
 
+// The particles whose rates are not finite, as a fault.
+template <int D>
+void report_not_finite(run::state<D>& box, const rates<D>& out) {
+  auto& w = box.w;
+  auto& s = w.s;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    bool good = std::isfinite(out.dT[i]);
+    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
+    if (!good)
+      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
+                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
+                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
+  }
+}
+
 // Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
 //   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
 template <class Program, int D>
@@ -123,15 +138,7 @@ void finish_rates(run::state<D>& box, const rates<D>& out) {
     for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
     finite = finite && good;
   }
-  if (finite) return;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    bool good = std::isfinite(out.dT[i]);
-    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
-    if (!good)
-      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
-                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
-                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
-  }
+  if (!finite) report_not_finite(box, out);
 }
 
 // One evaluation of dy/dt at the state in the particle arrays: x, v, T, and ρ or Y where it is carried. Throws on every

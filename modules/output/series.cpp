@@ -1,5 +1,5 @@
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <exception>
@@ -49,10 +49,8 @@ series_entry describe(const std::string& directory, const std::string& file) {
 }
 
 std::string data_item(const std::string& place, const stored_dataset& d) {
-  std::string dimensions;
-  for (const auto n : d.shape) dimensions += (dimensions.empty() ? "" : " ") + std::to_string(n);
   return fmt::format(R"(<DataItem Format="HDF" NumberType="{}" Precision="{}" Dimensions="{}">{}</DataItem>)",
-                     d.integer ? "Int" : "Float", d.bytes_per_value, dimensions, place);
+                     d.integer ? "Int" : "Float", d.bytes_per_value, fmt::join(d.shape, " "), place);
 }
 
 std::string attribute_text(const std::string& folder, const stored_dataset& d) {

@@ -138,10 +138,10 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
     for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
       needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
   }
-  needed.back() = 1;  // the null particle
   chosen c{std::move(rows), {}};
-  for (std::size_t i = 0; i < needed.size(); ++i)
+  for (std::size_t i = 0; i < list.null; ++i)
     if (needed[i] != 0) c.packed.push_back(i);
+  c.packed.push_back(list.null);
   return c;
 }
 

@@ -1,4 +1,5 @@
 #include <hydrostatic/hydrostatic.hpp>
+#include <liquid/passes.hpp>
 #include <problems/make.hpp>
 
 namespace tetsuame::problems {

@@ -1,4 +1,5 @@
 #include <cooling/cooling.hpp>
+#include <liquid/passes.hpp>
 #include <problems/make.hpp>
 
 namespace tetsuame::problems {

@@ -1,6 +1,7 @@
 // Main programs: they read the input, choose the problem that it names, and run it.
 #pragma once
 
+#include <liquid/passes.hpp>
 #include <liquid/scheme.hpp>
 #include <overturn/options.hpp>
 

@@ -1,3 +1,4 @@
+#include <liquid/passes.hpp>
 #include <overturn/two_fluids.hpp>
 #include <problems/make.hpp>
 

@@ -45,7 +45,7 @@ struct loop {
     double stop = 0.0;                // why to stop; 0: nobody asks for it
     double since_checkpoint = 0.0;    // s, by rank 0's clock
     bool changed = false;             // the problem changed the state after the step
-  } news;
+  } news{};
 
   // One reduction for all that a step has to agree on.
   void hear_news(bool changed) {

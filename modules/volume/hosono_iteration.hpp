@@ -151,7 +151,7 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   auto& s = w.s;
   particles::array dV(s.total() + 1);
   const double scale = around.smoothing.normalise ? w.lattice_sum : 1.0;
-  w.sum(w.fluid(), number_volume<D>{self_value(w), scale, dV.data()});
+  volumes_by_number(w, scale, dV.data());
   double densest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < s.fluid; ++i) densest = std::min(densest, dV[i]);
   densest = w.d.ranks.minimum(densest);

@@ -15,7 +15,7 @@ struct number_density {
   template <int D>
   static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
     auto& s = w.s;
-    w.sum(w.fluid(), number_volume<D>{self_value(w), w.lattice_sum, s.dV.data()});
+    volumes_by_number(w, w.lattice_sum, s.dV.data());
     w.exchange_fluid({s.dV.data()});
     foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
     equation_of_state(w, s.first_wall());

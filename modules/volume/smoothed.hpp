@@ -72,6 +72,22 @@ double self_value(const pairs::workspace<D>& w) {
   return std::visit([](const auto& k) { return k.self(); }, w.kernel);
 }
 
+// scale/Σ_j W_ij of the owned fluid.
+template <int D>
+void volumes_by_number(const pairs::workspace<D>& w, double scale, double* dV) {
+  w.sum(w.fluid(), number_volume<D>{self_value(w), scale, dV});
+}
+
+// Σ_j Y_j W_ij of these rows, divided by Σ_j ΔV_j W_ij where `normalise`.
+template <int D>
+void smooth(pairs::workspace<D>& w, bool normalise, const pairs::stretch& rows) {
+  auto& s = w.s;
+  if (normalise)
+    w.sum(rows, weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
+  else
+    w.sum(rows, weight_sum<D>{s.Y.data(), self_value(w), 1.0, s.p.data()});
+}
+
 // Σ_j Y_j W_ij of the owned fluid, divided by the lattice's sum where `normalise`.
 template <int D>
 void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
@@ -105,11 +121,7 @@ struct smoothed {
   // In parts: p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
   template <int D>
   static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
-    auto& s = w.s;
-    if (around.smoothing.normalise)
-      w.sum(rows, weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
-    else
-      w.sum(rows, weight_sum<D>{s.Y.data(), self_value(w), 1.0, s.p.data()});
+    smooth(w, around.smoothing.normalise, rows);
   }
   template <int D>
   static void begin(pairs::workspace<D>& w) {

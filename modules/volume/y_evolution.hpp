@@ -17,7 +17,7 @@ struct y_evolution {
   static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
     auto& s = w.s;
     require_positive(w, s.Y, "the weight Y, written as a pressure,");
-    w.sum(w.fluid(), number_volume<D>{self_value(w), w.lattice_sum, s.dV.data()});
+    volumes_by_number(w, w.lattice_sum, s.dV.data());
     w.exchange_fluid({s.dV.data()});
     foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
   }

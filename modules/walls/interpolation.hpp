@@ -7,6 +7,7 @@
 // the polynomial, the next lower order is used.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -51,10 +52,11 @@ struct seen {
   vec<real, D> offset;  // (x_j - x_m)/reach
 };
 
-// Solves A c = (1, 0, …) for a symmetric positive definite A of `n` terms by Cholesky's
-// factors; false when A is singular to working accuracy.
+// Solves A c = (1, 0, …) for a symmetric positive definite A, of its first `count` terms, by Cholesky's factors; false
+// when A is singular to working accuracy.
 template <std::size_t N>
-bool solve_first(std::array<std::array<double, N>, N> A, std::size_t n, std::array<double, N>& c) {
+bool solve_first(std::array<std::array<double, N>, N> A, std::size_t count, std::array<double, N>& c) {
+  const std::size_t n = std::min(count, N);  // so that the compiler sees it
   constexpr double singular = 1e-10;  // of the diagonal: fewer independent particles than terms
   for (std::size_t k = 0; k < n; ++k) {
     const double diagonal = A[k][k];
@@ -99,7 +101,7 @@ void shape_functions_of(std::span<const seen<D>> near, double* phi) {
     for (std::size_t b = 0; b <= a; ++b) A[a][b] = foundation::sum(moments[a][b]);
   std::array<double, N> c{};
   if (A[0][0] > 0.0)
-    for (int lower = Order; !solve_first(A, terms(lower, D), c); --lower) c.fill(0.0);
+    for (int lower = Order; lower >= 0 && !solve_first(A, terms(lower, D), c); --lower) c.fill(0.0);
   for (std::size_t k = 0; k < near.size(); ++k) {
     const auto P = polynomial<D, Order>(near[k].offset);
     real value(0.0);

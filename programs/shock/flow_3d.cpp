@@ -1,3 +1,4 @@
+#include <run/passes.hpp>
 #include <shocks/flow.hpp>
 #include <shocks/make.hpp>
 

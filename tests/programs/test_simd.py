@@ -36,11 +36,27 @@ class Simd(Case):
             # Sums rounded in another order: 1e-14 in a force, which 40 steps of a quiet column do not blow up.
             self.assertAlmostEqual(wide["errors"][name], value, delta=1e-9 * max(abs(value), 1e-3), msg=name)
 
-    def test_a_missing_half_is_named(self):
-        lonely = self.here / "disph_c"
-        lonely.write_bytes((PROGRAMS / "disph_c").read_bytes())
-        lonely.chmod(0o755)
-        self.assert_says(self.call(lonely, "--version"), FILE_FAILED, "disph_c")
+    def launcher_with(self, *kinds):
+        """A copy of the launcher with the programs of these kinds alone."""
+        here = self.here / "_".join(("with", *kinds))
+        for kind in ("", *kinds):
+            (here / kind).mkdir(parents=True, exist_ok=True)
+            copy = here / kind / "disph_c"
+            copy.write_bytes((PROGRAMS / kind / "disph_c").read_bytes())
+            copy.chmod(0o755)
+        return here / "disph_c"
+
+    def test_the_launcher_takes_what_was_built(self):
+        self.assertEqual(self.call(self.launcher_with("avx2"), "--version").status, 0)
+        if HAS_AVX512:
+            self.assertEqual(self.call(self.launcher_with("avx512"), "--version").status, 0)
+
+    def test_what_is_missing_is_named_with_the_command_that_builds_it(self):
+        self.assert_says(self.call(self.launcher_with(), "--version"), FILE_FAILED, "disph_c", "./run build")
+        if HAS_AVX512:
+            os.environ["TETSUAME_SIMD"] = "avx2"
+            self.addCleanup(os.environ.pop, "TETSUAME_SIMD", None)
+        self.assert_says(self.call(self.launcher_with("avx512"), "--version"), FILE_FAILED, "disph_c", "./run build --portable")
 
 
 if __name__ == "__main__":

@@ -1,39 +1,21 @@
-// A case on the bench: a box of liquid iron at 10 GPa between two walls, periodic sideways, every
-// particle off its lattice place and moving, so that nothing is special. It is stepped as the programs'
-// time loop does with steps so small that nothing changes: all that is measured is what a step costs.
+// A case on the bench: one of the programs (programs.hpp) on a box of liquid iron at 10 GPa between two walls with
+// markers, periodic sideways, every particle off its lattice place and moving, so that nothing is special. It is
+// stepped as the programs' time loop does with steps so small that nothing changes: all that is measured is what a step
+// costs.
 #pragma once
 
 #include <omp.h>
 
+#include <bench/programs.hpp>
 #include <bench/scalar.hpp>
 #include <bench/turns.hpp>
 #include <cmath>
-#include <gradient/pattern_1.hpp>
-#include <hydrostatic/hydrostatic.hpp>
-#include <liquid/scheme_of.hpp>
-#include <volume/number_density.hpp>
-#include <volume/our_method.hpp>
+#include <hydrostatic/options.hpp>
+#include <liquid/passes.hpp>
+#include <problems/make.hpp>
+#include <run/box.hpp>
 
 namespace tetsuame::bench {
-
-struct program_c {
-  using volume = tetsuame::volume::our_method;
-  using pressure = tetsuame::volume::smoothed;
-  using gradient = tetsuame::gradient::pattern_1;
-  static constexpr int passes = 2;
-};
-struct program_f {
-  using volume = tetsuame::volume::our_method;
-  using pressure = tetsuame::volume::non_smoothed;
-  using gradient = tetsuame::gradient::pattern_1;
-  static constexpr int passes = 1;
-};
-struct number_density {
-  using volume = tetsuame::volume::number_density;
-  using pressure = tetsuame::volume::non_smoothed;
-  using gradient = tetsuame::gradient::pattern_1;
-  static constexpr int passes = 2;
-};
 
 template <int D>
 hydrostatic::options box(const request& asked) {
@@ -59,19 +41,20 @@ hydrostatic::options box(const request& asked) {
   return o;
 }
 
-template <class Program, int D>
+template <int D>
 class rig {
  public:
   explicit rig(const request& asked)
       : asked_(asked),
         heap_before_(heap_bytes()),
         options_(box<D>(asked)),
-        box_(options_, std::make_unique<liquid::scheme_of<Program, D>>(options_.scheme)) {
-    auto& world = box_.world;
-    auto& s = world.w.s;
+        box_(problems::at_rest(options_, program_of(asked.name))),
+        world_(static_cast<run::problem_in_a_box<D>&>(*box_).box) {
+    auto& w = world_.w;
+    auto& s = w.s;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       for (std::size_t a = 0; a < D; ++a) {
-        s.x[a][i] += 0.05 * world.w.dx * scatter(s.id[i], a);
+        s.x[a][i] += 0.05 * w.dx * scatter(s.id[i], a);
         s.v[a][i] = scatter(s.id[i], 3 + a);  // m/s
       }
       s.T[i] += scatter(s.id[i], 6);  // K
@@ -81,57 +64,55 @@ class rig {
     how.method = options_.time.method;
     how.dt = *options_.time.dt;
     integrator_ = std::make_unique<integrators::explicit_integrator>(
-        box_.ranks().comm, box_.fields(), box_.local_particles(), 0.0, how,
+        box_->ranks().comm, box_->fields(), box_->local_particles(), 0.0, how,
         [this](double, std::span<double* const> rate) { return evaluate(rate); });
     step();
-    const double support2 = world.w.support() * world.w.support();
-    count_pairs(found_, world.w, [&](std::size_t) { return support2; });
-    count_bytes(found_, world.w, heap_before_);
+    const double support2 = w.support() * w.support();
+    count_pairs(found_, w, [&](std::size_t) { return support2; });
+    count_bytes(found_, w, heap_before_);
     found_.name = asked.name;
     found_.dimension = D;
     found_.particles = asked.particles();
-    found_.passes = Program::passes;
+    found_.passes = passes_of(asked.name);
   }
 
   // For each number of threads asked for. They take turns, so that what else the machine does falls on all of them.
   std::vector<result> measure() {
     auto all = with_threads(found_, asked_.threads);
-    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, box_.world.w.times});
-    if constexpr (std::is_same_v<Program, program_c>)
-      if (box_.world.w.uniform_transport)
-        for (result& r : all) {
-          omp_set_num_threads(r.threads);
-          compare_with_scalar(r);
-        }
+    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, world_.w.times});
+    if (asked_.name == "program_c")
+      for (result& r : all) {
+        omp_set_num_threads(r.threads);
+        compare_with_scalar(r);
+      }
     return all;
   }
 
  private:
   void make_lists() {
-    box_.rebuild(false);
-    if (integrator_) integrator_->resize(box_.fields(), box_.local_particles());
+    box_->rebuild(false);
+    if (integrator_) integrator_->resize(box_->fields(), box_->local_particles());
   }
 
   // As in the time loop (run/time_loop.cpp).
   int evaluate(std::span<double* const> rate) {
-    if (!(box_.moved() <= box_.allowance())) return -1;
-    box_.evaluate(rate);
+    if (!(box_->moved() <= box_->allowance())) return -1;
+    box_->evaluate(rate);
     return 0;
   }
   void step() {
-    if (box_.moved() + box_.speed() * *options_.time.dt > box_.allowance()) make_lists();
+    if (box_->moved() + box_->speed() * *options_.time.dt > box_->allowance()) make_lists();
     {
-      const foundation::stage timed(box_.times(), "integration");
+      const foundation::stage timed(box_->times(), "integration");
       integrator_->prepare();
       integrator_->step(integrator_->time() + *options_.time.dt);
     }
-    box_.complete_step(++steps_);
+    box_->complete_step(++steps_);
   }
 
   // Engine and scalar loop in turn on the same particles and list; the median of the pairs' ratios.
   void compare_with_scalar(result& r) {
-    auto& world = box_.world;
-    auto& w = world.w;
+    auto& w = world_.w;
     auto& s = w.s;
     std::vector<particles::array> rates(2 * D + 3, particles::array(s.fluid));
     std::vector<double*> pointers;
@@ -155,8 +136,8 @@ class rig {
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
-        liquid::begin_forces(world, out);
-        liquid::sum_forces<typename Program::gradient>(world, out, world.w.fluid());
+        liquid::begin_forces(world_, out);
+        liquid::sum_forces<programs::program_c::gradient>(world_, out, w.fluid());
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in hydrostatic::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
@@ -197,26 +178,16 @@ class rig {
   request asked_;
   double heap_before_;
   hydrostatic::options options_;
-  hydrostatic::problem<D> box_;
+  std::unique_ptr<run::problem> box_;
+  run::state<D>& world_;
   std::unique_ptr<integrators::explicit_integrator> integrator_;
   std::int64_t steps_ = 0;
   result found_;
 };
 
-template <class Program, int D>
-void measure_case(const request& asked, const std::function<void(const result&)>& take) {
-  rig<Program, D> bench(asked);
-  for (const result& r : bench.measure()) take(r);
-}
-
 template <int D>
 void measure_in(const request& asked, const std::function<void(const result&)>& take) {
-  if (asked.name == "program_f")
-    measure_case<program_f, D>(asked, take);
-  else if (asked.name == "number_density")
-    measure_case<number_density, D>(asked, take);
-  else  // program_c, and transport: the same with conduction and viscosity of each particle's own
-    measure_case<program_c, D>(asked, take);
+  for (const result& r : rig<D>(asked).measure()) take(r);
 }
 
 }  // namespace tetsuame::bench

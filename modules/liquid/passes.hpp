@@ -1,0 +1,38 @@
+// What the schemes for liquids have in common, compiled once a dimension and width of SIMD registers, in the library
+// liquid_passes: a program that includes this compiles what is its own. A module that is not named here needs no more
+// than its header: its sums are compiled in the programs that list it.
+#pragma once
+
+#include <liquid/right_hand_side.hpp>
+#include <run/passes.hpp>
+#include <volume/hosono_iteration.hpp>
+
+namespace tetsuame::gradient {
+struct pattern_1;
+struct pattern_2;
+}  // namespace tetsuame::gradient
+
+// Walls and volumes, and the forces with a gradient, in D dimensions. where: extern, they are elsewhere; nothing: here.
+#define TETSUAME_LIQUID_PASSES(where, D)                                                                              \
+  where template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, wall_set<D>&);                 \
+  where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&);          \
+  where template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, wall_set<D>&);                    \
+  where template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, wall_set<D>&);                  \
+  where template void tetsuame::volume::equation_of_state(pairs::workspace<D>&, std::size_t, std::size_t);            \
+  where template void tetsuame::volume::require_positive(pairs::workspace<D>&, const particles::array&, const char*); \
+  where template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);               \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                    \
+  where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                                \
+  where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                                \
+  where template void tetsuame::liquid::report_not_finite(run::state<D>&, const rates<D>&)
+
+#define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
+  where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
+                                                                                const pairs::stretch&)
+
+TETSUAME_LIQUID_PASSES(extern, 2);
+TETSUAME_LIQUID_PASSES(extern, 3);
+TETSUAME_LIQUID_FORCES(extern, 2, pattern_1);
+TETSUAME_LIQUID_FORCES(extern, 3, pattern_1);
+TETSUAME_LIQUID_FORCES(extern, 2, pattern_2);
+TETSUAME_LIQUID_FORCES(extern, 3, pattern_2);

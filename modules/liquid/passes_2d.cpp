@@ -1,0 +1,3 @@
+#include <liquid/passes.hpp>
+
+TETSUAME_LIQUID_PASSES(, 2);

@@ -1,0 +1,3 @@
+#include <run/passes.hpp>
+
+TETSUAME_RUN_PASSES(, 2);

@@ -1,0 +1,18 @@
+// Program A [S0, table 1]: Y by Hosono's iteration, corrected walls, gradient pattern 1.
+#pragma once
+
+#include <gradient/pattern_1.hpp>
+#include <volume/hosono_iteration.hpp>
+#include <walls/treatments.hpp>
+
+namespace tetsuame::programs {
+
+struct program_a {
+  static constexpr const char* name = "disph_a";
+  using volume = tetsuame::volume::hosono_iteration;
+  using pressure = tetsuame::volume::smoothed;
+  using wall = walls::virtual_marker;
+  using gradient = tetsuame::gradient::pattern_1;
+};
+
+}  // namespace tetsuame::programs

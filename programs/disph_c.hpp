@@ -1,0 +1,18 @@
+// Program C [S0, table 1]: Y by our method, smoothed pressure, corrected walls, gradient pattern 1.
+#pragma once
+
+#include <gradient/pattern_1.hpp>
+#include <volume/our_method.hpp>
+#include <walls/treatments.hpp>
+
+namespace tetsuame::programs {
+
+struct program_c {
+  static constexpr const char* name = "disph_c";
+  using volume = tetsuame::volume::our_method;
+  using pressure = tetsuame::volume::smoothed;
+  using wall = walls::virtual_marker;
+  using gradient = tetsuame::gradient::pattern_1;
+};
+
+}  // namespace tetsuame::programs
