@@ -1,4 +1,5 @@
 """compare convection, shock, rti: the pure parts, and each once on programs that only pretend to calculate."""
+import argparse
 import json
 import math
 import os
@@ -100,6 +101,18 @@ class Parts(unittest.TestCase):
     def test_nearest_particle(self):
         picture = nearest(np.array([0.25, 0.75]), np.array([0.5, 0.5]), np.array([0.0, 1.0]), 8)
         np.testing.assert_array_equal(picture, np.tile([0, 0, 0, 0, 1, 1, 1, 1], (8, 1)))
+
+    def test_each_scheme_has_the_support_of_its_own_kernel(self):
+        given = argparse.Namespace(p_top=1e10, settings=())
+        said = {name: rti.run(ROOT, name, rti.OVERTURN, 24, given).settings for name in ("C", "SSPH", "rti")}
+        self.assertIn("kernel.h_over_dx=0", said["C"])
+        self.assertIn("kernel.h_over_dx=0", said["SSPH"])
+        self.assertNotIn("kernel.h_over_dx=0", said["rti"])  # its kernel is that of the input
+
+    def test_causes_in_few_words(self):
+        self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")
+        self.assertEqual(rti.cause("step 9: the weight Y, written as a pressure, p = -1e18 Pa is not positive and finite"), "Y ≤ 0")
+        self.assertEqual(rti.cause("step 9: p is not finite"), "blew up")
 
     def test_json_has_no_nan(self):
         self.assertEqual(study.finite({"a": [1.0, math.nan], "b": {"c": math.inf}}), {"a": [1.0, None], "b": {"c": None}})

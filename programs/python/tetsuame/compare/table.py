@@ -135,7 +135,7 @@ def cell(outcome: Outcome | None) -> str:
     if outcome.kind != COMPLETED:
         step, iteration = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
         where = f" {step}" if step is not None else ""
-        return verdict(outcome) + where + (f"/{iteration:g}" if iteration is not None else "")
+        return verdict(outcome) + where + (f"/{iteration:g}" if iteration else "")  # 0: as in place()
     value = error(outcome, "pressure_mean")
     return "completed" if value is None else f"{value:.1e}"
 

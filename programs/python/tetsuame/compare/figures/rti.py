@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import ListedColormap
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ... import style
 from ..results import fluid, history, last_time, number, resolved
@@ -10,7 +11,8 @@ from ..runner import COMPLETED, Outcome
 from . import convergence as orders
 
 MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
-OTHERS = {"Y": "#F0E442", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
+OTHERS = {"Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
+TWO_AND_LEGEND = {"width_ratios": (1.0, 1.0, 0.28)}
 
 
 def colour(name: str) -> str:
@@ -18,7 +20,20 @@ def colour(name: str) -> str:
 
 
 def look(name: str) -> dict:
-    return {"color": colour(name), "linestyle": "-", "linewidth": 1.4}
+    return {"color": colour(name), "linestyle": (0, (4, 2)) if name in style.DASHED else "-", "linewidth": 1.4}
+
+
+def cross(ax, t: float, value: float, name: str) -> None:
+    """Where a run stopped: on the edge of an axis that it has left."""
+    low, high = ax.get_ylim()
+    ax.plot(t, min(max(value, low), high), "x", color=colour(name), markersize=7, markeredgewidth=2, clip_on=False, zorder=5)
+
+
+def legend(axes, title: str) -> None:
+    """Of the first panel, in the last."""
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[-1].set_axis_off()
+    axes[-1].legend(handles, labels, loc="center left", fontsize=8.5, title=title, alignment="left", handlelength=3)
 
 
 def nearest(x, y, values, points: int = 160) -> np.ndarray:
@@ -59,23 +74,23 @@ def courses(outcomes: list[Outcome], path: Path) -> bool:
     runs = [(o, columns) for o in outcomes if o.case.file == "overturn" and (columns := history(o.folder))]
     if not runs:
         return False
-    figure, axes = style.panels(3, 3, 3.4)
+    figure, axes = style.panels(3, 3, 3.6, gridspec_kw=TWO_AND_LEGEND)
     for o, columns in runs:
         t = columns["time"]
         axes[0].plot(t, columns["centroid"], label=o.case.variant, **look(o.case.variant))
         axes[1].plot(t, columns["density_ratio_max"], **look(o.case.variant))
         axes[1].plot(t, columns["density_ratio_min"], **look(o.case.variant))
-        if o.kind != COMPLETED:
-            axes[0].plot(t[-1], columns["centroid"][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
-            axes[1].plot(t[-1], columns["density_ratio_max"][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
+    # A density that has run away would press the others into a line.
+    axes[1].set_ylim(max(0.5, axes[1].get_ylim()[0]), min(2.0, axes[1].get_ylim()[1]))
     for ax, label in zip(axes, ("centroid of the metal/L", "ρ/ρ_start, largest and least")):
         ax.set_xlabel("time (s)")
         ax.set_ylabel(label)
         ax.set_xlim(left=0)
-    axes[1].set_ylim(0.6, 1.6)
-    handles, labels = axes[0].get_legend_handles_labels()
-    axes[2].set_axis_off()
-    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title="Variant", alignment="left", handlelength=3)
+    for o, columns in runs:
+        if o.kind != COMPLETED:
+            for ax, quantity in ((axes[0], "centroid"), (axes[1], "density_ratio_max")):
+                cross(ax, columns["time"][-1], columns[quantity][-1], o.case.variant)
+    legend(axes, "Scheme")
     style.save(figure, path)
     return True
 
@@ -85,30 +100,37 @@ def growth(outcomes: list[Outcome], path: Path) -> bool:
     runs = [(o, columns) for o in outcomes if o.case.file == "growth" and o.case.n == finest and (columns := history(o.folder))]
     if not runs:
         return False
-    figure, axes = style.panels(3, 3, 3.2)
+    figure, axes = style.panels(3, 3, 3.4, gridspec_kw=TWO_AND_LEGEND)
     rates = [rate for o, _ in runs if (rate := number(o.summary, "metrics", "growth_rate_theory"))]
     end = max(columns["time"][-1] for _, columns in runs)
     if rates:
         t = np.array([0.0, end])
         axes[0].plot(t, np.exp(rates[0] * t), color=style.GREY, linewidth=5, alpha=0.35, zorder=1)
+    stops, ratios = [], [1.0]
     for o, columns in runs:
         amplitude = columns["mode_amplitude"] / columns["mode_amplitude"][0]
         good = amplitude > 0
-        axes[0].plot(columns["time"][good], amplitude[good], label=o.case.variant, **look(o.case.variant))
+        t, amplitude = columns["time"][good], amplitude[good]
+        axes[0].plot(t, amplitude, label=o.case.variant, **look(o.case.variant))
         if rates:
-            axes[1].plot(columns["time"][good], amplitude[good] / np.exp(rates[0] * columns["time"][good]), **look(o.case.variant))
+            ratio = amplitude / np.exp(rates[0] * t)
+            axes[1].plot(t, ratio, **look(o.case.variant))
+            ratios.extend(ratio)
         if o.kind != COMPLETED:
-            axes[0].plot(columns["time"][good][-1], amplitude[good][-1], "x", color=colour(o.case.variant), markersize=7, markeredgewidth=2)
+            stops.append((t[-1], amplitude[-1], o.case.variant))
     axes[0].set_yscale("log")
+    axes[0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes[0].yaxis.set_minor_formatter(NullFormatter())
     axes[0].set_ylabel("amplitude/start")
     axes[1].set_ylabel("amplitude/theory")
-    axes[1].set_ylim(0.65, 1.05)
+    axes[1].set_ylim(max(0.3, 0.98 * min(ratios)), min(1.5, 1.02 * max(ratios)))
     for ax in axes[:2]:
         ax.set_xlabel("time (s)")
         ax.set_xlim(0, end)
-    handles, labels = axes[0].get_legend_handles_labels()
-    axes[2].set_axis_off()
-    axes[2].legend(handles, labels, loc="center left", fontsize=8.5, title=f"Scheme, n = {finest}", alignment="left", handlelength=3)
+    for stop in stops:
+        cross(axes[0], *stop)
+    legend(axes, f"Scheme, n = {finest}")
     style.save(figure, path)
     return True
 
