@@ -1,5 +1,5 @@
 # Shared settings and the three commands every folder uses:
-#   tetsuame_module(NAME [SOURCES …] [DEPENDS modules …] [LIBRARIES targets …])
+#   tetsuame_module(NAME [FOLDER name, where a program has it] [SOURCES …] [DEPENDS modules …] [LIBRARIES targets …])
 #   tetsuame_program(NAME SOURCES … DEPENDS … [WIDE])
 #   tetsuame_test(NAME SOURCES … DEPENDS … [LABELS …] [RANKS n …])
 
@@ -46,12 +46,15 @@ add_custom_target(this_machine)
 add_custom_target(portable)
 
 function(tetsuame_module name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
-  # <name/header.hpp> is found only through this target: a link to the module's
+  cmake_parse_arguments(arg "" "FOLDER" "SOURCES;DEPENDS;LIBRARIES" ${ARGN})
+  if(NOT arg_FOLDER)
+    set(arg_FOLDER ${name})
+  endif()
+  # <folder/header.hpp> is found only through this target: a link to the module's
   # folder in an include root of its own, so that an undeclared include fails.
   set(root ${CMAKE_BINARY_DIR}/include/${name})
   file(MAKE_DIRECTORY ${root})
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${root}/${name} SYMBOLIC)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${root}/${arg_FOLDER} SYMBOLIC)
   if(arg_SOURCES)
     set(scope PUBLIC)
     add_library(${name} STATIC ${arg_SOURCES})

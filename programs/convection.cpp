@@ -1,21 +1,21 @@
 // Thermal convection of air and mantle, with slowed sound and inertia [S1].
-#include <boussinesq/make.hpp>
+#include <convection/make.hpp>
 #include <run/time_loop.hpp>
 
 using namespace tetsuame;
 
 int main(int argc, char** argv) {
-  boussinesq::options o;
-  boussinesq::parameters p;
+  convection::options o;
+  convection::parameters p;
   const run::program_input own{
       .program = "convection",
       .shorthands = {},
       .restarts = true,
-      .declare = [&](namelist::schema& schema) { boussinesq::declare(schema, o); },
-      .complete = [&](const namelist::schema& schema) { p = boussinesq::resolve(schema, o); },
+      .declare = [&](namelist::schema& schema) { convection::declare(schema, o); },
+      .complete = [&](const namelist::schema& schema) { p = convection::resolve(schema, o); },
       .need = [&] { return run::need_of(o.domain.lattice_particles(), 1440.0, o.common.kernel, o.domain.dimension); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
-    const auto problem = o.domain.dimension == 3 ? boussinesq::make_3d(o, p) : boussinesq::make_2d(o, p);
+    const auto problem = o.domain.dimension == 3 ? convection::make_3d(o, p) : convection::make_2d(o, p);
     run::carry_out(*problem, o.common, line, resolved);
   });
 }

@@ -4,6 +4,6 @@
 using namespace tetsuame;
 
 int main(int argc, char** argv) {
-  return problems::two_fluids(argc, argv, "drop", overturn::problem_kind::drop,
+  return problems::two_fluids(argc, argv, "drop", two_fluids::problem_kind::drop,
                               "the terminal velocity of creeping flow");
 }

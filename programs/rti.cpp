@@ -4,6 +4,6 @@
 using namespace tetsuame;
 
 int main(int argc, char** argv) {
-  return problems::two_fluids(argc, argv, "rti", overturn::problem_kind::rayleigh_taylor,
+  return problems::two_fluids(argc, argv, "rti", two_fluids::problem_kind::rayleigh_taylor,
                               "the growth rates of linear theory");
 }

@@ -1,12 +1,12 @@
-#include <cooling/cooling.hpp>
+#include <conduction/conduction.hpp>
 #include <liquid/passes.hpp>
 #include <problems/make.hpp>
 
 namespace tetsuame::problems {
 
-std::unique_ptr<run::problem> conduction(const cooling::options& o) {
-  if (o.domain.dimension == 3) return std::make_unique<cooling::body<3>>(o);
-  return std::make_unique<cooling::body<2>>(o);
+std::unique_ptr<run::problem> conduction(const conduction::options& o) {
+  if (o.domain.dimension == 3) return std::make_unique<conduction::problem<3>>(o);
+  return std::make_unique<conduction::problem<2>>(o);
 }
 
 }  // namespace tetsuame::problems

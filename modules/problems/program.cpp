@@ -9,10 +9,10 @@ namespace tetsuame::problems {
 
 namespace {
 
-using overturn::problem_kind;
+using two_fluids::problem_kind;
 
-std::unique_ptr<run::problem> make_two_fluids(problem_kind kind, const overturn::options& o,
-                                              const overturn::parameters& p, const liquid::program* scheme) {
+std::unique_ptr<run::problem> make_two_fluids(problem_kind kind, const two_fluids::options& o,
+                                              const two_fluids::parameters& p, const liquid::program* scheme) {
   return o.domain.dimension == 3 ? two_fluids_3d(kind, o, p, scheme) : two_fluids_2d(kind, o, p, scheme);
 }
 
@@ -49,8 +49,8 @@ struct box_at_rest : problem_of_input {
 struct fluids_of_input : problem_of_input {
   problem_kind kind;
   const liquid::program* scheme;
-  overturn::options o;
-  overturn::parameters p;
+  two_fluids::options o;
+  two_fluids::parameters p;
 
   // The iteration for Y is the cured one: here p < K_T/2 nearly everywhere.
   fluids_of_input(problem_kind kind_, const liquid::program* scheme_) : kind(kind_), scheme(scheme_) {
@@ -60,26 +60,26 @@ struct fluids_of_input : problem_of_input {
     o.walls.treatment = scheme->wall;
     o.liquid.hosono.solver = "newton";
   }
-  void declare(namelist::schema& schema) override { overturn::declare(schema, kind, o); }
-  void complete(const namelist::schema& schema) override { p = overturn::resolve(schema, kind, o); }
+  void declare(namelist::schema& schema) override { two_fluids::declare(schema, kind, o); }
+  void complete(const namelist::schema& schema) override { p = two_fluids::resolve(schema, kind, o); }
   run::memory_need need() const override {
     return run::need_of(o.domain.lattice_particles(), 800.0, o.common.kernel, o.domain.dimension);
   }
-  std::string theory() const override { return overturn::theory_text(kind, o, p); }
+  std::string theory() const override { return two_fluids::theory_text(kind, o, p); }
   run::common_options& common() override { return o.common; }
   std::unique_ptr<run::problem> make() const override { return make_two_fluids(kind, o, p, scheme); }
 };
 
 struct body_of_input : problem_of_input {
-  cooling::options o;
+  conduction::options o;
 
   explicit body_of_input(const liquid::program* scheme) {
     if (!scheme) return;
     o.by_program = true;
     o.walls.treatment = scheme->wall;
   }
-  void declare(namelist::schema& schema) override { cooling::declare(schema, o); }
-  void complete(const namelist::schema& schema) override { cooling::resolve(schema, o); }
+  void declare(namelist::schema& schema) override { conduction::declare(schema, o); }
+  void complete(const namelist::schema& schema) override { conduction::resolve(schema, o); }
   run::memory_need need() const override {
     return run::need_of(o.domain.lattice_particles(), 300.0, o.common.kernel, o.domain.dimension);
   }

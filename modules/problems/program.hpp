@@ -3,7 +3,7 @@
 
 #include <liquid/passes.hpp>
 #include <liquid/scheme.hpp>
-#include <overturn/options.hpp>
+#include <two_fluids/options.hpp>
 
 namespace tetsuame::problems {
 
@@ -11,7 +11,7 @@ namespace tetsuame::problems {
 int program(int argc, char** argv, const liquid::program& scheme);
 
 // Two fluids by the scheme that the input describes. theory_is: what --theory prints, for the help.
-int two_fluids(int argc, char** argv, const char* name, overturn::problem_kind kind, const std::string& theory_is);
+int two_fluids(int argc, char** argv, const char* name, two_fluids::problem_kind kind, const std::string& theory_is);
 
 // A body that cools, by the operator that the input names.
 int conduction(int argc, char** argv);

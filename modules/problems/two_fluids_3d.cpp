@@ -1,12 +1,12 @@
 #include <liquid/passes.hpp>
-#include <overturn/two_fluids.hpp>
 #include <problems/make.hpp>
+#include <two_fluids/two_fluids.hpp>
 
 namespace tetsuame::problems {
 
-std::unique_ptr<run::problem> two_fluids_3d(overturn::problem_kind kind, const overturn::options& o,
-                                            const overturn::parameters& p, const liquid::program* scheme) {
-  return std::make_unique<overturn::two_fluids<3>>(kind, o, p, scheme ? scheme->in_3d(o.liquid) : nullptr);
+std::unique_ptr<run::problem> two_fluids_3d(two_fluids::problem_kind kind, const two_fluids::options& o,
+                                            const two_fluids::parameters& p, const liquid::program* scheme) {
+  return std::make_unique<two_fluids::problem<3>>(kind, o, p, scheme ? scheme->in_3d(o.liquid) : nullptr);
 }
 
 }  // namespace tetsuame::problems

@@ -1,7 +1,7 @@
-#include <boussinesq/convection.hpp>
-#include <boussinesq/make.hpp>
+#include <convection/convection.hpp>
+#include <convection/make.hpp>
 #include <run/passes.hpp>
 
-std::unique_ptr<tetsuame::run::problem> tetsuame::boussinesq::make_3d(const options& o, const parameters& p) {
-  return std::make_unique<convection<3>>(o, p);
+std::unique_ptr<tetsuame::run::problem> tetsuame::convection::make_3d(const options& o, const parameters& p) {
+  return std::make_unique<problem<3>>(o, p);
 }

@@ -155,7 +155,7 @@ cloud<D> disorder(std::uint32_t seed) {
 
 enum class weigh { mass, energy };
 
-// Densities, state, gradients as in a run (shocks/flow.hpp).
+// Densities, state, gradients as in a run (gas/flow.hpp).
 template <int D, class Kernel>
 void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool number) {
   for (std::size_t i = 0; i < g.n; ++i) g.weight[i] = by == weigh::energy ? g.m[i] * g.u[i] : g.m[i];

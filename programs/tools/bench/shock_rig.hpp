@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include <bench/turns.hpp>
+#include <gas/rates.hpp>
+#include <gas/start.hpp>
+#include <gas/steps.hpp>
 #include <integrators/explicit_integrator.hpp>
-#include <shocks/rates.hpp>
-#include <shocks/start.hpp>
-#include <shocks/steps.hpp>
 
 namespace tetsuame::bench {
 
@@ -27,12 +27,12 @@ class shock_rig {
  public:
   explicit shock_rig(const request& asked) : asked_(asked), heap_before_(heap_bytes()) {
     namelist::schema schema;
-    shocks::declare(schema, o_);
+    gas::declare(schema, o_);
     schema.read(namelist::parse_text(box_of_gas(asked), "bench"));
-    shocks::resolve(schema, o_);
-    shocks::set_up(g_.emplace(o_, shocks::make_setup(o_)));
-    shocks::make_lists(*g_, false);
-    shocks::settle(*g_);
+    gas::resolve(schema, o_);
+    gas::set_up(g_.emplace(o_, gas::make_setup(o_)));
+    gas::make_lists(*g_, false);
+    gas::settle(*g_);
     auto& s = g_->w.s;
     for (std::size_t i = 0; i < s.fluid; ++i)
       for (std::size_t a = 0; a < D; ++a) {
@@ -43,9 +43,9 @@ class shock_rig {
     integrators::explicit_options how;
     how.method = o_.common.time.method;
     how.dt = *o_.common.time.dt;
-    integrator_.emplace(g_->ranks().comm, shocks::integrated_fields(*g_), s.fluid, 0.0, how,
+    integrator_.emplace(g_->ranks().comm, gas::integrated_fields(*g_), s.fluid, 0.0, how,
                         [this](double, std::span<double* const> rate) {
-                          shocks::evaluate(*g_, rate);
+                          gas::evaluate(*g_, rate);
                           return 0;
                         });
     step();
@@ -65,15 +65,15 @@ class shock_rig {
 
  private:
   void make_lists() {
-    shocks::make_lists(*g_, false);
-    if (integrator_) integrator_->resize(shocks::integrated_fields(*g_), g_->w.s.fluid);
+    gas::make_lists(*g_, false);
+    if (integrator_) integrator_->resize(gas::integrated_fields(*g_), g_->w.s.fluid);
   }
 
   // As the time loop does it, whether lists are due or not.
   void step() {
-    shocks::moved(*g_);
+    gas::moved(*g_);
     run::largest_speed(*g_);
-    shocks::next_supports(*g_);
+    gas::next_supports(*g_);
     {
       const foundation::stage timed(g_->w.times, "integration");
       integrator_->step(1.0);
@@ -83,8 +83,8 @@ class shock_rig {
 
   request asked_;
   double heap_before_;
-  shocks::options o_;
-  std::optional<shocks::world<D>> g_;
+  gas::options o_;
+  std::optional<gas::world<D>> g_;
   std::optional<integrators::explicit_integrator> integrator_;
   result found_;
 };

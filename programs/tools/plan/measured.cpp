@@ -6,8 +6,8 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <map>
-#include <overturn/options.hpp>
 #include <plan/measured.hpp>
+#include <two_fluids/options.hpp>
 #include <vector>
 
 namespace tetsuame::plan {
@@ -73,10 +73,10 @@ measured_overturn read_run(const std::string& folder) {
     foundation::fail_input(
         fmt::format("--run {}: a run of {}; metal through silicate is run by rti and drop", folder, m.program));
 
-  overturn::options o;
+  two_fluids::options o;
   namelist::schema schema;
-  overturn::declare(schema, m.program == "rti" ? overturn::problem_kind::rayleigh_taylor : overturn::problem_kind::drop,
-                    o);
+  two_fluids::declare(
+      schema, m.program == "rti" ? two_fluids::problem_kind::rayleigh_taylor : two_fluids::problem_kind::drop, o);
   schema.read(namelist::parse_file(folder + "/resolved.nml"));
   const auto& [lower, upper] = o.material;
   m.dimension = static_cast<int>(o.domain.dimension);

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boussinesq/options.hpp>
+#include <convection/options.hpp>
 
 #include <cmath>
 #include <foundation/error.hpp>
@@ -30,14 +30,14 @@ struct question {
 
 // The input of the convection program, and what came from the command line.
 struct case_data {
-  boussinesq::options all;
+  convection::options all;
   options& values = all.physics;
   double& temperature_bottom() { return all.walls.sides[2].temperature; }
   double& temperature_top() { return all.walls.sides[3].temperature; }
 };
 
 void declare_all(namelist::schema& schema, case_data& c) {
-  boussinesq::declare(schema, c.all);
+  convection::declare(schema, c.all);
   schema.pass_over("smoothing");
 }
 
@@ -320,7 +320,7 @@ void run(const question& q) {
   const bool programs_own =
       std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; });
   if (programs_own) {
-    const auto p = boussinesq::resolve(schema, c.all);
+    const auto p = convection::resolve(schema, c.all);
     f = p.fluid;
     r = p.slowing;
     for (const auto& text : p.lines) fmt::print("convection: {}\n", text);

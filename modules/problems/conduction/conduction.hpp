@@ -1,0 +1,208 @@
+// DT/Dt = κ∇²T on particles that stand still.
+//
+//   sum         ∇²T = Σ_j 2 V F (T_i - T_j), F = W'(r)/r                                  [S2]
+//   consistent  operators/consistent.hpp
+//   corrected   that with the deferred correction
+#pragma once
+
+#include <conduction/exact.hpp>
+#include <conduction/options.hpp>
+#include <diffusion/conduction.hpp>
+#include <operators/consistent.hpp>
+#include <run/box.hpp>
+#include <run/start_file.hpp>
+#include <run/start_lattice.hpp>
+
+namespace tetsuame::conduction {
+
+template <int D>
+class problem : public run::problem_in_a_box<D> {
+ public:
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
+  explicit problem(const options& o) : base(world_, o.common.balance), o_(o) {
+    auto& s = world_.w.s;
+    s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
+    for (std::size_t k = 0; k < S; ++k)
+      s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
+    auto kernel = o.common.kernel;
+    kernel.skin = 0.01;  // nothing moves
+    run::set_up(world_, domain::communicator::world(), o.domain, o.walls, kernel, o.halo());
+    if (o.by_program) {
+      world_.treatment = walls::make(o.walls.treatment);
+      world_.walls.how = o.walls;
+    }
+    volume_ = std::pow(world_.w.dx, D);
+    place_walls();
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      s.T[i] = o.start;
+      s.rho[i] = 1.0;
+      s.m[i] = volume_;
+      for (std::size_t a = 0, k = 1; a < D; ++a)
+        for (std::size_t b = a; b < D; ++b) s.extras[k++].values[i] = a == b ? 1.0 : 0.0;
+    }
+    if (!o.common.start.file.empty()) run::start_from_file(o.common.start, {.motion = false}, world_);
+    beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
+  }
+
+  std::vector<std::string> about() const override { return o_.lines; }
+
+  std::vector<integrators::field> fields() override {
+    return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
+  }
+
+  void evaluate(std::span<double* const> rate) override {
+    auto& w = world_.w;
+    auto& s = w.s;
+    refresh_temperature();
+    double* dT = rate[0];
+    if (o_.scheme == "sum") {
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] = 0.0; });
+      w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), dT});
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] /= volume_; });
+    } else {
+      bool singular = false;
+      operators::consistent<D, 1> term{{s.T.data()}, {s.extras[0].values.data()}, {}, volume_, beta_, {}, &singular};
+      for (std::size_t k = 0; k < S; ++k) {
+        term.B[k] = s.extras[1 + k].values.data();
+        term.out.next_B[k] = next_[1 + k].data();
+      }
+      for (std::size_t a = 0; a < D; ++a) term.out.gradient[0][a] = gradient_[a].data();
+      term.out.laplacian[0] = dT;
+      term.out.plain[0] = next_[0].data();
+      w.sum(w.fluid(), term);
+      if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined");
+      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] *= o_.kappa; });
+    }
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (!std::isfinite(dT[i]))
+        w.first_fault.report(s.id[i], "the rate of temperature is not finite; the time step may be too large");
+    w.agree();
+  }
+
+  // Euler on the lattice is stable up to dx²/(2 d kappa).
+  integrators::step_limit largest_step() override {
+    const double dx = world_.w.dx;
+    return {*o_.common.time.diffusive * dx * dx / o_.kappa, "diffusion"};
+  }
+  double diffusion_radius() override {
+    const double dx = world_.w.dx;
+    return 4.0 * D * o_.kappa / (dx * dx);
+  }
+
+  void keep_memory() override {
+    if (o_.scheme == "sum") return;
+    auto& s = world_.w.s;
+    for (std::size_t k = 0; k < next_.size(); ++k) std::copy_n(next_[k].begin(), s.fluid, s.extras[k].values.begin());
+    refresh_memory();
+  }
+
+  std::vector<output::history_column> columns() const override {
+    return {{"temperature_error_l2", "1"}, {"temperature_error_max", "1"}, {"heat", "K m^D"}};
+  }
+  std::vector<double> row(double t) override {
+    const auto e = errors(t);
+    return {e.l2, e.maximum, e.heat};
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>&) override {
+    const auto& s = world_.w.s;
+    output::particle_group g{0, s.fluid, s.id.data(), {}};
+    output::column x{"Coordinates", "m", "position", {}, true};
+    for (const auto& component : s.x) x.components.push_back(component.data());
+    g.columns = {x, {"Temperature", "K", "temperature", {s.T.data()}, false}};
+    return {g};
+  }
+
+  void report(double t, run::summary& r) override {
+    const auto e = errors(t);
+    r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
+    r.metrics["reference"] = o_.reference;
+    r.metrics["operator"] = o_.scheme;
+    r.metrics["heat"] = e.heat;
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override {
+    auto& s = world_.w.s;
+    run::rebuild(world_, as_they_were);
+    std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
+    std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
+    std::fill(s.rho.begin(), s.rho.end() - 1, 1.0);
+    for (auto& a : next_) a.assign(s.fluid, 0.0);
+    for (auto& a : gradient_) a.assign(s.fluid, 0.0);
+    refresh_memory();
+  }
+  void place_walls() override {
+    const bool stand = std::visit([](auto t) { return decltype(t)::has_particles; }, world_.treatment);
+    if (stand) walls::place(world_.w, world_.walls, world_.fluid_total, world_.w.support());
+  }
+
+ private:
+  static constexpr std::size_t S = operators::symmetric_terms(D);
+  static constexpr particles::role memory = particles::role::memory;
+
+  struct error_measures {
+    double l2, maximum;  // of the difference in temperature at the start
+    double heat;         // K m^D
+  };
+  error_measures errors(double t) const {
+    const auto& s = world_.w.s;
+    const double T0 = o_.temperature_top(), L = o_.domain.length[1];
+    foundation::exact_sum squares, heat;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double depth = L - s.x[1][i];
+      const double exact = o_.reference == "plate" ? plate(T0, o_.start, o_.kappa, L, depth, t)
+                                                   : half_space(T0, o_.start, o_.kappa, depth, t);
+      const double e = (s.T[i] - exact) / (o_.start - T0);
+      squares.add(e * e);
+      heat.add(s.T[i] * volume_);
+      largest = std::max(largest, std::abs(e));
+    }
+    return {std::sqrt(ranks().exact(squares) / static_cast<double>(world_.fluid_total)), ranks().maximum(largest),
+            ranks().exact(heat)};
+  }
+
+  // Of ghosts, and of what stands behind the walls.
+  void refresh_temperature() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    w.exchange_fluid({s.T.data()});
+    if (!world_.mirrors()) {
+      std::visit([&](auto t) { t.kinematics(w, world_.walls); }, world_.treatment);
+      return;
+    }
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
+      const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
+      double T = s.T[j];
+      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
+        if (wall.thermal == walls::heat::fixed_temperature) T = 2.0 * wall.temperature - T;
+      });
+      s.T[i] = T;
+    });
+  }
+  // The Laplacian is odd where the temperature less the wall's is: there it is zero.
+  void refresh_memory() {
+    auto& w = world_.w;
+    auto& s = w.s;
+    auto& P = s.extras[0].values;
+    w.exchange_fluid({P.data()});
+    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
+      double value = P[world_.walls.source[r]];
+      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
+        if (wall.thermal == walls::heat::fixed_temperature) value = -value;
+      });
+      P[s.first_wall() + r] = value;
+    });
+  }
+
+  const options& o_;
+  run::state<D> world_;
+  double volume_ = 0.0, beta_ = 0.0;
+  std::array<particles::array, 1 + S> next_;
+  std::array<particles::array, D> gradient_;
+};
+
+}  // namespace tetsuame::conduction

@@ -1,0 +1,148 @@
+// Thermal convection as the time loop asks for it. state.hpp: what there is; mirror.hpp: walls; pass.hpp: sums;
+// rates.hpp: the equations; step.hpp: what lags behind, and how long a step may be; levels.hpp: coarser lattices
+// before; history.hpp: measures.
+#pragma once
+
+#include <convection/history.hpp>
+#include <convection/levels.hpp>
+#include <convection/pass.hpp>
+#include <convection/step.hpp>
+#include <output/columns.hpp>
+#include <run/box.hpp>
+
+namespace tetsuame::convection {
+
+template <int D>
+class problem : public run::problem_in_a_box<D> {
+ public:
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
+  problem(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {}
+
+  std::vector<std::string> about() const override { return state_.layer.lines; }
+
+  std::vector<integrators::field> fields() override {
+    auto& s = state_.fluid();
+    const auto& layer = state_.layer;
+    const auto& f = layer.fluid;
+    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+    const double speed = layer.slowing.speed, pressure = f.rho * f.alpha * f.dT * f.g * f.L;
+    std::vector<integrators::field> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, state_.world.w.dx});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
+    all.push_back({"T", s.T.data(), 0.0, f.dT});
+    all.push_back({"p", state_.p.data(), 0.0, pressure});
+    for (std::size_t a = 0; a < D && layer.relaxed; ++a)
+      all.push_back({std::string("z") + axis[a], state_.z[a].data(), 0.0, speed});
+    for (std::size_t k = 0; k < state_.earlier_rates.size(); ++k)
+      all[k].previous_rate = state_.earlier_rates[k]->data();
+    return all;
+  }
+
+  void evaluate(std::span<double* const> rate) override {
+    const auto sum = [&](const pairs::stretch& rows) {
+      whole_ ? sum_over_neighbours<true>(state_, rows) : sum_over_neighbours<false>(state_, rows);
+    };
+    begin_state(state_);
+    sum(state_.world.w.interior());
+    end_state(state_);
+    sum(state_.world.w.at_border());
+    rates_of_change(state_, rate);
+  }
+
+  integrators::step_limit largest_step() override { return convection::largest_step(state_); }
+  double diffusion_radius() override { return convection::diffusion_radius(state_); }
+  double longest_step() override { return convection::longest_step(state_); }
+
+  void expect_memory(bool expected) override { whole_ = expected; }
+  void keep_memory() override { begin_step(state_); }
+  bool asks_again() const override { return state_.before || lacks_rate_; }
+  bool set_time(double t) override { return convection::set_time(state_, t); }
+  bool complete_step(std::int64_t step) override {
+    lacks_rate_ = false;
+    return base::complete_step(step);
+  }
+
+  // Of the particles, which are shifted as well: as at the start of the last step in proportion.
+  double speed() override { return fastest_flow(state_) * state_.start.faster; }
+
+  // ---- measures ---------------------------------------------------------------------------
+
+  std::vector<output::history_column> columns() const override { return history_columns(); }
+  std::vector<double> row(double t) override { return measure(state_, t, measured_); }
+  bool steady() const override {
+    const double tolerance = state_.input.convection.steady_tolerance;
+    return state_.at_start.level == 0 && tolerance > 0.0 && settled(state_, measured_, tolerance);
+  }
+  std::string refine(double) override {
+    const double tolerance = coarser_tolerance * state_.input.convection.steady_tolerance;
+    if (state_.at_start.level == 0 || !settled(state_, measured_, tolerance)) return {};
+    go_to_next_level(state_);
+    measured_.samples = record(measures.size());
+    return "half the particle spacing";
+  }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+    const auto& s = state_.fluid();
+    auto g = output::fluid_in_motion(s);
+    enum : std::size_t { eta, volume, made };
+    extra.assign(made, particles::array(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      extra[eta][i] = state_.viscosity(i) * state_.layer.fluid.rho;
+      extra[volume][i] = 1.0 / state_.last.W[i];
+    }
+    g.columns.push_back({"Temperature", "K", "temperature", {s.T.data()}, false});
+    g.columns.push_back({"Pressure", "Pa", "pressure beyond that of the conductive state", {state_.p.data()}, false});
+    g.columns.push_back({"Viscosity", "Pa s", "dynamic viscosity", {extra[eta].data()}, false});
+    g.columns.push_back({"Volume", D == 2 ? "m^2" : "m^3", "1/sum of W", {extra[volume].data()}, false});
+    return {g};
+  }
+
+  void report(double, run::summary& r) override { convection::report(state_, measured_, steady(), r); }
+
+  // ---- checkpoints ------------------------------------------------------------------------
+
+  // A checkpoint of another method has neither the rate of the step before nor what was extrapolated from.
+  void read_particles(const output::table& t) override {
+    lacks_rate_ = keeps_rate(state_.input) && !t.reals.contains("EarlierRate_0_0");
+    run::fluid_from_checkpoint(t, state_.fluid(), [](std::string_view name) {
+      return name.starts_with("EarlierRate_") || name.starts_with("Before");
+    });
+  }
+  void save(output::checkpoint_globals& g) const override {
+    g.reals["v_max"] = state_.start.v_max;
+    g.reals["faster"] = state_.start.faster;
+    g.reals["v_rms"] = measured_.v_rms;
+    g.reals["outside"] = measured_.outside;
+    g.integers["level"] = state_.at_start.level;
+    g.integers["has_before"] = state_.has_before ? 1 : 0;
+    base::save(g);
+    g.blobs["samples"] = measured_.samples.flat();
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    lay(state_, g.integers.at("level"));
+    state_.has_before = state_.before && g.integers.at("has_before") != 0;
+    state_.start.v_max = g.reals.at("v_max");
+    state_.start.faster = g.reals.at("faster");
+    measured_.v_rms = g.reals.at("v_rms");
+    measured_.outside = g.reals.at("outside");
+    measured_.samples.restore(g.blobs.at("samples"));
+    base::restore(g);
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override {
+    run::rebuild(state_.world, as_they_were);
+    state_.last.resize(state_.fluid().fluid);
+    refresh_lagged_terms(state_);
+  }
+
+ private:
+  convection_state<D> state_;
+  measured<D> measured_;
+  bool whole_ = true;        // the next evaluation is one whose lagged terms are kept
+  bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
+};
+
+}  // namespace tetsuame::convection

@@ -1,0 +1,158 @@
+// Viscous force where the viscosity varies: the divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i, from forces along the lines
+// between particles,
+//   A_i = (d + 2) (2d/m) V [Σ F s_ij (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F s_ij e e r],  m = -V Σ F s_ij r²
+// [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
+// soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
+// lattice, makes linear velocities exact.
+//
+// s_ij = 1, or isotropic: s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
+// line's angle φ, in 2-D, with a such that
+//   Σ F r² s_ij n(e) = 0
+// then Σ F s e e e e r² is isotropic, as viscosity must be: with s = 1 shear along the rows of a square lattice feels
+// 0.83 ν, and 1.17 ν along its diagonals (Wendland C2, h = 1.3 Δx). |a| is kept so small that s > 0: every pair takes
+// energy.
+//
+// Where the stress τ is smooth the sum is ∇·τ + β ∇²(∇·τ), whatever the contrast, β = R/(4(d + 4)), of flows without
+// divergence, as ν_ij is that of the mean fluidity. With isotropic forces the deferred correction is A - β ∇²(ν A)/ν,
+// of an earlier A; with s = 1 there is none. (v - β P(v) in the place of v, right for one ν, would take the part β (∇ln
+// ν)² of the force away: all of it where ν grows by exp(3.6) within a spacing.)
+// ∇ln ν as the lines see it, for walls, is (2d/Σ F r²) Σ F (ν_ij/ν_i - 1) r: half the step of ln ν along a line is
+// ν_ij/ν_i - 1, and that has bounds (-1, 5). The chain rule's, ∂ln ν/∂T ∇T, has none: where a law is steep over less
+// than a spacing the pressure that a wall answers with becomes many times what the lines can bear.
+#pragma once
+
+#include <convection/line_viscosity.hpp>
+#include <operators/consistent.hpp>
+
+namespace tetsuame::convection {
+
+struct viscosity_root_tag {};
+inline constexpr viscosity_root_tag of_viscosity_root;
+
+struct forces_tag {};
+inline constexpr forces_tag of_forces;
+
+struct angles_tag {};
+inline constexpr angles_tag of_angles;
+
+inline constexpr std::size_t angular_terms = 4;  // numbers of a
+
+template <int D>
+struct graded_viscosity {
+  static constexpr bool isotropic = D == 2;
+  using real = pairs::real;
+  static constexpr std::size_t S = operators::symmetric_terms(D), N = isotropic ? angular_terms : 0;
+
+  const double* root;                                    // ν^½
+  std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
+  std::array<double*, D> out;                            // 1/(m s)
+  std::array<double*, D> slope;                          // ∇ln ν as the lines see it, 1/m
+  // Isotropic only: R/(4(d + 4)), m2; ν A of an earlier evaluation, m/s2; A, 1/(m s); a, and the next.
+  double beta = 0.0;
+  std::array<const double*, D> force = {};
+  std::array<double*, D> plain = {};
+  std::array<const double*, N> angular = {};
+  std::array<double*, N> next_angular = {};
+
+  struct me {
+    pairs::vec<real, D> sum, force, slope;
+    std::array<pairs::vec<real, D>, S> third;  // Σ F s e e r
+    real m, second;                            // Σ F s r², Σ F r²
+    std::array<real, N> b;                     // Σ F r² (1 + ½ a_j·n) n
+    std::array<real, N*(N + 1) / 2> M;         // Σ F r² n n
+  };
+  auto reads() const {
+    const auto of_root = pairs::read(of_viscosity_root, root);
+    if constexpr (isotropic)
+      return std::tuple{of_root, pairs::read(of_forces, force), pairs::read(of_angles, angular)};
+    else
+      return std::tuple{of_root};
+  }
+  me begin(std::size_t) const {
+    me a;
+    a.sum = a.force = a.slope = foundation::zero<real, D>();
+    for (auto& t : a.third) t = foundation::zero<real, D>();
+    a.m = a.second = real(0.0);
+    a.b.fill(real(0.0));
+    a.M.fill(real(0.0));
+    return a;
+  }
+  void add(me& a, const auto& ij) const {
+    const auto& r = ij.x_ij;
+    const auto v = ij.difference(operators::of_fields);
+    const real per_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300)), F_r2 = ij.F * ij.r2;
+    real s(1.0);
+    if constexpr (isotropic) {
+      const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
+      const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
+      const auto mine = ij.own(of_angles), other = ij(of_angles);
+      real half(0.0), halves(0.0);
+      for (std::size_t k = 0; k < N; ++k) {
+        half += 0.5 * other[k] * n[k];
+        halves += 0.5 * (mine[k] + other[k]) * n[k];
+      }
+      s += halves;
+      const real of_other = F_r2 * (1.0 + half);
+      for (std::size_t k = 0, place = 0; k < N; ++k) {
+        a.b[k] += of_other * n[k];
+        for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
+      }
+    }
+    if constexpr (isotropic) a.force += ij.F * ij.difference(of_forces);
+    a.second += F_r2;
+    const real part = ij.F * per_r2 * s;
+    real along(0.0);
+    for (std::size_t b = 0; b < D; ++b) along += v[b] * r[b];
+    const real nu = line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
+    a.sum += (part * along * nu) * r;
+    a.slope += (ij.F * (nu - 1.0)) * r;
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q) a.third[n++] += (part * r[p] * r[q]) * r;
+    a.m += F_r2 * s;
+  }
+  void end(std::size_t i, const me& a) const {
+    constexpr auto d = static_cast<double>(D);
+    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
+    for (std::size_t p = 0; p < D; ++p) {
+      double force_i = pairs::sum(a.sum[p]);
+      for (std::size_t q = 0; q < D; ++q)
+        for (std::size_t c = 0; c < D; ++c)
+          force_i -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
+      out[p][i] = scale * force_i;
+    }
+    const double of_laplacian = -2.0 * d / pairs::sum(a.second);
+    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * pairs::sum(a.slope[p]);
+    if constexpr (isotropic) {
+      const double nu = root[i] * root[i];
+      for (std::size_t p = 0; p < D; ++p) {
+        plain[p][i] = out[p][i];
+        out[p][i] -= beta * of_laplacian * pairs::sum(a.force[p]) / nu;
+      }
+      next_angles(i, a);
+    }
+  }
+
+ private:
+  // Half the way to the a_i that is right for the neighbours' a_j.
+  void next_angles(std::size_t i, const me& a) const {
+    std::array<std::array<double, N>, N> M{};
+    std::array<double, N> b{};
+    for (std::size_t k = 0, place = 0; k < N; ++k) {
+      b[k] = 2.0 * pairs::sum(a.b[k]);  // F < 0: both sides change their signs
+      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -pairs::sum(a.M[place++]);
+    }
+    constexpr double most = 0.8;
+    double sum = 0.0;
+    const bool solvable = operators::factorise(M);
+    const auto wanted = solvable ? operators::solve(M, b) : std::array<double, N>{};
+    std::array<double, N> next;
+    for (std::size_t k = 0; k < N; ++k) {
+      next[k] = 0.5 * (angular[k][i] + wanted[k]);
+      sum += std::abs(next[k]);
+    }
+    for (std::size_t k = 0; k < N; ++k) next_angular[k][i] = sum > most ? next[k] * most / sum : next[k];
+  }
+};
+
+}  // namespace tetsuame::convection

@@ -1,0 +1,232 @@
+// What a run of convection measures, line by line of its history, and what it reports at its end.
+#pragma once
+
+#include <convection/measures.hpp>
+#include <convection/rates.hpp>
+#include <convection/steady.hpp>
+#include <output/history.hpp>
+#include <run/summary.hpp>
+
+namespace tetsuame::convection {
+
+// Steadiness and averages are over so many turnovers L/v_rms, and at least so much of the diffusion time: within them a
+// flow that swings has come to rest or is seen not to. A coarser level is steady when it changes by so many times the
+// tolerance.
+inline constexpr double turnovers = 6.0, least_window = 0.01, coarser_tolerance = 10.0;
+
+// The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
+// not they heat.
+inline constexpr std::array<const char*, 14> measures{"nusselt_volume",
+                                                      "nusselt_top",
+                                                      "nusselt_bottom",
+                                                      "v_rms",
+                                                      "u_max",
+                                                      "v_max",
+                                                      "q1",
+                                                      "q2",
+                                                      "q3",
+                                                      "q4",
+                                                      "nusselt_dissipation",
+                                                      "viscous_heating",
+                                                      "adiabatic_cooling",
+                                                      "buoyancy_work"};
+inline constexpr std::size_t with_uncertainty = 4;  // the first of them
+
+template <int D>
+struct peak {
+  double value = 0.0;  // m/s
+  std::array<double, D> x{};
+};
+
+// Of the last line.
+template <int D>
+struct measured {
+  record samples{measures.size()};
+  std::array<peak<D>, D> peaks{};
+  double v_rms = 0.0;  // m/s
+  double mach = 0.0, density_drift = 0.0, momentum = 0.0;
+  double outside = 0.0;  // the largest share of particles that the viscosity's table did not cover
+};
+
+inline std::vector<output::history_column> history_columns() {
+  std::vector<output::history_column> all;
+  for (const std::string name : measures) {
+    const bool velocity = name == "v_rms" || name == "u_max" || name == "v_max";
+    all.push_back({name, velocity ? "kappa/L" : "1"});
+  }
+  all.push_back({"v_rms_si", "m/s"});
+  all.push_back({"mach", "1"});
+  all.push_back({"mean_density_drift", "1"});
+  return all;
+}
+
+// Over the box: T v_y beyond conduction (K m/s), v² (m2/s2), and W/kg of buoyancy, of rising and of friction.
+template <int D>
+std::array<double, 5> means_over_box(const convection_state<D>& state) {
+  const auto& s = state.fluid();
+  const auto& layer = state.layer;
+  std::array<particles::array, 5> all;
+  for (auto& f : all) f.resize(s.total() + 1);
+  auto &carried = all[0], &v2 = all[1], &work = all[2], &cooling = all[3], &friction = all[4];
+  foundation::for_all(s.fluid, [&](std::size_t i) { friction[i] = dissipation(state, i, state.viscosity(i)); });
+  state.world.w.exchange_fluid({friction.data()});
+  foundation::for_all(state.world.walls.source.size(),
+                      [&](std::size_t r) { friction[s.first_wall() + r] = friction[state.world.walls.source[r]]; });
+  foundation::for_all(s.total(), [&](std::size_t i) {
+    const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
+    carried[i] = rising * (T - reference_temperature(layer, y));
+    v2[i] = 0.0;
+    for (std::size_t a = 0; a < D; ++a) v2[i] += s.v[a][i] * s.v[a][i];
+    work[i] = buoyancy(layer, y, T, state.p[i]) * rising;
+    cooling[i] = buoyancy_slope(layer, y, T) * rising * T;
+  });
+  return mean_over_box(state.world, state.at_start.particles, all);
+}
+
+// Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
+template <int D>
+void agree_on(const domain::communicator& ranks, peak<D>& mine) {
+  const double largest = ranks.maximum(mine.value);
+  bool candidate = mine.value == largest;
+  mine.value = largest;
+  for (std::size_t b = 0; b < D; ++b) {
+    const double x = ranks.minimum(candidate ? mine.x[b] : std::numeric_limits<double>::infinity());
+    candidate = candidate && mine.x[b] == x;
+    mine.x[b] = x;
+  }
+}
+
+template <int D>
+std::array<peak<D>, D> peaks_of(const convection_state<D>& state) {
+  const auto& s = state.fluid();
+  std::array<peak<D>, D> all{};
+  for (std::size_t a = 0; a < D; ++a) {
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      if (std::abs(s.v[a][i]) > all[a].value) all[a] = {std::abs(s.v[a][i]), cells::position<D>(s.x, i)};
+    agree_on(state.ranks(), all[a]);
+  }
+  return all;
+}
+
+// What should stay zero: the mean of p over that of sound, and the momentum over its parts.
+template <int D>
+void measure_drift(const convection_state<D>& state, measured<D>& m) {
+  const auto& s = state.fluid();
+  const auto& layer = state.layer;
+  const auto& ranks = state.ranks();
+  foundation::exact_sum drift, speeds;
+  std::array<foundation::exact_sum, D> momentum;
+  std::int64_t outside = 0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double v2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      v2 += s.v[a][i] * s.v[a][i];
+      momentum[a].add(s.v[a][i]);
+    }
+    speeds.add(std::sqrt(v2));
+    const double xi2 = inertia(layer, state.viscosity(i));
+    drift.add(state.p[i] / (layer.fluid.rho * xi2 * layer.c_eff * layer.c_eff));
+    if (layer.law.table && !layer.law.table->covers(s.T[i], layer.fluid.L - s.x[1][i])) ++outside;
+  }
+  const auto particles = static_cast<double>(state.world.fluid_total);
+  m.density_drift = ranks.exact(drift) / particles;
+  m.outside = std::max(m.outside, static_cast<double>(ranks.sum(outside)) / particles);
+  const double scale = ranks.exact(speeds);
+  m.momentum = 0.0;
+  for (std::size_t a = 0; a < D; ++a) m.momentum = std::max(m.momentum, std::abs(ranks.exact(momentum[a])));
+  m.momentum = scale > 0.0 ? m.momentum / scale : 0.0;
+}
+
+// A line of the history; velocities in kappa/L.
+template <int D>
+std::vector<double> measure(const convection_state<D>& state, double t, measured<D>& m) {
+  const auto& layer = state.layer;
+  const auto& f = layer.fluid;
+  const double unit = f.kappa / f.L, heat_unit = layer.heat_capacity * unit / f.L * f.dT;
+  measure_drift(state, m);
+  m.peaks = peaks_of(state);
+  m.mach = fastest_flow(state) / layer.c_eff;
+  const auto [carried, v2, work, cooling, friction] = means_over_box(state);
+  m.v_rms = std::sqrt(std::max(v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
+  const auto walls =
+      wall_heat(state.world, state.at_start.particles, state.input.domain.length[0], f.L / f.dT, layer.conductivity);
+  std::vector<double> line{
+      1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit, m.peaks[0].value / unit,
+      m.peaks[1].value / unit};
+  line.insert(line.end(), walls.corners.begin(), walls.corners.end());
+  // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
+  line.push_back(1.0 + friction / (f.alpha * f.g * unit * f.dT));
+  for (const double heat : {friction, cooling, work}) line.push_back(heat / heat_unit);
+  m.samples.add(t, line);
+  line.insert(line.end(), {m.v_rms, m.mach, m.density_drift});
+  return line;
+}
+
+template <int D>
+double window(const convection_state<D>& state, const measured<D>& m) {  // s, of averages
+  const auto& f = state.layer.fluid;
+  const double diffusion = f.L * f.L / f.kappa, turnover = m.v_rms > 0.0 ? f.L / m.v_rms : diffusion;
+  return std::max(turnovers * turnover, least_window * diffusion);
+}
+
+template <int D>
+bool settled(const convection_state<D>& state, const measured<D>& m, double tolerance) {
+  const double span = window(state, m);
+  if (m.samples.size() == 0 || m.samples.last_time() < state.layer.ramp + span) return false;
+  constexpr std::size_t nusselt_volume = 0, v_rms = 3;
+  return m.samples.settled(nusselt_volume, span, tolerance) && m.samples.settled(v_rms, span, tolerance);
+}
+
+template <int D>
+void report_averages(const convection_state<D>& state, const measured<D>& m, nlohmann::ordered_json& j) {
+  const double span = window(state, m);
+  for (std::size_t k = 0; k < measures.size(); ++k) {
+    const auto a = m.samples.over(k, span);
+    j[measures[k]] = a.mean;
+    if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
+  }
+  j["averaged_over"] = span;
+}
+
+template <int D>
+void report_layer(const convection_state<D>& state, const measured<D>& m, nlohmann::ordered_json& j) {
+  const auto& layer = state.layer;
+  const auto& f = layer.fluid;
+  j["rayleigh"] = relaxation::rayleigh(f);
+  j["prandtl"] = relaxation::prandtl(f);
+  j["dissipation_number"] = layer.dissipation_number;
+  j["reynolds_effective"] = m.v_rms * f.L / layer.nu_eff;
+  j["prandtl_effective"] = layer.nu_eff / f.kappa;
+  j["viscous_response"] = layer.relaxed ? "relaxed" : "instant";
+  j["zeta"] = layer.slowing.zeta;
+  j["xi"] = layer.slowing.xi;
+  j["sound_speed_effective"] = layer.c_eff;
+  j["target"] = layer.steady ? "steady" : "transient";
+  if (layer.law.table) j["outside_viscosity_table"] = m.outside;
+}
+
+template <int D>
+void report(const convection_state<D>& state, const measured<D>& m, bool steady, run::summary& r) {
+  auto& j = r.metrics;
+  report_averages(state, m, j);
+  j["steady"] = steady;
+  j["levels_left"] = state.at_start.level;
+  constexpr std::array<const char*, 3> names{"u_max_at", "v_max_at", "w_max_at"};
+  for (std::size_t a = 0; a < D; ++a) {
+    auto place = nlohmann::ordered_json::array();
+    for (const double x : m.peaks[a].x) place.push_back(x / state.layer.fluid.L);
+    j[names[a]] = place;
+  }
+  j["mach"] = m.mach;
+  j["mean_density_drift"] = m.density_drift;
+  report_layer(state, m, j);
+  // Where the flow is steady, friction takes the work of buoyancy.
+  const double friction = j["viscous_heating"], work = j["buoyancy_work"];
+  j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
+  const double top = j["nusselt_top"], bottom = j["nusselt_bottom"];
+  const double through = 0.5 * (bottom + top), imbalance = through != 0.0 ? (bottom - top) / through : 0.0;
+  j["heat_imbalance"] = imbalance;
+  r.conservation = {{"mass", m.density_drift}, {"momentum", m.momentum}, {"energy", imbalance}};
+}
+
+}  // namespace tetsuame::convection

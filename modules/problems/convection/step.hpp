@@ -1,0 +1,122 @@
+// What a step begins with: what its sums lag behind, how fast particles are, how long it may be.
+//
+// The deferred correction, the tensor B, the noise's gradients and curvatures at walls lag behind: they are those of
+// the state at the start of the step, M_n; with 'rkl2' and 'rkc2' M_n + (M_n - M_(n-1))/2, the middle of the step.
+#pragma once
+
+#include <convection/mirror.hpp>
+#include <integrators/explicit_integrator.hpp>
+#include <limits>
+
+namespace tetsuame::convection {
+
+// (G(v) + G(v)ᵀ - D(v))·∇ln ν, 1/(m s). With ∇²v it is the divergence of 2 ν (e - ½ ∇·v) over ν, e the rate of strain:
+// a stress that takes energy from compression too (in 2-D), where that of ∇·v = 0 alone would feed it.
+template <int D>
+void complete_viscous_terms(convection_state<D>& state) {
+  auto& latest = state.last.latest;
+  const auto& G = latest.gradient;
+  const auto& slope = state.last.log_slope;
+  foundation::for_all(state.fluid().fluid, [&](std::size_t i) {
+    for (std::size_t a = 0; a < D; ++a) {
+      double stress = 0.0;
+      for (std::size_t b = 0; b < D; ++b) stress += (G[a][b][i] + G[b][a][i]) * slope[b][i] - G[b][b][i] * slope[a][i];
+      latest.stress[a][i] = stress;
+    }
+    if (latest.viscosity == nullptr) return;
+    const double nu = state.viscosity(i);
+    for (std::size_t a = 0; a < D; ++a) latest.force[a][i] = nu * state.last.plain_viscous[a][i];
+    (*latest.viscosity)[i] = nu;
+  });
+}
+
+// Of what the last evaluation summed; extrapolated by half a step, as long as the one before.
+template <int D>
+void keep_lagged_terms(convection_state<D>& state) {
+  if (state.layer.law.varies) complete_viscous_terms(state);
+  const auto& latest = state.last.latest.all;
+  const double onwards = state.has_before ? 0.5 : 0.0;
+  for (std::size_t k = 0; k < latest.size(); ++k) {
+    const auto& now = *latest[k];
+    auto& kept = *state.lagged.all[k];
+    foundation::for_all(state.fluid().fluid, [&](std::size_t i) { kept[i] = now[i]; });
+    if (!state.before) continue;
+    auto& earlier = *state.before->all[k];
+    foundation::for_all(state.fluid().fluid, [&](std::size_t i) {
+      kept[i] += onwards * (now[i] - earlier[i]);
+      earlier[i] = now[i];
+    });
+  }
+  state.has_before = state.before.has_value();
+  refresh_lagged_terms(state);
+}
+
+template <int D>
+void begin_step(convection_state<D>& state) {
+  keep_lagged_terms(state);
+  auto& start = state.start;
+  start.v_max = fastest_flow(state);
+  start.faster = start.v_max > 0.0 ? std::max(1.0, state.ranks().maximum(state.displacing) / start.v_max) : 1.5;
+  if (!state.layer.steady || !state.layer.law.varies) return;  // inertia does not go with ν
+  const auto largest = [&](const particles::array& a) {
+    double most = 1.0;
+    for (std::size_t i = 0; i < state.fluid().fluid; ++i) most = std::max(most, a[i]);
+    return state.ranks().maximum(most);
+  };
+  start.viscous_contrast = largest(state.last.viscous_contrast);
+  start.sound_contrast = std::sqrt(largest(state.last.sound_contrast));
+}
+
+// m2/s, what the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as
+// shear.
+template <int D>
+double largest_viscosity(const convection_state<D>& state) {
+  const auto& layer = state.layer;
+  const double xi2 = layer.slowing.xi * layer.slowing.xi;
+  if (layer.steady) return (layer.law.varies ? 3.0 : 1.0) * layer.instant_share * layer.nu_eff;
+  if (!layer.law.varies) return std::max(layer.nu, layer.fluid.nu) / xi2;
+  double nu = 0.0;
+  for (std::size_t i = 0; i < state.fluid().fluid; ++i) nu = std::max(nu, state.viscosity(i));
+  return 3.0 * state.ranks().maximum(nu) / xi2;
+}
+
+template <int D>
+integrators::step_limit largest_step(const convection_state<D>& state) {
+  const auto& layer = state.layer;
+  const auto& time = state.input.common.time;
+  const double dx = state.world.w.dx, fastest = std::max(largest_viscosity(state), layer.fluid.kappa);
+  const double sound = *time.cfl * dx / std::hypot(layer.c_eff, layer.shear_speed);
+  const double diffusion = *time.diffusive * dx * dx / fastest;
+  return sound < diffusion ? integrators::step_limit{sound, "sound"} : integrators::step_limit{diffusion, "diffusion"};
+}
+
+template <int D>
+double diffusion_radius(const convection_state<D>& state) {  // 1/s
+  const double dx = state.world.w.dx, fastest = state.start.viscous_contrast * largest_viscosity(state);
+  return 4.0 * D * std::max(fastest, state.layer.fluid.kappa) / (dx * dx);
+}
+
+// The fixed step of 'rk4' is bound by what lags behind; to its limit of stability there are factors of 2.7 (damping)
+// and 3.8 (sound) with one viscosity, found from the eigenvalues of the rates.
+template <int D>
+double longest_step(const convection_state<D>& state) {  // s
+  const double viscous = state.start.viscous_contrast, sound = state.start.sound_contrast;
+  const bool rk4 = state.input.common.time.method == "rk4";
+  const double margin = rk4                         ? std::hypot(viscous / 2.7, sound / 3.8)
+                        : extrapolates(state.input) ? sound
+                                                    : std::max(viscous, sound);
+  return margin > 1.0 ? largest_step(state).dt / margin : std::numeric_limits<double>::infinity();
+}
+
+// The viscosity at time t; slowed sound may follow it. Returns whether it has changed.
+template <int D>
+bool set_time(convection_state<D>& state, double t) {
+  auto& layer = state.layer;
+  const double before = layer.reached;
+  layer.reached = layer.ramp > 0.0 ? std::min(1.0, t / layer.ramp) : 1.0;
+  layer.nu = layer.fluid.nu * std::pow(layer.start, 1.0 - layer.reached);
+  follow(layer, state.world.w.dx);
+  return layer.reached != before;
+}
+
+}  // namespace tetsuame::convection

@@ -1,0 +1,91 @@
+// Neighbour lists of particles whose supports are their own, ghosts, images, and what these take from their sources.
+#pragma once
+
+#include <gas/world.hpp>
+
+namespace tetsuame::gas {
+
+// Weights of particles first to last.
+template <int D>
+void find_weights(world<D>& g, std::size_t first, std::size_t last) {
+  const auto& s = g.w.s;
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume()[i] : s.m[i];
+  });
+}
+
+// x, v, u set out to the ghosts; they are there, and those of images, with the weights, after end_state().
+template <int D>
+void begin_state(world<D>& g) {
+  auto& s = g.w.s;
+  const foundation::stage timed(g.w.times, "halo");
+  std::array<double*, D + 1> state;
+  for (std::size_t a = 0; a < D; ++a) state[a] = s.v[a].data();
+  state[D] = s.u.data();
+  domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(state), &s.x);
+  find_weights(g, 0, s.fluid);
+}
+
+template <int D>
+void end_state(world<D>& g) {
+  auto& s = g.w.s;
+  const foundation::stage timed(g.w.times, "halo");
+  g.w.end_fluid();
+  walls::move_images(g.walls, s);
+  for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = sign[a] * s.v[a][j];
+    s.u[i] = s.u[j];
+  });
+  find_weights(g, s.fluid, s.total());
+}
+
+// What ghosts and images keep while the lists live.
+template <int D>
+void refresh_constants(world<D>& g) {
+  auto& s = g.w.s;
+  for (auto* a : {&g.gamma, &g.stiffness}) a->assign(s.total() + 1, 0.0);
+  for (std::size_t i = 0; i < s.fluid; ++i) std::tie(g.gamma[i], g.stiffness[i]) = gas_of(g, s.material[i]);
+  g.gamma[s.null()] = g.o.shock.gamma;
+  g.kind.assign(s.total() + 1, 0.0);
+  const bool two = g.o.any_eos() || gas_of(g, 0) != gas_of(g, 1);
+  for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
+  const std::array<double*, 5> fixed{s.m.data(), g.start_volume().data(), g.gamma.data(), g.stiffness.data(),
+                                     g.kind.data()};
+  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(fixed));
+  foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
+    for (double* a : fixed) a[s.first_wall() + r] = a[g.walls.source[r]];
+  });
+}
+
+template <int D>
+void resize_arrays(world<D>& g) {
+  const auto& s = g.w.s;
+  for (auto* a : {&g.S, &g.per_S, &g.weight, &g.slope, &g.correction, &g.dissipation}) a->assign(s.total() + 1, 0.0);
+  for (auto* a : {&g.y, &g.f, &g.z, &g.divergence, &g.curl, &g.number, &g.number_volume, &g.count, &g.count_slope,
+                  &g.power, &g.signal, &g.mass_density})
+    a->resize(s.fluid);
+  for (auto& a : g.force) a.resize(s.fluid);
+  if (g.o.evolves_density()) {
+    for (auto& a : g.reproducing) a.assign(s.total() + 1, 0.0);
+    g.density_rate.resize(s.fluid);
+  }
+  if (g.o.second_order() || g.o.evolves_density())
+    for (auto& a : g.gradient) a.assign(s.total() + 1, 0.0);
+}
+
+// With supports of the particles' own.
+template <int D>
+void make_lists(world<D>& g, bool as_they_were) {
+  auto& s = g.w.s;
+  run::rebuild_with_supports(g, as_they_were, g.support(), g.list_support());
+  const foundation::stage timed(g.w.times, "lists");
+  refresh_constants(g);
+  resize_arrays(g);
+  std::copy_n(g.support().begin(), s.fluid, g.S.begin());
+  std::fill(g.signal.begin(), g.signal.end(), 0.0);
+  begin_state(g);
+  end_state(g);
+}
+
+}  // namespace tetsuame::gas

@@ -1,0 +1,288 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <eos/eos.hpp>
+#include <gas/setups.hpp>
+
+namespace tetsuame::gas {
+
+namespace {
+
+const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follows_x = true, .jitters = false};
+
+void declare_case(namelist::schema& schema, shock_options& s) {
+  schema.add(
+      "shock", "test", s.test,
+      {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts"},
+       .meaning = "what is at the start; left and right are inside and outside of a square or band"});
+  schema.add(
+      "shock", "scheme", s.scheme,
+      {.choices = {"ssph", "disph", "gsph", "gdisph", "remix"},
+       .meaning = "standard, density-independent; Godunov's forms of the two; kernels that reproduce linear fields"});
+  schema.add("shock", "masses", s.masses,
+             {.choices = {"equal_mass", "equal_spacing"}, .meaning = "of the particles where the density differs"});
+}
+
+void declare_weights(namelist::schema& schema, shock_options& s) {
+  schema.add("shock", "weight", s.weight,
+             {.choices = {"energy", "volume"},
+              .meaning = "disph, gdisph, what is smoothed: m u; or the volume at the start, for any equation of state, "
+                         "with densities as given at the start"});
+  schema.add("shock", "support_terms", s.support_terms,
+             {.choices = {"weight", "number", "none"},
+              .expert = true,
+              .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
+                         "density [S4], or the number density, as it does [Hopkins 2013]; ssph has the first for both. "
+                         "none: no such terms, in any of the three, as in gsph"});
+  schema.add(
+      "shock", "density", s.density,
+      {.choices = {"weight", "mass"},
+       .expert = true,
+       .meaning =
+           "disph, gdisph, in output and errors: m q/U, sharp at contacts, or the sum of m W, for gas so cold that "
+           "the pressure at a particle is its neighbours'"});
+}
+
+void declare_side(namelist::schema& schema, const std::string& end, const char* where, double& rho, double& u,
+                  double& p) {
+  schema.add("shock", "rho_" + end, rho,
+             {.unit = "kg/m^3", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("density ") + where});
+  schema.add("shock", "u_" + end, u, {.unit = "m/s", .meaning = std::string("velocity along x ") + where});
+  schema.add("shock", "p_" + end, p,
+             {.unit = "Pa", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("pressure ") + where});
+}
+
+void declare_gas(namelist::schema& schema, const std::string& end, const char* where, std::optional<double>& gamma,
+                 double& p) {
+  schema.add("shock", "gamma_" + end, gamma,
+             {.minimum = 1.0,
+              .exclusive_minimum = true,
+              .meaning = std::string("riemann, square: of the gas ") + where + "; empty: gamma"});
+  schema.add("shock", "p_infinity_" + end, p,
+             {.unit = "Pa",
+              .minimum = 0.0,
+              .meaning = std::string("riemann, square: of the stiffened gas ") + where + "; 0: an ideal gas"});
+}
+
+void declare_material(namelist::schema& schema, const std::string& end, const char* where, std::string& name,
+                      std::optional<double>& T) {
+  std::vector<std::string> equations{""};
+  for (const auto known : eos::names()) equations.emplace_back(known);
+  schema.add("shock", "eos_" + end, name,
+             {.choices = equations,
+              .meaning = std::string("riemann, square: equation of state ") + where +
+                         ", with its own parameters; '': the gas of gamma and p_infinity"});
+  schema.add("shock", "temperature_" + end, T,
+             {.unit = "K",
+              .minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = std::string("with an equation of state: ") + where + "; the density follows from it and p"});
+}
+
+void declare_states(namelist::schema& schema, shock_options& s) {
+  declare_side(schema, "l", "on the left", s.rho_l, s.u_l, s.p_l);
+  declare_side(schema, "r", "on the right", s.rho_r, s.u_r, s.p_r);
+  schema.add("shock", "gamma", s.gamma,
+             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the gas"});
+  declare_gas(schema, "l", "on the left", s.gamma_l, s.p_infinity_l);
+  declare_gas(schema, "r", "on the right", s.gamma_r, s.p_infinity_r);
+  declare_material(schema, "l", "on the left", s.eos_l, s.temperature_l);
+  declare_material(schema, "r", "on the right", s.eos_r, s.temperature_r);
+}
+
+void declare_test(namelist::schema& schema, shock_options& s) {
+  schema.add("shock", "window", s.window,
+             {.minimum = 0.0,
+              .maximum = 1.0,
+              .exclusive_minimum = true,
+              .expert = true,
+              .meaning = "errors are measured in this part of the box along x, about its middle"});
+  schema.add(
+      "shock", "coarser", s.coarser,
+      {.minimum = 0,
+       .maximum = 10,
+       .meaning = "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
+                  "then has the errors of all and their order of convergence"});
+  schema.add("shock", "energy", s.energy,
+             {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
+  schema.add("shock", "blast_radius", s.blast_radius,
+             {.minimum = 1.0,
+              .maximum = 100.0,
+              .expert = true,
+              .meaning = "sedov: within so many spacings the energy starts"});
+  schema.add("shock", "corner", s.corner,
+             {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
+                         "octant; the energy is that of the whole explosion"});
+  schema.add("shock", "layer", s.layer,
+             {.unit = "m",
+              .minimum = 0.0,
+              .exclusive_minimum = true,
+              .meaning = "kelvin_helmholtz, rayleigh_taylor: width of the layers"});
+  schema.add("shock", "perturbation", s.perturbation,
+             {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
+  schema.add("shock", "waves", s.waves,
+             {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz, rayleigh_taylor: of that sine"});
+  schema.add("shock", "gravity", s.gravity,
+             {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
+}
+
+void declare_dissipation(namelist::schema& schema, shock_options& s) {
+  schema.add("shock", "solver", s.solver,
+             {.choices = {"exact", "hllc"}, .meaning = "of the Riemann problem (gsph, gdisph)"});
+  schema.add("shock", "reconstruction", s.reconstruction,
+             {.choices = {"first", "second"}, .meaning = "order of the states at the interface (gsph, gdisph)"});
+  schema.add("shock", "limiter", s.limiter,
+             {.choices = {"minmod", "monotonised"}, .expert = true, .meaning = "of the second order's slopes"});
+  schema.add("shock", "star_pressure", s.star_pressure,
+             {.choices = {"full", "balsara"},
+              .expert = true,
+              .meaning = "gdisph: the Riemann problem's throughout, or in the part that Balsara's factor gives, and "
+                         "the particles' own in the rest"});
+  schema.add("shock", "alpha", s.alpha,
+             {.minimum = 0.0,
+              .maximum = 10.0,
+              .meaning = "of the artificial viscosity (ssph, disph); time-dependent: the largest"});
+  schema.add("shock", "time_dependent_alpha", s.switch_of_alpha,
+             {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
+  schema.add("shock", "alpha_min", s.alpha_min,
+             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "smallest alpha"});
+  schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o) {
+  o.common.time.method = "adaptive";
+  o.common.time.rtol = 0.02;
+  o.common.kernel.name = "quintic";
+  o.common.kernel.skin = 0.5;
+  domain::declare(schema, demands, o.domain);
+  schema.group("shock", "gas with contacts and shocks");
+  declare_case(schema, o.shock);
+  declare_weights(schema, o.shock);
+  declare_states(schema, o.shock);
+  declare_test(schema, o.shock);
+  declare_dissipation(schema, o.shock);
+  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
+}
+
+eos::any eos_of(const std::string& name) {
+  eos::material_options m;
+  m.name = name;
+  return eos::make(m);
+}
+
+// As setups.cpp lays them.
+double expected_particles(const options& o) {
+  const double lattice = o.domain.lattice_particles();
+  if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
+  const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
+  return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
+}
+
+namespace {
+
+// Of a run at this or a coarser resolution.
+void check_kernel_fits(const namelist::schema& schema, const options& o, const domain::options& d) {
+  const double dx = d.dx(), support = run::support_over_dx(o.common.kernel) * dx;
+  domain::check_widths(schema, d, support + o.common.kernel.skin * dx, support);
+}
+
+void resolve_box(const namelist::schema& schema, options& o) {
+  auto& d = o.domain;
+  domain::resolve(schema, demands, d);
+  for (std::size_t a = d.axes(); a < 3; ++a) d.length[a] = 0.0, d.particles[a] = 0;
+  domain::check_number(schema, d, expected_particles(o));
+  check_kernel_fits(schema, o, d);
+}
+
+// Of one side: with an equation of state the density follows.
+void resolve_material(const namelist::schema& schema, shock_options& s, bool left) {
+  const std::string end = left ? "l" : "r";
+  const std::string& name = left ? s.eos_l : s.eos_r;
+  const auto& T = left ? s.temperature_l : s.temperature_r;
+  if (T && name.empty()) schema.fail("shock", "temperature_" + end, "a temperature needs an equation of state");
+  if (name.empty()) return;
+  if (s.test != "riemann" && s.test != "square")
+    schema.fail("shock", "eos_" + end, "the test '" + s.test + "' is of an ideal gas");
+  if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
+  if (left ? s.gamma_l : s.gamma_r)
+    schema.fail("shock", "gamma_" + end, "is of a gas, and there is an equation of state");
+  if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
+    schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
+  double& rho = left ? s.rho_l : s.rho_r;
+  const double follows =
+      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(name), left ? s.p_l : s.p_r, *T); });
+  if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
+    schema.fail("shock", "rho_" + end,
+                fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
+  rho = follows;
+}
+
+void resolve_materials(const namelist::schema& schema, options& o) {
+  auto& s = o.shock;
+  for (const bool left : {true, false}) resolve_material(schema, s, left);
+  if (s.eos_l.empty() != s.eos_r.empty())
+    schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
+  if (o.any_eos() && o.weighs_energy())
+    schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
+  if (!o.any_eos()) {
+    if (!s.gamma_l) s.gamma_l = s.gamma;
+    if (!s.gamma_r) s.gamma_r = s.gamma;
+  }
+  if (!o.any_eos() &&
+      (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma)) {
+    if (s.test != "riemann" && s.test != "square")
+      schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
+    if (o.weighs_energy())
+      schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
+  }
+}
+
+void check_test(const namelist::schema& schema, const options& o) {
+  const auto& s = o.shock;
+  const auto& test = s.test;
+  if (test == "rayleigh_taylor" ? s.gravity <= 0.0 : s.gravity != 0.0)
+    schema.fail("shock", "gravity", "gravity is for the test 'rayleigh_taylor', which needs it");
+  if (test == "rayleigh_taylor" && o.domain.periodic[1])
+    schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
+  if (s.corner)
+    for (std::size_t a = 0; a < o.domain.axes(); ++a)
+      if (test != "sedov" || o.domain.periodic[a])
+        schema.fail("shock", "corner", "the centre is in a corner only in the test 'sedov' and between walls");
+  if (o.domain.dimension == 1 &&
+      (test == "square" || test == "kelvin_helmholtz" || test == "rayleigh_taylor" || test == "gresho"))
+    schema.fail("domain", "dimension", "the test '" + test + "' has two dimensions at least");
+}
+
+void check_coarser(const namelist::schema& schema, const options& o) {
+  const std::int64_t k = o.shock.coarser;
+  if (k == 0) return;
+  for (const char* test : {"square", "kelvin_helmholtz", "rayleigh_taylor", "blasts"})
+    if (o.shock.test == test)
+      schema.fail("shock", "coarser",
+                  fmt::format("the test '{}' has no exact solution to measure errors against", test));
+  for (std::size_t a = 0; a < o.domain.axes(); ++a)
+    if (const auto n = o.domain.particles[a], least = n >> k; (least << k) != n || least < 8)
+      schema.fail("shock", "coarser",
+                  fmt::format("{} particles along an axis cannot be halved {} times to 8 or more", n, k));
+  auto coarsest = o.domain;
+  for (auto& n : coarsest.particles) n >>= k;
+  check_kernel_fits(schema, o, coarsest);
+}
+
+}  // namespace
+
+void resolve(const namelist::schema& schema, options& o) {
+  if (!o.common.time.cfl) o.common.time.cfl = o.common.time.method == "euler" ? 0.1 : 0.4;
+  run::resolve(schema, o.common);
+  run::check_output(schema, o.common);
+  resolve_materials(schema, o);
+  resolve_box(schema, o);
+  check_test(schema, o);
+  check_coarser(schema, o);
+  if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  schema.placed("shock", "test", [&] { make_setup(o); });
+}
+
+}  // namespace tetsuame::gas

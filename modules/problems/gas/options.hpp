@@ -1,0 +1,57 @@
+// The input of gas with contacts and shocks:
+//   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
+//   &shock    test, scheme, state and material on either side, viscosity, Riemann solver, reconstruction
+//   &time, &kernel, &output, &run   run/options.hpp
+#pragma once
+
+#include <array>
+#include <eos/eos.hpp>
+#include <optional>
+#include <run/lists.hpp>
+#include <run/options.hpp>
+
+namespace tetsuame::gas {
+
+struct shock_options {
+  std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
+  std::string weight = "energy", support_terms = "number";
+  double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
+  double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
+  double gamma = 1.4;
+  std::optional<double> gamma_l, gamma_r;              // none: gamma
+  double p_infinity_l = 0.0, p_infinity_r = 0.0;       // Pa; stiffened gas
+  std::string eos_l, eos_r;                            // empty: the gas of gamma and p_infinity
+  std::optional<double> temperature_l, temperature_r;  // K
+  std::int64_t coarser = 0;                            // runs at 1/2, 1/4, … of the resolution before this one
+  double window = 1.0;                        // of the box along x, about its middle: where errors are measured
+  double energy = 1.0, blast_radius = 2.0;    // J; in spacings
+  bool corner = false;                        // sedov: the centre is in a corner
+  double gravity = 0.0;                       // m/s2, towards -y
+  double layer = 0.025, perturbation = 0.01;  // m, m/s
+  std::int64_t waves = 2;                     // along x
+  std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
+  double alpha = 1.0, alpha_min = 0.1;
+  bool switch_of_alpha = true, balsara = true;
+};
+
+struct options {
+  domain::options domain{.dimension = 1, .length = {1.0, 0.0, 0.0}, .particles = {400, 0, 0}};
+  shock_options shock;
+  run::common_options common;
+
+  bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }
+  bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
+  bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
+  bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  bool evolves_density() const { return shock.scheme == "remix"; }
+  bool any_eos() const { return !shock.eos_l.empty(); }
+  bool second_order() const { return godunov() && shock.reconstruction == "second"; }
+};
+
+eos::any eos_of(const std::string& name);  // with its own parameters
+
+void declare(namelist::schema& schema, options& o);
+void resolve(const namelist::schema& schema, options& o);
+double expected_particles(const options& o);
+
+}  // namespace tetsuame::gas

@@ -1,0 +1,67 @@
+// What is at the start of a test, and the exact solution where there is one.
+#pragma once
+
+#include <functional>
+#include <gas/options.hpp>
+#include <riemann/exact.hpp>
+#include <vector>
+
+namespace tetsuame::gas {
+
+using point = std::array<double, 3>;
+
+struct state {
+  double rho, p;  // kg/m3, Pa
+  point v{};      // m/s
+  std::int32_t material = 0;
+};
+
+// An even lattice of n particles along each axis between two corners, cell-centred.
+struct block {
+  point low{}, high{};
+  std::array<std::int64_t, 3> n{1, 1, 1};
+  std::function<bool(const point&)> holds = {};  // none: all of it
+};
+
+// The owned particles of a rank, as the measures see them.
+struct view {
+  const domain::communicator& ranks;
+  std::size_t n;
+  std::array<const double*, 3> x, v;  // none beyond the dimension
+  const double *m, *rho, *p, *volume;
+  const std::int32_t* material;
+
+  point place(std::size_t i) const { return of(x, i); }
+  point velocity(std::size_t i) const { return of(v, i); }
+
+ private:
+  static point of(const std::array<const double*, 3>& a, std::size_t i) {
+    point r{};
+    for (std::size_t k = 0; k < 3; ++k)
+      if (a[k] != nullptr) r[k] = a[k][i];
+    return r;
+  }
+};
+
+// A measure over time: a column of history.csv. The values at all its lines are kept for the end.
+struct trace {
+  std::string name, unit;
+  std::function<double(const view&)> value;  // collective
+};
+using samples = std::vector<std::vector<double>>;                            // [line]: time, then the traces
+using numbers = std::vector<std::pair<std::string, std::optional<double>>>;  // none: could not be measured
+
+struct setup {
+  std::vector<block> blocks;
+  std::int32_t material_l = 0;  // of the gas on the left or inside, with its gamma and p_infinity
+  std::function<state(const point&)> start;
+  std::function<state(const point&, double t)> exact = {};    // none: no errors
+  std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere
+  numbers known = {};                                         // of the exact solution, for summary.json
+  std::vector<trace> traces = {};
+  std::function<numbers(const view&, const samples&)> measures = {};  // for summary.json; collective
+};
+
+setup make_setup(const options& o);
+
+}  // namespace tetsuame::gas

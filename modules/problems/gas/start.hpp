@@ -1,0 +1,150 @@
+// The start: what a particle carries, materials, kernel, box, the particles of a rank in their places, and
+// their supports.
+#pragma once
+
+#include <gas/lists.hpp>
+#include <gas/state.hpp>
+
+namespace tetsuame::gas {
+
+struct start_state {
+  double u, c;  // J/kg, m/s
+};
+
+template <int D>
+start_state start_of(const world<D>& g, const state& now) {
+  if (g.o.any_eos()) {
+    const bool left = now.material == g.test.material_l;
+    const eos::caloric& m = g.materials[left ? 0 : 1];
+    const double u = m.internal_energy(now.rho, left ? *g.o.shock.temperature_l : *g.o.shock.temperature_r);
+    return {u, m.at(now.rho, u).c};
+  }
+  const auto [gamma, stiffness] = gas_of(g, now.material);
+  return {(now.p + gamma * stiffness) / ((gamma - 1.0) * now.rho), std::sqrt(gamma * (now.p + stiffness) / now.rho)};
+}
+
+template <int D>
+void make_materials(world<D>& g) {
+  if (!g.o.any_eos()) return;
+  const auto& q = g.o.shock;
+  for (const bool left : {true, false}) {
+    const eos::caloric& m = g.materials.emplace_back(eos_of(left ? q.eos_l : q.eos_r));
+    const double rho = left ? q.rho_l : q.rho_r;
+    g.stiffening.push_back(m.stiffening(rho, m.internal_energy(rho, left ? *q.temperature_l : *q.temperature_r)));
+  }
+}
+
+template <int D>
+void add_fields(world<D>& g) {
+  using particles::role;
+  auto& extras = g.w.s.extras;
+  extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
+  extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
+  extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
+  extras.push_back({"StartVolume", "m^D", "mass over density at the start", role::memory, {}});
+  extras.push_back({"StartSum", "1", "sum of StartVolume W at the start", role::memory, {}});
+  extras.push_back({"EvolvedDensity", "kg/m^D", "density by continuity", role::integrated, {}});
+}
+
+template <int D>
+void choose_kernel(world<D>& g) {
+  const auto& kernel = g.o.common.kernel;
+  const auto& line = kernels::find(kernel.name);
+  g.support_over_dx = line.support_over_h * kernel.h_over_dx;
+  g.support_over_h = line.support_over_h;
+  bool found = false;
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    ((std::variant_alternative_t<k, kernel_choice<D>>::name == kernel.name
+          ? (g.unit.template emplace<k>(1.0), found = true)
+          : false),
+     ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<kernel_choice<D>>>{});
+  if (!found) throw std::logic_error("no kernel " + kernel.name + " among those that options.cpp offers");
+}
+
+template <int D>
+void make_box(world<D>& g) {
+  domain::box<D> region;
+  for (std::size_t a = 0; a < D; ++a) {
+    region.length[a] = g.o.domain.length[a];
+    region.periodic[a] = g.o.domain.periodic[a];
+  }
+  g.w.dx = g.o.domain.dx();
+  g.skin = g.o.common.kernel.skin * g.w.dx;
+  g.w.d = domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin,
+                               g.o.domain.ranks_x);
+  g.walls.sides = reflecting_walls<D>(region);
+}
+
+template <int D>
+void place_particles(world<D>& g) {
+  auto& s = g.w.s;
+  struct start {
+    std::int64_t id;
+    point x;
+    double volume;
+  };
+  std::vector<start> mine;
+  std::int64_t id = 0;
+  double fastest = 0.0, densest = 0.0;
+  for_each_start<D>(g.test, [&](const point& x, double volume) {
+    const state now = g.test.start(x);
+    double v2 = std::pow(start_of(g, now).c, 2);
+    for (const double v : now.v) v2 += v * v;
+    fastest = std::max(fastest, v2);
+    densest = std::max(densest, now.rho);
+    std::array<double, D> place;
+    std::copy_n(x.begin(), D, place.begin());
+    if (g.w.d.within(g.w.d.cell(), place)) mine.push_back({id, x, volume});
+    ++id;
+  });
+  g.fluid_total = id;
+  g.speed_scale = std::sqrt(fastest);
+  g.density_scale = densest;
+  particles::allocate(s, mine.size(), 0, 0, 0);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto& p = mine[i];
+    const state now = g.test.start(p.x);
+    s.id[i] = p.id;
+    s.material[i] = now.material;
+    s.m[i] = now.rho * p.volume;
+    s.u[i] = start_of(g, now).u;
+    s.rho[i] = g.evolved()[i] = now.rho;
+    g.start_volume()[i] = p.volume;
+    g.start_sum()[i] = 1.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] = p.x[a];
+      s.v[a][i] = now.v[a];
+    }
+    g.support()[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
+    g.alpha()[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
+  }
+}
+
+template <int D>
+void set_up(world<D>& g) {
+  make_materials(g);
+  add_fields(g);
+  choose_kernel(g);
+  make_box(g);
+  place_particles(g);
+}
+
+// After the first lists. The start lattice's supports are those of an endless lattice: next to a jump they are not yet
+// the right ones.
+template <int D>
+void settle(world<D>& g) {
+  for (int round = 0; round < 4; ++round) {
+    for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(g, unit); }, g.unit);
+    make_lists(g, false);
+  }
+  if (!g.o.weighs_volume()) return;
+  // With the sums of the start a particle's density is at first what the input says, at contacts too.
+  std::visit([&](const auto& unit) { sum_densities(g, unit, g.w.fluid()); }, g.unit);
+  begin_found(g);
+  end_found(g);
+  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum().begin());
+}
+
+}  // namespace tetsuame::gas

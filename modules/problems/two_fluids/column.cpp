@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <two_fluids/column.hpp>
+
+namespace tetsuame::two_fluids {
+
+place at_pressure(const barotropic& b, double pressure) {
+  double T = b.temperature;
+  if (b.adiabatic && pressure != b.pressure) {
+    const auto state = [&](double p, double t) {
+      return eos::evaluate(*b.material, eos::density(*b.material, p, t), t);
+    };
+    const auto slope = [&](double p, double t) {  // γ_th T/K_S = α T/(ρ c_V + γ_th α T ρ c_V), K/Pa
+      const double rho = eos::density(*b.material, p, t);
+      const auto e = eos::evaluate(*b.material, rho, t);
+      return e.alpha * e.K_T * t / (rho * e.c_V * rho * e.sound_speed * e.sound_speed);
+    };
+    const auto e = state(b.pressure, T);
+    const double rho = eos::density(*b.material, b.pressure, T), K_S = rho * e.sound_speed * e.sound_speed;
+    const double steps = std::ceil(100.0 * std::abs(pressure - b.pressure) / K_S);
+    if (!(steps <= 1e5))
+      foundation::fail_calculation(fmt::format(
+          "an adiabat from {:.6g} to {:.6g} Pa, beside a bulk modulus of {:.6g} Pa", b.pressure, pressure, K_S));
+    const auto n = static_cast<int>(steps);
+    const double dp = (pressure - b.pressure) / n;
+    double p = b.pressure;
+    for (int k = 0; k < n; ++k, p += dp) {
+      const double k1 = slope(p, T), k2 = slope(p + 0.5 * dp, T + 0.5 * dp * k1),
+                   k3 = slope(p + 0.5 * dp, T + 0.5 * dp * k2), k4 = slope(p + dp, T + dp * k3);
+      T += dp * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+    }
+  }
+  return {pressure, eos::density(*b.material, pressure, T), T};
+}
+
+theory::barotrope curve(const barotropic& b) {
+  return [b](double p) -> theory::material_state {
+    const place here = at_pressure(b, p);
+    const auto e = eos::evaluate(*b.material, here.density, here.temperature);
+    return {here.density, b.adiabatic ? here.density * e.sound_speed * e.sound_speed : e.K_T};
+  };
+}
+
+column::column(const barotropic& lower, const barotropic& upper, double interface, double top, double g)
+    : lower_(lower), upper_(upper), cover_(upper), interface_(interface), cover_from_(top), g_(g) {
+  descend(upper_, top, interface, upper.pressure, above_);
+  lower_.pressure = above_.back().state.pressure;
+  if (lower_.adiabatic) lower_.temperature = above_.back().state.temperature;
+  descend(lower_, interface, 0.0, lower_.pressure, below_);
+}
+
+column::column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface,
+               double cover_from, double top, double g)
+    : lower_(lower), upper_(upper), cover_(cover), interface_(interface), cover_from_(cover_from), g_(g) {
+  descend(cover_, top, cover_from, cover.pressure, covering_);
+  upper_.pressure = covering_.back().state.pressure;
+  descend(upper_, cover_from, interface, upper_.pressure, above_);
+  lower_.pressure = above_.back().state.pressure;
+  descend(lower_, interface, 0.0, lower_.pressure, below_);
+}
+
+void column::descend(const barotropic& b, double from, double to, double p, std::vector<node>& nodes) const {
+  constexpr int n = 256;
+  const double dy = (to - from) / n;
+  auto on = b;  // from the last node, so that an adiabat is followed once
+  on.pressure = p;
+  if (b.adiabatic) on.temperature = at_pressure(b, p).temperature;
+  const auto slope = [&](double pressure) { return -g_ * at_pressure(on, pressure).density; };
+  for (int k = 0;; ++k) {
+    const place here = at_pressure(on, p);
+    nodes.push_back({from + k * dy, here});
+    if (k == n) break;
+    if (on.adiabatic) {
+      on.pressure = p;
+      on.temperature = here.temperature;
+    }
+    const double k1 = slope(p), k2 = slope(p + 0.5 * dy * k1), k3 = slope(p + 0.5 * dy * k2), k4 = slope(p + dy * k3);
+    p += dy * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+  }
+}
+
+// Cubic in y with the slopes -ρ g at both nodes; ρ and T on the material's curve.
+place column::between(const barotropic& b, const std::vector<node>& nodes, double y) {
+  const double span = nodes.front().y - nodes.back().y, dy = span / static_cast<double>(nodes.size() - 1);
+  const double from_top = std::clamp((nodes.front().y - y) / dy, 0.0, static_cast<double>(nodes.size() - 1));
+  const auto k = std::min(static_cast<std::size_t>(from_top), nodes.size() - 2);
+  const auto &high = nodes[k], &low = nodes[k + 1];
+  const double t = from_top - static_cast<double>(k), s = 1.0 - t;
+  const double g_dy = (low.state.pressure - high.state.pressure) / (0.5 * (low.state.density + high.state.density));
+  const double p = s * s * (1.0 + 2.0 * t) * high.state.pressure + t * t * (3.0 - 2.0 * t) * low.state.pressure +
+                   g_dy * (s * s * t * high.state.density - t * t * s * low.state.density);
+  auto on = b;
+  on.pressure = high.state.pressure;
+  on.temperature = high.state.temperature;
+  return at_pressure(on, p);
+}
+
+place column::at(double y) const {
+  if (!covering_.empty() && y >= cover_from_) return between(cover_, covering_, y);
+  return y >= interface_ ? between(upper_, above_, y) : between(lower_, below_, y);
+}
+
+}  // namespace tetsuame::two_fluids

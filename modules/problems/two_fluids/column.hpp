@@ -1,0 +1,56 @@
+// The start at rest: a column of two materials in hydrostatic balance, dp/dy = -ρ g from the lid down.
+#pragma once
+
+#include <eos/eos.hpp>
+#include <theory/rayleigh_taylor.hpp>
+#include <vector>
+
+namespace tetsuame::two_fluids {
+
+// A material on its isotherm, or on the adiabat through (pressure, temperature).
+struct barotropic {
+  const eos::any* material;
+  double pressure, temperature;  // Pa, K: a point of the curve
+  bool adiabatic;
+};
+
+struct place {
+  double pressure, density, temperature;  // Pa, kg/m3, K
+};
+
+// ρ and T at a pressure (Pa): dT/dp = γ_th T/K_S by fourth-order Runge-Kutta steps of at most a hundredth of K_S.
+place at_pressure(const barotropic& b, double pressure);
+
+// For theory::layer. The materials must outlive it.
+theory::barotrope curve(const barotropic& b);
+
+// Pressure and density by height.
+class column {
+ public:
+  // Heights in m: floor at 0, interface, top; g in m/s2; upper.pressure is that of the top. With an adiabat the lower
+  // layer starts at the temperature that the upper one has at the interface.
+  column(const barotropic& lower, const barotropic& upper, double interface, double top, double g);
+
+  // The same with a third layer, from `cover_from` to the top, whose pressure cover.pressure is; upper.pressure counts
+  // for nothing. All on isotherms.
+  column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface, double cover_from,
+         double top, double g);
+
+  place at(double y) const;  // y == interface: of the layer above
+  const barotropic& lower() const { return lower_; }
+  const barotropic& upper() const { return upper_; }
+
+ private:
+  struct node {
+    double y;
+    place state;
+  };
+  void descend(const barotropic& b, double from, double to, double p, std::vector<node>& nodes) const;
+  static place between(const barotropic& b, const std::vector<node>& nodes, double y);
+
+  barotropic lower_, upper_, cover_;
+  double interface_, cover_from_, g_;
+  std::vector<node> below_, above_, covering_;  // descending
+};
+
+}  // namespace tetsuame::two_fluids

@@ -1,0 +1,118 @@
+// Two fluids under gravity: what a run holds, as plain data, and names for what is asked of a particle.
+#pragma once
+
+#include <integrators/explicit_integrator.hpp>
+#include <run/lists.hpp>
+#include <run/start_lattice.hpp>
+#include <two_fluids/lattice.hpp>
+#include <two_fluids/options.hpp>
+#include <walls/boundary_force.hpp>
+
+namespace tetsuame::two_fluids {
+
+template <int D>
+struct fluids {
+  using point = std::array<double, D>;
+
+  problem_kind kind;
+  const options& o;
+  const parameters& p;
+  run::state<D> world;
+  bool weighed = false;  // Y is integrated
+  bool carried = false, smoothed = false, first_pattern = false, from_weight = false, warms = false;
+  bool enthalpy = false, melts = false;
+  bool dissolved = false, tense = false;
+  bool follows = false;                                     // supports the volumes
+  std::size_t heat_at = 0, element_at = 0, support_at = 0;  // of the extras
+  double self = 0.0, h = 0.0;                               // 1/m^D, m
+  double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
+  viscous_weights viscous;
+  bool second_order = false;  // in the place of the viscous order that was asked for
+
+  // Where supports follow the volumes (supports.hpp): the kernel with support 1, that of the start, those in the sums.
+  kernels::any<D> unit = kernels::make<D>("quintic", 1.0);
+  double S_0 = 0.0;                                              // m
+  particles::array S, per_S, count, count_slope, follow_factor;  // m, 1/m, 1, 1, 1
+
+  std::array<particles::array, D> force;
+  particles::array stress, factor, W_sum, compression, heat, rho_rate, conducted;
+  particles::array melt, inertia;                     // melt fraction; ξ²
+  particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
+
+  particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
+  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of surface_tension.hpp; N
+
+  fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {}
+
+  std::vector<particles::array*> scratch() {
+    std::vector<particles::array*> all{&stress,   &factor,    &W_sum, &compression, &heat,
+                                       &rho_rate, &conducted, &melt,  &inertia,     &partition,
+                                       &mobility, &metal,     &gain,  &area,        &squared_volume};
+    for (auto* a : {&S, &per_S, &count, &count_slope, &follow_factor}) all.push_back(a);
+    for (auto* vectors : {&force, &tension_force, &colour_slope})
+      for (auto& a : *vectors) all.push_back(&a);
+    return all;
+  }
+
+  const domain::communicator& ranks() const { return world.w.d.ranks; }
+  particles::array& dissipated() { return world.w.s.extras[0].values; }
+  const particles::array& dissipated() const { return world.w.s.extras[0].values; }
+  particles::array& rho_start() { return world.w.s.extras[1].values; }
+  const particles::array& rho_start() const { return world.w.s.extras[1].values; }
+  particles::array& T_start() { return world.w.s.extras[2].values; }
+  const particles::array& T_start() const { return world.w.s.extras[2].values; }
+  particles::array& content() { return world.w.s.extras[heat_at].values; }
+  const particles::array& content() const { return world.w.s.extras[heat_at].values; }
+  particles::array& content_start() { return world.w.s.extras[heat_at + 1].values; }
+  const particles::array& content_start() const { return world.w.s.extras[heat_at + 1].values; }
+  particles::array& element() { return world.w.s.extras[element_at].values; }
+  particles::array& support() { return world.w.s.extras[support_at].values; }
+  const particles::array& support() const { return world.w.s.extras[support_at].values; }
+  particles::array& list_support() { return world.w.s.extras[support_at + 1].values; }
+  const particles::array& list_support() const { return world.w.s.extras[support_at + 1].values; }
+  const particles::array& element() const { return world.w.s.extras[element_at].values; }
+
+  bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }
+  bool is_drop() const { return kind == problem_kind::drop; }
+  bool many() const { return is_drop() && p.places.size() > 1; }
+  double number_of_drops() const { return static_cast<double>(p.places.size()); }
+  double inertia_of(std::size_t i) const { return enthalpy ? inertia[i] : 1.0; }
+  double latent(std::size_t i) const { return melts && !is_metal(i) ? o.melting.latent_heat : 0.0; }
+  double speed2(std::size_t i) const {
+    double v2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) v2 += world.w.s.v[a][i] * world.w.s.v[a][i];
+    return v2;
+  }
+  double reference_pressure(double y) const { return reference_floor + reference_slope * y; }  // Pa
+
+  // The viscous sum of fourth order takes energy from every wave of the lattice, but may give some to particles in
+  // disorder. Where the energy dissipated falls, that of second order, which cannot, takes its place.
+  bool fourth_order() const { return o.scheme.viscous_order == 4 && !second_order; }
+};
+
+// A material by itself: isotherm or adiabat through the lid's pressure and temperature.
+template <int D>
+barotropic curve_of(const fluids<D>& f, std::size_t n) {
+  return {&(*f.p.material)[n], f.o.p_top, f.o.temperature, f.warms};
+}
+template <int D>
+place on_curve(const fluids<D>& f, std::size_t n, double pressure) {
+  return at_pressure(curve_of(f, n), pressure);
+}
+
+template <int D>
+melting::heat_content contents(const fluids<D>& f, std::size_t i, double p) {
+  if (!f.melts || f.is_metal(i)) return {f.world.w.s.c_V[i], 0.0};
+  const auto [T_s, T_l] = melting_range(f.o.melting, p);
+  return {f.world.w.s.c_V[i], f.o.melting.latent_heat, T_s, T_l};
+}
+
+// What the pressure has in the forces, A of terms.hpp over p: m^2D, or m^D with pattern 2.
+template <int D>
+double element_of_work(const fluids<D>& f, std::size_t i) {
+  const auto& w = f.world.w;
+  const double scale = f.carried ? 1.0 : 1.0 / w.lattice_sum;
+  return scale * w.s.dV[i] * (f.first_pattern ? w.s.dV[i] : 1.0);
+}
+
+}  // namespace tetsuame::two_fluids

@@ -1,0 +1,63 @@
+// Parts of the input by subject, which options.cpp declares and resolves together: each group has its keys and its
+// rules in one place. Not for other modules.
+#pragma once
+
+#include <two_fluids/options.hpp>
+
+namespace tetsuame::two_fluids {
+
+inline const char* group_of(problem_kind kind) { return kind == problem_kind::drop ? "drop" : "rti"; }
+inline std::array<const char*, 2> names_of(problem_kind kind) {
+  if (kind == problem_kind::drop) return {"outside", "drop"};
+  return {"lower", "upper"};
+}
+
+inline namelist::key_info positive(std::string unit, std::string meaning) {
+  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+}
+
+inline namelist::key_info for_expert(namelist::key_info k) {
+  k.expert = true;
+  return k;
+}
+
+// Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
+using unused_key = std::pair<const char*, bool>;  // name, and whether its value is the default
+inline void refuse(const namelist::schema& schema, const char* group, std::initializer_list<unused_key> keys,
+                   const std::string& why) {
+  for (const auto& [key, is_default] : keys)
+    if (schema.given(group, key) && !is_default) schema.fail(group, key, why);
+}
+
+inline constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+
+// Of floor, lid and those sides that are walls, whose slip is empty where there are none.
+struct slips {
+  std::string floor, lid, sides;
+};
+slips slips_of(const options& o);
+
+// scheme.cpp: materials and formulation
+void declare(namelist::schema& schema, const char* group, const std::string& which, material_options& o);
+void declare(namelist::schema& schema, const char* group, scheme_options& o);
+eos::any make(const options& o, std::size_t n);
+void choose_scheme(const namelist::schema& schema, const char* group, options& o, parameters& p);
+void find_elasticity(const options& o, parameters& p);
+
+// heat.cpp: heat content, melting, the element
+void declare(namelist::schema& schema, melting_options& o);
+void declare(namelist::schema& schema, element_options& o);
+void check_element(const namelist::schema& schema, const element_options& o);
+void find_heat(const namelist::schema& schema, problem_kind kind, options& o, parameters& p);
+void find_melt(const options& o, parameters& p);
+
+// waves.cpp: layers one over the other
+void declare_waves(namelist::schema& schema, const char* group, options& o);
+void find_waves(const namelist::schema& schema, options& o, parameters& p);
+
+// drops.cpp
+void declare_drops(namelist::schema& schema, const char* group, options& o);
+void warn_of_tension(const options& o, parameters& p, double y);
+void find_fall(const namelist::schema& schema, options& o, parameters& p);
+
+}  // namespace tetsuame::two_fluids

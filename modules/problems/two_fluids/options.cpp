@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <two_fluids/groups.hpp>
+
+namespace tetsuame::two_fluids {
+
+namespace {
+
+constexpr std::array<double, 2> default_density{3000.0, 7000.0};  // kg/m3, of lower or outside, upper or drop
+
+const domain::demands demands{.least_particles = 4, .walls_below_and_above = "gravity needs a floor and a lid"};
+
+void check_domain(const namelist::schema& schema, options& o, parameters& p) {
+  domain::resolve(schema, demands, o.domain);
+  p.dx = o.domain.dx();
+  const double support = run::support_over_dx(o.common.kernel) * p.dx;
+  p.halo = o.by_program ? support * walls::radius_factor(o.walls) : support;
+  domain::check_widths(schema, o.domain, std::max(p.halo, support) + o.common.kernel.skin * p.dx, support);
+}
+
+void make_materials(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p) {
+  const char* group = group_of(kind);
+  p.material = std::make_unique<std::array<eos::any, 2>>();
+  for (const std::size_t n : {0, 1}) {
+    const auto& m = o.material[n];
+    const std::string which = names_of(kind)[n];
+    if (m.eos != "linear") {
+      const std::string density = "density_" + which, modulus = "bulk_modulus_" + which;
+      refuse(schema, group, {{density.c_str(), m.density == default_density[n]}, {modulus.c_str(), !m.bulk_modulus}},
+             "is of the linear equation of state; '" + m.eos + "' has its own");
+    }
+    (*p.material)[n] = schema.placed(group, "eos_" + which, [&] { return make(o, n); });
+  }
+}
+
+// Heights of the contacts, on edges between rows, and the column at rest.
+void find_layers(const namelist::schema& schema, problem_kind kind, options& o, parameters& p) {
+  const char* group = group_of(kind);
+  const double height = o.domain.length[1];
+  const bool adiabatic = o.temperature_law == "adiabatic";
+  if (kind == problem_kind::rayleigh_taylor) {
+    if (!o.interface) o.interface = 0.5 * height;
+    const double rows = std::floor(*o.interface / p.dx + 0.5 + 1e-9);  // with their centres not above it
+    p.interface = rows * p.dx;
+    if (!(rows >= 1.0 && rows < static_cast<double>(o.domain.particles[1])))
+      schema.fail(group, "interface", "leaves no row of particles on one side");
+  } else {
+    p.interface = height;
+  }
+  p.pond_top = height;
+  if (o.pond_top) {
+    p.pond_top = std::floor(*o.pond_top / p.dx + 0.5 + 1e-9) * p.dx;
+    if (!(p.pond_top > p.interface && p.pond_top < height))
+      schema.fail(group, "pond_top", "must leave rows of particles to the pond and to what covers it");
+  }
+  const std::size_t top = kind == problem_kind::drop ? 0 : 1;
+  const auto at_rest = [&](std::size_t n) { return barotropic{&(*p.material)[n], o.p_top, o.temperature, adiabatic}; };
+  p.base = schema.placed(group, "p_top", [&] {
+    return o.pond_top ? std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height,
+                                                 o.gravity)
+                      : std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
+  });
+}
+
+}  // namespace
+
+slips slips_of(const options& o) {
+  slips s{walls::slip_of(o.walls, 2), walls::slip_of(o.walls, 3), ""};
+  for (const std::size_t n : {0, 1, 4, 5}) {
+    if (o.domain.periodic[n / 2] || n / 2 >= o.domain.axes()) continue;
+    const auto& slip = walls::slip_of(o.walls, n);
+    if (!s.sides.empty() && s.sides != slip) return {s.floor, s.lid, "different"};
+    s.sides = slip;
+  }
+  return s;
+}
+
+box_of_drops box_of(const domain::options& d) {
+  return {static_cast<int>(d.dimension), d.length, {d.periodic[0], false, d.dimension == 3 && d.periodic[2]}};
+}
+
+void declare(namelist::schema& schema, problem_kind kind, options& o) {
+  const char* group = group_of(kind);
+  const auto names = names_of(kind);
+  o.common.kernel.name = o.by_program ? "quintic" : "wendland_c6";
+  o.common.kernel.skin = 0.4;
+  o.common.output.history_interval = 10;
+  o.common.time.t_end = 3000.0;
+  for (const std::size_t n : {0, 1}) o.material[n].density = default_density[n];
+  domain::declare(schema, demands, o.domain);
+  schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
+  for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
+  schema.add(group, "bulk_modulus", o.bulk_modulus, positive("Pa", "K of p = K (rho/rho0 - 1), of both"));
+  schema.add(group, "gravity", o.gravity, positive("m/s^2", "towards -y"));
+  schema.add(group, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure at the top of the start column"});
+  schema.add(group, "temperature", o.temperature, positive("K", "at the top of the start column"));
+  schema.add(
+      group, "temperature_law", o.temperature_law,
+      {.choices = {"isothermal", "adiabatic", "enthalpy"},
+       .meaning = "one temperature for ever; adiabats at the start and temperature by compression, friction, "
+                  "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
+  schema.add(group, "conductivity", o.conductivity,
+             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, not of the isothermal law"});
+  schema.add(group, "surface_tension", o.surface_tension,
+             {.unit = "N/m", .minimum = 0.0, .meaning = "between the two materials; walls are neutral (90 degrees)"});
+  for (const std::size_t n : {1, 0})
+    schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
+               for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
+  if (kind == problem_kind::drop)
+    declare_drops(schema, group, o);
+  else
+    declare_waves(schema, group, o);
+  if (o.by_program)
+    schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
+                             "normalise", "delta", "viscous_order", "stress", "rows"});
+  else
+    declare(schema, group, o.scheme);
+  declare(schema, o.melting);
+  declare(schema, o.element);
+  o.walls.slip = "free_slip";
+  o.walls.sides[2].slip = o.walls.sides[3].slip = "no_slip";
+  walls::abilities behind{.moving = false, .heat = false, .free_surface = true};
+  if (o.by_program) behind.treatments = {"virtual_marker", "none", "repulsion", "mirror"};
+  walls::declare(schema, behind, o.walls);
+  schema.also_known("walls", "floor", "slip_bottom");
+  schema.also_known("walls", "lid", "slip_top");
+  schema.also_known("walls", "sides", "slip");
+  if (o.by_program) {
+    schema.pass_over("walls", {"pressure"});
+    liquid::declare(schema, o.liquid);
+    run::declare(schema, o.common, {.starts_from_file = true});
+    return;
+  }
+  schema.add(
+      "walls", "pressure", o.wall_pressure,
+      {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
+  run::declare(schema, o.common, {.starts_from_file = true});
+}
+
+parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
+  const char* group = group_of(kind);
+  run::resolve(schema, o.common);
+  run::check_output(schema, o.common);
+  parameters p{};
+  check_domain(schema, o, p);
+  find_heat(schema, kind, o, p);
+  choose_scheme(schema, group, o, p);
+  check_element(schema, o.element);
+  find_elasticity(o, p);
+  if (!o.common.start.file.empty() && (o.temperature_law == "enthalpy" || o.element.name != "none"))
+    schema.fail("initial", "file",
+                "a snapshot has neither the heat contents of temperature_law 'enthalpy' nor &element");
+  if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
+    schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
+  make_materials(schema, kind, o, p);
+  find_layers(schema, kind, o, p);
+  if (kind == problem_kind::rayleigh_taylor) {
+    p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
+    find_waves(schema, o, p);
+    warn_of_tension(o, p, p.interface);
+    if (o.melting.curve != "none" && !o.pond_top) schema.placed("melting", "liquidus", [&] { find_melt(o, p); });
+  } else {
+    find_fall(schema, o, p);
+  }
+  return p;
+}
+
+std::string theory_text(problem_kind kind, const options& o, const parameters& p) {
+  if (kind == problem_kind::drop)
+    return p.theory_fall
+               ? fmt::format("{}\ndrop less surroundings {:.6g} kg/m3 at y = {:.6g} m\nfall velocity {:.9g} m/s\n",
+                             p.theory_about, p.density_difference, o.measure_at * o.domain.length[1], *p.theory_fall)
+               : p.theory_about + "\n";
+  if (p.melt_conducted)
+    return fmt::format("{}\nmelt fraction {:.6g} of the lower material at t = {:.6g} s, by conduction at rest\n",
+                       p.theory_about, *p.melt_conducted, *o.common.time.t_end);
+  if (!p.growth) return p.theory_about + "\n";
+  return fmt::format(
+      "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"
+      "wave number {:.9g} 1/m, {} floor, {} lid\n"
+      "growth rate {:.9g} 1/s (as run: compressible, {} stress)\n"
+      "growth rate {:.9g} 1/s (incompressible)\n",
+      p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), slips_of(o).floor, slips_of(o).lid, *p.growth,
+      o.scheme.stress, *p.growth_incompressible);
+}
+
+}  // namespace tetsuame::two_fluids

@@ -1,0 +1,144 @@
+// The input of two fluids under gravity, of programs rti and drop:
+//   &domain   domain/options.hpp
+//   &rti or &drop   shape, materials, start, formulation
+//   &walls    walls/options.hpp; pressure
+//   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
+//   &element  what is dissolved in both
+//   &time, &kernel, &output, &run   run/options.hpp
+#pragma once
+
+#include <eos/eos.hpp>
+#include <liquid/options.hpp>
+#include <melting/enthalpy.hpp>
+#include <melting/melting.hpp>
+#include <memory>
+#include <run/options.hpp>
+#include <two_fluids/cloud.hpp>
+#include <two_fluids/column.hpp>
+#include <walls/options.hpp>
+
+namespace tetsuame::two_fluids {
+
+enum class problem_kind { rayleigh_taylor, drop };
+
+struct material_options {
+  std::string eos = "linear";
+  double density = 7000.0;              // kg/m3, linear: at zero pressure
+  double viscosity = 6e11;              // Pa s
+  std::optional<double> bulk_modulus;   // Pa, linear; not given: the common one
+  std::optional<double> heat_capacity;  // J/(kg K); not given: the equation of state's own
+};
+
+struct scheme_options {
+  std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
+  std::string volume_element = "own";
+  std::string reference_pressure = "auto";
+  std::string supports = "fixed";
+  std::string rows = "lattice";  // of rti
+  bool normalise = true;
+  double delta = 0.1;
+  std::string stress = "auto";
+  std::int64_t viscous_order = 0;  // of the run: 2 or 4
+};
+
+// Of the lower (outer) material, where temperature_law is 'enthalpy'.
+struct melting_options {
+  std::string curve = "none";
+  std::string composition = "peridotitic";
+  double solidus = 1661.2, liquidus = 1982.1;  // K, curve 'constant'
+  double latent_heat = 4e5;                    // J/kg
+  std::string viscosity_law = "blended";
+  double viscosity_min = 1e11, viscosity_max = 1e16;  // Pa s
+  double inertia_viscosity = 0.0;                     // Pa s; 0: inertia as it is
+};
+
+// An element dissolved in both materials.
+struct element_options {
+  std::string name = "none";
+  double partition_coefficient = 10.0;
+  double iron_ratio = 14.0;                                    // X_Fe in the metal over X_FeO in the silicate
+  double diffusivity_silicate = 1e7, diffusivity_metal = 1e7;  // m2/s
+  double concentration_silicate = 1.0, concentration_metal = 0.0;
+};
+
+struct options {
+  domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
+  walls::options walls;
+  std::string wall_pressure = "hydrostatic";
+  std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
+  double bulk_modulus = 5e11;                // Pa
+  double gravity = 10.0;                     // m/s2
+  double p_top = 1e5;                        // Pa
+  double temperature = 3000.0;               // K, at the top
+  std::string temperature_law = "isothermal";
+  double conductivity = 0.0;                          // W/(m K)
+  double surface_tension = 0.0;                       // N/m, between the materials
+  std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
+  melting_options melting;
+  element_options element;
+  // of rti
+  std::optional<double> interface, wavelength;  // m
+  double wavelength_z = 0.0;                    // m; 0: no change along z
+  double amplitude = 750.0;                     // m
+  std::string start = "eigenmode";
+  std::optional<double> pond_top, cover_temperature;  // m, K: above, the lower material again
+  // of drop
+  double radius = 1.5e5;                          // m
+  std::array<std::optional<double>, 3> centre{};  // m
+  double measure_at = 0.7;                        // of the height
+  std::string shape = "round";
+  double elongation = 1.0;  // along y, over that across
+  std::int64_t drops = 1, seed = 1;
+  std::optional<double> least_gap;                    // m
+  std::array<std::vector<double>, 3> places{};        // m, of given drops
+  std::optional<double> measure_from, measure_until;  // s, of several drops
+
+  scheme_options scheme;
+  // Where a program's own scheme takes its place: what it is told.
+  bool by_program = false, remembers_density = true;
+  liquid::options liquid;
+  run::common_options common;
+
+  bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
+};
+
+// What a run computes with, SI.
+struct parameters {
+  double dx;
+  double halo;                                        // m, what a particle, or a marker, reaches
+  std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
+  double interface;                                   // m, on an edge between rows
+  std::unique_ptr<column> base;                       // the column at rest
+  std::array<double, 2> temperature{};                // K, at the start, law 'enthalpy'
+  double pond_top, cover_temperature;                 // m, K; pond_top is the lid where nothing covers the pond
+  std::optional<double> melt_conducted;               // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
+  double k_x = 0.0, k_z = 0.0;                        // 1/m
+  double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
+  double spurious_modulus;                            // largest |mu/p| of the start lattice
+  double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
+  // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
+  std::optional<double> growth, growth_incompressible;
+  std::optional<theory::mode> mode;
+  std::optional<double> theory_fall;             // drop: m/s, downward
+  std::vector<std::array<double, 3>> places;     // m, centres of the drops
+  std::optional<double> fall_alone, fall_array;  // m/s, of several: one of them in this box, a regular array of them
+  std::optional<double> hindered;                // Richardson and Zaki's factor
+  double oscillation_period = 0.0, bond_number = 0.0;  // drop with surface tension: s, 1
+  std::string theory_about;
+  std::vector<std::string> lines;
+};
+
+// Solidus and liquidus, K, at a pressure (Pa) of the input's choice.
+std::array<double, 2> melting_range(const melting_options& o, double p);
+// Metal over silicate, at a pressure and temperature (Pa, K).
+double partition_coefficient(const element_options& o, double p, double T);
+// Pa s, by temperature and melt fraction, within the input's bounds.
+double viscosity_by_melt(const melting_options& o, double T, double melt_fraction);
+
+void declare(namelist::schema& schema, problem_kind kind, options& o);
+parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
+box_of_drops box_of(const domain::options& d);
+// What --theory prints.
+std::string theory_text(problem_kind kind, const options& o, const parameters& p);
+
+}  // namespace tetsuame::two_fluids

@@ -1,0 +1,155 @@
+// Supports that follow the volume: S_i = S_0 (ΔV_i/ΔV_0)^(1/d), so that a particle keeps its neighbours when its liquid
+// expands. They stay during a step and follow from one to the next.
+//
+//   our_method        ΔV = m/ρ; every sum has the mean of both kernels, F̄_ij = ½[F(S_i) + F(S_j)]. Σ_j of what is
+//                     antisymmetric in i and j stays so: momentum, friction and heat exchanged as before. The elastic
+//                     energy is of ρ alone: a support that changes between steps makes none.
+//   number_density    ΔV_i = s/n_i, n_i = Σ_j W_ij(S_i): then S_i^d n_i is one number for all, and Newton's method
+//   finds
+//                     S_i (schemes/common.hpp). Along it dn_i = f_i Σ_j dW_ij(S_i), f_i = -d n_i/Σ_j r W'_ij(S_i), so
+//                     that -∂U/∂x_i of U = Σ m u(ρ) is -Σ_j [f_i A_i F_i + f_j A_j F_j] x_ij, A = (p - p_r) ΔV²/s,
+//                     and compression takes up f_i A_i Σ_j v_ij·∇_iW_ij(S_i). Momentum exactly; energy as far as the
+//                     supports have followed. Friction and conduction have F̄.
+//
+// The viscous sum's a₀ - a₁ r² is of the start lattice: r² in units of S_i S_j/S_0².
+#pragma once
+
+#include <schemes/common.hpp>
+#include <two_fluids/fluids.hpp>
+#include <two_fluids/terms.hpp>
+
+namespace tetsuame::two_fluids {
+
+// A pair whose kernels are its ends' own.
+template <class Pair>
+struct pair_with_supports : Pair {
+  pairs::real F_i, F_j;     // 1/m^(D+2), of the pressure force
+  pairs::real r2_of_start;  // m2
+};
+
+// A term over such pairs. `own_slopes`: the pressure force has either end's, or else the mean.
+template <int D, class Kernel, class Term>
+struct with_supports {
+  Kernel unit;
+  const double* per_S;  // 1/m
+  double S_0;           // m
+  bool own_slopes;
+  Term term;
+
+  auto reads() const { return std::tuple_cat(std::tuple{pairs::read(schemes::of_per_support, per_S)}, term.reads()); }
+  auto begin(std::size_t i) const { return term.begin(i); }
+  void add(auto& sums, const auto& pair) const {
+    pair_with_supports<std::remove_cvref_t<decltype(pair)>> ij{pair, {}, {}, {}};
+    const auto F = schemes::slopes_of<D>(unit, pair);
+    ij.F = 0.5 * (F.i + F.j);
+    ij.F_i = own_slopes ? F.i : ij.F;
+    ij.F_j = own_slopes ? F.j : ij.F;
+    ij.r2_of_start = pair.r2 * (S_0 * S_0 * pair.own(schemes::of_per_support)) * pair(schemes::of_per_support);
+    term.add(sums, ij);
+  }
+  void end(std::size_t i, const auto& sums) const { term.end(i, sums); }
+};
+
+// A sum over the neighbours of these rows, with the one kernel or with everyone's own.
+template <int D, class Term>
+void sum(const fluids<D>& f, const pairs::stretch& rows, const Term& term) {
+  const auto& w = f.world.w;
+  if (!f.follows) {
+    w.sum(rows, term);
+    return;
+  }
+  const schemes::distances_only none{1e-9 * f.S_0};
+  std::visit(
+      [&](const auto& unit) {
+        pairs::sum_over<D>(
+            rows, w.list, w.x(), none,
+            with_supports<D, std::remove_cvref_t<decltype(unit)>, Term>{unit, f.per_S.data(), f.S_0, !f.carried, term});
+      },
+      f.unit);
+}
+
+// n_i S_i^d and its slope in S_i (schemes/common.hpp).
+template <int D>
+void count_neighbours(fluids<D>& f) {
+  const auto& w = f.world.w;
+  std::visit(
+      [&](const auto& unit) {
+        pairs::sum_over<D>(w.fluid(), w.list, w.x(), schemes::distances_only{1e-9 * f.S_0},
+                           schemes::number_density<std::remove_cvref_t<decltype(unit)>>{
+                               unit, f.S.data(), f.count.data(), f.count_slope.data()});
+      },
+      f.unit);
+}
+
+// Volumes of the number density, and f_i.
+template <int D>
+void volumes_by_count(fluids<D>& f) {
+  auto& s = f.world.w.s;
+  count_neighbours(f);
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    s.dV[i] = f.world.w.lattice_sum * std::pow(f.S[i], D) / f.count[i];
+    s.rho[i] = s.m[i] / s.dV[i];
+    f.follow_factor[i] = -static_cast<double>(D) * f.count[i] / f.count_slope[i];
+  });
+}
+
+template <int D>
+bool has_factor(const fluids<D>& f) {
+  return f.follows && !f.carried;
+}
+
+// Of the skin, the part that supports may take before lists are made again.
+template <int D>
+double room_to_grow(const fluids<D>& f) {
+  return f.follows ? 0.25 * f.world.skin : 0.0;
+}
+
+// By no more than the lists allow.
+template <int D>
+void next_supports(fluids<D>& f) {
+  const auto& s = f.world.w.s;
+  const double target = f.world.w.lattice_sum * std::pow(f.S_0 / f.world.w.dx, D);
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const double next = f.carried ? f.S_0 / f.world.w.dx * std::pow(s.m[i] / s.rho[i], 1.0 / D)
+                                  : schemes::next_support(f.support()[i], f.count[i], f.count_slope[i], target);
+    f.support()[i] = std::min(next, f.list_support()[i] + room_to_grow(f));
+  });
+}
+
+// Those in the sums, of fluid, ghosts and images.
+template <int D>
+void take_supports(fluids<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  std::copy_n(f.support().begin(), s.fluid, f.S.begin());
+  w.exchange_fluid({f.S.data()});
+  foundation::for_all(f.world.walls.source.size(),
+                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.walls.source[r]]; });
+  foundation::for_all(s.total(), [&](std::size_t i) { f.per_S[i] = 1.0 / f.S[i]; });
+  f.per_S[s.null()] = 0.0;
+}
+
+template <int D>
+void follow_volumes(fluids<D>& f) {
+  next_supports(f);
+  take_supports(f);
+}
+
+// m, that the supports of this rank have grown since the lists were made.
+template <int D>
+double grown(const fluids<D>& f) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support()[i] - f.list_support()[i]);
+  return most;
+}
+
+// The smallest support over that of the start, which steps are for.
+template <int D>
+double narrowest(const fluids<D>& f) {
+  if (!f.follows) return 1.0;
+  double least = f.S_0;
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) least = std::min(least, f.support()[i]);
+  return -f.ranks().maximum(-least) / f.S_0;
+}
+
+}  // namespace tetsuame::two_fluids

@@ -1,0 +1,200 @@
+// Sums over neighbours of two fluids with walls that are mirror images.
+//
+// Pressure and viscosity, one pass:
+//   m_i dv_i/dt = -Σ_j (A_i B_j + B_i A_j) ∇_i W_ij
+//                 + Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j F_ij [a v_ij + b (v_ij·x_ij) x_ij/|x_ij|²]
+//   pattern 1 [S0, S2]: A = p ΔV² = Y²/p, B = 1;   pattern 2: A = p ΔV = Y, B = ΔV
+//   F_ij = F (a0 - a1 |x_ij|²): a0 = 1, a1 = 0 is the notes' sum, which smooths like the kernel, by a part of order
+//   (kS)²; lattice.hpp has weights that do so by (kS)⁴ only
+//   a = 1, b = 0: ∇·(η ∇v) [S2];   a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which conserves
+//   angular momentum and holds where η varies [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005), sect. 3.2]
+// and with it D_i = Σ_j B_j v_ij·∇_i W_ij: A_i D_i (W) is what compression takes up; and the heat of friction.
+//
+// Density by continuity, with diffusion of the dynamic pressure (δ-SPH: after S. Marrone et al., Comput. Methods Appl.
+// Mech. Eng. 200, 1526 (2011); across materials, since p is continuous where ρ jumps):
+//   dρ_i/dt = ρ_i Σ_j ΔV_j v_ij·∇_i W_ij
+//             + δ (h/c_i) Σ_j 2 [(p̂_i - p̂_j) + ½ (ρ_i + ρ_j) g (y_i - y_j)] F_ij ΔV_j
+//
+// An element dissolved in both materials, c the amount per mass: m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j)
+//   within a material: u = c, K_ij = 4 k_i k_j/(k_i + k_j), k = ρ D, D its diffusivity
+//   across the contact: u = c/P in the metal, P its partition coefficient there, and k = ρ D P, so that the flux
+//   vanishes where c_metal = P c_silicate: conduction of heat between bodies of different heat capacity, with u for
+//   temperature.
+// What i gains j loses to the last bit, but for the order of sums: the element is conserved to rounding.
+#pragma once
+
+#include <diffusion/viscosity.hpp>
+#include <pairs/pairs.hpp>
+
+namespace tetsuame::two_fluids {
+
+struct stress_tag {};
+struct factor_tag {};
+struct density_tag {};
+struct concentration_tag {};
+struct partition_tag {};
+struct element_tag {};
+struct material_tag {};
+inline constexpr stress_tag of_stress;
+inline constexpr factor_tag of_factor;
+inline constexpr density_tag of_density;
+inline constexpr concentration_tag of_concentration;
+inline constexpr partition_tag of_partition;
+inline constexpr element_tag of_element;
+inline constexpr material_tag of_material;
+
+// Σ_j W_ij, j = i included.
+template <int D>
+struct kernel_sum {
+  using real = pairs::real;
+  double self;  // 1/m^D
+  double* out;  // 1/m^D
+
+  struct me {
+    real sum;
+  };
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const { a.sum += ij.W; }
+  void end(std::size_t i, const me& a) const { out[i] = self + pairs::sum(a.sum); }
+};
+
+// Σ_j Y_j W_ij and Σ_j ΔV_j W_ij, j = i included.
+template <int D>
+struct smoothing {
+  using real = pairs::real;
+  const double *Y, *V;  // J, m^D
+  double self;          // 1/m^D
+  double *p, *norm;     // Pa, 1
+
+  struct me {
+    real p, norm;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, V)}; }
+  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    a.p += ij(pairs::of_weight) * ij.W;
+    a.norm += ij(pairs::of_volume) * ij.W;
+  }
+  void end(std::size_t i, const me& a) const {
+    p[i] = Y[i] * self + pairs::sum(a.p);
+    norm[i] = V[i] * self + pairs::sum(a.norm);
+  }
+};
+
+// Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
+pairs::real slope_of(const auto& ij, const pairs::real& A_i, const pairs::real& A_j) {
+  if constexpr (requires { ij.F_i; })
+    return A_i * ij.F_i + A_j * ij.F_j;
+  else
+    return (A_i + A_j) * ij.F;
+}
+pairs::real own_slope(const auto& ij) {
+  if constexpr (requires { ij.F_i; })
+    return ij.F_i;
+  else
+    return ij.F;
+}
+pairs::real r2_of_start(const auto& ij) {
+  if constexpr (requires { ij.r2_of_start; })
+    return ij.r2_of_start;
+  else
+    return ij.r2;
+}
+
+template <int D>
+struct forces {
+  using real = pairs::real;
+  std::array<const double*, D> v;  // m/s
+  const double *A, *B, *V, *eta;   // above; m^D; Pa s
+  double a, b;                     // of the viscous stress
+  double a0, a1;                   // 1, 1/m2
+  std::array<double*, D> force;    // N
+  double *compression, *heat;      // D_i; W
+
+  struct me {
+    pairs::vec<real, D> force;
+    real compression, heat;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_velocity, v), read(of_stress, A), read(of_factor, B), read(of_volume, V),
+                      read(of_viscosity, eta)};
+  }
+  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
+  void add(me& sums, const auto& ij) const {
+    using namespace pairs;
+    const real B_j = ij(of_factor);
+    const real slope = slope_of(ij, ij.own(of_stress) * B_j, ij.own(of_factor) * ij(of_stress));
+    const real friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
+                          (ij(of_volume) * ij.F) * (a0 - a1 * r2_of_start(ij));
+    const auto v_ij = ij.difference(of_velocity);
+    const real along = foundation::dot(v_ij, ij.x_ij);
+    const real parallel = b != 0.0 ? real(b * friction * along / foundation::greater(ij.r2, real(1e-200))) : real(0.0);
+    sums.force += (a * friction) * v_ij;
+    sums.force += (parallel - slope) * ij.x_ij;
+    sums.compression += B_j * own_slope(ij) * along;
+    sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
+  }
+  void end(std::size_t i, const me& sums) const {
+    for (std::size_t k = 0; k < D; ++k) force[k][i] = pairs::sum(sums.force[k]);
+    compression[i] = pairs::sum(sums.compression);
+    heat[i] = 0.5 * pairs::sum(sums.heat);
+  }
+};
+
+template <int D>
+struct density_rate {
+  using real = pairs::real;
+  std::array<const double*, D> v;           // m/s
+  const double *V, *p, *rho, *sound_speed;  // m^D, Pa, kg/m3, m/s
+  double g, delta_h;                        // m/s2; δ h, m
+  double* out;                              // kg/(m3 s)
+
+  struct me {
+    real divergence, diffusion;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_velocity, v), read(of_volume, V), read(of_pressure, p), read(of_density, rho)};
+  }
+  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    using namespace pairs;
+    const real VF = ij(of_volume) * ij.F;
+    a.divergence += VF * ij.along(of_velocity);
+    a.diffusion += VF * (2.0 * ij.difference(of_pressure) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
+  }
+  void end(std::size_t i, const me& a) const {
+    out[i] = rho[i] * pairs::sum(a.divergence) + delta_h / sound_speed[i] * pairs::sum(a.diffusion);
+  }
+};
+
+template <int D>
+struct element_exchange {
+  using real = pairs::real;
+  const double *c, *P, *k, *metal, *V;  // 1; 1, 1 in silicate; kg/(m s); 1 or 0; m^D
+  double* gain;                         // kg/s
+
+  struct me {
+    real sum;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_concentration, c), read(of_partition, P), read(of_element, k), read(of_material, metal),
+                      read(of_volume, V)};
+  }
+  me begin(std::size_t) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    using namespace pairs;
+    real P_i = ij.own(of_partition), P_j = ij(of_partition);
+    const auto same = ij.own(of_material) == ij(of_material);
+    stdx::where(same, P_i) = 1.0;
+    stdx::where(same, P_j) = 1.0;
+    const real K = diffusion::harmonic(ij.own(of_element) * P_i, ij(of_element) * P_j);
+    a.sum +=
+        K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
+  }
+  void end(std::size_t i, const me& a) const { gain[i] = pairs::sum(a.sum); }
+};
+
+}  // namespace tetsuame::two_fluids

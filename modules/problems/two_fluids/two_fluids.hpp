@@ -1,0 +1,196 @@
+// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop.
+//
+//   dx/dt = v,   m dv/dt = pressure + viscosity (terms.hpp) + m g
+//   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
+//     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
+//     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
+//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
+//     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
+//     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
+//     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
+//   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
+//   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
+//   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
+//   surface tension between the materials: surface_tension.hpp
+//   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
+//     flow is the same, and viscosity asks for the steps of η_x.
+//
+// Walls are mirror images (walls/mirror.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
+// images have the reversed velocity. The mirror in two sides stands behind a corner.
+//
+// Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
+// told: report.hpp.
+#pragma once
+
+#include <output/columns.hpp>
+#include <run/box.hpp>
+#include <two_fluids/by_scheme.hpp>
+#include <two_fluids/lists.hpp>
+#include <two_fluids/report.hpp>
+#include <two_fluids/right_hand_side.hpp>
+#include <two_fluids/step_limit.hpp>
+
+namespace tetsuame::two_fluids {
+
+template <int D>
+class problem : public run::problem_in_a_box<D> {
+ public:
+  using base = run::problem_in_a_box<D>;
+  using base::ranks;
+
+  // scheme: of a program; none: that of terms.hpp, as the input says.
+  problem(problem_kind kind, const options& o, const parameters& p, std::unique_ptr<liquid::scheme<D>> scheme = {})
+      : base(f_.world, o.common.balance), f_(kind, o, p), scheme_(std::move(scheme)) {
+    choose_terms(f_);
+    if (scheme_) choose_scheme();
+    add_extras(f_);
+    set_up(f_);
+    place_fluid(f_);
+    find_reference(f_);
+    bounds_ = find_limit(f_);
+    f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
+    if (scheme_) begin_scheme();
+  }
+
+  std::vector<std::string> about() const override { return f_.p.lines; }
+
+  std::vector<integrators::field> fields() override {
+    auto& s = f_.world.w.s;
+    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+    const double fast = 1e-2 * bounds_.fastest_sound;
+    const auto& e = f_.o.element;
+    std::vector<integrators::field> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.world.w.dx});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
+    all.push_back({"u", s.u.data(), 0.0, fast * fast});
+    all.push_back({"q", f_.dissipated().data(), 0.0, fast * fast});
+    if (f_.weighed) all.push_back({"Y", s.Y.data(), 0.0, f_.p.base->at(0.0).pressure * std::pow(f_.world.w.dx, D)});
+    if (f_.carried) all.push_back({"rho", s.rho.data(), 0.0, f_.p.base->at(0.0).density});
+    if (f_.warms) all.push_back({"T", s.T.data(), 0.0, f_.o.temperature});
+    if (f_.dissolved)
+      all.push_back({"c", f_.element().data(), 0.0, std::max(e.concentration_silicate, e.concentration_metal)});
+    if (f_.enthalpy) all.push_back({"h", f_.content().data(), 0.0, 1e3 * f_.o.temperature});
+    return all;
+  }
+
+  void evaluate(std::span<double* const> rate) override {
+    if (scheme_)
+      two_fluids::evaluate(f_, *scheme_, rate);
+    else
+      two_fluids::evaluate(f_, rate);
+  }
+  // Sound and diffusion over the narrowest kernel.
+  integrators::step_limit largest_step() override {
+    const double n = narrowest(f_);
+    return {bounds_.step.dt * n * n, bounds_.step.name};
+  }
+  double diffusion_radius() override {
+    const double n = narrowest(f_);
+    return bounds_.radius / (n * n);
+  }
+  void keep_memory() override {
+    if (f_.follows) follow_volumes(f_);
+    if (scheme_) scheme_->keep_memory(f_.world);
+  }
+  bool complete_step(std::int64_t step) override {
+    if (scheme_) scheme_->complete_step(step);
+    return base::complete_step(step);
+  }
+  void begin_tables(run::run_directory& files) override {
+    base::begin_tables(files);
+    if (scheme_) scheme_->begin_tables(files);
+  }
+  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
+    if (scheme_) scheme_->fail(e, step, r);
+  }
+  void report_counts(run::summary& r) override {
+    base::report_counts(r);
+    if (scheme_) scheme_->report(f_.world, r.metrics);
+  }
+
+  // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
+  std::string refine(double) override {
+    const bool fell = m_.dissipated_now < m_.dissipated_most * (1.0 - 1e-6);
+    m_.dissipated_most = std::max(m_.dissipated_most, m_.dissipated_now);
+    if (!fell || !f_.fourth_order()) return {};
+    f_.second_order = true;
+    bounds_ = find_limit(f_);
+    return "the energy dissipated fell: the viscous sum is of second order from here on";
+  }
+
+  // Supports take a part of the skin, and particles the rest.
+  double moved() override {
+    const double moved = base::moved();
+    return f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9) ? std::max(moved, allowance()) : moved;
+  }
+  double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
+  std::vector<output::history_column> columns() const override { return columns_of(f_); }
+  std::vector<double> row(double t) override { return next_line(m_, f_, t); }
+  void report(double, run::summary& r) override { tell(r, m_, f_); }
+
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+    const auto& s = f_.world.w.s;
+    auto g = output::fluid_in_motion(s);
+    extra.assign(1, particles::array(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = f_.is_metal(i) ? 1.0 : 0.0;
+    const auto add = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
+      g.columns.push_back({name, unit, about, {a.data()}, false});
+    };
+    add("Masses", D == 2 ? "kg/m" : "kg", "mass", s.m);
+    add("Density", "kg/m^3", "mass density", s.rho);
+    add("Pressure", "Pa", "pressure in the forces", s.p);
+    add("Temperature", "K", "temperature", s.T);
+    add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
+    add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
+    add("DensityReference", "kg/m^3", "density at the start, at rest", f_.rho_start());
+    if (f_.follows) add("Support", "m", "support of the kernel", f_.S);
+    if (f_.dissolved) add("Concentration", "1", "of the element, amount per mass", f_.element());
+    if (f_.enthalpy) {
+      add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
+      add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", f_.melt);
+    }
+    return {g};
+  }
+
+  void save(output::checkpoint_globals& g) const override {
+    base::save(g);
+    two_fluids::save(m_, f_, g);
+    if (scheme_) scheme_->save(g);
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    base::restore(g);
+    if (scheme_) scheme_->restore(g);
+    m_ = restored(f_, g);
+    bounds_ = find_limit(f_);
+  }
+
+ protected:
+  void make_lists(bool as_they_were) override {
+    two_fluids::make_lists(f_, as_they_were);
+    if (f_.follows && !settled_ && !as_they_were) settle_supports(f_);
+    settled_ = true;
+  }
+  void place_walls() override { two_fluids::place_walls(f_); }
+
+ private:
+  void choose_scheme() {
+    using volume::carries;
+    f_.carried = scheme_->carried() == carries::density;
+    f_.weighed = scheme_->carried() == carries::weight;
+  }
+  void begin_scheme() {
+    auto& s = f_.world.w.s;
+    two_fluids::place_walls(f_);
+    scheme_->begin(f_.world);
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.p_eos[i] * s.m[i] / s.rho[i];
+  }
+
+  fluids<D> f_;
+  std::unique_ptr<liquid::scheme<D>> scheme_;
+  measures m_;
+  step_bounds bounds_;
+  bool settled_ = false;  // the supports of the start
+};
+
+}  // namespace tetsuame::two_fluids
