@@ -3,29 +3,26 @@
 #pragma once
 
 #include <run/box.hpp>
-#include <run/start_lattice.hpp>
 
 // where: extern, they are elsewhere; nothing: here.
-#define TETSUAME_RUN_PASSES(where, D)                                                                                 \
-  where template void tetsuame::particles::allocate(particles<D>&, std::size_t, std::size_t, std::size_t,             \
-                                                    std::size_t);                                                     \
-  where template void tetsuame::particles::reorder(particles<D>&, std::size_t, std::span<const std::size_t>);         \
-  where template tetsuame::cells::grid<D> tetsuame::cells::make_grid<D>(                                              \
-      const std::array<particles::array, D>&, const std::vector<std::int64_t>&, std::size_t, double);                 \
-  where template void tetsuame::domain::migrate(decomposition<D>&, particles::particles<D>&);                         \
-  where template void tetsuame::walls::place(pairs::workspace<D>&, wall_set<D>&, std::int64_t, double);               \
-  where template void tetsuame::walls::make_images(wall_set<D>&, particles::particles<D>&, std::int64_t, double);     \
-  where template void tetsuame::walls::detail::prepare_markers(pairs::workspace<D>&, wall_set<D>&,                    \
-                                                               const cells::grid<D>&, double);                        \
-  where template void tetsuame::run::set_up(state<D>&, const domain::communicator&, const box_options&,               \
-                                            const walls::options&, std::string_view, double, double, double, double); \
-  where template void tetsuame::run::surround(state<D>&, double);                                                     \
-  where template void tetsuame::run::rebuild(state<D>&, bool);                                                        \
-  where template tetsuame::output::table_view tetsuame::run::checkpoint_table(const particles::particles<D>&,         \
-                                                                              std::vector<std::int64_t>&);            \
-  where template void tetsuame::run::fluid_from_checkpoint(const output::table&, particles::particles<D>&,            \
-                                                           bool (*)(std::string_view));                               \
-  where template struct tetsuame::run::load_balance<D>;                                                               \
+#define TETSUAME_RUN_PASSES(where, D)                                                                             \
+  where template void tetsuame::particles::allocate(particles<D>&, std::size_t, std::size_t, std::size_t,         \
+                                                    std::size_t);                                                 \
+  where template void tetsuame::particles::reorder(particles<D>&, std::size_t, std::span<const std::size_t>);     \
+  where template tetsuame::cells::grid<D> tetsuame::cells::make_grid<D>(                                          \
+      const std::array<particles::array, D>&, const std::vector<std::int64_t>&, std::size_t, double);             \
+  where template void tetsuame::domain::migrate(decomposition<D>&, particles::particles<D>&);                     \
+  where template void tetsuame::walls::place(pairs::workspace<D>&, wall_set<D>&, std::int64_t, double);           \
+  where template void tetsuame::walls::make_images(wall_set<D>&, particles::particles<D>&, std::int64_t, double); \
+  where template void tetsuame::walls::detail::prepare_markers(pairs::workspace<D>&, wall_set<D>&,                \
+                                                               const cells::grid<D>&, double);                    \
+  where template void tetsuame::run::surround(state<D>&, double);                                                 \
+  where template void tetsuame::run::rebuild(state<D>&, bool);                                                    \
+  where template tetsuame::output::table_view tetsuame::run::checkpoint_table(const particles::particles<D>&,     \
+                                                                              std::vector<std::int64_t>&);        \
+  where template void tetsuame::run::fluid_from_checkpoint(const output::table&, particles::particles<D>&,        \
+                                                           bool (*)(std::string_view));                           \
+  where template struct tetsuame::run::load_balance<D>;                                                           \
   where template class tetsuame::run::problem_in_a_box<D>
 
 TETSUAME_RUN_PASSES(extern, 2);
