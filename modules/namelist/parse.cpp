@@ -134,7 +134,7 @@ std::vector<group> reader::groups() {
 std::string reader::read_group_name(bool line_begins) {
   const bool dollar = next_is('$');
   step();
-  const std::string result = lower(name());
+  std::string result = lower(name());
   if (!result.empty() && (ended() || is_separator(next()))) return result;
   if (line_begins && result.empty() && !dollar) fail("expected the name of a group directly behind &");
   if (line_begins && !result.empty()) fail(fmt::format("expected a blank behind the name of group &{}", result));

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <run/box.hpp>
-#include <run/start_lattice.hpp>
 
 // where: extern, they are elsewhere; nothing: here.
 #define TETSUAME_RUN_PASSES(where, D)                                                                             \
@@ -17,8 +16,6 @@
   where template void tetsuame::walls::make_images(wall_set<D>&, particles::particles<D>&, std::int64_t, double); \
   where template void tetsuame::walls::detail::prepare_markers(pairs::workspace<D>&, wall_set<D>&,                \
                                                                const cells::grid<D>&, double);                    \
-  where template void tetsuame::run::set_up(state<D>&, const domain::communicator&, const domain::options&,       \
-                                            const walls::options&, const kernel_options&, double);                \
   where template void tetsuame::run::surround(state<D>&, double);                                                 \
   where template void tetsuame::run::rebuild(state<D>&, bool);                                                    \
   where template tetsuame::output::table_view tetsuame::run::checkpoint_table(const particles::particles<D>&,     \

@@ -57,7 +57,7 @@ struct seen {
 template <std::size_t N>
 bool solve_first(std::array<std::array<double, N>, N> A, std::size_t count, std::array<double, N>& c) {
   const std::size_t n = std::min(count, N);  // so that the compiler sees it
-  constexpr double singular = 1e-10;  // of the diagonal: fewer independent particles than terms
+  constexpr double singular = 1e-10;         // of the diagonal: fewer independent particles than terms
   for (std::size_t k = 0; k < n; ++k) {
     const double diagonal = A[k][k];
     for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
