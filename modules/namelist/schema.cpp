@@ -314,16 +314,16 @@ void schema::read(const document& input) {
         continue;
       }
       if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
-      if (k->given && k->declared_in == g->name &&
-          std::ranges::none_of(g->keys, [&](const key& own) { return &own == &*k; }))
+      if (k->given && k->given_in != g->name)
         foundation::fail_input(
-            fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, expert_group));
+            fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k};
       if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
       k->origin = input.where(a, *written);
       k->given = true;
+      k->given_in = g->name;
     }
   }
   check_unassigned(input.name());

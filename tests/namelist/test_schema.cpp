@@ -221,6 +221,11 @@ BOOST_AUTO_TEST_CASE(keys_of_experts) {
   s.read(namelist::parse_text("&gravity order = 4 /", "f"));
   BOOST_TEST(order == 4.0);
   BOOST_TEST(read("&expert order = 3 / &gravity order = 3 /") == "f:1: &gravity order: is given in &expert too");
+  BOOST_TEST(read("&gravity order = 3 / &expert order = 3 /") == "f:1: &expert order: is given in &gravity too");
+  auto twice = namelist::parse_text("&gravity order = 4 /", "f");
+  twice.set("gravity.order=5");
+  s.read(twice);
+  BOOST_TEST(order == 5.0);
   BOOST_TEST(read("&kernel order = 3 /") ==
              "f:1: &kernel: unknown key order; the nearest valid key is skin; &expert has a key of this name");
   s.also_known("gravity", "acceleration", "g");

@@ -60,7 +60,7 @@ class Conduction(Case):
 
     def test_wrong_input(self):
         for key, value, word in [("time.t_end", 1e5, "t_end"), ("walls.thermal_top", "'adiabatic'", "thermal_top"),
-                                 ("domain.particles_x", 40, "particles_x")]:
+                                 ("domain.particles_x", 40, "particle spacing")]:
             with self.subTest(key):
                 result = self.run_program("conduction", HALF_SPACE, {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)

@@ -45,11 +45,11 @@ class Refusals(Case):
     def test_a_file_without_a_group(self):
         for text in [" \n\t\n", "! dt = 3\n", "steps = 3\n"]:
             (self.here / "in.nml").write_text(text)
-            for program in [*MARCHES, "disph_c", "balance"]:
-                with self.subTest(program=program, text=text):
-                    self.refuse(program, "in.nml", {}, "in.nml:", "the input has no group")
             self.refuse("rti", "in.nml", {"time.steps": 3}, "in.nml:", "the input has no group")
-            self.assert_says(self.call("plan", "relaxation", "in.nml"), BAD_INPUT, "in.nml:", "the input has no group")
+        for program in [*MARCHES, "disph_c", "balance"]:
+            with self.subTest(program=program):
+                self.refuse(program, "in.nml", {}, "in.nml:", "the input has no group")
+        self.assert_says(self.call("plan", "relaxation", "in.nml"), BAD_INPUT, "in.nml:", "the input has no group")
 
     # ---- boxes ----
 
