@@ -137,7 +137,7 @@ std::string checkpoint_name(std::int64_t step) { return fmt::format("checkpoint_
 
 std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::int64_t step,
                              const checkpoint_globals& globals, const std::vector<table_view>& tables) {
-  const auto path = (std::filesystem::path(directory) / checkpoint_name(step)).string();
+  auto path = (std::filesystem::path(directory) / checkpoint_name(step)).string();
   std::vector<id_order> orders;
   for (const auto& t : tables) orders.push_back(order_by_id(comm, t.n, t.ids));
 

@@ -32,7 +32,7 @@ std::string kept_text(const std::string& path, const table_mark& mark) {
   std::error_code missing;
   const auto here = std::filesystem::symlink_status(path, missing);
   if (!std::filesystem::exists(here)) return {};
-  const auto text = beginning_of(path, static_cast<std::uint64_t>(std::max<std::int64_t>(0, mark.bytes)));
+  auto text = beginning_of(path, static_cast<std::uint64_t>(std::max<std::int64_t>(0, mark.bytes)));
   if (text.empty()) return {};
   checksum sum;
   add_bytes(sum, 0, text.data(), text.size());
