@@ -168,7 +168,9 @@ def cause(reason: str | None) -> str:
     text = reason or ""
     if "not positive" in text and ("weight Y" in text or "pressure" in text):
         return "Y ≤ 0" if "weight Y" in text else "p ≤ 0"
-    return "blew up" if "particles moved" in text or "not finite" in text else short(text)
+    if "particles moved" in text:
+        return "left its lists in a step"
+    return "blew up" if "not finite" in text else short(text)
 
 
 def short(reason: str | None) -> str:

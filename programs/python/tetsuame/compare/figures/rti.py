@@ -29,6 +29,12 @@ def cross(ax, t: float, value: float, name: str) -> None:
     ax.plot(t, min(max(value, low), high), "x", color=colour(name), markersize=7, markeredgewidth=2, clip_on=False, zorder=5)
 
 
+def stop_of(outcome: Outcome, last_line: float) -> float:
+    """The time at which a run stopped (s), up to some steps after the last line of its history."""
+    until = number(outcome.summary, "time")
+    return last_line if until is None else until
+
+
 def legend(axes, title: str) -> None:
     """Of the first panel, in the last."""
     handles, labels = axes[0].get_legend_handles_labels()
@@ -89,7 +95,7 @@ def courses(outcomes: list[Outcome], path: Path) -> bool:
     for o, columns in runs:
         if o.kind != COMPLETED:
             for ax, quantity in ((axes[0], "centroid"), (axes[1], "density_ratio_max")):
-                cross(ax, columns["time"][-1], columns[quantity][-1], o.case.variant)
+                cross(ax, stop_of(o, columns["time"][-1]), columns[quantity][-1], o.case.variant)
     legend(axes, "Scheme")
     style.save(figure, path)
     return True
@@ -117,7 +123,7 @@ def growth(outcomes: list[Outcome], path: Path) -> bool:
             axes[1].plot(t, ratio, **look(o.case.variant))
             ratios.extend(ratio)
         if o.kind != COMPLETED:
-            stops.append((t[-1], amplitude[-1], o.case.variant))
+            stops.append((stop_of(o, t[-1]), amplitude[-1], o.case.variant))
     axes[0].set_yscale("log")
     axes[0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -139,9 +145,7 @@ def convergence(measured: dict, path: Path) -> bool:
     panels: dict[str, list] = {}
     for name in dict.fromkeys(one["variant"] for one in measured["runs"]):
         seen = [one for one in measured["runs"] if one["variant"] == name and one["case"] == "growth" and one["growth_error"] is not None]
-        curves = panels.setdefault(name, [])
-        curves.append(orders.Curve(name, colour(name), [one["n"] for one in seen],
-                                   [abs(one["growth_error"]) for one in seen],
-                                   [one["growth_uncertainty"] / one["growth_theory"] for one in seen]))
-    several = any(len(curve.n) > 1 for curves in panels.values() for curve in curves)
-    return several and orders.draw(list(panels.items()), "|growth rate/theory − 1|", path)
+        if len(seen) > 1:
+            panels[name] = [orders.Curve(name, colour(name), [one["n"] for one in seen], [abs(one["growth_error"]) for one in seen],
+                                         [one["growth_uncertainty"] / one["growth_theory"] for one in seen])]
+    return orders.draw(list(panels.items()), "|growth rate/theory − 1|", path)
