@@ -57,6 +57,11 @@ void place_lattice(run::state<D>& box, const domain::options& of) {
     some = a < D;
   }
   particles::allocate(s, places.size(), 0, 0, 0);
+  // What a problem does not use is 0, on any ranks.
+  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
+    if (!particles::travels(field.kind)) return;
+    for (auto* a : components) std::fill_n(a->begin(), s.fluid, 0.0);
+  });
   for (std::size_t i = 0; i < places.size(); ++i) {
     s.id[i] = ids[i];
     s.material[i] = 0;

@@ -13,7 +13,7 @@ struct our_method {
   template <int D>
   static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
     weights(w, 0, w.s.first_wall());
-    require_positive(w, w.s.p_eos, "the equation of state's pressure");
+    require_positive(w, w.s.p_eos, "the equation of state's pressure p");
   }
 
   template <class Pressure, int D>
@@ -26,7 +26,7 @@ struct our_method {
   template <int D>
   static void ahead(pairs::workspace<D>& w) {
     weights(w, 0, w.s.fluid);
-    require_positive(w, w.s.p_eos, "the equation of state's pressure");
+    require_positive(w, w.s.p_eos, "the equation of state's pressure p");
   }
   template <int D>
   static void with_ghosts(pairs::workspace<D>& w) {

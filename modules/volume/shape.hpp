@@ -151,7 +151,7 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
 
 // Y = p ΔV needs p > 0: reports the owned particle of the lowest ID where it is not.
 template <int D>
-void require_positive(pairs::workspace<D>& w, const particles::array& p, const char* what) {
+void require_positive(pairs::workspace<D>& w, const particles::array& p, const char* what, const char* unit = "Pa") {
   const auto& s = w.s;
   bool good = true;
 #pragma omp parallel for schedule(static) reduction(&& : good) if (s.fluid > foundation::values_worth_threads)
@@ -159,8 +159,8 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
   if (good) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))
-      w.first_fault.report(s.id[i], std::string(what) + " p = " + number(p[i]) +
-                                        " Pa is not positive and finite: " + where_is(s, i) +
+      w.first_fault.report(s.id[i], std::string(what) + " = " + number(p[i]) + " " + unit +
+                                        " is not positive and finite: " + where_is(s, i) +
                                         ", rho = " + number(s.rho[i]) + " kg/m3, T = " + number(s.T[i]) +
                                         " K. Y = p dV has no meaning there; use a smaller time step, a "
                                         "higher pressure, or a volume that allows tension");

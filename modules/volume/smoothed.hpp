@@ -125,7 +125,7 @@ struct smoothed {
   }
   template <int D>
   static void begin(pairs::workspace<D>& w) {
-    require_positive(w, w.s.p, "the smoothed pressure");
+    require_positive(w, w.s.p, "the smoothed pressure p");
     w.begin_fluid({w.s.p.data()});
     volumes_from_weights(w, 0, w.s.fluid);
   }

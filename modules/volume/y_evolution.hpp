@@ -16,7 +16,7 @@ struct y_evolution {
   template <int D>
   static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
     auto& s = w.s;
-    require_positive(w, s.Y, "the weight Y, written as a pressure,");
+    require_positive(w, s.Y, "the weight Y", "J");
     volumes_by_number(w, w.lattice_sum, s.dV.data());
     w.exchange_fluid({s.dV.data()});
     foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
@@ -27,7 +27,7 @@ struct y_evolution {
     auto& s = w.s;
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise);
-    require_positive(w, s.p, "the smoothed pressure");
+    require_positive(w, s.p, "the smoothed pressure p");
     w.exchange_fluid({s.p.data()});
     volumes_from_weights(w);
     foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });

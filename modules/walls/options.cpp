@@ -17,7 +17,7 @@ void declare_side(namelist::schema& schema, const abilities& of_problem, std::si
   if (of_problem.slips)
     schema.add("walls", "slip_" + name, s.slip,
                {.choices = slips,
-                .expert = rare,
+                .expert = rare || !of_problem.free_surface,
                 .meaning = std::string("velocity at this side; inherit: as slip") +
                            (may_be_none ? "; free_surface: there is no wall" : "") + only});
   if (of_problem.moving)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <kernels/kernel.hpp>
 #include <two_fluids/groups.hpp>
 
 namespace tetsuame::two_fluids {
@@ -143,6 +144,11 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   run::resolve(schema, o.common);
   run::check_output(schema, o.common);
   parameters p{};
+  const auto& kernel = o.common.kernel;
+  if (const double own = kernels::find(kernel.name).default_h_over_dx; kernel.h_over_dx > 2.0 * own)
+    p.lines.push_back(
+        fmt::format("note: kernel '{}' with h_over_dx = {:.4g} reaches {:.4g} spacings; its own is {:.4g}", kernel.name,
+                    kernel.h_over_dx, run::support_over_dx(kernel), own));
   check_domain(schema, o, p);
   find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);

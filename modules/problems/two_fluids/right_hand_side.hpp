@@ -215,7 +215,7 @@ void smooth(fluids<D>& f) {
   w.sum(w.fluid(), smoothing<D>{s.Y.data(), s.dV.data(), f.self, s.p.data(), f.W_sum.data()});
   if (f.o.scheme.normalise) foundation::for_all(s.fluid, [&](std::size_t i) { s.p[i] /= f.W_sum[i]; });
   if (f.from_weight) {
-    volume::require_positive(w, s.p, "the smoothed pressure");
+    volume::require_positive(w, s.p, "the smoothed pressure p");
     foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
   }
   w.exchange_fluid({s.p.data(), s.dV.data()});

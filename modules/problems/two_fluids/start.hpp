@@ -186,7 +186,7 @@ void displace(fluids<D>& f, std::size_t i) {
     s.x[a][i] = to[a];
     s.v[a][i] = rate * f.o.amplitude * u[a];
   }
-  if (!f.carried) return;
+  if (!f.carried && !f.weighed) return;
   // As the mode compresses a particle: its pressure is that of the place where it went.
   const auto m = theory::at(*f.p.mode, x[1] - f.p.interface);
   const auto e = eos::evaluate((*f.p.material)[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i]);
