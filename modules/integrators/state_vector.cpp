@@ -300,16 +300,15 @@ int linear_combination(int count, double* c, N_Vector* x, N_Vector z) {
   over_blocks(family_of(z), [&](std::size_t k, std::size_t begin, std::size_t end) {
     double buffer[block_length];
     const std::size_t length = end - begin;
-    for (std::size_t j = 0; j < from.size(); ++j) {
+    const double c0 = factor[0];
+    const double* x0 = from[0][k] + begin;
+#pragma omp simd
+    for (std::size_t i = 0; i < length; ++i) buffer[i] = c0 * x0[i];
+    for (std::size_t j = 1; j < from.size(); ++j) {
       const double cj = factor[j];
       const double* xj = from[j][k] + begin;
-      if (j == 0) {
 #pragma omp simd
-        for (std::size_t i = 0; i < length; ++i) buffer[i] = cj * xj[i];
-      } else {
-#pragma omp simd
-        for (std::size_t i = 0; i < length; ++i) buffer[i] += cj * xj[i];
-      }
+      for (std::size_t i = 0; i < length; ++i) buffer[i] += cj * xj[i];
     }
     std::copy_n(buffer, length, to.values[k] + begin);
   });
