@@ -74,7 +74,7 @@ void place(const std::vector<piece>& pieces, const std::vector<double>& wanted, 
   const double base = (sum > 0.0 ? floor * sum : 1.0) / (last - first);
   changes.emplace_back(first, base);
   for (std::size_t k = 0; k < pieces.size();) {
-    double density = 0.0, at = pieces[k].a;
+    double density = 0.0, at = 0.0;
     do {
       const auto& p = pieces[k];
       const double next = p.amount > 0.0 ? p.amount / (p.b - p.a) : 0.0;
