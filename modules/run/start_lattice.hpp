@@ -26,6 +26,16 @@ std::array<double, D> start_place(const domain::options& of, const std::array<st
 
 }  // namespace detail
 
+// For so many particles, all of whose fields are 0: what a problem does not use has the same bits on any ranks.
+template <int D>
+void make_room(particles::particles<D>& s, std::size_t number) {
+  particles::allocate(s, number, 0, 0, 0);
+  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
+    if (!particles::travels(field.kind)) return;
+    for (auto* a : components) std::fill_n(a->begin(), number, 0.0);
+  });
+}
+
 // The fluid of the start lattice in this rank's cell, numbered along x first, at rest.
 template <int D>
 void place_lattice(run::state<D>& box, const domain::options& of) {
@@ -56,12 +66,7 @@ void place_lattice(run::state<D>& box, const domain::options& of) {
     while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
     some = a < D;
   }
-  particles::allocate(s, places.size(), 0, 0, 0);
-  // What a problem does not use is 0, on any ranks.
-  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
-    if (!particles::travels(field.kind)) return;
-    for (auto* a : components) std::fill_n(a->begin(), s.fluid, 0.0);
-  });
+  make_room(s, places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
     s.id[i] = ids[i];
     s.material[i] = 0;

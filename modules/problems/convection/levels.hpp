@@ -44,7 +44,7 @@ void go_to_next_level(convection_state<D>& state) {
   const auto finer = interpolate_state(state);
   lay(state, state.at_start.level - 1);
   auto& s = state.fluid();
-  particles::allocate(s, finer.size(), 0, 0, 0);  // where cuts have moved, others than the lattice's in this cell
+  run::make_room(s, finer.size());  // where cuts have moved, others than the lattice's in this cell
   forget(state);
   for (std::size_t i = 0; i < finer.size(); ++i) {
     const auto& [id, x, f] = finer[i];
