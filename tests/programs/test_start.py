@@ -109,6 +109,13 @@ class OlderNames(Case):
         as_given = self.run_program("rti", "rti_linear", {**SMALL, "time.steps": 2})
         self.assertNotEqual(as_given.summary["state_hash"], old.summary["state_hash"])
 
+    def test_no_theory_for_sides_that_differ(self):
+        """A cylinder's fall is known between walls that are alike, and not guessed between others."""
+        said = self.call("drop", *self.arguments("drop_cylinder", {"walls.slip_left": "free_slip"}, self.here / "no", ["--theory"]))
+        self.assertEqual(said.status, 0, said)
+        self.assertIn("no theory", said.stdout)
+        self.assertNotIn("fall velocity", said.stdout)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -102,8 +102,8 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
     const auto sides = [](const std::string& slip) {
       return slip == "no_slip" ? theory::sides::no_slip : theory::sides::free_slip;
     };
-    if (w.floor != w.lid) {
-      about = "no theory for a floor unlike the lid";
+    if (w.floor != w.lid || w.sides == "different") {
+      about = "no theory for walls that differ from those on the other side";
       return std::nullopt;
     }
     const theory::drop_in_box box{d.length[0],   d.length[1],
