@@ -139,16 +139,13 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, doub
   descend(descend, 0, index<D>{}, reach2);
 }
 
-// Particles nearer to one point than `reach`, in the order of cells, then IDs: appended to `out` from `count` on, which
-// has room for more behind them.
-template <int D>
-void append_near(const grid<D>& g, const std::array<double, D>& point, double reach, std::vector<std::int32_t>& out,
-                 std::size_t& count) {
+// f(k, near) for registers' worths of `members`, from k on, in the order of cells, then IDs: bit n of `near` is set
+// where member k + n is nearer to the point than `reach`. Not called where none is.
+template <int D, class F>
+void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
   using foundation::lanes, foundation::real;
   const real reach2(reach * reach);
   for_each_stretch<D>(g, point, reach, [&](std::uint32_t first, std::uint32_t last) {
-    if (out.size() < count + (last - first) + lanes) out.resize(2 * (count + (last - first) + lanes));
-    std::int32_t* end = out.data() + count;
     for (std::uint32_t k = first; k < last; k += lanes) {
       real r2(0.0);
       for (std::size_t a = 0; a < D; ++a) {
@@ -157,9 +154,8 @@ void append_near(const grid<D>& g, const std::array<double, D>& point, double re
       }
       std::uint32_t near = foundation::bits_of_less(r2, reach2);
       if (last - k < lanes) near &= (1U << (last - k)) - 1U;
-      end = foundation::append_chosen(end, g.members.data() + k, g.members.size() - k, near);
+      if (near != 0) f(k, near);
     }
-    count = static_cast<std::size_t>(end - out.data());
   });
 }
 

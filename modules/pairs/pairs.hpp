@@ -36,11 +36,6 @@ namespace tetsuame::pairs {
 
 static_assert(cells::neighbour_list::lanes % lanes == 0);
 
-// For terms that read a field now and then: from the array itself.
-inline real gather(const double* a, const std::int32_t* j) {
-  return real([&](auto lane) { return a[j[lane]]; });
-}
-
 template <int D>
 std::array<const double*, D> pointers(const std::array<particles::array, D>& a) {
   std::array<const double*, D> p;
@@ -50,7 +45,6 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
 
 template <int D>
 struct pair {
-  const std::int32_t* j;                              // local indices of the neighbours, one a lane
   vec<real, D> x_ij;                                  // m, x_i - x_j
   real r2;                                            // m2
   real r, per_r;                                      // m, 1/m: of at least the kernel's smallest_r()
@@ -133,10 +127,10 @@ struct chosen {
 
 inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows) {
   std::vector<char> needed(list.null + 1, 0);
+  std::vector<std::uint32_t> buffer;
   for (const std::size_t i : rows) {
     needed[i] = 1;
-    for (std::size_t k = list.start[i]; k < list.start[i + 1]; ++k)
-      needed[static_cast<std::size_t>(list.neighbours[k])] = 1;
+    for (const std::uint32_t j : list.row(i, buffer)) needed[j] = 1;
   }
   chosen c{std::move(rows), {}};
   for (std::size_t i = 0; i < list.null; ++i)
@@ -145,20 +139,19 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
   return c;
 }
 
-// One particle's sums. `flatten`: everything called in here is inlined, so that the compiler keeps
-// sums and kernel in registers whatever it thinks of the program's size. `source` gives the pair's values:
-// its own(ij, i) once a row, neighbour(ij), which returns x_j, for every register of neighbours.
+// One particle's sums over its row of the list, whose records are at the places [place, end). `flatten`: everything
+// called in here is inlined, so that the compiler keeps sums and kernel in registers whatever it thinks of the
+// program's size. `source` gives the pair's values: its own(ij, i) once a row, neighbour(ij, place), which returns x_j,
+// for every register of neighbours.
 template <int D, class Source, class Kernel, class... Terms>
-[[gnu::flatten]] void sum_row(std::size_t i, const cells::neighbour_list& list, const Source& source,
+[[gnu::flatten]] void sum_row(std::size_t i, const std::uint32_t* place, const std::uint32_t* end, const Source& source,
                               const Kernel& kernel, const Terms&... terms) {
   const real nearest(kernel.smallest_r() * kernel.smallest_r());
   typename Source::pair ij;
   const vec<real, D> x_i = source.own(ij, i);
   std::tuple mine{terms.begin(i)...};
-  const std::int32_t* end = list.neighbours.data() + list.start[i + 1];
-  for (const std::int32_t* j = list.neighbours.data() + list.start[i]; j < end; j += lanes) {
-    ij.j = j;
-    ij.x_ij = x_i - source.neighbour(ij);
+  for (; place < end; place += lanes) {
+    ij.x_ij = x_i - source.neighbour(ij, place);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
     const auto root = foundation::both_roots(foundation::greater(ij.r2, nearest));
     ij.r = root.r;
@@ -173,14 +166,15 @@ template <int D, class Source, class Kernel, class... Terms>
 template <int D, class Layout>
 struct from_records {
   using pair = packed_pair<D, Layout>;
+  static constexpr std::uint32_t stride = Layout::size;
   const double* records;
 
   vec<real, D> own(pair& ij, std::size_t i) const {
     for (std::size_t k = 0; k < Layout::size; ++k) ij.mine[k] = real(records[i * Layout::size + k]);
     return position(ij.mine);
   }
-  vec<real, D> neighbour(pair& ij) const {
-    detail::load(records, ij.j, ij.values);
+  vec<real, D> neighbour(pair& ij, const std::uint32_t* place) const {
+    detail::load(records, place, ij.values);
     return position(ij.values);
   }
 
@@ -202,8 +196,22 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
   pack<D>(x, reads, rows.packed_with(list.null), list);
   const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
   const std::size_t n = rows.size();
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < n; ++r) sum_row<D>(rows[r], list, source, kernel, terms...);
+  // A few rows are written out before they are summed over: the processor does both at a time.
+  constexpr std::size_t block = 4;
+  const std::size_t room = list.room();
+#pragma omp parallel if (n > foundation::rows_worth_threads)
+  {
+    std::vector<std::uint32_t> places(block * room);
+#pragma omp for schedule(static)
+    for (std::size_t first = 0; first < n; first += block) {
+      const std::size_t last = std::min(n, first + block);
+      std::array<const std::uint32_t*, block> end;
+      for (std::size_t r = first; r < last; ++r)
+        end[r - first] = list.expand<source.stride>(rows[r], places.data() + (r - first) * room);
+      for (std::size_t r = first; r < last; ++r)
+        sum_row<D>(rows[r], places.data() + (r - first) * room, end[r - first], source, kernel, terms...);
+    }
+  }
 }
 
 }  // namespace tetsuame::pairs

@@ -181,10 +181,10 @@ inline std::array<real_8, 4> turn(const std::array<const double*, 8>& r) {
 }
 #endif
 
-// values[c] = component c of the records of neighbours j[0 … lanes).
+// values[c] = component c of the records that begin at records + place[0 … lanes).
 template <class R, std::size_t Size>
-inline void load(const double* records, const std::int32_t* j, std::array<R, Size>& values) {
-  const auto record = [&](std::size_t lane) { return records + static_cast<std::size_t>(j[lane]) * Size; };
+inline void load(const double* records, const std::uint32_t* place, std::array<R, Size>& values) {
+  const auto record = [&](std::size_t lane) { return records + place[lane]; };
 #if defined(__AVX__)
   if constexpr (R::size() == 4) {
     for (std::size_t c = 0; c < Size; c += 4) {

@@ -180,7 +180,7 @@ struct load_balance {
   static balance::extent<D> extent_of(const state<D>& box) {
     const auto& s = box.w.s;
     const auto length_of = [](const cells::neighbour_list& list, std::size_t r) {
-      return static_cast<double>(list.start[r + 1] - list.start[r]);
+      return static_cast<double>(list.length(r));
     };
     balance::extent<D> mine;
     for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));

@@ -9,6 +9,33 @@
 
 namespace tetsuame::walls::detail {
 
+// `listed`: all that some marker sees; from then on the list counts in it.
+template <int D>
+void count_in_listed(wall_set<D>& set, std::size_t null) {
+  const cells::neighbour_list& list = set.near_marker;
+  constexpr std::uint32_t unseen = 0xffffffff;
+  std::vector<std::uint32_t> place(null + 1, unseen), row;
+  place[null] = 0;
+  for (std::size_t r = 0; r < list.rows(); ++r)
+    for (const std::uint32_t j : list.row(r, row)) place[j] = 0;
+  set.listed.clear();
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] == 0) {
+      place[i] = static_cast<std::uint32_t>(set.listed.size());
+      set.listed.push_back(i);
+    }
+  cells::neighbour_list counted;
+  counted.null = set.listed.size() - 1;
+  counted.runs.reserve(list.runs.size());
+  for (std::size_t r = 0; r < list.rows(); ++r) {
+    list.row(r, row);
+    const auto end = std::find(row.begin(), row.end(), static_cast<std::uint32_t>(null));
+    for (auto j = row.begin(); j != end; ++j) *j = place[*j];
+    counted.append({row.begin(), end});
+  }
+  set.near_marker = std::move(counted);
+}
+
 // Lists of the fluid near each marker and of the fluid near the walls.
 template <int D>
 void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
@@ -18,7 +45,6 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
       set.near_marker, grid, s.walls, set.reach + skin, s.null(),
       [&](std::size_t r) { return cells::position<D>(set.marker, r); },
       [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
-  set.phi.assign(set.near_marker.neighbours.size(), 0.0);
   set.pressure_step.assign(s.walls, 0.0);
   set.weight_step.assign(s.walls, 0.0);
   set.mass.assign(s.walls, 0.0);
@@ -31,16 +57,10 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
       depth = std::max(depth, (set.marker[wall.axis][r] - wall.position) * wall.inward *
                                   ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
   depth = w.d.ranks.maximum(depth) + set.reach + skin;
-  // From here on the list counts in `listed`.
-  std::vector<std::int32_t> place(s.null() + 1, -1);
-  for (const auto j : set.near_marker.neighbours) place[static_cast<std::size_t>(j)] = 0;
-  set.listed.clear();
-  for (std::size_t i = 0; i < place.size(); ++i)
-    if (place[i] == 0) {
-      place[i] = static_cast<std::int32_t>(set.listed.size());
-      set.listed.push_back(i);
-    }
-  for (auto& j : set.near_marker.neighbours) j = place[static_cast<std::size_t>(j)];
+  count_in_listed(set, s.null());
+  set.phi_start.assign(1, 0);
+  for (std::size_t r = 0; r < s.walls; ++r) set.phi_start.push_back(set.phi_start.back() + set.near_marker.length(r));
+  set.phi.assign(set.phi_start.back(), 0.0);
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const auto& wall : set.sides)
@@ -56,11 +76,9 @@ template <std::size_t N>
 struct marker_records {
   static constexpr std::size_t size = (N + 3) / 4 * 4;
   const double* records;
-  const std::int32_t* neighbours;
 
   template <int D>
-  marker_records(wall_set<D>& set, const std::array<const double*, N>& fields)
-      : neighbours(set.near_marker.neighbours.data()) {
+  marker_records(wall_set<D>& set, const std::array<const double*, N>& fields) {
     const std::size_t n = set.listed.size();
     if (set.records.size() < n * size) set.records.resize(n * size);
     double* out = set.records.data();
@@ -70,24 +88,22 @@ struct marker_records {
     records = out;
   }
 
-  // Of the neighbours at [k, k + lanes) of the list.
-  std::array<real, size> at(std::size_t k) const {
+  std::array<real, size> at(const std::uint32_t* place) const {
     std::array<real, size> values;
-    pairs::detail::load(records, neighbours + k, values);
+    pairs::detail::load(records, place, values);
     return values;
   }
 };
 
-// Σ_j φ_j f_j(x_m) of the fields from number First on, at the marker of row r, in one sweep over its neighbours.
-template <std::size_t First = 0, int D, std::size_t N>
-[[gnu::flatten]] std::array<double, N - First> at_marker(const wall_set<D>& set, std::size_t r,
+// Σ_j φ_j f_j(x_m) of the fields from number First on, at a marker, in one sweep over its neighbours.
+template <std::size_t First = 0, std::size_t N>
+[[gnu::flatten]] std::array<double, N - First> at_marker(std::span<const std::uint32_t> row, const double* shape,
                                                          const marker_records<N>& fields) {
   std::array<real, N - First> sums;
   sums.fill(real(0.0));
-  const std::size_t end = set.near_marker.start[r + 1];
-  for (std::size_t k = set.near_marker.start[r]; k < end; k += lanes) {
-    const real phi(set.phi.data() + k, pairs::stdx::element_aligned);
-    const auto values = fields.at(k);
+  for (std::size_t k = 0; k < row.size(); k += lanes) {
+    const real phi(shape + k, pairs::stdx::element_aligned);
+    const auto values = fields.at(row.data() + k);
     for (std::size_t n = First; n < N; ++n) sums[n - First] += phi * values[n];
   }
   std::array<double, N - First> total;
@@ -98,17 +114,16 @@ template <std::size_t First = 0, int D, std::size_t N>
 // The fluid about the marker of row r, one a lane. Positions lead the records. `flatten`: as in pairs::sum_row.
 template <int D, std::size_t N, class Kernel>
 [[gnu::flatten]] void see(std::vector<seen<D>>& near, const wall_set<D>& set, std::size_t r,
-                          const marker_records<N>& fields, const Kernel& kernel) {
-  const std::size_t begin = set.near_marker.start[r], end = set.near_marker.start[r + 1];
-  near.resize((end - begin) / lanes);
+                          std::span<const std::uint32_t> row, const marker_records<N>& fields, const Kernel& kernel) {
+  near.resize(row.size() / lanes);
   vec<real, D> x;
   for (std::size_t a = 0; a < D; ++a) x[a] = real(set.marker[a][r]);
   const real per_reach(1.0 / set.reach);
   const real squeeze(kernel.support() / set.reach);  // the kernel's own radius, stretched to the marker's reach
   const real nearest(kernel.smallest_r() * kernel.smallest_r());
   auto* j = near.data();
-  for (std::size_t k = begin; k < end; k += lanes, ++j) {
-    const auto values = fields.at(k);
+  for (std::size_t k = 0; k < row.size(); k += lanes, ++j) {
+    const auto values = fields.at(row.data() + k);
     for (std::size_t a = 0; a < D; ++a) j->offset[a] = values[a] - x[a];
     const real r2 = foundation::dot(j->offset, j->offset);
     j->weight = kernel.value(real(foundation::both_roots(foundation::greater(r2, nearest)).r * squeeze));
@@ -138,12 +153,15 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
 #pragma omp parallel if (s.walls > foundation::rows_worth_threads)
         {
           std::vector<seen<D>> near;
+          std::vector<std::uint32_t> buffer;
 #pragma omp for schedule(static)
           for (std::size_t r = 0; r < s.walls; ++r) {
-            see(near, set, r, fields, kernel);
-            shape_functions<D>(near, order, set.phi.data() + set.near_marker.start[r]);
+            const auto row = set.near_marker.template row<fields.size>(r, buffer);
+            double* const phi = set.phi.data() + set.phi_start[r];
+            see(near, set, r, row, fields, kernel);
+            shape_functions<D>(near, order, phi);
             const std::size_t i = s.first_wall() + r;
-            const auto f = at_marker<D>(set, r, fields);
+            const auto f = at_marker<D>(row, phi, fields);
             std::array<double, D> v;
             std::copy_n(f.begin(), D, v.begin());
             mirror_velocity<D>(set, r, v);
@@ -187,33 +205,40 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(f));
 }
 
-// set(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's
+// f(r, values) for each marker, with the values of these fields at it.
+template <int D, std::size_t N, class F>
+void for_each_marker(wall_set<D>& set, const std::array<const double*, N>& arrays, F&& f) {
+  const marker_records<N> fields(set, arrays);
+  const std::size_t n = set.near_marker.rows();
+#pragma omp parallel if (n > foundation::rows_worth_threads)
+  {
+    std::vector<std::uint32_t> buffer;
+#pragma omp for schedule(static)
+    for (std::size_t r = 0; r < n; ++r)
+      f(r, at_marker(set.near_marker.template row<fields.size>(r, buffer), set.phi.data() + set.phi_start[r], fields));
+  }
+}
+
+// put(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's
 // steps are due, the same sweep makes them: a pressure and a weight that grow from marker to wall particle,
 // linear in the fluid's values.
-template <int D, std::size_t N, class Set>
-void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& arrays, Set&& put) {
+template <int D, std::size_t N, class Put>
+void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& arrays, Put&& put) {
   const auto& s = w.s;
-  if (!set.steps_due) {
-    const marker_records<N> fields(set, arrays);
-#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-    for (std::size_t r = 0; r < s.walls; ++r) put(s.first_wall() + r, at_marker(set, r, fields));
-    return;
-  }
+  if (!set.steps_due)
+    return for_each_marker<D>(set, arrays, [&](std::size_t r, const auto& values) { put(s.first_wall() + r, values); });
   set.steps_due = false;
   std::array<const double*, N + D> all;
   std::copy_n(arrays.begin(), N, all.begin());
   std::copy_n(pairs::pointers<D>(set.f).begin(), D, all.begin() + N);
-  const marker_records<N + D> fields(set, all);
-#pragma omp parallel for schedule(static) if (s.walls > foundation::rows_worth_threads)
-  for (std::size_t r = 0; r < s.walls; ++r) {
+  for_each_marker<D>(set, all, [&](std::size_t r, const auto& values) {
     const std::size_t i = s.first_wall() + r;
-    const auto values = at_marker(set, r, fields);
     double f_dx = 0.0;
     for (std::size_t a = 0; a < D; ++a) f_dx += values[N + a] * (s.x[a][i] - set.marker[a][r]);
     set.pressure_step[r] = s.rho[i] * f_dx;
     set.weight_step[r] = set.mass[r] * f_dx;
     put(i, values);
-  }
+  });
 }
 
 template <int D>

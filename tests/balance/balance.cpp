@@ -40,7 +40,7 @@ primitive wave(double a) {
 }
 
 // The spread after so many updates without a decision.
-double spread_after(cuts<2> c, int updates, const primitive& fx, const primitive& fy, balancer_options o = {},
+double spread_after(cuts<2> c, int updates, const primitive& fx, const primitive& fy, const balancer_options& o = {},
                     const std::vector<double>& factor = {}) {
   for (int n = 0; n < updates; ++n) c = propose(c, times(c, fx, fy, factor), o);
   return spread_of(times(c, fx, fy, factor)).over_mean();

@@ -76,19 +76,21 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   BOOST_REQUIRE(w.d.ranks.sum(static_cast<std::int64_t>(s.fluid)) == scene.fluid_total);
   BOOST_REQUIRE(w.list.rows() == s.fluid);
   std::size_t pairs = 0, wrong = 0, bad_padding = 0;
+  std::vector<std::uint32_t> buffer;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto should = expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach);
-    const std::size_t begin = w.list.start[i], end = w.list.start[i + 1];
+    const auto row = w.list.row(i, buffer);
     std::vector<std::int64_t> is;
-    for (std::size_t k = begin; k < end; ++k) {
-      const auto j = static_cast<std::size_t>(w.list.neighbours[k]);
-      if (k - begin < should.size())
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const auto j = static_cast<std::size_t>(row[k]);
+      if (k < should.size())
         is.push_back(s.id[j]);
       else
         bad_padding += j != s.null();
     }
     const std::size_t lanes = cells::neighbour_list::lanes;
-    bad_padding += end - begin != (should.size() + lanes - 1) / lanes * lanes;
+    bad_padding += row.size() != (should.size() + lanes - 1) / lanes * lanes;
+    bad_padding += row.size() != w.list.length(i);
     wrong += is != should;
     pairs += should.size();
   }
@@ -170,17 +172,43 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
     cells::make_list<3>(list, g, rows, reach, n, centre, even);
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
-      std::vector<std::int32_t> is, should;
-      for (std::size_t k = list.start[r]; k < list.start[r + 1]; ++k)
-        if (list.neighbours[k] != static_cast<std::int32_t>(n)) is.push_back(list.neighbours[k]);
+      std::vector<std::uint32_t> is, should, row;
+      for (const std::uint32_t j : list.row(r, row))
+        if (j != n) is.push_back(j);
       std::sort(is.begin(), is.end());
       for (std::size_t j = 0; j < n; j += 2) {
         double r2 = 0.0;
         for (std::size_t a = 0; a < 3; ++a) r2 += (centre(r)[a] - x[a][j]) * (centre(r)[a] - x[a][j]);
-        if (r2 < reach * reach) should.push_back(static_cast<std::int32_t>(j));
+        if (r2 < reach * reach) should.push_back(static_cast<std::uint32_t>(j));
       }
       BOOST_TEST(is == should, boost::test_tools::per_element());
     }
+  }
+}
+
+// Rows come back as they were given, whatever their order and gaps: runs of 1 to 33, jumps back, long rows.
+BOOST_AUTO_TEST_CASE(rows_come_back) {
+  cells::neighbour_list list;
+  list.null = 1 << 20;
+  std::vector<std::vector<std::uint32_t>> rows{{}, {7}, {0, 31}, {0, 32}, {5, 4, 3, 40, 39}, {0}};
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t j = 100; j < 500; ++j) all.push_back(j);
+  rows.push_back(all);
+  for (std::int64_t r = 0; r < 50; ++r) {
+    std::vector<std::uint32_t> row;
+    for (std::int64_t j = 0; j < 600; ++j)
+      if (noise(j, 20 + static_cast<std::size_t>(r)) > 0.02 * static_cast<double>(r))
+        row.push_back(static_cast<std::uint32_t>(j));
+    rows.push_back(row);
+  }
+  for (const auto& row : rows) list.append(row);
+  BOOST_REQUIRE(list.rows() == rows.size());
+  std::vector<std::uint32_t> buffer;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    auto should = rows[r];
+    while (should.size() % cells::neighbour_list::lanes != 0) should.push_back(1U << 20);
+    BOOST_TEST(list.row(r, buffer) == should, boost::test_tools::per_element());
+    BOOST_TEST(list.length(r) == should.size());
   }
 }
 

@@ -72,7 +72,8 @@ BOOST_AUTO_TEST_CASE(interpolation_is_exact_for_polynomials_of_second_degree) {
   for (std::size_t i = 0; i < s.fluid; ++i) {
     s.id[i] = static_cast<std::int64_t>(i);
     s.x[0][i] = static_cast<double>(i % 10) + jitter(random);
-    s.x[1][i] = static_cast<double>(i / 10) + jitter(random);
+    const std::size_t row = i / 10;
+    s.x[1][i] = static_cast<double>(row) + jitter(random);
     f[i] = first(s.x[0][i], s.x[1][i]);
     g[i] = second(s.x[0][i], s.x[1][i]);
   }

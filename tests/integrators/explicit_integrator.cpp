@@ -92,7 +92,9 @@ BOOST_AUTO_TEST_CASE(every_method_converges_with_its_order) {
   const std::vector<std::pair<std::string, double>> methods = {{"euler", 1},   {"order_2", 2}, {"order_3", 3},
                                                                {"order_4", 4}, {"order_5", 5}, {"ssp_rk3", 3},
                                                                {"rk4", 4},     {"ab2", 2}};
-  for (const auto& [method, order] : methods) {
+  for (const auto& each : methods) {
+    const std::string& method = each.first;
+    const double order = each.second;
     const auto error_with = [&](int steps) {
       problem p;
       explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed(method, 2.0 / steps), p.rhs());

@@ -11,9 +11,8 @@
 #include <limits>
 #include <vector>
 
-namespace kernels = tetsuame::kernels;
 namespace stdx = std::experimental;
-using namespace kernels;
+using namespace tetsuame::kernels;
 
 using all_kernels =
     boost::mpl::list<quintic_spline<1>, quintic_spline<2>, quintic_spline<3>, cubic_spline<1>, cubic_spline<2>,

@@ -136,8 +136,13 @@ BOOST_AUTO_TEST_CASE(describe_reads_back_as_the_defaults) {
   s.describe(out);
   BOOST_TEST((read(out.str()) == options{}));
   for (const char* line :
-       {"! the box\n! and its contents\n&domain\n  ! width\n  ! real [m], > 0, default 0.3333333333333333\n  length = "
-        "0.3333333333333333\n",
+       {R"(! the box
+! and its contents
+&domain
+  ! width
+  ! real [m], > 0, default 0.3333333333333333
+  length = 0.3333333333333333
+)",
         "  ! real [m/s2], default none\n  gravity =\n", "  ! integer, in [0, 100), default 10\n  steps = 10\n",
         "  ! text, one of 'euler', 'adaptive', 'RKC2', default 'euler'\n",
         "  ! optional real [s], >= 0, default none\n  t_end =\n", "  title = 'it''s a ''test'''\n",

@@ -22,8 +22,9 @@ struct probe {
     pairs::vec<real, D> vector;
   };
   me begin(std::size_t i) const { return {real(f[i]), real(0.0), foundation::zero<real, D>()}; }
-  void add(me& a, const pairs::pair<D>& ij) const {
-    const real f_j = pairs::gather(f, ij.j);
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, f)}; }
+  void add(me& a, const auto& ij) const {
+    const real f_j = ij(pairs::of_weight);
     a.scalar += f_j * ij.W;
     a.vector += (a.f - f_j) * ij.gradient();
   }
@@ -153,11 +154,9 @@ BOOST_AUTO_TEST_CASE(rows_that_need_no_ghosts) {
   const auto& w = scene.w;
   BOOST_TEST((w.border > 0) == (w.d.ranks.size > 1));
   BOOST_TEST((w.core > 0) == (w.d.ranks.size > 1));
-  const auto neighbours = [&](std::size_t i) {
-    return std::span(w.list.neighbours).subspan(w.list.start[i], w.list.start[i + 1] - w.list.start[i]);
-  };
+  std::vector<std::uint32_t> row;
   for (std::size_t i = 0; i < w.s.fluid; ++i)
-    for (const auto j : neighbours(i)) {
+    for (const auto j : w.list.row(i, row)) {
       const auto k = static_cast<std::size_t>(j);
       if (k == w.list.null) continue;
       BOOST_TEST((i >= w.border || k < w.s.fluid));

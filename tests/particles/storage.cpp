@@ -153,8 +153,9 @@ BOOST_AUTO_TEST_CASE(table_names_each_field_once) {
   BOOST_TEST(names.size() == fields);
   BOOST_TEST(arrays.size() == count);
   // All of the struct's arrays stand in the table: it holds nothing else but counts, a choice, two vectors and a deque.
-  BOOST_TEST(count ==
-             (sizeof s - 5 * sizeof(std::size_t) - sizeof s.id - sizeof s.material - sizeof s.extras) / sizeof s.rho);
+  BOOST_TEST(count == (sizeof s - 5 * sizeof(std::size_t) - sizeof(decltype(s.id)) - sizeof(decltype(s.material)) -
+                       sizeof(decltype(s.extras))) /
+                          sizeof(decltype(s.rho)));
   for (const role kind : {role::integrated, role::constant, role::memory}) BOOST_TEST(travels(kind));
   BOOST_TEST(!travels(role::derived));
 }

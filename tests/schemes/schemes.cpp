@@ -48,12 +48,11 @@ struct cloud {
     for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
     list.null = n;
     for (std::size_t i = 0; i < n; ++i) {
-      list.start.push_back(list.neighbours.size());
+      std::vector<std::uint32_t> row;
       for (std::size_t j = 0; j < n; ++j)
-        if (j != i) list.neighbours.push_back(static_cast<std::int32_t>(j));
-      while (list.neighbours.size() % list.lanes != 0) list.neighbours.push_back(static_cast<std::int32_t>(n));
+        if (j != i) row.push_back(static_cast<std::uint32_t>(j));
+      list.append(row);
     }
-    list.start.push_back(list.neighbours.size());
   }
 
   template <class... Terms>
@@ -340,8 +339,9 @@ BOOST_AUTO_TEST_CASE(remix_at_rest_on_a_lattice) {
   constexpr std::size_t edge = 11;
   cloud<2> g(edge * edge);
   for (std::size_t i = 0; i < g.n; ++i) {
+    const std::size_t row = i / edge;
     g.x[0][i] = static_cast<double>(i % edge);
-    g.x[1][i] = static_cast<double>(i / edge);
+    g.x[1][i] = static_cast<double>(row);
     g.rho[i] = i % edge < 5 ? 4.0 : 1.0;
     g.m[i] = g.rho[i];
     g.p[i] = 2.5;
@@ -384,8 +384,9 @@ BOOST_AUTO_TEST_CASE(balsara_of_flows) {
   const auto factor = [&](double compression, double rotation) {
     cloud<2> g(edge * edge);
     for (std::size_t i = 0; i < g.n; ++i) {
+      const std::size_t row = i / edge;
       g.x[0][i] = static_cast<double>(i % edge);
-      g.x[1][i] = static_cast<double>(i / edge);
+      g.x[1][i] = static_cast<double>(row);
       g.v[0][i] = -0.5 * compression * g.x[0][i] - 0.5 * rotation * g.x[1][i];
       g.v[1][i] = -0.5 * compression * g.x[1][i] + 0.5 * rotation * g.x[0][i];
       g.m[i] = g.weight[i] = 1.0;

@@ -26,11 +26,11 @@ class interpolation {
                                                   const std::array<const double*, K>& f) const {
     std::array<std::array<double, terms>, terms> A{};
     std::array<std::array<double, terms>, K> b{};
-    std::vector<std::int32_t> near;
-    std::size_t count = 0;
-    cells::append_near<D>(grid_, place, radius_, near, count);
-    for (std::size_t at = 0; at < count; ++at) {
-      const auto j = static_cast<std::size_t>(near[at]);
+    std::vector<std::uint32_t> near;
+    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t k, std::uint32_t bits) {
+      for (; bits != 0; bits &= bits - 1U) near.push_back(grid_.members[k + std::countr_zero(bits)]);
+    });
+    for (const std::uint32_t j : near) {
       std::array<double, D> r;
       double left = 1.0;
       for (std::size_t a = 0; a < D; ++a) {

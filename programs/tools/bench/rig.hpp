@@ -118,9 +118,16 @@ class rig {
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
     const liquid::rates<D> out(pointers);
+    std::vector<std::size_t> row_start{0};  // of the scalar loop's own list
+    std::vector<std::int32_t> neighbours;
+    std::vector<std::uint32_t> row;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      for (const std::uint32_t j : w.list.row(i, row)) neighbours.push_back(static_cast<std::int32_t>(j));
+      row_start.push_back(neighbours.size());
+    }
     const scalar_problem<D> problem{s.fluid,
-                                    w.list.start.data(),
-                                    w.list.neighbours.data(),
+                                    row_start.data(),
+                                    neighbours.data(),
                                     w.x(),
                                     pairs::pointers<D>(s.v),
                                     s.Y.data(),

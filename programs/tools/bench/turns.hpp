@@ -44,11 +44,12 @@ void time_steps(std::vector<result>& all, const request& asked, const timed& wor
 template <int D, class F>
 void count_pairs(result& r, const pairs::workspace<D>& w, F&& support2) {
   std::size_t close = 0;
+  std::vector<std::uint32_t> row;
   for (std::size_t i = 0; i < w.s.fluid; ++i)
-    for (std::size_t k = w.list.start[i]; k < w.list.start[i + 1]; ++k) {
+    for (const std::uint32_t j : w.list.row(i, row)) {
       double r2 = 0.0;
       for (const auto& x : w.s.x) {
-        const double d = x[i] - x[static_cast<std::size_t>(w.list.neighbours[k])];
+        const double d = x[i] - x[j];
         r2 += d * d;
       }
       close += r2 < support2(i) ? 1 : 0;
@@ -59,8 +60,7 @@ void count_pairs(result& r, const pairs::workspace<D>& w, F&& support2) {
 
 template <int D>
 void count_bytes(result& r, const pairs::workspace<D>& w, double heap_before) {
-  const double lists = static_cast<double>(w.list.start.capacity() * sizeof(w.list.start[0]) +
-                                           w.list.neighbours.capacity() * sizeof(w.list.neighbours[0]));
+  const double lists = w.list.bytes();
   const auto n = static_cast<double>(w.s.fluid);
   r.list_bytes_per_particle = lists / n;
   r.bytes_per_particle = (heap_bytes() - heap_before - lists) / n;
