@@ -109,7 +109,7 @@ void run_directory::begin() {
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
-  write_text(ranks, path_of("resolved.nml"), resolved);
+  output::write_text(ranks.comm, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }
 
