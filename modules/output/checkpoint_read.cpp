@@ -2,9 +2,6 @@
 #include <fmt/core.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <bit>
-#include <cstring>
 #include <filesystem>
 #include <foundation/error.hpp>
 #include <output/agree.hpp>
@@ -16,10 +13,6 @@
 namespace tetsuame::output {
 
 namespace {
-
-bool is_field(const indexed& d) {
-  return d.kind == kind::ids || d.kind == kind::field_real || d.kind == kind::field_integer;
-}
 
 // Rank 0: the index and the structure around the datasets, verified. Returns the block.
 std::string read_verified_block(const std::string& path) {
@@ -46,12 +39,6 @@ std::uint64_t slab_start(std::uint64_t rows, std::uint64_t rank, std::uint64_t r
   return rows / ranks * rank + std::min(rank, rows % ranks);
 }
 
-// A dataset with this rank's part of the values.
-struct part {
-  indexed entry;
-  std::vector<std::uint64_t> words;  // the values' bits
-};
-
 // This rank's rows of a field, or the whole of anything else, with the checksum of the
 // bytes read (of the whole once summed over ranks).
 part read_part(MPI_Comm comm, const descriptor& file, const std::string& path, const indexed& d) {
@@ -59,51 +46,34 @@ part read_part(MPI_Comm comm, const descriptor& file, const std::string& path, c
   part p{d, {}};
   p.entry.sum = {};
   std::uint64_t first = 0, bytes = d.bytes;
-  if (is_field(d)) {
+  if (is_field(d.kind)) {
     first = slab_start(d.count, rank, ranks);
     bytes = 8 * (slab_start(d.count, rank + 1, ranks) - first);
   }
   p.words.resize((bytes + 7) / 8);
   read_at(file, path, p.words.data(), bytes, d.offset + 8 * first);
-  if (is_field(d) || rank == 0) add_bytes(p.entry.sum, first, p.words.data(), bytes);
+  if (is_field(d.kind) || rank == 0) add_bytes(p.entry.sum, first, p.words.data(), bytes);
   return p;
-}
-
-template <class T>
-std::vector<T> values_of(const std::vector<std::uint64_t>& words) {
-  std::vector<T> values(words.size());
-  std::transform(words.begin(), words.end(), values.begin(), [](std::uint64_t w) { return std::bit_cast<T>(w); });
-  return values;
 }
 
 void hand_out(const part& p, checkpoint& state) {
   const auto [table_name, name] = names_of(p.entry);
-  switch (p.entry.kind) {
-    case kind::real:
-      state.globals.reals[name] = std::bit_cast<double>(p.words.at(0));
-      break;
-    case kind::integer:
-      state.globals.integers[name] = static_cast<std::int64_t>(p.words.at(0));
-      break;
-    case kind::text: {
-      std::string text(p.entry.count, '\0');
-      std::memcpy(text.data(), p.words.data(), text.size());
-      state.globals.texts[name] = text;
-      break;
-    }
-    case kind::blob:
-      state.globals.blobs[name] = values_of<double>(p.words);
-      break;
-    case kind::ids:
-      state.tables[table_name].ids = values_of<std::int64_t>(p.words);
-      break;
-    case kind::field_real:
-      state.tables[table_name].reals[name] = values_of<double>(p.words);
-      break;
-    case kind::field_integer:
-      state.tables[table_name].integers[name] = values_of<std::int64_t>(p.words);
-      break;
-  }
+  const kind what = p.entry.kind;
+  auto& g = state.globals;
+  if (what == kind::text)
+    g.texts[name] = std::string(reinterpret_cast<const char*>(p.words.data()), p.entry.count);
+  else if (what == kind::integer)
+    g.integers[name] = static_cast<std::int64_t>(p.words.at(0));
+  else if (what == kind::ids)
+    state.tables[table_name].ids = same_bits<std::int64_t>(p.words);
+  else if (what == kind::field_integer)
+    state.tables[table_name].integers[name] = same_bits<std::int64_t>(p.words);
+  else if (what == kind::field_real)
+    state.tables[table_name].reals[name] = same_bits<double>(p.words);
+  else if (what == kind::real)
+    g.reals[name] = std::bit_cast<double>(p.words.at(0));
+  else
+    g.blobs[name] = same_bits<double>(p.words);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <bit>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <foundation/error.hpp>
@@ -17,71 +16,38 @@ namespace tetsuame::output {
 
 namespace {
 
-// A dataset that rank 0 writes alone.
-struct part {
-  indexed entry;
-  std::vector<std::uint64_t> words;  // the values' bits
-};
-
-template <class T>
-std::vector<std::uint64_t> bits_of(const std::vector<T>& values) {
-  std::vector<std::uint64_t> words(values.size());
-  std::transform(values.begin(), values.end(), words.begin(), [](T x) { return std::bit_cast<std::uint64_t>(x); });
-  return words;
-}
-
-indexed entry_for(kind what, std::uint64_t count, const std::string& path) {
-  indexed d;
-  d.kind = what;
-  d.count = count;
-  d.path = path;
-  return d;
-}
-
-element element_of(kind what) {
-  switch (what) {
-    case kind::text:
-      return element::text;
-    case kind::integer:
-    case kind::ids:
-    case kind::field_integer:
-      return element::integer;
-    case kind::real:
-    case kind::blob:
-    case kind::field_real:
-      return element::real;
-  }
-  return element::real;
-}
+// By kind.
+constexpr std::array elements{element::real,    element::integer, element::text,   element::real,
+                              element::integer, element::real,    element::integer};
 
 dataset dataset_for(const indexed& d) {
-  const bool one_value = d.kind == kind::real || d.kind == kind::integer;
-  return {
-      d.path, element_of(d.kind), one_value ? std::vector<std::uint64_t>{} : std::vector<std::uint64_t>{d.count}, {}};
+  std::vector<std::uint64_t> shape{d.count};
+  if (d.kind == kind::real || d.kind == kind::integer) shape.clear();
+  return {d.path, elements[static_cast<std::size_t>(d.kind)], shape, {}};
 }
 
 // Only rank 0's parts are written, so only their values count.
 std::vector<part> global_parts(const checkpoint_globals& globals) {
   std::vector<part> parts;
   for (const auto& [name, x] : globals.reals)
-    parts.push_back({entry_for(kind::real, 1, "/reals/" + name), {std::bit_cast<std::uint64_t>(x)}});
+    parts.push_back({{kind::real, 1, "/reals/" + name}, {std::bit_cast<std::uint64_t>(x)}});
   for (const auto& [name, x] : globals.integers)
-    parts.push_back({entry_for(kind::integer, 1, "/integers/" + name), {static_cast<std::uint64_t>(x)}});
+    parts.push_back({{kind::integer, 1, "/integers/" + name}, {static_cast<std::uint64_t>(x)}});
   for (const auto& [name, text] : globals.texts) {
     std::vector<std::uint64_t> words(std::max<std::size_t>(1, (text.size() + 7) / 8), 0);
     std::memcpy(words.data(), text.data(), text.size());
-    parts.push_back({entry_for(kind::text, text.size(), "/texts/" + name), std::move(words)});
+    parts.push_back({{kind::text, text.size(), "/texts/" + name}, std::move(words)});
   }
   for (const auto& [name, values] : globals.blobs)
-    parts.push_back({entry_for(kind::blob, values.size(), "/blobs/" + name), bits_of(values)});
+    parts.push_back({{kind::blob, values.size(), "/blobs/" + name}, same_bits<std::uint64_t>(values)});
   return parts;
 }
 
 std::vector<indexed> table_entries(const table_view& t, std::uint64_t rows) {
   const auto folder = "/particles/" + t.name + "/";
-  std::vector<indexed> entries = {entry_for(kind::ids, rows, folder + "ids")};
-  for (const auto& field : t.reals) entries.push_back(entry_for(kind::field_real, rows, folder + field.first));
-  for (const auto& field : t.integers) entries.push_back(entry_for(kind::field_integer, rows, folder + field.first));
+  std::vector<indexed> entries = {{kind::ids, rows, folder + "ids"}};
+  for (const auto& field : t.reals) entries.push_back({kind::field_real, rows, folder + field.first});
+  for (const auto& field : t.integers) entries.push_back({kind::field_integer, rows, folder + field.first});
   return entries;
 }
 
@@ -101,9 +67,9 @@ void write_table(shared_file& file, const table_view& t, const id_order& order, 
     write_part(file, contents.datasets[next], order.first_row, words, entries[next].sum);
     ++next;
   };
-  write(bits_of(order.ids));
-  for (const auto& field : t.reals) write(bits_of(arrange(order, field.second)));
-  for (const auto& field : t.integers) write(bits_of(arrange(order, field.second)));
+  write(same_bits<std::uint64_t>(order.ids));
+  for (const auto& field : t.reals) write(same_bits<std::uint64_t>(arrange(order, field.second)));
+  for (const auto& field : t.integers) write(same_bits<std::uint64_t>(arrange(order, field.second)));
 }
 
 // Everything outside of the datasets is HDF5's own by now, and rank 0 has written it.

@@ -12,8 +12,6 @@
 // finaliser of SplitMix64 [G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014].
 #pragma once
 
-#include <mpi.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -38,9 +36,7 @@ struct checksum {
 
 // Adds the bytes as words numbered from first_word; a last, partial word is filled with zeros.
 void add_bytes(checksum& sum, std::uint64_t first_word, const void* data, std::size_t bytes);
-
-// Collective: the sum over all ranks, on every rank.
-checksum sum_over_ranks(MPI_Comm comm, checksum local);
+checksum sum_of(const std::string& text);
 
 std::string hex(const checksum& sum);  // 32 digits
 // The checksum that hex() writes as this text; false on any other text.
