@@ -10,7 +10,6 @@
 #include <domain/communicator.hpp>
 #include <foundation/error.hpp>
 #include <foundation/threads.hpp>
-#include <foundation/traffic.hpp>
 #include <foundation/waiting.hpp>
 #include <particles/particles.hpp>
 #include <span>

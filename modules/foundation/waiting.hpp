@@ -1,11 +1,19 @@
-// How long this process has stood in MPI calls until others came: time that says nothing about its own
-// load. MPI is called from the main thread alone.
+// What this process has sent to others, how often all had to come together, and how long it has stood in MPI calls
+// until others came: time that says nothing about its own load. MPI is called from the main thread alone.
 #pragma once
 
 #include <chrono>
-#include <foundation/traffic.hpp>
+#include <cstdint>
 
 namespace tetsuame::foundation {
+
+// Since the process began. Copies of a rank to itself, over a periodic border, are no traffic.
+struct traffic {
+  std::int64_t halo_messages = 0, halo_bytes = 0;      // refreshing ghosts
+  std::int64_t letter_messages = 0, letter_bytes = 0;  // migration, and new halos
+  std::int64_t collectives = 0;                        // sums, maxima, agreements over all ranks
+};
+inline traffic sent;
 
 inline double waited_seconds = 0.0;  // s, since the process began
 

@@ -1,4 +1,5 @@
 #include <exception>
+#include <limits>
 #include <new>
 #include <output/agree.hpp>
 
@@ -29,11 +30,14 @@ int size_of(MPI_Comm comm) {
   return size;
 }
 
-void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status) {
-  const int nobody = size_of(comm);
-  int first = problem.empty() ? nobody : rank_of(comm);
+void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status, std::int64_t id) {
+  constexpr auto none = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t mine = problem.empty() ? none : id;
+  std::int64_t lowest = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
+  if (lowest == none) return;
+  int first = mine == lowest ? rank_of(comm) : size_of(comm);
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first == nobody) return;
   int code = static_cast<int>(status);
   MPI_Bcast(&code, 1, MPI_INT, first, comm);
   throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem, MPI_CHAR));
