@@ -443,19 +443,6 @@ std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const 
   return found;
 }
 
-template <int D>
-std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& particles,
-                              const extents<D>& where) {
-  check_size(now, particles.size(), "numbers of particles");
-  std::vector<double> found(particles.size(), 0.0);
-  visit_overlaps(now, then, particles, where, [&](std::size_t from, std::size_t to, double part) {
-    if (from == to) return;
-    found[from] += part * particles[from];
-    found[to] += part * particles[from];
-  });
-  return found;
-}
-
 void experience::moved(double predicted, const std::vector<double>& before, const std::vector<double>& after) {
   const auto was = spread_of(before), is = spread_of(after);
   if (predicted > 0.0)
@@ -535,23 +522,15 @@ spread spread_of(const std::vector<double>& time) {
   return {std::accumulate(time.begin(), time.end(), 0.0) / static_cast<double>(time.size()), *least, *most};
 }
 
-template cuts<1> propose(const cuts<1>&, const std::vector<double>&, const balancer_options&, const extents<1>&);
-template std::vector<double> redistribute(const cuts<1>&, const cuts<1>&, const std::vector<double>&,
-                                          const extents<1>&);
-template std::vector<double> migrating(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const extents<1>&);
-template decision worth_moving(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<1>&);
-template cuts<2> propose(const cuts<2>&, const std::vector<double>&, const balancer_options&, const extents<2>&);
-template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&,
-                                          const extents<2>&);
-template std::vector<double> migrating(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const extents<2>&);
-template decision worth_moving(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<2>&);
-template cuts<3> propose(const cuts<3>&, const std::vector<double>&, const balancer_options&, const extents<3>&);
-template std::vector<double> redistribute(const cuts<3>&, const cuts<3>&, const std::vector<double>&,
-                                          const extents<3>&);
-template std::vector<double> migrating(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const extents<3>&);
-template decision worth_moving(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<3>&);
+#define TETSUAME_BALANCE(D)                                                                                         \
+  template cuts<D> propose(const cuts<D>&, const std::vector<double>&, const balancer_options&, const extents<D>&); \
+  template std::vector<double> redistribute(const cuts<D>&, const cuts<D>&, const std::vector<double>&,             \
+                                            const extents<D>&);                                                     \
+  template decision worth_moving(const cuts<D>&, const cuts<D>&, const std::vector<double>&,                        \
+                                 const std::vector<double>&, const move_costs&, std::int64_t, const experience&,    \
+                                 const extents<D>&)
+TETSUAME_BALANCE(1);
+TETSUAME_BALANCE(2);
+TETSUAME_BALANCE(3);
 
 }  // namespace tetsuame::balance
