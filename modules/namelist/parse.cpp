@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <charconv>
 #include <foundation/error.hpp>
+#include <fstream>
 #include <map>
-#include <namelist/parse.hpp>
+#include <namelist/document.hpp>
 #include <namelist/text.hpp>
+#include <system_error>
 #include <utility>
 
 namespace tetsuame::namelist {
 
 namespace {
+
+// A file has comments, terminators and further keys; the argument of --set is one
+// assignment, in which only blanks and commas separate, so that a path needs no quotes.
+enum class syntax { file, argument };
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -336,16 +342,49 @@ assignment reader::argument(std::string& group_name) {
   return result;
 }
 
-}  // namespace
-
-std::vector<group> parse_groups(std::string_view text, const std::string& name) {
-  return reader(text, name, syntax::file).groups();
+std::string place(const std::string& name, const std::string& set, std::size_t line) {
+  return set.empty() ? fmt::format("{}:{}", name, line) : "--set " + set;
 }
 
-assignment parse_argument(const std::string& argument, std::string& group_name) {
-  assignment result = reader(argument, "--set " + excerpt(argument), syntax::argument).argument(group_name);
-  result.set = excerpt(argument);
+}  // namespace
+
+std::string document::where(const assignment& from) const { return place(name_, from.set, from.line); }
+
+std::string document::where(const assignment& from, const value& at) const { return place(name_, from.set, at.line); }
+
+void document::set(const std::string& argument) {
+  std::string name;
+  assignment override = reader(argument, "--set " + excerpt(argument), syntax::argument).argument(name);
+  override.set = excerpt(argument);
+  for (group& g : groups_)
+    if (g.name == name) {
+      g.assignments.push_back(std::move(override));
+      return;
+    }
+  groups_.push_back({name, 0, {std::move(override)}});
+}
+
+document parse_text(std::string_view text, std::string name) {
+  document result;
+  result.groups_ = reader(text, name, syntax::file).groups();
+  result.name_ = std::move(name);
   return result;
+}
+
+document parse_file(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    foundation::fail_input(fmt::format("{}: this is a folder, not an input file", name));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) foundation::fail_input(fmt::format("{}: the input file cannot be opened: is the path right?", name));
+  // One byte more than allowed, which parse_text then refuses: a device has no end.
+  std::string text;
+  char buffer[1 << 14];
+  while (text.size() <= maximum_bytes && (file.read(buffer, sizeof buffer) || file.gcount() > 0))
+    text.append(buffer, static_cast<std::size_t>(file.gcount()));
+  if (file.bad()) foundation::fail_input(fmt::format("{}: the input file cannot be read", name));
+  return parse_text(text, name);
 }
 
 }  // namespace tetsuame::namelist
