@@ -15,11 +15,7 @@
 // "first same as last", which Heun's is not, and would go on with a rate of the wrong state.
 //
 // 'ab2': y_(n+1) = y_n + dt [(1 + r/2) f_n - (r/2) f_(n-1)], r = dt_n / dt_(n-1); where there is no
-// earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'. f_(n-1) lies in arrays of
-// the caller's, because it must move and be saved with the particles.
-//
-// 'rkl2', 'rkc2': the number of stages follows from dt and the spectral radius of df/dy, which the caller bounds.
-// Stable for eigenvalues near the negative real axis; sound needs a limit_function of its own.
+// earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'.
 //
 // Error control: e = |y - y_embedded|_w <= 1, weights w_i = 1 / (rtol |y_i| + atol), or
 // 1 / (rtol scale + atol) for a field with a scale. Next step by the PI controller
@@ -71,17 +67,15 @@ struct explicit_options {
 // the worst value of any rank counts for all.
 using rhs_function = std::function<int(double t, std::span<double* const> rate)>;
 
-// The largest stable step (s) at the state in the particle arrays and which condition gives it
-// ('cfl', 'viscous', …). Called before each adaptive step, after f at the same state, so what f
-// left in other arrays may be used. Must give the same on all ranks.
+// The largest stable step (s) at the state in the particle arrays and which condition gives it ('cfl', 'viscous', …),
+// the same on all ranks. Called before each adaptive step, after f at the same state.
 struct step_limit {
   double dt;
   std::string name;
 };
 using limit_function = std::function<step_limit(double t)>;
 
-// 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy at the state in the
-// particle arrays, 4 d kappa/dx^2 on a lattice in d dimensions, say. Called like limit_function, before every step.
+// 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy, called like limit_function.
 using radius_function = std::function<double(double t)>;
 
 // Whether a method takes its steps from an error estimate, so that f may refuse a state.
@@ -126,8 +120,8 @@ class explicit_integrator {
   // state before the step again.
   double step(double t_stop, const std::string& stop_is = "output");
   double time() const;
-  // Evaluates f at the present state unless it is known from the last step: for callers whose f has
-  // a memory (a start value, say) that may move on only then.
+  // Evaluates f at the present state unless it is known from the last step: for an f with a memory that may move on
+  // then.
   void prepare();
 
   // The particle arrays moved, were permuted, or have another length on this rank.

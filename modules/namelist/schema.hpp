@@ -7,16 +7,11 @@
 //   input.add("gravity", "g", o.g, {.unit = "m/s2", .minimum = 0.0, .meaning = "acceleration"});
 //   input.read(namelist::parse_file("case.nml"));  // o.g is what the file says
 //
-// Reading follows Fortran: the last of several assignments counts; an array's elements
-// not given keep their defaults, so a list whose length is the user's choice should
-// default to an empty one. Unlike Fortran, an unknown group or key, a value of the
-// wrong type, not finite, out of range or too much is an error: foundation::error with
-// status bad_input, which names file and line, what was expected and the nearest valid
-// name. Wrong declarations (a key twice, a default out of its range) are std::logic_error.
-//
-// Keys that only an expert turns are declared like the others, with .expert = true, and
-// stand in one group &expert behind all others; given in the group that declares them
-// they are an error that says so.
+// Reading follows Fortran: the last of several assignments counts; an array's elements not given keep their defaults.
+// Unlike Fortran, an unknown group or key, a value of the wrong type, not finite, out of range or too much is an error
+// of status bad_input, which names file and line, what was expected and the nearest valid name. Wrong declarations (a
+// key twice, a default out of its range) are std::logic_error. Keys that only an expert turns stand in one group
+// &expert behind all others, and are known in the group that declares them too.
 #pragma once
 
 #include <array>

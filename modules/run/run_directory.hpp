@@ -49,8 +49,6 @@ struct run_directory {
   double next_snapshot = 0.0;     // s
 
   // Claims the directory, or reads the checkpoint that is to be continued, and heeds signals. Nothing is written yet.
-  // Throws bad_input where ranks have different SIMD lanes, where the directory holds another run, or where the
-  // checkpoint is of another input; file_failed where nothing can be written or no checkpoint is whole.
   std::optional<output::latest_checkpoint> open();
   // The run is set up: removes what --force replaces, begins run.log and resolved.nml.
   void begin();
