@@ -379,43 +379,31 @@ std::vector<double> total(const costs& c) {
 
 void declare(namelist::schema& schema, balancer_options& o) {
   schema.group("balancer", "how the cuts between ranks follow the measured times");
-  schema.add("balancer", "method", o.method,
-             {.choices = {"remap", "level_relaxation"},
-              .expert = true,
-              .expert_name = "balancer_method",
-              .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
-  schema.add("balancer", "relaxation", o.relaxation,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .expert_name = "balancer_relaxation",
-              .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
-  schema.add("balancer", "minimum_width", o.minimum_width,
-             {.unit = "m",
-              .minimum = 0.0,
-              .expert = true,
-              .expert_name = "balancer_minimum_width",
-              .meaning = "of every slab"});
-  schema.add("balancer", "floor", o.floor,
-             {.minimum = 1e-12,
-              .maximum = 1.0,
-              .expert = true,
-              .expert_name = "balancer_floor",
-              .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
-  schema.add("balancer", "levels", o.levels,
-             {.minimum = 0,
-              .maximum = 30,
-              .expert = true,
-              .expert_name = "balancer_levels",
-              .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
-  schema.add("balancer", "readings", o.readings,
-             {.minimum = 1,
-              .maximum = 100,
-              .expert = true,
-              .expert_name = "balancer_readings",
-              .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
-                         "1: the times as they are"});
+  const auto add = [&](const std::string& name, auto& bound, namelist::key_info info) {
+    info.expert = true;
+    info.expert_name = "balancer_" + name;
+    schema.add("balancer", name, bound, std::move(info));
+  };
+  add("method", o.method,
+      {.choices = {"remap", "level_relaxation"},
+       .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
+  add("relaxation", o.relaxation,
+      {.minimum = 0.0,
+       .maximum = 1.0,
+       .exclusive_minimum = true,
+       .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
+  add("minimum_width", o.minimum_width, {.unit = "m", .minimum = 0.0, .meaning = "of every slab"});
+  add("floor", o.floor,
+      {.minimum = 1e-12,
+       .maximum = 1.0,
+       .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
+  add("levels", o.levels,
+      {.minimum = 0, .maximum = 30, .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
+  add("readings", o.readings,
+      {.minimum = 1,
+       .maximum = 100,
+       .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
+                  "1: the times as they are"});
 }
 
 template <int D>

@@ -189,7 +189,6 @@ struct explicit_integrator::implementation {
   int euler_step(double dt);
   void form_stage(const recurrence& r, std::size_t j, double dt);
   void estimate_error(double factor, double dt);
-  void check_fields() const;
   void know_radius();
   double largest_stabilised_dt() const;
   void return_to_saved();
@@ -539,8 +538,6 @@ void explicit_integrator::implementation::know_radius() {
         fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t, statistics.radius));
 }
 
-void explicit_integrator::implementation::check_fields() const { check(fields, adaptive, is_ab2, n); }
-
 double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
   const double smallest = 1e-10;  // an error of 0 must not divide
   const double e = std::max(step_error, smallest), k = embedding_exponent();
@@ -569,7 +566,7 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
   check(self_->options, self_->adaptive);
   if (self_->is_stabilised && !self_->radius_bound)
     fail_input(fmt::format("method '{}' needs a bound of the spectral radius", self_->options.method));
-  self_->check_fields();
+  check(self_->fields, self_->adaptive, self_->is_ab2, n);
   self_->build();
 }
 
