@@ -29,17 +29,20 @@ dataset dataset_for(const indexed& d) {
 // Only rank 0's parts are written, so only their values count.
 std::vector<part> global_parts(const checkpoint_globals& globals) {
   std::vector<part> parts;
-  for (const auto& [name, x] : globals.reals)
-    parts.push_back({{kind::real, 1, "/reals/" + name}, {std::bit_cast<std::uint64_t>(x)}});
+  const auto add = [&](kind what, std::uint64_t count, const std::string& path, std::vector<std::uint64_t> words) {
+    const indexed entry{what, count, path};
+    parts.push_back({entry, std::move(words)});
+  };
+  for (const auto& [name, x] : globals.reals) add(kind::real, 1, "/reals/" + name, {std::bit_cast<std::uint64_t>(x)});
   for (const auto& [name, x] : globals.integers)
-    parts.push_back({{kind::integer, 1, "/integers/" + name}, {static_cast<std::uint64_t>(x)}});
+    add(kind::integer, 1, "/integers/" + name, {static_cast<std::uint64_t>(x)});
   for (const auto& [name, text] : globals.texts) {
     std::vector<std::uint64_t> words(std::max<std::size_t>(1, (text.size() + 7) / 8), 0);
     std::memcpy(words.data(), text.data(), text.size());
-    parts.push_back({{kind::text, text.size(), "/texts/" + name}, std::move(words)});
+    add(kind::text, text.size(), "/texts/" + name, std::move(words));
   }
   for (const auto& [name, values] : globals.blobs)
-    parts.push_back({{kind::blob, values.size(), "/blobs/" + name}, same_bits<std::uint64_t>(values)});
+    add(kind::blob, values.size(), "/blobs/" + name, same_bits<std::uint64_t>(values));
   return parts;
 }
 
