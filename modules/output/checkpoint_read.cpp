@@ -1,6 +1,5 @@
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <foundation/error.hpp>
@@ -17,14 +16,8 @@ namespace {
 // Rank 0: the index and the structure around the datasets, verified. Returns the block.
 std::string read_verified_block(const std::string& path) {
   const descriptor file(path, O_RDONLY);
-  struct stat info;
-  if (fstat(file.get(), &info) != 0) fail_system("read", path);
-  if (!S_ISREG(info.st_mode)) foundation::fail_file(fmt::format("cannot read {}: it is not a plain file", path));
-  const auto size = static_cast<std::uint64_t>(info.st_size);
-  std::string block(std::min<std::uint64_t>(size, 512), '\0');
-  read_at(file, path, block.data(), block.size(), 0);
-  block.resize(std::min(size, block_bytes_in(path, block)));
-  read_at(file, path, block.data(), block.size(), 0);
+  const auto size = size_of(file, path);
+  const auto block = beginning_of(path, block_bytes_in(path, beginning_of(path, 512)));
 
   const auto index = read_block(path, block);
   if (index.file_bytes != size)

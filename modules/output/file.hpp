@@ -43,6 +43,9 @@ stream append_to(const std::string& path);
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
               std::uint64_t offset);
 void read_at(const descriptor& file, const std::string& path, void* data, std::size_t bytes, std::uint64_t offset);
+std::uint64_t size_of(const descriptor& file, const std::string& path);
+// The first `bytes` of the file, or less where it is shorter.
+std::string beginning_of(const std::string& path, std::uint64_t bytes);
 
 // On the disk, so that a full one shows before the first byte is written, where the file system can.
 void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes);

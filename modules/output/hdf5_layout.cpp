@@ -193,10 +193,9 @@ std::uint64_t create_layout(const std::string& path, layout& contents) {
   file.check(root.close());
 
   const descriptor written(path, O_RDWR);
-  const off_t end = lseek(written.get(), 0, SEEK_END);
-  if (end < 0) fail_system("write", path);
-  reserve(written, path, static_cast<std::uint64_t>(end));
-  return static_cast<std::uint64_t>(end);
+  const auto bytes = size_of(written, path);
+  reserve(written, path, bytes);
+  return bytes;
 }
 
 double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {

@@ -1,7 +1,5 @@
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <ctime>
 #include <filesystem>
@@ -17,16 +15,6 @@ std::string header_of(const std::vector<history_column>& columns) {
   std::string line = "step [1]";
   for (const auto& c : columns) line += fmt::format(",{} [{}]", c.name, c.units);
   return line + "\n";
-}
-
-// The first `bytes` of the file, or less where it is shorter.
-std::string beginning_of(const std::string& path, std::uint64_t bytes) {
-  const descriptor file(path, O_RDONLY);
-  struct stat about {};
-  if (fstat(file.get(), &about) != 0) fail_system("read", path);
-  std::string text(std::min(bytes, static_cast<std::uint64_t>(about.st_size)), '\0');
-  read_at(file, path, text.data(), text.size(), 0);
-  return text;
 }
 
 // The lines up to the mark; none where there are none to keep.
