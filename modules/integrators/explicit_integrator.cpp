@@ -124,10 +124,6 @@ std::vector<double*> arrays(const std::vector<field>& fields) {
 
 }  // namespace
 
-bool controls_error(const explicit_options& o) {
-  return o.method == "adaptive" || (stabilised(o.method) && o.error_control);
-}
-
 struct explicit_integrator::implementation {
   enum class outcome { accepted, rejected, unevaluable };
   struct plan {
@@ -145,7 +141,7 @@ struct explicit_integrator::implementation {
   radius_function radius_bound;
 
   int order = order_of(options);
-  bool adaptive = controls_error(options);
+  bool adaptive = options.method == "adaptive" || (stabilised(options.method) && options.error_control);
   bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2",
        is_euler = options.method == "euler";
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;

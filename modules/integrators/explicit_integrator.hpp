@@ -78,9 +78,6 @@ using limit_function = std::function<step_limit(double t)>;
 // 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy, called like limit_function.
 using radius_function = std::function<double(double t)>;
 
-// Whether a method takes its steps from an error estimate, so that f may refuse a state.
-bool controls_error(const explicit_options& options);
-
 struct explicit_statistics {
   long long steps = 0;
   long long attempts = 0;

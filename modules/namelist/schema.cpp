@@ -292,7 +292,7 @@ void schema::read(const document& input) {
   for (key_group& g : groups_)
     for (key& k : g.keys) {
       k.origin = "default";
-      k.given = false;
+      k.given_in.clear();
       k.filled.assign(array_size(k.bound), true);
     }
   for (const namelist::group& from : input.groups()) {
@@ -314,7 +314,7 @@ void schema::read(const document& input) {
         continue;
       }
       if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
-      if (k->given && k->given_in != g->name)
+      if (!k->given_in.empty() && k->given_in != g->name)
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k};
@@ -322,7 +322,6 @@ void schema::read(const document& input) {
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
       k->origin = input.where(a, *written);
-      k->given = true;
       k->given_in = g->name;
     }
   }
@@ -332,7 +331,7 @@ void schema::read(const document& input) {
 void schema::check_unassigned(const std::string& input_name) const {
   for (const key_group& g : groups_)
     for (const key& k : g.keys) {
-      if (k.info.required && !k.given)
+      if (k.info.required && k.given_in.empty())
         foundation::fail_input(fmt::format("{}: &{} {} is missing: expected {}{}{}", input_name, g.name, k.name,
                                            expected(k), k.info.meaning.empty() ? "" : ": ", k.info.meaning));
       const auto gap = std::find(k.filled.begin(), k.filled.end(), false);
@@ -355,7 +354,9 @@ std::string schema::where(const std::string& group, const std::string& key) cons
   return find(group, key).first.origin;
 }
 
-bool schema::given(const std::string& group, const std::string& key) const { return find(group, key).first.given; }
+bool schema::given(const std::string& group, const std::string& key) const {
+  return !find(group, key).first.given_in.empty();
+}
 
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
   const auto [k, stands_in] = find(group, name);

@@ -57,9 +57,8 @@ struct key {
   key_info info;
   std::string default_text;        // as in a namelist; empty: none
   std::string origin = "default";  // "file:line", "--set group.key=value"
-  bool given = false;
-  std::string given_in;      // the group, of its own or &expert
-  std::vector<bool> filled;  // array: which elements have a value
+  std::string given_in;            // the group, of its own or &expert
+  std::vector<bool> filled;        // array: which elements have a value
 };
 
 struct key_group {

@@ -29,34 +29,19 @@ std::string element(const std::vector<T>& list) {
   return result;
 }
 
-struct type_of {
-  const char* operator()(const double*) const { return "real"; }
-  const char* operator()(const int*) const { return "integer"; }
-  const char* operator()(const std::int64_t*) const { return "integer"; }
-  const char* operator()(const bool*) const { return "logical"; }
-  const char* operator()(const std::string*) const { return "text"; }
-  const char* operator()(const std::optional<double>*) const { return "optional real"; }
-  const char* operator()(const std::optional<std::int64_t>*) const { return "optional integer"; }
-  const char* operator()(const std::vector<double>*) const { return "list of reals"; }
-  const char* operator()(const std::vector<std::int64_t>*) const { return "list of integers"; }
-  const char* operator()(const std::vector<std::string>*) const { return "list of texts"; }
+// What a key's target holds, or its elements.
+struct names {
+  const char *of_type, *expected;
 };
-
-struct expected_element {
-  const char* operator()(const double*) const { return "a real number"; }
-  const char* operator()(const int*) const { return "an integer"; }
-  const char* operator()(const std::int64_t*) const { return "an integer"; }
-  const char* operator()(const bool*) const { return "a logical (.true. or .false.)"; }
-  const char* operator()(const std::string*) const { return "a text"; }
-  template <class T>
-  const char* operator()(const std::optional<T>*) const {
-    return (*this)(static_cast<const T*>(nullptr));
-  }
-  template <class T>
-  const char* operator()(const std::vector<T>*) const {
-    return (*this)(static_cast<const T*>(nullptr));
-  }
-};
+names names_of(const double*) { return {"real", "a real number"}; }
+names names_of(const int*) { return {"integer", "an integer"}; }
+names names_of(const std::int64_t*) { return {"integer", "an integer"}; }
+names names_of(const bool*) { return {"logical", "a logical (.true. or .false.)"}; }
+names names_of(const std::string*) { return {"text", "a text"}; }
+template <template <class...> class Of, class T, class... Rest>
+names names_of(const Of<T, Rest...>*) {
+  return names_of(static_cast<const T*>(nullptr));
+}
 
 // A comment of any number of lines.
 std::string comment(const std::string& text, const std::string& indent) {
@@ -84,7 +69,15 @@ bool in_range(double number, const key_info& info) {
 }
 
 std::string type_name(const key& k) {
-  return std::visit([](auto* to) { return std::string(type_of{}(to)); }, k.bound);
+  return std::visit(
+      [](auto* to) {
+        const std::string name = names_of(to).of_type;
+        if constexpr (requires { to->has_value(); }) return "optional " + name;
+        if constexpr (requires { to->begin(); } && !std::is_same_v<decltype(to), std::string*>)
+          return "list of " + name + "s";
+        return name;
+      },
+      k.bound);
 }
 
 std::string limits(const key& k) {
@@ -101,7 +94,7 @@ std::string limits(const key& k) {
 
 std::string expected(const key& k) {
   if (!k.info.choices.empty()) return limits(k);
-  std::string result = std::visit([](auto* to) { return std::string(expected_element{}(to)); }, k.bound);
+  std::string result = std::visit([](auto* to) { return names_of(to).expected; }, k.bound);
   if (!k.info.unit.empty()) result += " in " + k.info.unit;
   const std::string range = limits(k);
   return range.empty() ? result : result + " " + range;
@@ -131,7 +124,7 @@ void schema::write_resolved(std::ostream& out) const {
     if (g.keys.empty()) continue;
     out << '&' << g.name << '\n';
     for (const key& k : g.keys)
-      out << line(k, k.info.stays_open && !k.given ? "! " + value_text(k.bound) : value_text(k.bound));
+      out << line(k, k.info.stays_open && k.given_in.empty() ? "! " + value_text(k.bound) : value_text(k.bound));
     out << "/\n\n";
   }
 }
