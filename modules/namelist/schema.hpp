@@ -59,6 +59,12 @@ struct key {
   std::string origin = "default";  // "file:line", "--set group.key=value"
   std::string given_in;            // the group, of its own or &expert
   std::vector<bool> filled;        // array: which elements have a value
+
+  std::string type_name() const;  // "integer", "list of reals", …
+  std::string limits() const;     // "> 0", "in [0, 1)", "one of 'a', 'b'"; empty: none
+  std::string expected() const;   // type, unit and limits, for messages
+  std::string value() const;      // as in a namelist; empty if there is none or it is not finite
+  bool allows(double number) const;
 };
 
 struct key_group {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <namelist/schema.hpp>
-#include <namelist/schema_text.hpp>
 #include <namelist/text.hpp>
 #include <ostream>
 #include <type_traits>
@@ -59,29 +58,29 @@ std::string line(const key& k, const std::string& text) {
 
 }  // namespace
 
-std::string value_text(const target& bound) {
+std::string key::value() const {
   return std::visit([](auto* to) { return element(*to); }, bound);
 }
 
-bool in_range(double number, const key_info& info) {
+bool key::allows(double number) const {
   return (info.exclusive_minimum ? number > info.minimum : number >= info.minimum) &&
          (info.exclusive_maximum ? number < info.maximum : number <= info.maximum);
 }
 
-std::string type_name(const key& k) {
+std::string key::type_name() const {
   return std::visit(
       [](auto* to) {
-        const std::string name = names_of(to).of_type;
-        if constexpr (requires { to->has_value(); }) return "optional " + name;
+        const std::string what = names_of(to).of_type;
+        if constexpr (requires { to->has_value(); }) return "optional " + what;
         if constexpr (requires { to->begin(); } && !std::is_same_v<decltype(to), std::string*>)
-          return "list of " + name + "s";
-        return name;
+          return "list of " + what + "s";
+        return what;
       },
-      k.bound);
+      bound);
 }
 
-std::string limits(const key& k) {
-  const key_info& i = k.info;
+std::string key::limits() const {
+  const key_info& i = info;
   if (!i.choices.empty()) return "one of " + element(i.choices);
   const bool below = std::isfinite(i.minimum), above = std::isfinite(i.maximum);
   if (below && above)
@@ -92,11 +91,11 @@ std::string limits(const key& k) {
   return "";
 }
 
-std::string expected(const key& k) {
-  if (!k.info.choices.empty()) return limits(k);
-  std::string result = std::visit([](auto* to) { return names_of(to).expected; }, k.bound);
-  if (!k.info.unit.empty()) result += " in " + k.info.unit;
-  const std::string range = limits(k);
+std::string key::expected() const {
+  if (!info.choices.empty()) return limits();
+  std::string result = std::visit([](auto* to) { return names_of(to).expected; }, bound);
+  if (!info.unit.empty()) result += " in " + info.unit;
+  const std::string range = limits();
   return range.empty() ? result : result + " " + range;
 }
 
@@ -108,10 +107,10 @@ void schema::describe(std::ostream& out) const {
     for (const key& k : g.keys) {
       const std::string whose = k.declared_in == g.name ? "" : fmt::format("of &{}: ", k.declared_in);
       if (!(whose + k.info.meaning).empty()) out << comment(whose + k.info.meaning, "  ");
-      std::string facts = type_name(k);
+      std::string facts = k.type_name();
       if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
-      if (const std::string range = limits(k); !range.empty()) facts += ", " + range;
+      if (const std::string range = k.limits(); !range.empty()) facts += ", " + range;
       facts += k.info.required ? ", required" : ", default " + (k.default_text.empty() ? "none" : k.default_text);
       out << comment(facts, "  ") << line(k, k.default_text);
     }
@@ -123,8 +122,7 @@ void schema::write_resolved(std::ostream& out) const {
   for (const key_group& g : groups_) {
     if (g.keys.empty()) continue;
     out << '&' << g.name << '\n';
-    for (const key& k : g.keys)
-      out << line(k, k.info.stays_open && k.given_in.empty() ? "! " + value_text(k.bound) : value_text(k.bound));
+    for (const key& k : g.keys) out << line(k, k.info.stays_open && k.given_in.empty() ? "! " + k.value() : k.value());
     out << "/\n\n";
   }
 }
