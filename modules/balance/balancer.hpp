@@ -63,8 +63,7 @@ struct extent {
     }
   }
 };
-// One for each rank; empty: not known, particles may be anywhere in their cells. Worth telling where parts of
-// the box are empty: a cut that is to fall into the particles of a half empty cell then does not miss them.
+// One for each rank; empty: not known, particles may be anywhere in their cells.
 template <int D>
 using extents = std::vector<extent<D>>;
 
@@ -103,9 +102,8 @@ struct experience {
 };
 balancer_options relaxed(balancer_options o, const experience& so_far);
 
-// The clock also tells what else a machine does. What is counted (pairs) does not scatter, but knows nothing of slow
-// processors and of what else there is to do. So: the counted work, times the part of a rank's slowness that lasts: the
-// least of what it was in each of the last readings, or nothing where these do not agree on slower or faster.
+// The counted work, which does not scatter as the clock does, times the part of a rank's slowness that lasts: the least
+// of what it was in each of the last readings, or nothing where these do not agree on slower or faster.
 class lasting_cost {
  public:
   explicit lasting_cost(std::int64_t readings) : readings_(static_cast<std::size_t>(readings)) {}

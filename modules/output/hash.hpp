@@ -1,14 +1,11 @@
-// Checksums that many ranks compute together: the sum, modulo 2^64 in two lanes, of
-// one hash for each (index, 64-bit word). A sum does not depend on order, so the
-// checksum of an array is the same however its rows lie on the ranks, while the index
-// inside each hash ties every word to its place.
+// Checksums that many ranks compute together: the sum, modulo 2^64 in two lanes, of one hash for each (index, 64-bit
+// word), the same however an array's rows lie on the ranks.
 //
 //   m(x) = x, xor-shifted and multiplied by odd numbers, three times (a bijection)
 //   a = sum_i m(w_i xor m(i + A)),   b = sum_i m(w_i + m(i xor B))
 //
-// Each term is a bijection of its word: a change confined to one word is always seen;
-// any other accident is missed with a probability of 2^-128. It is no protection
-// against intent. Constants: golden ratio; "variant 13" of D. Stafford (2011), the
+// A change confined to one word is always seen; any other accident is missed with a probability of 2^-128. It is no
+// protection against intent. Constants: golden ratio; "variant 13" of D. Stafford (2011), the
 // finaliser of SplitMix64 [G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014].
 #pragma once
 

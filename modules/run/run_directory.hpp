@@ -2,8 +2,8 @@
 // snapshots and their series, checkpoints, summary. The loops (hydrostatic.hpp, run/time_loop.cpp) say when.
 #pragma once
 
-#include <chrono>
 #include <domain/communicator.hpp>
+#include <foundation/waiting.hpp>
 #include <functional>
 #include <integrators/explicit_integrator.hpp>
 #include <map>
@@ -20,12 +20,6 @@
 #include <vector>
 
 namespace tetsuame::run {
-
-using seconds_clock = std::chrono::steady_clock;
-
-inline double since(seconds_clock::time_point begin) {
-  return std::chrono::duration<double>(seconds_clock::now() - begin).count();
-}
 
 // Where the next step should end, and what decided that.
 struct next_end {
@@ -56,8 +50,8 @@ struct run_directory {
   void say(const std::string& text);   // to the log
   void tell(const std::string& text);  // and to the terminal
 
-  double age() const { return since(began_); }                    // s, of this run, by this rank's clock
-  double checkpoint_age() const { return since(checkpointed_); }  // s, of the last checkpoint or of this run
+  double age() const { return began_.elapsed(); }                    // s, of this run, by this rank's clock
+  double checkpoint_age() const { return checkpointed_.elapsed(); }  // s, of the last checkpoint or of this run
 
   // Why this rank would have the run stop: 0 not at all; a signal, the file DIR/stop, or the wall-clock limit. The
   // largest of all ranks' counts, and is what interrupt() is to be told.
@@ -121,7 +115,7 @@ struct run_directory {
   std::vector<output::history_column> columns_;  // of the history
   output::series series_;
   std::string good_checkpoint_;  // the newest; empty: none
-  seconds_clock::time_point began_ = seconds_clock::now(), checkpointed_ = began_, looked_ = began_;
+  foundation::stopwatch began_, checkpointed_ = began_, looked_ = began_;
 };
 
 }  // namespace tetsuame::run

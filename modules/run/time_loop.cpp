@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <foundation/waiting.hpp>
@@ -174,13 +173,13 @@ struct loop {
         progress.finish(state());
         interrupt_run();
       }
-      const auto before = seconds_clock::now();
+      const foundation::stopwatch watch;
       p.communication.begin();
       refresh_lists();
       take_step();
       complete_step();
       p.communication.end();
-      files.stepping_seconds += since(before);
+      files.stepping_seconds += watch.elapsed();
       record();
       progress.update(state());
     }
