@@ -93,13 +93,6 @@ void write_whole(const std::string& directory, const std::vector<std::string>& s
   replace_text(path_in(directory), text.append(last_lines));
 }
 
-// Whether the file still ends where it did after the last snapshot.
-bool stands(const std::string& path, const series& all) {
-  std::error_code problem;
-  const auto bytes = std::filesystem::file_size(path, problem);
-  return !problem && bytes == all.end + last_lines.size();
-}
-
 std::vector<std::string> snapshots_below(const std::string& directory, std::int64_t next) {
   std::vector<std::string> names;
   for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5"))
@@ -113,7 +106,9 @@ void add_to_series(MPI_Comm comm, const std::string& directory, const std::strin
   on_rank_0(comm, [&] {
     const auto path = path_in(directory);
     if (all.end == 0) return write_whole(directory, {snapshot_file}, all);
-    if (!stands(path, all))  // somebody removed or changed it
+    std::error_code problem;
+    const auto bytes = std::filesystem::file_size(path, problem);
+    if (problem || bytes != all.end + last_lines.size())  // somebody removed or changed it
       return write_whole(directory, snapshots_below(directory, std::numeric_limits<std::int64_t>::max()), all);
     const auto text = text_of(directory, snapshot_file);
     const auto added = text + std::string(last_lines);
