@@ -84,9 +84,13 @@ std::string convert(const context& c, const value& v, std::string*) {
 }
 
 template <class T>
-bool assign_scalar(const context& c, T& to) {
+T convert(const context& c, const value& v, std::optional<T>*) {
+  return convert(c, v, static_cast<T*>(nullptr));
+}
+
+template <class T>
+void assign(const context& c, T& to, std::vector<bool>&) {
   if (c.from.index) c.fail(nullptr, "takes a single value: no subscript is possible");
-  bool assigned = false;
   for (std::size_t k = 0; k < c.from.values.size(); ++k) {
     const value& v = c.from.values[k];
     // Empty places behind a comma too much mean nothing.
@@ -94,11 +98,8 @@ bool assign_scalar(const context& c, T& to) {
     if (k > 0 || v.repeat > 1)
       c.fail(&v, fmt::format("takes a single value, found {}",
                              v.repeat > 1 ? fmt::format("{} of them", v.repeat) : "a second, " + excerpt(v.content)));
-    if (v.what == value::kind::null) continue;
-    to = convert(c, v, static_cast<T*>(nullptr));
-    assigned = true;
+    if (v.what != value::kind::null) to = convert(c, v, static_cast<T*>(nullptr));
   }
-  return assigned;
 }
 
 // The elements that an assignment's values go to, from 1: first, first + stride, …
@@ -124,11 +125,10 @@ elements addressed(const context& c) {
 }
 
 template <class T>
-bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
+void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
   const elements e = addressed(c);
   const auto room = static_cast<std::uint64_t>((e.last - e.first) / e.stride + 1);
   std::uint64_t used = 0;
-  bool assigned = false;
   for (const value& v : c.from.values) {
     const bool null = v.what == value::kind::null;
     if (used == room && null && !v.counted) continue;
@@ -147,25 +147,7 @@ bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& fille
       to[at] = content;
       filled[at] = true;
     }
-    assigned = true;
   }
-  return assigned;
-}
-
-template <class T>
-bool assign(const context& c, T& to, std::vector<bool>&) {
-  return assign_scalar(c, to);
-}
-template <class T>
-bool assign(const context& c, std::optional<T>& to, std::vector<bool>&) {
-  T content{};
-  const bool assigned = assign_scalar(c, content);
-  if (assigned) to = content;
-  return assigned;
-}
-template <class T>
-bool assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
-  return assign_array(c, to, filled);
 }
 
 template <class Items>
@@ -317,9 +299,10 @@ void schema::read(const document& input) {
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k};
-      if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;
+      std::visit([&](auto* to) { assign(c, *to, k->filled); }, k->bound);
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
+      if (written == a.values.end()) continue;
       k->origin = input.where(a, *written);
       k->given_in = g->name;
     }

@@ -7,13 +7,12 @@ namespace tetsuame::output {
 
 namespace {
 
-template <class Container>
-Container broadcast_from(MPI_Comm comm, int root, Container values, MPI_Datatype type) {
-  auto n = static_cast<std::uint64_t>(values.size());
+std::string broadcast_from(MPI_Comm comm, int root, std::string text) {
+  auto n = static_cast<std::uint64_t>(text.size());
   MPI_Bcast(&n, 1, MPI_UINT64_T, root, comm);
-  values.resize(n);
-  MPI_Bcast(values.data(), static_cast<int>(n), type, root, comm);
-  return values;
+  text.resize(n);
+  MPI_Bcast(text.data(), static_cast<int>(n), MPI_CHAR, root, comm);
+  return text;
 }
 
 }  // namespace
@@ -40,7 +39,7 @@ void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status st
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
   int code = static_cast<int>(status);
   MPI_Bcast(&code, 1, MPI_INT, first, comm);
-  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem, MPI_CHAR));
+  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem));
 }
 
 void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
@@ -61,10 +60,6 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
   agree(comm, problem, status);
 }
 
-std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text, MPI_CHAR); }
-
-std::vector<std::uint64_t> broadcast(MPI_Comm comm, const std::vector<std::uint64_t>& values) {
-  return broadcast_from(comm, 0, values, MPI_UINT64_T);
-}
+std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text); }
 
 }  // namespace tetsuame::output

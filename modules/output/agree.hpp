@@ -8,7 +8,6 @@
 #include <foundation/error.hpp>
 #include <functional>
 #include <string>
-#include <vector>
 
 namespace tetsuame::output {
 
@@ -25,6 +24,5 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work);
 
 // Collective. Rank 0's value, on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);
-std::vector<std::uint64_t> broadcast(MPI_Comm comm, const std::vector<std::uint64_t>& values);
 
 }  // namespace tetsuame::output
