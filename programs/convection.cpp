@@ -1,6 +1,6 @@
 // Thermal convection of air and mantle, with slowed sound and inertia [S1].
 #include <convection/make.hpp>
-#include <run/time_loop.hpp>
+#include <run/problem.hpp>
 
 using namespace tetsuame;
 

@@ -1,6 +1,6 @@
 // Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
 #include <gas/make.hpp>
-#include <run/time_loop.hpp>
+#include <run/problem.hpp>
 
 using namespace tetsuame;
 

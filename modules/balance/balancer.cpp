@@ -379,43 +379,31 @@ std::vector<double> total(const costs& c) {
 
 void declare(namelist::schema& schema, balancer_options& o) {
   schema.group("balancer", "how the cuts between ranks follow the measured times");
-  schema.add("balancer", "method", o.method,
-             {.choices = {"remap", "level_relaxation"},
-              .expert = true,
-              .expert_name = "balancer_method",
-              .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
-  schema.add("balancer", "relaxation", o.relaxation,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .expert_name = "balancer_relaxation",
-              .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
-  schema.add("balancer", "minimum_width", o.minimum_width,
-             {.unit = "m",
-              .minimum = 0.0,
-              .expert = true,
-              .expert_name = "balancer_minimum_width",
-              .meaning = "of every slab"});
-  schema.add("balancer", "floor", o.floor,
-             {.minimum = 1e-12,
-              .maximum = 1.0,
-              .expert = true,
-              .expert_name = "balancer_floor",
-              .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
-  schema.add("balancer", "levels", o.levels,
-             {.minimum = 0,
-              .maximum = 30,
-              .expert = true,
-              .expert_name = "balancer_levels",
-              .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
-  schema.add("balancer", "readings", o.readings,
-             {.minimum = 1,
-              .maximum = 100,
-              .expert = true,
-              .expert_name = "balancer_readings",
-              .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
-                         "1: the times as they are"});
+  const auto add = [&](const std::string& name, auto& bound, namelist::key_info info) {
+    info.expert = true;
+    info.expert_name = "balancer_" + name;
+    schema.add("balancer", name, bound, std::move(info));
+  };
+  add("method", o.method,
+      {.choices = {"remap", "level_relaxation"},
+       .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
+  add("relaxation", o.relaxation,
+      {.minimum = 0.0,
+       .maximum = 1.0,
+       .exclusive_minimum = true,
+       .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
+  add("minimum_width", o.minimum_width, {.unit = "m", .minimum = 0.0, .meaning = "of every slab"});
+  add("floor", o.floor,
+      {.minimum = 1e-12,
+       .maximum = 1.0,
+       .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
+  add("levels", o.levels,
+      {.minimum = 0, .maximum = 30, .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
+  add("readings", o.readings,
+      {.minimum = 1,
+       .maximum = 100,
+       .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
+                  "1: the times as they are"});
 }
 
 template <int D>
@@ -440,19 +428,6 @@ std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const 
   std::vector<double> found(amount.size(), 0.0);
   visit_overlaps(now, then, amount, where,
                  [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
-  return found;
-}
-
-template <int D>
-std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& particles,
-                              const extents<D>& where) {
-  check_size(now, particles.size(), "numbers of particles");
-  std::vector<double> found(particles.size(), 0.0);
-  visit_overlaps(now, then, particles, where, [&](std::size_t from, std::size_t to, double part) {
-    if (from == to) return;
-    found[from] += part * particles[from];
-    found[to] += part * particles[from];
-  });
   return found;
 }
 
@@ -535,23 +510,15 @@ spread spread_of(const std::vector<double>& time) {
   return {std::accumulate(time.begin(), time.end(), 0.0) / static_cast<double>(time.size()), *least, *most};
 }
 
-template cuts<1> propose(const cuts<1>&, const std::vector<double>&, const balancer_options&, const extents<1>&);
-template std::vector<double> redistribute(const cuts<1>&, const cuts<1>&, const std::vector<double>&,
-                                          const extents<1>&);
-template std::vector<double> migrating(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const extents<1>&);
-template decision worth_moving(const cuts<1>&, const cuts<1>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<1>&);
-template cuts<2> propose(const cuts<2>&, const std::vector<double>&, const balancer_options&, const extents<2>&);
-template std::vector<double> redistribute(const cuts<2>&, const cuts<2>&, const std::vector<double>&,
-                                          const extents<2>&);
-template std::vector<double> migrating(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const extents<2>&);
-template decision worth_moving(const cuts<2>&, const cuts<2>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<2>&);
-template cuts<3> propose(const cuts<3>&, const std::vector<double>&, const balancer_options&, const extents<3>&);
-template std::vector<double> redistribute(const cuts<3>&, const cuts<3>&, const std::vector<double>&,
-                                          const extents<3>&);
-template std::vector<double> migrating(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const extents<3>&);
-template decision worth_moving(const cuts<3>&, const cuts<3>&, const std::vector<double>&, const std::vector<double>&,
-                               const move_costs&, std::int64_t, const experience&, const extents<3>&);
+#define TETSUAME_BALANCE(D)                                                                                         \
+  template cuts<D> propose(const cuts<D>&, const std::vector<double>&, const balancer_options&, const extents<D>&); \
+  template std::vector<double> redistribute(const cuts<D>&, const cuts<D>&, const std::vector<double>&,             \
+                                            const extents<D>&);                                                     \
+  template decision worth_moving(const cuts<D>&, const cuts<D>&, const std::vector<double>&,                        \
+                                 const std::vector<double>&, const move_costs&, std::int64_t, const experience&,    \
+                                 const extents<D>&)
+TETSUAME_BALANCE(1);
+TETSUAME_BALANCE(2);
+TETSUAME_BALANCE(3);
 
 }  // namespace tetsuame::balance

@@ -1,21 +1,6 @@
-// Dynamic load balance on the slice grid (cuts.hpp): from the time each rank measured, new cuts under
-// which the times become equal. Nothing here communicates: every rank holds all cuts and all times and
-// comes to the same result.
-//
-// Two methods:
-//   remap             (default) The time of a cell, spread over it as the rank tells (its extent: along each axis
-//                     by itself; evenly over the cell, where that is not told), is a density of cost.
-//                     All cuts of all levels are placed at once where this density's integral over each
-//                     cell is equal: first the cuts along x by the columns' sums, then in each new column
-//                     the cuts along y by the density of all old cells it meets, and so on. It is Newton's
-//                     method on the whole problem with the density in place of the derivative.
-//   level_relaxation  The quasi-Newton step of Furuichi & Nishiura in JAMSTEC's annual report on the Earth
-//                     Simulator (fiscal year 2015), with a diagonal preconditioner, and coarse groups of
-//                     2^l slabs relaxed before fine ones [M. Furuichi & D. Nishiura, Comput. Phys. Commun.
-//                     219, 135 (2017)]. At the cut x_I between slab I - 1 and slab
-//                     I, with times t, widths D and the residual f_I = t_I - t_(I-1),
-//                         x_I += omega f_I / (t_I/D_I + t_(I-1)/D_(I-1)),
-//                     so that the cut moves up, into slab I, where slab I takes longer.
+// Dynamic load balance on the slice grid (cuts.hpp): from the time each rank measured, new cuts under which the times
+// become equal, by the methods of docs/load_balancer.md. Nothing here communicates: every rank holds all cuts and all
+// times and comes to the same result.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +31,6 @@ struct balancer_options {
   std::vector<double> speed;  // of each rank, any unit; empty: equal, or not known. Only remap uses it.
 };
 
-// Groups &balancer's keys: method, relaxation, minimum_width, floor, levels, readings.
 void declare(namelist::schema& schema, balancer_options& o);
 
 // Where a rank's particles are: the least box around them, m (lower > upper: it has none), and what part of their cost
@@ -79,8 +63,7 @@ struct extent {
     }
   }
 };
-// One for each rank; empty: not known, particles may be anywhere in their cells. Worth telling where parts of
-// the box are empty: a cut that is to fall into the particles of a half empty cell then does not miss them.
+// One for each rank; empty: not known, particles may be anywhere in their cells.
 template <int D>
 using extents = std::vector<extent<D>>;
 
@@ -96,11 +79,6 @@ template <int D>
 std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount,
                                  const extents<D>& where = {});
 
-// Particles that leave a rank or come to one, the sum of both, under the same assumption.
-template <int D>
-std::vector<double> migrating(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& particles,
-                              const extents<D>& where = {});
-
 // Measured; of a move.
 struct move_costs {
   double per_particle = 0.0;  // s, for each particle a rank sends or receives
@@ -113,10 +91,8 @@ struct decision {
   std::string reason;
 };
 
-// Predicted gains come true only in part: a cell's cost is not spread evenly, ranks differ in speed, measured
-// times scatter. What did come true of the moves made so far says how far to trust the next prediction. How
-// the ranks' imbalance (t/mean - 1) after a move correlates with that before says how much of it to remove at
-// once: negative, the move went too far or followed mere scatter; positive, not far enough.
+// Of the moves made so far ("Experience" of docs/load_balancer.md): how far to trust the next prediction, and how much
+// of the imbalance to remove at once.
 struct experience {
   double trust = 1.0;       // multiplies predicted gains
   double relaxation = 1.0;  // multiplies balancer_options::relaxation
@@ -126,9 +102,8 @@ struct experience {
 };
 balancer_options relaxed(balancer_options o, const experience& so_far);
 
-// The clock also tells what else a machine does. What is counted (pairs) does not scatter, but knows nothing of slow
-// processors and of what else there is to do. So: the counted work, times the part of a rank's slowness that lasts: the
-// least of what it was in each of the last readings, or nothing where these do not agree on slower or faster.
+// The counted work, which does not scatter as the clock does, times the part of a rank's slowness that lasts: the least
+// of what it was in each of the last readings, or nothing where these do not agree on slower or faster.
 class lasting_cost {
  public:
   explicit lasting_cost(std::int64_t readings) : readings_(static_cast<std::size_t>(readings)) {}

@@ -3,6 +3,7 @@
 #include <domain/communicator.hpp>
 #include <foundation/waiting.hpp>
 #include <limits>
+#include <output/agree.hpp>
 
 namespace tetsuame::domain {
 
@@ -77,33 +78,11 @@ double communicator::exact(foundation::exact_sum sum) const {
   return sum.value();
 }
 
-std::string communicator::broadcast(std::string text) const {
-  auto length = static_cast<std::int64_t>(text.size());
-  MPI_Bcast(&length, 1, MPI_INT64_T, 0, comm);
-  text.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(text.data(), static_cast<int>(length), MPI_CHAR, 0, comm);
-  return text;
-}
+std::string communicator::broadcast(const std::string& text) const { return output::broadcast(comm, text); }
 
 void communicator::agree_on_fault(std::int64_t id, const std::string& message, foundation::exit_status status) const {
-  constexpr auto no_fault = std::numeric_limits<std::int64_t>::max();
-  const std::int64_t mine = message.empty() ? no_fault : id;
-  std::int64_t lowest = mine;
-  {
-    const foundation::collective timed;
-    MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
-  }
-  if (lowest == no_fault) return;
-  int teller = mine == lowest ? rank : size;
-  MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, comm);
-  int code = static_cast<int>(status);
-  auto length = static_cast<std::int64_t>(message.size());
-  MPI_Bcast(&code, 1, MPI_INT, teller, comm);
-  MPI_Bcast(&length, 1, MPI_INT64_T, teller, comm);
-  std::string told = message;
-  told.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(told.data(), static_cast<int>(length), MPI_CHAR, teller, comm);
-  throw foundation::error(static_cast<foundation::exit_status>(code), told);
+  const foundation::collective timed;
+  output::agree(comm, message, status, id);
 }
 
 }  // namespace tetsuame::domain

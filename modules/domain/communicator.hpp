@@ -28,8 +28,8 @@ struct communicator {
   std::vector<double> every(double value) const;  // each rank's, by rank
   // Each rank's values, as many on all, one rank's behind the other's.
   std::vector<double> every(std::span<const double> values) const;
-  double exact(foundation::exact_sum sum) const;  // the rounded sum over all ranks' terms
-  std::string broadcast(std::string text) const;  // rank 0's text
+  double exact(foundation::exact_sum sum) const;         // the rounded sum over all ranks' terms
+  std::string broadcast(const std::string& text) const;  // rank 0's text
 
   // Each rank hands in the fault it saw, keyed by particle ID (no fault: empty text);
   // every rank throws the fault of the lowest ID, or none does.

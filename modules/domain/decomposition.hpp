@@ -122,10 +122,6 @@ int next_tag(decomposition<D>& d) {
   return 2 + d.calls++ % 2;
 }
 
-// An ID among doubles.
-inline double as_value(std::int64_t id) { return std::bit_cast<double>(id); }
-inline std::int64_t as_id(double value) { return std::bit_cast<std::int64_t>(value); }
-
 }  // namespace detail
 
 // Hands every fluid particle to the rank whose cell holds its position.
@@ -150,7 +146,7 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
   for (const auto& [rank, i] : leave) {
     if (out.empty() || out.back().rank != rank) out.push_back({rank, {}});
     auto& values = out.back().values;
-    values.push_back(detail::as_value(s.id[i]));
+    values.push_back(std::bit_cast<double>(s.id[i]));
     values.push_back(static_cast<double>(s.material[i]));
     for (const auto* a : fields) values.push_back((*a)[i]);
   }
@@ -163,7 +159,7 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
   std::size_t i = stay.size();
   for (const letter& l : in)
     for (const double* v = l.values.data(); v < l.values.data() + l.values.size(); v += row, ++i) {
-      s.id[i] = detail::as_id(v[0]);
+      s.id[i] = std::bit_cast<std::int64_t>(v[0]);
       s.material[i] = static_cast<std::int32_t>(v[1]);
       for (std::size_t f = 0; f < fields.size(); ++f) (*fields[f])[i] = v[2 + f];
     }
@@ -294,7 +290,7 @@ void make_halo(decomposition<D>& d, particles::particles<D>& s, std::size_t begi
     for (std::size_t k = to.begin; k < to.begin + to.count; ++k) {
       const std::size_t i = plan.sources[k];
       for (std::size_t a = 0; a < D; ++a) values.push_back(s.x[a][i] + plan.shift_by[plan.shift[k]][a]);
-      values.push_back(detail::as_value(s.id[i]));
+      values.push_back(std::bit_cast<double>(s.id[i]));
       values.push_back(static_cast<double>(s.material[i]));
     }
   }
@@ -311,7 +307,7 @@ void make_halo(decomposition<D>& d, particles::particles<D>& s, std::size_t begi
   for (const letter& l : in)
     for (const double* v = l.values.data(); v < l.values.data() + l.values.size(); v += row, ++g) {
       for (std::size_t a = 0; a < D; ++a) s.x[a][g] = v[a];
-      s.id[g] = detail::as_id(v[D]);
+      s.id[g] = std::bit_cast<std::int64_t>(v[D]);
       s.material[g] = static_cast<std::int32_t>(v[D + 1]);
     }
 }

@@ -10,7 +10,6 @@
 #include <domain/communicator.hpp>
 #include <foundation/error.hpp>
 #include <foundation/threads.hpp>
-#include <foundation/traffic.hpp>
 #include <foundation/waiting.hpp>
 #include <particles/particles.hpp>
 #include <span>
@@ -55,19 +54,20 @@ void share(std::size_t n, const F& f) {
   for (std::size_t k = 0; k < n; ++k) f(k);
 }
 
-// The value of a field that goes out as the k-th source.
-template <int D>
-double outgoing(const halo<D>& h, const typename halo<D>::field& field, std::size_t k) {
-  const double value = field.values[h.sources[k]];
-  return field.shifted_along < 0 ? value
-                                 : value + h.shift_by[h.shift[k]][static_cast<std::size_t>(field.shifted_along)];
-}
+}  // namespace detail
 
+// Starts to refresh the ghosts' values of the arrays, which may not change before end_exchange, and
+// of the positions where these are given. One exchange of a halo at a time.
 template <int D>
-void begin_traffic(const communicator& ranks, const halo<D>& h) {
-  const std::size_t n = h.fields.size();
+void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<double* const> fields,
+                    std::array<particles::array, D>* positions = nullptr) {
   if (h.under_way) throw std::logic_error("an exchange of this halo is under way already");
   h.under_way = true;
+  h.fields.clear();
+  if (positions != nullptr)
+    for (std::size_t a = 0; a < D; ++a) h.fields.push_back({(*positions)[a].data(), static_cast<int>(a)});
+  for (double* f : fields) h.fields.push_back({f, -1});
+  const std::size_t n = h.fields.size();
   h.requests.clear();
   h.out.resize(std::max(h.out.size(), h.sources.size() * n));
   h.in.resize(std::max(h.in.size(), h.ghosts * n));
@@ -86,7 +86,12 @@ void begin_traffic(const communicator& ranks, const halo<D>& h) {
     for (std::size_t f = 0; f < n; ++f) {
       double* packed = s.rank == ranks.rank ? h.fields[f].values + h.ghosts_begin + own->begin
                                             : h.out.data() + s.begin * n + f * s.count;
-      share(s.count, [&](std::size_t k) { packed[k] = outgoing(h, h.fields[f], s.begin + k); });
+      detail::share(s.count, [&](std::size_t k) {
+        const std::size_t source = s.begin + k;
+        const double value = h.fields[f].values[h.sources[source]];
+        const int axis = h.fields[f].shifted_along;
+        packed[k] = axis < 0 ? value : value + h.shift_by[h.shift[source]][static_cast<std::size_t>(axis)];
+      });
     }
   for (const auto& s : h.to) {
     if (s.rank == ranks.rank) continue;
@@ -96,20 +101,6 @@ void begin_traffic(const communicator& ranks, const halo<D>& h) {
     ++foundation::sent.halo_messages;
     foundation::sent.halo_bytes += static_cast<std::int64_t>(s.count * n * sizeof(double));
   }
-}
-
-}  // namespace detail
-
-// Starts to refresh the ghosts' values of the arrays, which may not change before end_exchange, and
-// of the positions where these are given. One exchange of a halo at a time.
-template <int D>
-void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<double* const> fields,
-                    std::array<particles::array, D>* positions = nullptr) {
-  h.fields.clear();
-  if (positions != nullptr)
-    for (std::size_t a = 0; a < D; ++a) h.fields.push_back({(*positions)[a].data(), static_cast<int>(a)});
-  for (double* f : fields) h.fields.push_back({f, -1});
-  detail::begin_traffic(ranks, h);
 }
 
 // From here on the ghosts hold what was sent.

@@ -12,6 +12,25 @@ constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 
 std::string along(const char* what, std::size_t axis) { return std::string(what) + axis_names[axis]; }
 
+// An edge not given is as long as that along x, or as its particles are wide; particles not given have the spacing of
+// x.
+void follow_x(const namelist::schema& schema, options& o, std::size_t a) {
+  const double dx = o.dx();
+  auto& length = o.length[a];
+  auto& n = o.particles[a];
+  if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.length[0];
+  if (n > 0) return;
+  const std::string edge = along("length_", a);
+  const double wanted = length / dx;
+  if (!(wanted < 1e12))
+    schema.fail("domain", edge, fmt::format("would hold {:.3g} particles of the spacing along x", wanted));
+  n = std::llround(wanted);
+  if (n == 0) schema.fail("domain", edge, fmt::format("{} m are less than the spacing along x, {} m", length, dx));
+  if (std::abs(length / static_cast<double>(n) - dx) > 1e-9 * dx)
+    schema.fail("domain", edge,
+                fmt::format("expected a whole number of spacings of x, {} m each, found {}", dx, wanted));
+}
+
 }  // namespace
 
 double options::lattice_particles() const {
@@ -51,29 +70,6 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
                 .maximum = 0.3,
                 .meaning = "particles start off the lattice, by up to so many spacings along each axis"});
 }
-
-namespace {
-
-// An edge not given is as long as that along x, or as its particles are wide; particles not given have the spacing of
-// x.
-void follow_x(const namelist::schema& schema, options& o, std::size_t a) {
-  const double dx = o.dx();
-  auto& length = o.length[a];
-  auto& n = o.particles[a];
-  if (length == 0.0) length = n > 0 ? dx * static_cast<double>(n) : o.length[0];
-  if (n > 0) return;
-  const std::string edge = along("length_", a);
-  const double wanted = length / dx;
-  if (!(wanted < 1e12))
-    schema.fail("domain", edge, fmt::format("would hold {:.3g} particles of the spacing along x", wanted));
-  n = std::llround(wanted);
-  if (n == 0) schema.fail("domain", edge, fmt::format("{} m are less than the spacing along x, {} m", length, dx));
-  if (std::abs(length / static_cast<double>(n) - dx) > 1e-9 * dx)
-    schema.fail("domain", edge,
-                fmt::format("expected a whole number of spacings of x, {} m each, found {}", dx, wanted));
-}
-
-}  // namespace
 
 void resolve(const namelist::schema& schema, const demands& of_problem, options& o) {
   o.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";

@@ -41,8 +41,7 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o);
 void resolve(const namelist::schema& schema, const demands& of_problem, options& o);
 void check_number(const namelist::schema& schema, const options& o, double expected);
 
-// A periodic box is as wide as the halo, so that no particle meets two images of another; between walls there is room
-// for the kernel's support, where what stands behind them is made of the fluid's particles. halo, support: m.
+// A periodic box must be as wide as the halo, one between walls as the kernel's support. halo, support: m.
 void check_widths(const namelist::schema& schema, const options& o, double halo, double support);
 
 }  // namespace tetsuame::domain

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <domain/communicator.hpp>
-#include <foundation/traffic.hpp>
 #include <foundation/waiting.hpp>
 #include <vector>
 

@@ -24,8 +24,10 @@ class error : public std::runtime_error {
   exit_status status_;
 };
 
-[[noreturn]] void fail_input(const std::string& message);
-[[noreturn]] void fail_calculation(const std::string& message);
-[[noreturn]] void fail_file(const std::string& message);
+[[noreturn]] inline void fail_input(const std::string& message) { throw error(exit_status::bad_input, message); }
+[[noreturn]] inline void fail_calculation(const std::string& message) {
+  throw error(exit_status::calculation_failed, message);
+}
+[[noreturn]] inline void fail_file(const std::string& message) { throw error(exit_status::file_failed, message); }
 
 }  // namespace tetsuame::foundation

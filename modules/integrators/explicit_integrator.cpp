@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <foundation/error.hpp>
@@ -21,6 +20,10 @@ namespace {
 
 using foundation::fail_calculation;
 using foundation::fail_input;
+
+// Of the error control. The growth is that of dt from one step to the next.
+constexpr double safety = 0.9, most_growth = 5.0;
+constexpr int most_attempts = 20;  // at one step
 
 struct release_table {
   void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
@@ -89,8 +92,6 @@ int order_of(const explicit_options& o) {
 void check(const explicit_options& o, bool adaptive) {
   if (stabilised(o.method) && o.max_stages < 3)
     fail_input(fmt::format("max_stages must be >= 3, not {}", o.max_stages));
-  if (stabilised(o.method) && o.radius_interval < 1)
-    fail_input(fmt::format("radius_interval must be >= 1, not {}", o.radius_interval));
   if ((adaptive || stabilised(o.method)) && !(o.rtol > 0.0 && o.rtol < 1.0))
     fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
   if (!adaptive) {
@@ -99,13 +100,9 @@ void check(const explicit_options& o, bool adaptive) {
     return;
   }
   if (!(o.dt >= 0.0) || !std::isfinite(o.dt)) fail_input(fmt::format("the first step dt must be >= 0, not {}", o.dt));
-  if (!(o.dt_max > 0.0)) fail_input(fmt::format("dt_max must be > 0, not {}", o.dt_max));
-  if (!(o.safety > 0.0 && o.safety < 1.0)) fail_input(fmt::format("safety must lie between 0 and 1, not {}", o.safety));
-  if (!(o.max_growth > 1.0)) fail_input(fmt::format("max_growth must be > 1, not {}", o.max_growth));
-  if (o.max_attempts < 1) fail_input(fmt::format("max_attempts must be >= 1, not {}", o.max_attempts));
 }
 
-// weighed: by the error control or the power iteration
+// weighed: by the error control
 void check(const std::vector<field>& fields, bool weighed, bool keeps_rate, std::size_t n) {
   for (const field& f : fields) {
     if (keeps_rate && n > 0 && f.previous_rate == nullptr)
@@ -125,18 +122,7 @@ std::vector<double*> arrays(const std::vector<field>& fields) {
   return result;
 }
 
-// splitmix64's mixing step [G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014]
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 }  // namespace
-
-bool controls_error(const explicit_options& o) {
-  return o.method == "adaptive" || (stabilised(o.method) && o.error_control);
-}
 
 struct explicit_integrator::implementation {
   enum class outcome { accepted, rejected, unevaluable };
@@ -155,7 +141,7 @@ struct explicit_integrator::implementation {
   radius_function radius_bound;
 
   int order = order_of(options);
-  bool adaptive = controls_error(options);
+  bool adaptive = options.method == "adaptive" || (stabilised(options.method) && options.error_control);
   bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2",
        is_euler = options.method == "euler";
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
@@ -164,7 +150,6 @@ struct explicit_integrator::implementation {
   double t;
   double previous_error = 0.0;
   double previous_dt = 0.0;  // explicit_memory
-  int radius_age = -1;
   explicit_statistics statistics{};
 
   sundials_context context{};
@@ -174,7 +159,7 @@ struct explicit_integrator::implementation {
   vector_handle start_rate{};   // f(t, y) if rate_known
   vector_handle latest_rate{};  // what f gave last
   vector_handle saved{};        // formed here: the state at the start of the step
-  vector_handle spare{};        // stage j-2, perturbation, error
+  vector_handle spare{};        // stage j-2, error
   arkode_handle arkode{};
   bool rate_known = false;
   bool starting = false;           // ARKODE's next call of f is that at the start of the step
@@ -200,12 +185,8 @@ struct explicit_integrator::implementation {
   int euler_step(double dt);
   void form_stage(const recurrence& r, std::size_t j, double dt);
   void estimate_error(double factor, double dt);
-  void check_fields() const;
-  bool weighed() const { return adaptive || (is_stabilised && !radius_bound); }
-  void know_radius(bool again);
+  void know_radius();
   double largest_stabilised_dt() const;
-  double iterated_radius();
-  void perturb_roughly(double size);
   void return_to_saved();
   template <class Value>
   void set_arrays(Value value);
@@ -223,7 +204,7 @@ void explicit_integrator::implementation::build() {
   latest_rate.reset();
   saved.reset();
   spare.reset();
-  home = make_state_vector(context, communicator, arrays(fields), n, weighed() ? norms::computed : norms::skipped);
+  home = make_state_vector(context, communicator, arrays(fields), n, adaptive ? norms::computed : norms::skipped);
   start_rate.reset(N_VClone(home.get()));
   latest_rate.reset(N_VClone(home.get()));
   rate_known = false;
@@ -363,12 +344,11 @@ void explicit_integrator::implementation::cut_for_stop(double t_stop, const std:
 explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop,
                                                                                       const std::string& stop_is) {
   if (!adaptive) {
-    if (is_stabilised) know_radius(false);
+    if (is_stabilised) know_radius();
     return choose_fixed(t_stop, stop_is);
   }
   if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
   plan p{statistics.next_dt, "accuracy", false, false};
-  if (options.dt_max < p.dt) p = {options.dt_max, "maximum", false, false};
   if (limit) {
     const step_limit stable = limit(t);
     if (!(stable.dt > 0.0))
@@ -377,7 +357,7 @@ explicit_integrator::implementation::plan explicit_integrator::implementation::c
     if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
   }
   if (is_stabilised) {
-    know_radius(false);
+    know_radius();
     if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
   }
   cut_for_stop(t_stop, stop_is, p);
@@ -547,84 +527,25 @@ double explicit_integrator::implementation::largest_stabilised_dt() const {
   return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
 }
 
-// again: a power iteration's result of an earlier step is not good enough.
-void explicit_integrator::implementation::know_radius(bool again) {
-  if (radius_bound) {
-    if (!again) statistics.radius = radius_bound(t);
-  } else if (radius_age < 0 || radius_age >= options.radius_interval || (again && radius_age > 0)) {
-    statistics.radius = iterated_radius();
-    radius_age = 0;
-  }
+void explicit_integrator::implementation::know_radius() {
+  statistics.radius = radius_bound(t);
   if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
     fail_calculation(
         fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t, statistics.radius));
 }
 
-// The particle arrays = saved + a perturbation of |.|_w = size with random signs, which `spare` takes.
-void explicit_integrator::implementation::perturb_roughly(double size) {
-  const auto y = values(saved.get());
-  std::vector<std::uint64_t> bits_of(n, 0);
-  for (std::size_t k = 0; k < fields.size(); ++k)
-    for (std::size_t i = 0; i < n; ++i) bits_of[i] = mixed(bits_of[i] + std::bit_cast<std::uint64_t>(y[k][i]));
-  weights(saved.get(), spare.get());
-  const auto d = values_to_overwrite(spare.get());
-  for (std::size_t k = 0; k < fields.size(); ++k)
-    for (std::size_t i = 0; i < n; ++i) d[k][i] = (mixed(bits_of[i] + k) & 1 ? size : -size) / d[k][i];
-  set_arrays([&](std::size_t k, std::size_t i) { return y[k][i] + d[k][i]; });
-}
-
-double explicit_integrator::implementation::iterated_radius() {
-  if (N_VGetLength(home.get()) == 0) return 0.0;
-  constexpr int most = 50;
-  constexpr double safety = 1.2, converged = 0.01;  // as published
-  // The weights are 1 / (rtol (|y| + atol/rtol)): this is 1.5e-8 of the state.
-  const double size = std::sqrt(std::numeric_limits<double>::epsilon()) / options.rtol;
-  N_VScale(1.0, home.get(), saved.get());
-  const vector_handle weight(N_VClone(home.get()));
-  weights(saved.get(), weight.get());
-  perturb_roughly(size);
-  double radius = 0.0, largest = 0.0;
-  for (int pass = 0; pass < most; ++pass) {
-    ++statistics.radius_evaluations;
-    rhs_status = 0;
-    if (evaluate(t, latest_rate.get()) != 0) {
-      return_to_saved();
-      raise_rhs_failure();
-      fail_calculation(
-          fmt::format("the rates of change next to the state at t = {:.17g} s could not be evaluated, as the power "
-                      "iteration for the spectral radius needs: give a bound of it instead",
-                      t));
-    }
-    N_VLinearSum(1.0, latest_rate.get(), -1.0, start_rate.get(), spare.get());
-    const double change = N_VWrmsNorm(spare.get(), weight.get()), before = radius;
-    radius = change / size;
-    if (pass >= most / 2) largest = std::max(largest, radius);  // of complex eigenvalues it swings
-    if (!(change > 0.0) || (pass > 1 && std::fabs(radius - before) <= converged * radius)) {
-      largest = radius;
-      break;
-    }
-    const auto d = values(spare.get()), y = values(saved.get());
-    const double factor = size / change;
-    set_arrays([&](std::size_t k, std::size_t i) { return y[k][i] + factor * d[k][i]; });
-  }
-  return_to_saved();
-  return safety * largest;
-}
-
-void explicit_integrator::implementation::check_fields() const { check(fields, weighed(), is_ab2, n); }
-
 double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
   const double smallest = 1e-10;  // an error of 0 must not divide
   const double e = std::max(step_error, smallest), k = embedding_exponent();
-  const double raw = previous_error > 0.0 ? options.safety * std::pow(e, -0.7 * k) *
-                                                std::pow(std::max(previous_error, smallest), 0.4 * k)
-                                          : options.safety * std::pow(e, -k);
-  return std::clamp(raw, 0.2, after_failure ? 1.0 : options.max_growth);
+  const double raw = previous_error > 0.0
+                         ? safety * std::pow(e, -0.7 * k) * std::pow(std::max(previous_error, smallest), 0.4 * k)
+                         : safety * std::pow(e, -k);
+  return std::clamp(raw, 0.2, after_failure ? 1.0 : most_growth);
 }
 
 double explicit_integrator::implementation::failed_factor(outcome why) const {
   if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
-  return std::clamp(options.safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
+  return std::clamp(safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
 }
 
 explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
@@ -639,7 +560,9 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
                                .radius_bound = std::move(radius),
                                .t = t}) {
   check(self_->options, self_->adaptive);
-  self_->check_fields();
+  if (self_->is_stabilised && !self_->radius_bound)
+    fail_input(fmt::format("method '{}' needs a bound of the spectral radius", self_->options.method));
+  check(self_->fields, self_->adaptive, self_->is_ab2, n);
   self_->build();
 }
 
@@ -653,7 +576,7 @@ double explicit_integrator::step(double t_stop, const std::string& stop_is) {
 
   int failures = 0;
   for (;; ++failures) {
-    if (failures == s.options.max_attempts)
+    if (failures == most_attempts)
       fail_calculation(
           fmt::format("no step from t = {:.17g} s passed in {} attempts, the last one of {} s with error {} "
                       "of the tolerance: the state there may be unphysical",
@@ -662,12 +585,7 @@ double explicit_integrator::step(double t_stop, const std::string& stop_is) {
     if (outcome == implementation::outcome::accepted) break;
     ++(outcome == implementation::outcome::rejected ? s.statistics.rejections : s.statistics.unevaluable);
     p = {p.dt * s.failed_factor(outcome), "accuracy", false, false};
-    if (s.is_stabilised) {
-      s.know_radius(true);  // an old one may be why it failed
-      p.dt = std::min(p.dt, s.largest_stabilised_dt());
-    }
   }
-  if (s.is_stabilised && !s.radius_bound) ++s.radius_age;
 
   const double t_stages = s.t + p.dt;  // where f was evaluated last
   s.t = p.reaches_stop ? t_stop : t_stages;
@@ -696,7 +614,7 @@ double explicit_integrator::time() const { return self_->t; }
 void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
   implementation& s = *self_;
   const bool changed = n != s.n || fields.size() != s.fields.size();
-  check(fields, s.weighed(), s.is_ab2, n);
+  check(fields, s.adaptive, s.is_ab2, n);
   s.fields = std::move(fields);
   s.n = n;
   if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0)
@@ -718,8 +636,7 @@ const explicit_statistics& explicit_integrator::statistics() const { return self
 long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }
 
 explicit_memory explicit_integrator::save() const {
-  return {self_->t,           self_->statistics.next_dt, self_->previous_error,
-          self_->previous_dt, self_->radius_age,         self_->statistics};
+  return {self_->t, self_->statistics.next_dt, self_->previous_error, self_->previous_dt, self_->statistics};
 }
 
 void explicit_integrator::restore(const explicit_memory& memory) {
@@ -729,7 +646,6 @@ void explicit_integrator::restore(const explicit_memory& memory) {
   self_->statistics.next_dt = memory.next_dt;
   state_changed();
   self_->previous_dt = memory.previous_dt;
-  self_->radius_age = memory.radius_age;
 }
 
 }  // namespace tetsuame::integrators

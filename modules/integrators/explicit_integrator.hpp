@@ -15,16 +15,7 @@
 // "first same as last", which Heun's is not, and would go on with a rate of the wrong state.
 //
 // 'ab2': y_(n+1) = y_n + dt [(1 + r/2) f_n - (r/2) f_(n-1)], r = dt_n / dt_(n-1); where there is no
-// earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'. f_(n-1) lies in arrays of
-// the caller's, because it must move and be saved with the particles.
-//
-// 'rkl2', 'rkc2': the number of stages follows from dt and the spectral radius of df/dy, which the
-// caller bounds or a power iteration on f finds:
-//   d <- (f(y + d) - f(y)) |d| / |f(y + d) - f(y)|,   radius = 1.2 |f(y + d) - f(y)| / |d|
-// [Sommeijer, Shampine & Verwer (1998)], in the norm of the error control, |d| = 1.5e-8 of the state's. d
-// starts with signs drawn from the bits of each particle's own state: rough, and the same on any ranks.
-// Beside the particle arrays they keep four vectors (start state, stage j-2, first and latest rate).
-// Stable for eigenvalues near the negative real axis; sound needs a limit_function of its own.
+// earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'.
 //
 // Error control: e = |y - y_embedded|_w <= 1, weights w_i = 1 / (rtol |y_i| + atol), or
 // 1 / (rtol scale + atol) for a field with a scale. Next step by the PI controller
@@ -43,7 +34,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -63,17 +53,12 @@ struct field {
 
 struct explicit_options {
   std::string method = "euler";
-  int order = 3;                                            // of 'adaptive': 2 to 5
-  double dt = 0.0;                                          // s; fixed: the step. adaptive: the first one, 0: chosen
-  std::string dt_is = "fixed";                              // what set a fixed step, for the statistics
-  double rtol = 1e-4;                                       // adaptive
-  double dt_max = std::numeric_limits<double>::infinity();  // s, adaptive
-  double safety = 0.9;                                      // adaptive
-  double max_growth = 5.0;                                  // adaptive: dt_(n+1) / dt_n at most
-  int max_attempts = 20;                                    // adaptive: at one step
-  bool error_control = true;                                // of 'rkl2', 'rkc2'; else fixed steps dt
-  int max_stages = 200;                                     // of 'rkl2', 'rkc2': 3 or more
-  int radius_interval = 25;                                 // steps between two power iterations
+  int order = 3;                // of 'adaptive': 2 to 5
+  double dt = 0.0;              // s; fixed: the step. adaptive: the first one, 0: chosen
+  std::string dt_is = "fixed";  // what set a fixed step, for the statistics
+  double rtol = 1e-4;           // adaptive
+  bool error_control = true;    // of 'rkl2', 'rkc2'; else fixed steps dt
+  int max_stages = 200;         // of 'rkl2', 'rkc2': 3 or more
 };
 
 // f: when called the particle arrays hold the state at t; writes dy/dt, one array a field in the
@@ -82,35 +67,29 @@ struct explicit_options {
 // the worst value of any rank counts for all.
 using rhs_function = std::function<int(double t, std::span<double* const> rate)>;
 
-// The largest stable step (s) at the state in the particle arrays and which condition gives it
-// ('cfl', 'viscous', …). Called before each adaptive step, after f at the same state, so what f
-// left in other arrays may be used. Must give the same on all ranks.
+// The largest stable step (s) at the state in the particle arrays and which condition gives it ('cfl', 'viscous', …),
+// the same on all ranks. Called before each adaptive step, after f at the same state.
 struct step_limit {
   double dt;
   std::string name;
 };
 using limit_function = std::function<step_limit(double t)>;
 
-// 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy at the state in the
-// particle arrays, 4 d kappa/dx^2 on a lattice in d dimensions, say. Called like limit_function, before every step.
+// 'rkl2', 'rkc2': an upper bound (1/s, >= 0) of the spectral radius of df/dy, called like limit_function.
 using radius_function = std::function<double(double t)>;
-
-// Whether a method takes its steps from an error estimate, so that f may refuse a state.
-bool controls_error(const explicit_options& options);
 
 struct explicit_statistics {
   long long steps = 0;
   long long attempts = 0;
-  long long rejections = 0;          // failed error tests
-  long long unevaluable = 0;         // attempts given up because f returned > 0
-  long long evaluations = 0;         // of f
-  double last_dt = 0.0;              // s
-  double next_dt = 0.0;              // s, before limits and output times
-  double last_error = 0.0;           // e of the last accepted step
-  int stages = 0;                    // 'rkl2', 'rkc2': of the last attempt
-  double radius = 0.0;               // 1/s, the spectral radius used
-  long long radius_evaluations = 0;  // those of f for power iterations, counted in `evaluations` too
-  // steps by what set dt: 'fixed', 'accuracy', 'maximum', 'stages', or the name of a limit or a stop
+  long long rejections = 0;   // failed error tests
+  long long unevaluable = 0;  // attempts given up because f returned > 0
+  long long evaluations = 0;  // of f
+  double last_dt = 0.0;       // s
+  double next_dt = 0.0;       // s, before limits and output times
+  double last_error = 0.0;    // e of the last accepted step
+  int stages = 0;             // 'rkl2', 'rkc2': of the last attempt
+  double radius = 0.0;        // 1/s, the spectral radius used
+  // steps by what set dt: 'fixed', 'accuracy', 'stages', or the name of a limit or a stop
   std::map<std::string, long long> limited_by;
 };
 
@@ -120,7 +99,6 @@ struct explicit_memory {
   double next_dt = 0.0;
   double previous_error = 0.0;  // 0: none yet
   double previous_dt = 0.0;     // of 'ab2'; 0: none, the next step is of 'order_2'
-  int radius_age = -1;          // steps since the power iteration; -1: none yet
   explicit_statistics statistics;
 };
 
@@ -139,8 +117,8 @@ class explicit_integrator {
   // state before the step again.
   double step(double t_stop, const std::string& stop_is = "output");
   double time() const;
-  // Evaluates f at the present state unless it is known from the last step: for callers whose f has
-  // a memory (a start value, say) that may move on only then.
+  // Evaluates f at the present state unless it is known from the last step: for an f with a memory that may move on
+  // then.
   void prepare();
 
   // The particle arrays moved, were permuted, or have another length on this rank.

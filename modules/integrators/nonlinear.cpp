@@ -161,9 +161,6 @@ nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixe
                           const anderson_options& options) {
   check_common(options.tolerance, options.max_iterations);
   if (options.depth < 0) fail_input(fmt::format("the Anderson depth must be >= 0, not {}", options.depth));
-  if (!(options.damping > 0.0 && options.damping <= 1.0))
-    fail_input(fmt::format("damping must lie in (0, 1], not {}", options.damping));
-
   problem p{.communicator = communicator, .x = x, .tolerance = options.tolerance, .map = &g};
   set_up(p);
   void* k = p.kinsol.get();
@@ -171,8 +168,6 @@ nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixe
   require(p, KINSetMAA(k, options.depth) == KIN_SUCCESS && KINSetOrthAA(k, KIN_ORTH_CGS2) == KIN_SUCCESS &&
                  KINSetNumMaxIters(k, options.max_iterations) == KIN_SUCCESS &&
                  KINSetFuncNormTol(k, std::numeric_limits<double>::min()) == KIN_SUCCESS);
-  if (options.damping < 1.0)
-    require(p, KINSetDamping(k, options.damping) == KIN_SUCCESS && KINSetDampingAA(k, options.damping) == KIN_SUCCESS);
   require(p, KINInit(k, call_map, p.home.get()) == KIN_SUCCESS);
 
   const int flag = KINSol(k, p.home.get(), KIN_FP, p.ones.get(), p.ones.get());
@@ -185,10 +180,8 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
                                const jacobian_times& jv, const jacobian_diagonal& diagonal,
                                const newton_options& options) {
   check_common(options.tolerance, options.max_iterations);
-  if (!jv) fail_input("Newton's method needs the product of the Jacobian with a vector");
-  if (options.krylov_dimension < 1 || options.krylov_restarts < 0 || !(options.largest_step > 0.0))
-    fail_input("krylov_dimension must be >= 1, krylov_restarts >= 0 and largest_step > 0");
-
+  constexpr int krylov_dimension = 20, krylov_restarts = 5;  // GMRES vectors before a restart
+  constexpr double largest_step = 10.0;                      // root mean square over x of one Newton step at most
   problem p{.communicator = communicator,
             .x = x,
             .tolerance = options.tolerance,
@@ -202,22 +195,19 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
                  KINSetFuncNormTol(k, options.tolerance) == KIN_SUCCESS &&
                  KINSetScaledStepTol(k, std::numeric_limits<double>::epsilon()) == KIN_SUCCESS &&
                  // KINSOL measures a step by its 2-norm
-                 KINSetMaxNewtonStep(k, options.largest_step * std::sqrt(std::max(unknowns, 1.0))) == KIN_SUCCESS &&
+                 KINSetMaxNewtonStep(k, largest_step * std::sqrt(std::max(unknowns, 1.0))) == KIN_SUCCESS &&
                  KINInit(k, call_residual, p.home.get()) == KIN_SUCCESS);
-  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), diagonal ? SUN_PREC_RIGHT : SUN_PREC_NONE,
-                                             options.krylov_dimension, p.context.get()));
-  require(p, solver != nullptr && SUNLinSol_SPGMRSetMaxRestarts(solver.get(), options.krylov_restarts) == 0 &&
+  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), SUN_PREC_RIGHT, krylov_dimension, p.context.get()));
+  require(p, solver != nullptr && SUNLinSol_SPGMRSetMaxRestarts(solver.get(), krylov_restarts) == 0 &&
                  // classical Gram–Schmidt: one message instead of one a vector
                  SUNLinSol_SPGMRSetGSType(solver.get(), SUN_CLASSICAL_GS) == 0 &&
                  KINSetLinearSolver(k, solver.get(), nullptr) == KIN_SUCCESS &&
                  KINSetJacTimesVecFn(k, call_product) == KIN_SUCCESS);
-  if (diagonal) {
-    p.diagonal_values.reset(N_VClone(p.home.get()));
-    require(p, KINSetPreconditioner(k, set_up_diagonal, apply_diagonal) == KIN_SUCCESS &&
-                   KINSetMaxSetupCalls(k, 1) == KIN_SUCCESS);
-  }
+  p.diagonal_values.reset(N_VClone(p.home.get()));
+  require(p, KINSetPreconditioner(k, set_up_diagonal, apply_diagonal) == KIN_SUCCESS &&
+                 KINSetMaxSetupCalls(k, 1) == KIN_SUCCESS);
 
-  const int flag = KINSol(k, p.home.get(), options.line_search ? KIN_LINESEARCH : KIN_NONE, p.ones.get(), p.ones.get());
+  const int flag = KINSol(k, p.home.get(), KIN_LINESEARCH, p.ones.get(), p.ones.get());
   p.result.converged = flag == KIN_SUCCESS || flag == KIN_INITIAL_GUESS_OK;
   finish(p, flag);
   return p.result;

@@ -34,16 +34,11 @@ struct anderson_options {
   double tolerance = 1e-10;  // of max |g(x) - x|
   int max_iterations = 200;  // passes
   int depth = 5;             // 0: plain fixed point
-  double damping = 1.0;      // in (0, 1]: 1 takes g(x) - x in full
 };
 
 struct newton_options {
-  double tolerance = 1e-10;   // of max |F|
-  int max_iterations = 50;    // Newton steps
-  bool line_search = true;    // shorten a step until |F| falls enough
-  int krylov_dimension = 20;  // GMRES vectors before a restart
-  int krylov_restarts = 5;
-  double largest_step = 10.0;  // root mean square over x of one Newton step at most
+  double tolerance = 1e-10;  // of max |F|
+  int max_iterations = 50;   // Newton steps
 };
 
 struct nonlinear_result {
@@ -61,9 +56,9 @@ struct nonlinear_result {
 nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixed_point_map& g,
                           const anderson_options& options = {});
 
-// x as above; when converged max |F(x)| <= tolerance. Without `diagonal` there is no preconditioner.
+// x as above; when converged max |F(x)| <= tolerance.
 nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const residual_function& f,
-                               const jacobian_times& jv, const jacobian_diagonal& diagonal = {},
+                               const jacobian_times& jv, const jacobian_diagonal& diagonal,
                                const newton_options& options = {});
 
 }  // namespace tetsuame::integrators

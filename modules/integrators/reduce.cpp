@@ -16,12 +16,6 @@ double extremum(MPI_Comm communicator, double value, MPI_Op operation) {
 
 }  // namespace
 
-double exact_allreduce(MPI_Comm communicator, foundation::exact_sum& sum) {
-  double result = 0.0;
-  exact_allreduce(communicator, {&sum, 1}, {&result, 1});
-  return result;
-}
-
 void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sums, std::span<double> results) {
   const std::size_t width = foundation::exact_sum{}.raw().size();
   std::vector<std::int64_t> message(width * sums.size());

@@ -11,11 +11,8 @@ namespace tetsuame::integrators {
 
 // All functions are collective over `communicator`.
 
-// The sum over ranks of every rank's `sum`, rounded once. `sum` is left normalised. Errors
-// of MPI are MPI's own.
-double exact_allreduce(MPI_Comm communicator, foundation::exact_sum& sum);
-
-// The same for several sums in one message; results.size() == sums.size().
+// The sums over ranks of every rank's `sums`, each rounded once, in one message; results.size() == sums.size(). `sums`
+// are left normalised. Errors of MPI are MPI's own.
 void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sums, std::span<double> results);
 
 double maximum_allreduce(MPI_Comm communicator, double value);

@@ -213,26 +213,20 @@ void set_constant(double c, N_Vector z) {
   }
   assign(z, [=](std::size_t, std::size_t) { return c; });
 }
-void product(N_Vector x, N_Vector y, N_Vector z) {
+template <auto f>
+void of_two(N_Vector x, N_Vector y, N_Vector z) {
   double *const *px = read(x), *const *py = read(y);
-  assign(z, [=](std::size_t k, std::size_t i) { return px[k][i] * py[k][i]; });
+  assign(z, [=](std::size_t k, std::size_t i) { return f(px[k][i], py[k][i]); });
 }
-void quotient(N_Vector x, N_Vector y, N_Vector z) {
-  double *const *px = read(x), *const *py = read(y);
-  assign(z, [=](std::size_t k, std::size_t i) { return px[k][i] / py[k][i]; });
+template <auto f>
+void of_one(N_Vector x, N_Vector z) {
+  double* const* px = read(x);
+  assign(z, [=](std::size_t k, std::size_t i) { return f(px[k][i]); });
 }
 void scale(double c, N_Vector x, N_Vector z) {
   if (c == 1.0) return copy(x, z);
   double* const* px = read(x);
   assign(z, [=](std::size_t k, std::size_t i) { return c * px[k][i]; });
-}
-void absolute(N_Vector x, N_Vector z) {
-  double* const* px = read(x);
-  assign(z, [=](std::size_t k, std::size_t i) { return std::fabs(px[k][i]); });
-}
-void inverse(N_Vector x, N_Vector z) {
-  double* const* px = read(x);
-  assign(z, [=](std::size_t k, std::size_t i) { return 1.0 / px[k][i]; });
 }
 void add_constant(N_Vector x, double b, N_Vector z) {
   double* const* px = read(x);
@@ -261,25 +255,12 @@ double weighted_rms_norm(N_Vector x, N_Vector w) {
   return length == 0.0 ? 0.0 : std::sqrt(sum_of_weighted_squares(x, w) / length);
 }
 double skipped_norm(N_Vector, N_Vector) { return 0.0; }
-double weighted_rms_norm_masked(N_Vector x, N_Vector w, N_Vector mask) {
-  double *const *px = read(x), *const *pw = read(w), *const *pm = read(mask);
-  const double squares = sum(family_of(x), [=](std::size_t k, std::size_t i) {
-    const double weighted = pm[k][i] > 0.0 ? px[k][i] * pw[k][i] : 0.0;
-    return weighted * weighted;
-  });
-  const auto length = static_cast<double>(global_length(x));
-  return length == 0.0 ? 0.0 : std::sqrt(squares / length);
-}
 double minimum(N_Vector x) {
   double* const* px = read(x);
   const double local = -local_maximum(family_of(x), -infinity, [=](std::size_t k, std::size_t i) { return -px[k][i]; });
   return minimum_allreduce(family_of(x).communicator, local);
 }
 double weighted_l2_norm(N_Vector x, N_Vector w) { return std::sqrt(sum_of_weighted_squares(x, w)); }
-double l1_norm(N_Vector x) {
-  double* const* px = read(x);
-  return sum(family_of(x), [=](std::size_t k, std::size_t i) { return std::fabs(px[k][i]); });
-}
 
 // z = c_0 X_0 + c_1 X_1 + …, added in this order; z may be one of the X. A vanishing
 // coefficient reads nothing: Butcher tables have many, and a method whose last stage is the
@@ -314,10 +295,6 @@ int linear_combination(int count, double* c, N_Vector* x, N_Vector z) {
   });
   return 0;
 }
-int scale_add_multi(int count, double* a, N_Vector x, N_Vector* y, N_Vector* z) {
-  for (int j = 0; j < count; ++j) linear_sum(a[j], x, 1.0, y[j], z[j]);
-  return 0;
-}
 int dot_product_multi(int count, N_Vector x, N_Vector* y, double* results) {
   double* const* px = read(x);
   std::vector<double* const*> py;
@@ -335,21 +312,18 @@ void fill_operations(_generic_N_Vector_Ops& ops, norms wanted) {
   ops.nvgetlength = global_length;
   ops.nvlinearsum = linear_sum;
   ops.nvconst = set_constant;
-  ops.nvprod = product;
-  ops.nvdiv = quotient;
+  ops.nvprod = of_two<[](double x, double y) { return x * y; }>;
+  ops.nvdiv = of_two<[](double x, double y) { return x / y; }>;
   ops.nvscale = scale;
-  ops.nvabs = absolute;
-  ops.nvinv = inverse;
+  ops.nvabs = of_one<[](double x) { return std::fabs(x); }>;
+  ops.nvinv = of_one<[](double x) { return 1.0 / x; }>;
   ops.nvaddconst = add_constant;
   ops.nvdotprod = dot_product;
   ops.nvmaxnorm = maximum_norm;
   ops.nvwrmsnorm = wanted == norms::computed ? weighted_rms_norm : skipped_norm;
-  ops.nvwrmsnormmask = weighted_rms_norm_masked;
   ops.nvmin = minimum;
   ops.nvwl2norm = weighted_l2_norm;
-  ops.nvl1norm = l1_norm;
   ops.nvlinearcombination = linear_combination;
-  ops.nvscaleaddmulti = scale_add_multi;
   ops.nvdotprodmulti = dot_product_multi;
 }
 

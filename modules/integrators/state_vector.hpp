@@ -8,10 +8,8 @@
 // result has the same bits for any number of ranks, threads and any order of particles.
 // A rank may hold no particles. The extrema take not-a-number as infinite.
 //
-// Copying is lazy. A copy of a clone shares its storage until one of the two is written;
-// a home vector remembers which storage holds the same values, so copying to or from it
-// moves data only when the values differ. ARKODE copies its state about nine times a step;
-// of these one remains.
+// Copying is lazy: a copy of a clone shares its storage until one of the two is written, and a home vector remembers
+// which storage holds the same values. Of the nine copies that ARKODE makes of its state in a step one remains.
 #pragma once
 
 #include <mpi.h>

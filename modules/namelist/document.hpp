@@ -1,13 +1,8 @@
-// A Fortran namelist file taken apart: groups, assignments, values, each with its
-// line. The syntax is that of Fortran 2018 (ISO/IEC 1539-1:2018, 13.11) with what
-// gfortran adds: $name … $end, &end, semicolons as separators. What a value means
-// is decided when a schema reads it (schema.hpp), as in Fortran by the variable.
-//
-// Where gfortran 12 departs from the standard, the standard is followed: a comment
-// after a comma, or a comma at the beginning of a line, adds no null value.
-//
-// Not read: complex numbers, derived types (a%b), substrings (s(2:3)), arrays of
-// more than one dimension. All errors are foundation::error with status bad_input.
+// A Fortran namelist file taken apart: groups, assignments, values, each with its line. The syntax is that of Fortran
+// 2018 (ISO/IEC 1539-1:2018, 13.11) with what gfortran adds: $name … $end, &end, semicolons as separators. Where
+// gfortran 12 departs from the standard, the standard is followed: a comment after a comma, or a comma at the beginning
+// of a line, adds no null value. Not read: complex numbers, derived types (a%b), substrings (s(2:3)), arrays of more
+// than one dimension. All errors are of status bad_input.
 #pragma once
 
 #include <cstddef>

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <namelist/schema.hpp>
-#include <namelist/schema_text.hpp>
 #include <namelist/text.hpp>
 #include <stdexcept>
 #include <type_traits>
@@ -28,7 +27,7 @@ struct context {
   [[noreturn]] void fail_found(const value& at) const {
     const std::string found =
         at.what == value::kind::text ? "the text " + quote(excerpt(at.content)) : excerpt(at.content);
-    fail(&at, fmt::format("expected {}, found {}", expected(to), found));
+    fail(&at, fmt::format("expected {}, found {}", to.expected(), found));
   }
 };
 
@@ -36,8 +35,8 @@ double convert(const context& c, const value& v, double*) {
   const auto number = v.what == value::kind::word ? to_real(v.content) : std::nullopt;
   if (!number) c.fail_found(v);
   if (!std::isfinite(*number))
-    c.fail(&v, fmt::format("expected {}, found {}, which is not finite", expected(c.to), excerpt(v.content)));
-  if (!in_range(*number, c.to.info)) c.fail_found(v);
+    c.fail(&v, fmt::format("expected {}, found {}, which is not finite", c.to.expected(), excerpt(v.content)));
+  if (!c.to.allows(*number)) c.fail_found(v);
   return *number;
 }
 
@@ -45,15 +44,15 @@ std::int64_t convert(const context& c, const value& v, std::int64_t*) {
   bool out_of_range = false;
   const auto number = v.what == value::kind::word ? to_integer(v.content, out_of_range) : std::nullopt;
   if (out_of_range)
-    c.fail(&v, fmt::format("expected {}, found {}, which 64 bits cannot hold", expected(c.to), excerpt(v.content)));
-  if (!number || !in_range(static_cast<double>(*number), c.to.info)) c.fail_found(v);
+    c.fail(&v, fmt::format("expected {}, found {}, which 64 bits cannot hold", c.to.expected(), excerpt(v.content)));
+  if (!number || !c.to.allows(static_cast<double>(*number))) c.fail_found(v);
   return *number;
 }
 
 int convert(const context& c, const value& v, int*) {
   const std::int64_t number = convert(c, v, static_cast<std::int64_t*>(nullptr));
   if (!std::in_range<int>(number))
-    c.fail(&v, fmt::format("expected {}, found {}, which 32 bits cannot hold", expected(c.to), number));
+    c.fail(&v, fmt::format("expected {}, found {}, which 32 bits cannot hold", c.to.expected(), number));
   return static_cast<int>(number);
 }
 
@@ -73,21 +72,25 @@ std::string convert(const context& c, const value& v, std::string*) {
   const bool bare = v.what == value::kind::word;
   if (bare && c.from.set.empty()) {
     const std::string meant = choices.empty() ? v.content : nearest(v.content, choices);
-    c.fail(&v, fmt::format("expected {} in quotes, found {}; did you mean {}?", expected(c.to), excerpt(v.content),
+    c.fail(&v, fmt::format("expected {} in quotes, found {}; did you mean {}?", c.to.expected(), excerpt(v.content),
                            quote(excerpt(meant))));
   }
   if (choices.empty()) return v.content;
   const std::string wanted = lower(without_trailing_blanks(v.content));
   for (const std::string& choice : choices)
     if (lower(choice) == wanted) return choice;
-  c.fail(&v, fmt::format("expected {}, found {}; the nearest is {}", expected(c.to), quote(excerpt(v.content)),
+  c.fail(&v, fmt::format("expected {}, found {}; the nearest is {}", c.to.expected(), quote(excerpt(v.content)),
                          quote(nearest(v.content, choices))));
 }
 
 template <class T>
-bool assign_scalar(const context& c, T& to) {
+T convert(const context& c, const value& v, std::optional<T>*) {
+  return convert(c, v, static_cast<T*>(nullptr));
+}
+
+template <class T>
+void assign(const context& c, T& to, std::vector<bool>&) {
   if (c.from.index) c.fail(nullptr, "takes a single value: no subscript is possible");
-  bool assigned = false;
   for (std::size_t k = 0; k < c.from.values.size(); ++k) {
     const value& v = c.from.values[k];
     // Empty places behind a comma too much mean nothing.
@@ -95,11 +98,8 @@ bool assign_scalar(const context& c, T& to) {
     if (k > 0 || v.repeat > 1)
       c.fail(&v, fmt::format("takes a single value, found {}",
                              v.repeat > 1 ? fmt::format("{} of them", v.repeat) : "a second, " + excerpt(v.content)));
-    if (v.what == value::kind::null) continue;
-    to = convert(c, v, static_cast<T*>(nullptr));
-    assigned = true;
+    if (v.what != value::kind::null) to = convert(c, v, static_cast<T*>(nullptr));
   }
-  return assigned;
 }
 
 // The elements that an assignment's values go to, from 1: first, first + stride, …
@@ -125,11 +125,10 @@ elements addressed(const context& c) {
 }
 
 template <class T>
-bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
+void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
   const elements e = addressed(c);
   const auto room = static_cast<std::uint64_t>((e.last - e.first) / e.stride + 1);
   std::uint64_t used = 0;
-  bool assigned = false;
   for (const value& v : c.from.values) {
     const bool null = v.what == value::kind::null;
     if (used == room && null && !v.counted) continue;
@@ -148,25 +147,7 @@ bool assign_array(const context& c, std::vector<T>& to, std::vector<bool>& fille
       to[at] = content;
       filled[at] = true;
     }
-    assigned = true;
   }
-  return assigned;
-}
-
-template <class T>
-bool assign(const context& c, T& to, std::vector<bool>&) {
-  return assign_scalar(c, to);
-}
-template <class T>
-bool assign(const context& c, std::optional<T>& to, std::vector<bool>&) {
-  T content{};
-  const bool assigned = assign_scalar(c, content);
-  if (assigned) to = content;
-  return assigned;
-}
-template <class T>
-bool assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
-  return assign_array(c, to, filled);
 }
 
 template <class Items>
@@ -227,7 +208,7 @@ std::vector<key>::iterator find_in_group_or_expert(std::vector<key_group>& group
 }
 
 bool default_is_allowed(const key& k) {
-  const auto real_is_allowed = [&](double number) { return !std::isfinite(number) || in_range(number, k.info); };
+  const auto real_is_allowed = [&](double number) { return !std::isfinite(number) || k.allows(number); };
   const auto text_is_allowed = [&](const std::string& text) {
     return k.info.choices.empty() || std::count(k.info.choices.begin(), k.info.choices.end(), text) > 0;
   };
@@ -280,9 +261,9 @@ void schema::add(const std::string& group, const std::string& name, target bound
   k.declared_as = lower(name);
   k.bound = bound;
   k.info = std::move(info);
-  k.default_text = value_text(bound);
+  k.default_text = k.value();
   if (!default_is_allowed(k))
-    throw std::logic_error(fmt::format("{}: the default {} is not {}", full, k.default_text, expected(k)));
+    throw std::logic_error(fmt::format("{}: the default {} is not {}", full, k.default_text, k.expected()));
   if (array_size(bound) > k.info.maximum_size)
     throw std::logic_error(full + ": the default is longer than maximum_size");
   g->keys.push_back(std::move(k));
@@ -292,7 +273,7 @@ void schema::read(const document& input) {
   for (key_group& g : groups_)
     for (key& k : g.keys) {
       k.origin = "default";
-      k.given = false;
+      k.given_in.clear();
       k.filled.assign(array_size(k.bound), true);
     }
   for (const namelist::group& from : input.groups()) {
@@ -314,15 +295,15 @@ void schema::read(const document& input) {
         continue;
       }
       if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
-      if (k->given && k->given_in != g->name)
+      if (!k->given_in.empty() && k->given_in != g->name)
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k};
-      if (!std::visit([&](auto* to) { return assign(c, *to, k->filled); }, k->bound)) continue;
+      std::visit([&](auto* to) { assign(c, *to, k->filled); }, k->bound);
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });
+      if (written == a.values.end()) continue;
       k->origin = input.where(a, *written);
-      k->given = true;
       k->given_in = g->name;
     }
   }
@@ -332,9 +313,9 @@ void schema::read(const document& input) {
 void schema::check_unassigned(const std::string& input_name) const {
   for (const key_group& g : groups_)
     for (const key& k : g.keys) {
-      if (k.info.required && !k.given)
+      if (k.info.required && k.given_in.empty())
         foundation::fail_input(fmt::format("{}: &{} {} is missing: expected {}{}{}", input_name, g.name, k.name,
-                                           expected(k), k.info.meaning.empty() ? "" : ": ", k.info.meaning));
+                                           k.expected(), k.info.meaning.empty() ? "" : ": ", k.info.meaning));
       const auto gap = std::find(k.filled.begin(), k.filled.end(), false);
       if (gap != k.filled.end())
         foundation::fail_input(fmt::format("{}: &{} {}: element {} has neither a value nor a default", k.origin, g.name,
@@ -355,7 +336,9 @@ std::string schema::where(const std::string& group, const std::string& key) cons
   return find(group, key).first.origin;
 }
 
-bool schema::given(const std::string& group, const std::string& key) const { return find(group, key).first.given; }
+bool schema::given(const std::string& group, const std::string& key) const {
+  return !find(group, key).first.given_in.empty();
+}
 
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
   const auto [k, stands_in] = find(group, name);

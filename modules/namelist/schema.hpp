@@ -7,16 +7,11 @@
 //   input.add("gravity", "g", o.g, {.unit = "m/s2", .minimum = 0.0, .meaning = "acceleration"});
 //   input.read(namelist::parse_file("case.nml"));  // o.g is what the file says
 //
-// Reading follows Fortran: the last of several assignments counts; an array's elements
-// not given keep their defaults, so a list whose length is the user's choice should
-// default to an empty one. Unlike Fortran, an unknown group or key, a value of the
-// wrong type, not finite, out of range or too much is an error: foundation::error with
-// status bad_input, which names file and line, what was expected and the nearest valid
-// name. Wrong declarations (a key twice, a default out of its range) are std::logic_error.
-//
-// Keys that only an expert turns are declared like the others, with .expert = true, and
-// stand in one group &expert behind all others; given in the group that declares them
-// they are an error that says so.
+// Reading follows Fortran: the last of several assignments counts; an array's elements not given keep their defaults.
+// Unlike Fortran, an unknown group or key, a value of the wrong type, not finite, out of range or too much is an error
+// of status bad_input, which names file and line, what was expected and the nearest valid name. Wrong declarations (a
+// key twice, a default out of its range) are std::logic_error. Keys that only an expert turns stand in one group
+// &expert behind all others, and are known in the group that declares them too.
 #pragma once
 
 #include <array>
@@ -62,9 +57,14 @@ struct key {
   key_info info;
   std::string default_text;        // as in a namelist; empty: none
   std::string origin = "default";  // "file:line", "--set group.key=value"
-  bool given = false;
-  std::string given_in;  // the group, of its own or &expert
-  std::vector<bool> filled;  // array: which elements have a value
+  std::string given_in;            // the group, of its own or &expert
+  std::vector<bool> filled;        // array: which elements have a value
+
+  std::string type_name() const;  // "integer", "list of reals", …
+  std::string limits() const;     // "> 0", "in [0, 1)", "one of 'a', 'b'"; empty: none
+  std::string expected() const;   // type, unit and limits, for messages
+  std::string value() const;      // as in a namelist; empty if there is none or it is not finite
+  bool allows(double number) const;
 };
 
 struct key_group {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <namelist/schema.hpp>
-#include <namelist/schema_text.hpp>
 #include <namelist/text.hpp>
 #include <ostream>
 #include <type_traits>
@@ -29,34 +28,19 @@ std::string element(const std::vector<T>& list) {
   return result;
 }
 
-struct type_of {
-  const char* operator()(const double*) const { return "real"; }
-  const char* operator()(const int*) const { return "integer"; }
-  const char* operator()(const std::int64_t*) const { return "integer"; }
-  const char* operator()(const bool*) const { return "logical"; }
-  const char* operator()(const std::string*) const { return "text"; }
-  const char* operator()(const std::optional<double>*) const { return "optional real"; }
-  const char* operator()(const std::optional<std::int64_t>*) const { return "optional integer"; }
-  const char* operator()(const std::vector<double>*) const { return "list of reals"; }
-  const char* operator()(const std::vector<std::int64_t>*) const { return "list of integers"; }
-  const char* operator()(const std::vector<std::string>*) const { return "list of texts"; }
+// What a key's target holds, or its elements.
+struct names {
+  const char *of_type, *expected;
 };
-
-struct expected_element {
-  const char* operator()(const double*) const { return "a real number"; }
-  const char* operator()(const int*) const { return "an integer"; }
-  const char* operator()(const std::int64_t*) const { return "an integer"; }
-  const char* operator()(const bool*) const { return "a logical (.true. or .false.)"; }
-  const char* operator()(const std::string*) const { return "a text"; }
-  template <class T>
-  const char* operator()(const std::optional<T>*) const {
-    return (*this)(static_cast<const T*>(nullptr));
-  }
-  template <class T>
-  const char* operator()(const std::vector<T>*) const {
-    return (*this)(static_cast<const T*>(nullptr));
-  }
-};
+names names_of(const double*) { return {"real", "a real number"}; }
+names names_of(const int*) { return {"integer", "an integer"}; }
+names names_of(const std::int64_t*) { return {"integer", "an integer"}; }
+names names_of(const bool*) { return {"logical", "a logical (.true. or .false.)"}; }
+names names_of(const std::string*) { return {"text", "a text"}; }
+template <template <class...> class Of, class T, class... Rest>
+names names_of(const Of<T, Rest...>*) {
+  return names_of(static_cast<const T*>(nullptr));
+}
 
 // A comment of any number of lines.
 std::string comment(const std::string& text, const std::string& indent) {
@@ -74,21 +58,29 @@ std::string line(const key& k, const std::string& text) {
 
 }  // namespace
 
-std::string value_text(const target& bound) {
+std::string key::value() const {
   return std::visit([](auto* to) { return element(*to); }, bound);
 }
 
-bool in_range(double number, const key_info& info) {
+bool key::allows(double number) const {
   return (info.exclusive_minimum ? number > info.minimum : number >= info.minimum) &&
          (info.exclusive_maximum ? number < info.maximum : number <= info.maximum);
 }
 
-std::string type_name(const key& k) {
-  return std::visit([](auto* to) { return std::string(type_of{}(to)); }, k.bound);
+std::string key::type_name() const {
+  return std::visit(
+      [](auto* to) {
+        const std::string what = names_of(to).of_type;
+        if constexpr (requires { to->has_value(); }) return "optional " + what;
+        if constexpr (requires { to->begin(); } && !std::is_same_v<decltype(to), std::string*>)
+          return "list of " + what + "s";
+        return what;
+      },
+      bound);
 }
 
-std::string limits(const key& k) {
-  const key_info& i = k.info;
+std::string key::limits() const {
+  const key_info& i = info;
   if (!i.choices.empty()) return "one of " + element(i.choices);
   const bool below = std::isfinite(i.minimum), above = std::isfinite(i.maximum);
   if (below && above)
@@ -99,11 +91,11 @@ std::string limits(const key& k) {
   return "";
 }
 
-std::string expected(const key& k) {
-  if (!k.info.choices.empty()) return limits(k);
-  std::string result = std::visit([](auto* to) { return std::string(expected_element{}(to)); }, k.bound);
-  if (!k.info.unit.empty()) result += " in " + k.info.unit;
-  const std::string range = limits(k);
+std::string key::expected() const {
+  if (!info.choices.empty()) return limits();
+  std::string result = std::visit([](auto* to) { return names_of(to).expected; }, bound);
+  if (!info.unit.empty()) result += " in " + info.unit;
+  const std::string range = limits();
   return range.empty() ? result : result + " " + range;
 }
 
@@ -115,10 +107,10 @@ void schema::describe(std::ostream& out) const {
     for (const key& k : g.keys) {
       const std::string whose = k.declared_in == g.name ? "" : fmt::format("of &{}: ", k.declared_in);
       if (!(whose + k.info.meaning).empty()) out << comment(whose + k.info.meaning, "  ");
-      std::string facts = type_name(k);
+      std::string facts = k.type_name();
       if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
-      if (const std::string range = limits(k); !range.empty()) facts += ", " + range;
+      if (const std::string range = k.limits(); !range.empty()) facts += ", " + range;
       facts += k.info.required ? ", required" : ", default " + (k.default_text.empty() ? "none" : k.default_text);
       out << comment(facts, "  ") << line(k, k.default_text);
     }
@@ -130,8 +122,7 @@ void schema::write_resolved(std::ostream& out) const {
   for (const key_group& g : groups_) {
     if (g.keys.empty()) continue;
     out << '&' << g.name << '\n';
-    for (const key& k : g.keys)
-      out << line(k, k.info.stays_open && !k.given ? "! " + value_text(k.bound) : value_text(k.bound));
+    for (const key& k : g.keys) out << line(k, k.info.stays_open && k.given_in.empty() ? "! " + k.value() : k.value());
     out << "/\n\n";
   }
 }

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <charconv>
-#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <namelist/text.hpp>
 
@@ -21,15 +21,6 @@ std::optional<double> infinite_or_nan(std::string_view unsigned_word) {
   if (word == "nan" || (word.starts_with("nan(") && word.ends_with(')')))
     return std::numeric_limits<double>::quiet_NaN();
   return {};
-}
-
-// For a number that overflows or underflows: only its decimal exponent tells which.
-// digits is DDD.DDD; exponent is clipped far outside the range of double.
-bool is_below_one(std::string_view digits, std::int64_t exponent) {
-  const std::size_t point = std::min(digits.find('.'), digits.size());
-  const std::size_t leading = digits.find_first_not_of("0.");
-  const auto position = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(leading);
-  return position + exponent < 0;
 }
 
 }  // namespace
@@ -58,35 +49,19 @@ std::optional<double> to_real(std::string_view word) {
     digits += end - after_point;
   }
   if (digits == 0) return {};
-  const std::string_view mantissa = word.substr(0, end);
 
-  std::int64_t exponent = 0;
+  std::string plain(word.substr(0, end));
   if (end < word.size()) {
     const char letter = lower_letter(word[end]);
     if (letter == 'e' || letter == 'd' || letter == 'q')
       ++end;
     else if (letter != '+' && letter != '-')  // 1.5-3 is Fortran's 1.5e-3
       return {};
-    const bool below = end < word.size() && word[end] == '-';
-    if (end < word.size() && (word[end] == '-' || word[end] == '+')) ++end;
-    if (end == word.size() || digits_from(word, end) != word.size()) return {};
-    // Clipped: beyond any double, whatever the length of a mantissa that fits in memory.
-    constexpr std::int64_t far = 1'000'000'000'000;
-    for (; end < word.size(); ++end) exponent = std::min(far, 10 * exponent + (word[end] - '0'));
-    if (below) exponent = -exponent;
+    const std::size_t first = end < word.size() && (word[end] == '-' || word[end] == '+') ? end + 1 : end;
+    if (first == word.size() || digits_from(word, first) != word.size()) return {};
+    plain.append("e").append(word.substr(end));
   }
-  if (mantissa.find_first_not_of("0.") == std::string_view::npos) return sign * 0.0;
-  const bool small = is_below_one(mantissa, exponent);
-  const double limit = small ? 0.0 : std::numeric_limits<double>::infinity();
-  if (std::abs(exponent) > std::numeric_limits<int>::max()) return sign * limit;
-
-  std::string plain(mantissa.starts_with('.') ? "0" : "");
-  plain += mantissa;
-  plain += 'e' + std::to_string(exponent);
-  double number = 0.0;
-  const auto result = std::from_chars(plain.data(), plain.data() + plain.size(), number);
-  if (result.ec == std::errc::result_out_of_range) number = limit;
-  return sign * number;
+  return sign * std::strtod(plain.c_str(), nullptr);
 }
 
 std::optional<std::int64_t> to_integer(std::string_view word, bool& out_of_range) {

@@ -1,4 +1,5 @@
 #include <exception>
+#include <limits>
 #include <new>
 #include <output/agree.hpp>
 
@@ -6,13 +7,12 @@ namespace tetsuame::output {
 
 namespace {
 
-template <class Container>
-Container broadcast_from(MPI_Comm comm, int root, Container values, MPI_Datatype type) {
-  auto n = static_cast<std::uint64_t>(values.size());
+std::string broadcast_from(MPI_Comm comm, int root, std::string text) {
+  auto n = static_cast<std::uint64_t>(text.size());
   MPI_Bcast(&n, 1, MPI_UINT64_T, root, comm);
-  values.resize(n);
-  MPI_Bcast(values.data(), static_cast<int>(n), type, root, comm);
-  return values;
+  text.resize(n);
+  MPI_Bcast(text.data(), static_cast<int>(n), MPI_CHAR, root, comm);
+  return text;
 }
 
 }  // namespace
@@ -29,14 +29,17 @@ int size_of(MPI_Comm comm) {
   return size;
 }
 
-void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status) {
-  const int nobody = size_of(comm);
-  int first = problem.empty() ? nobody : rank_of(comm);
+void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status, std::int64_t id) {
+  constexpr auto none = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t mine = problem.empty() ? none : id;
+  std::int64_t lowest = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm);
+  if (lowest == none) return;
+  int first = mine == lowest ? rank_of(comm) : size_of(comm);
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first == nobody) return;
   int code = static_cast<int>(status);
   MPI_Bcast(&code, 1, MPI_INT, first, comm);
-  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem, MPI_CHAR));
+  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem));
 }
 
 void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
@@ -57,10 +60,6 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
   agree(comm, problem, status);
 }
 
-std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text, MPI_CHAR); }
-
-std::vector<std::uint64_t> broadcast(MPI_Comm comm, const std::vector<std::uint64_t>& values) {
-  return broadcast_from(comm, 0, values, MPI_UINT64_T);
-}
+std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text); }
 
 }  // namespace tetsuame::output

@@ -63,13 +63,13 @@ struct checkpoint {
 
 std::string checkpoint_name(std::int64_t step);  // checkpoint_00001200.h5
 
-// Collective. Returns the path. Throws fail_file on every rank with path and reason; the
-// checkpoints that were there are then untouched.
+// All that follows is collective, and throws fail_file on every rank with path and reason.
+
+// Returns the path. Where it fails, the checkpoints that were there are untouched.
 std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::int64_t step,
                              const checkpoint_globals& globals, const std::vector<table_view>& tables);
 
-// Collective. All checksums are verified before anything is handed out. Throws fail_file
-// on every rank, naming the dataset that is damaged.
+// All checksums are verified before anything is handed out.
 checkpoint read_checkpoint(MPI_Comm comm, const std::string& path);
 
 struct latest_checkpoint {
@@ -78,11 +78,10 @@ struct latest_checkpoint {
   std::vector<std::string> messages;  // why newer ones were passed over
 };
 
-// Collective. The newest checkpoint in the directory that is whole. Throws fail_file on
-// every rank if there is none, with the reason for each.
+// The newest checkpoint in the directory that is whole.
 latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory);
 
-// Collective; after a restart. Removes the checkpoints of later steps than the one that
+// After a restart. Removes the checkpoints of later steps than the one that
 // the run continues from: damaged ones, or of a course that is given up.
 void forget_checkpoints_after(MPI_Comm comm, const std::string& directory, std::int64_t step);
 

@@ -1,8 +1,6 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <foundation/error.hpp>
 #include <output/checkpoint_index.hpp>
 #include <sstream>
@@ -23,12 +21,6 @@ std::string body_of(const checkpoint_index& index) {
     text += fmt::format("{} {} {} {} {} {}\n", kind_names[static_cast<std::size_t>(d.kind)], d.count, d.offset, d.bytes,
                         hex(d.sum), d.path);
   return text;
-}
-
-checksum body_sum(const char* body, std::size_t bytes) {
-  checksum sum;
-  add_bytes(sum, 0, body, bytes);
-  return sum;
 }
 
 bool parse_line(const std::string& line, indexed& d) {
@@ -69,7 +61,7 @@ std::uint64_t block_size_for(const checkpoint_index& index) {
 std::string block_text(const checkpoint_index& index) {
   std::string body = body_of(index);
   body.resize(index.block_bytes - body_start, '\0');
-  return fmt::format("{}{}\n", magic, hex(body_sum(body.data(), body.size()))) + body;
+  return fmt::format("{}{}\n", magic, hex(sum_of(body))) + body;
 }
 
 void fail_damaged(const std::string& path, const std::string& what) {
@@ -90,7 +82,7 @@ std::uint64_t block_bytes_in(const std::string& path, const std::string& beginni
 checkpoint_index read_block(const std::string& path, const std::string& block) {
   checksum told;
   if (!parse_hex(block.substr(magic.size(), 32), told) || block[body_start - 1] != '\n' ||
-      !(body_sum(block.data() + body_start, block.size() - body_start) == told))
+      sum_of(block.substr(body_start)) != told)
     fail_damaged(path, index_name);
   checkpoint_index index;
   std::istringstream in(block.substr(body_start));
@@ -103,32 +95,26 @@ checkpoint_index read_block(const std::string& path, const std::string& block) {
   return index;
 }
 
-std::vector<std::pair<std::uint64_t, std::uint64_t>> structure_ranges(const checkpoint_index& index) {
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> taken = {{0, index.block_bytes}}, ranges;
-  for (const auto& d : index.datasets) taken.push_back({d.offset, d.offset + d.bytes});
-  std::sort(taken.begin(), taken.end());
-  std::uint64_t end = 0;
-  for (const auto& [from, to] : taken) {
-    if (from > end) ranges.push_back({end, from});
-    end = std::max(end, to);
-  }
-  if (index.file_bytes > end) ranges.push_back({end, index.file_bytes});
-  return ranges;
-}
-
 checksum structure_sum(const checkpoint_index& index,
                        const std::function<void(std::uint64_t, char*, std::size_t)>& read) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> taken = {{0, index.block_bytes}};
+  for (const auto& d : index.datasets) taken.push_back({d.offset, d.offset + d.bytes});
+  taken.push_back({index.file_bytes, index.file_bytes});
+  std::sort(taken.begin(), taken.end());
   constexpr std::size_t piece_bytes = std::size_t{1} << 20;
   checksum sum;
-  std::uint64_t word = 0;
+  std::uint64_t word = 0, at = 0;
   std::vector<char> buffer(piece_bytes);
-  for (const auto& [from, to] : structure_ranges(index))
-    for (std::uint64_t at = from; at < to; at += piece_bytes) {
-      const auto bytes = std::min<std::uint64_t>(piece_bytes, to - at);
+  for (const auto& [from, to] : taken) {
+    while (at < from) {
+      const auto bytes = std::min<std::uint64_t>(piece_bytes, from - at);
       read(at, buffer.data(), bytes);
       add_bytes(sum, word, buffer.data(), bytes);
       word += (bytes + 7) / 8;
+      at += bytes;
     }
+    at = std::max(at, to);
+  }
   return sum;
 }
 
@@ -142,8 +128,7 @@ void sum_over_ranks(MPI_Comm comm, std::vector<indexed>& datasets) {
 std::pair<std::string, std::string> names_of(const indexed& d) {
   const auto last = d.path.rfind('/');
   const std::string folder = d.path.substr(0, last);
-  const bool table = d.kind == kind::ids || d.kind == kind::field_real || d.kind == kind::field_integer;
-  return {table ? folder.substr(folder.rfind('/') + 1) : "", d.path.substr(last + 1)};
+  return {is_field(d.kind) ? folder.substr(folder.rfind('/') + 1) : "", d.path.substr(last + 1)};
 }
 
 }  // namespace tetsuame::output

@@ -11,6 +11,8 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <output/hash.hpp>
@@ -21,13 +23,28 @@
 namespace tetsuame::output {
 
 enum class kind { real, integer, text, blob, ids, field_real, field_integer };
+inline bool is_field(kind k) { return k >= kind::ids; }
 
 struct indexed {
   output::kind kind = kind::real;
-  std::uint64_t count = 0, offset = 0, bytes = 0;
-  checksum sum;
-  std::string path;
+  std::uint64_t count = 0;
+  std::string path{};
+  std::uint64_t offset = 0, bytes = 0;
+  checksum sum{};
 };
+
+// A dataset with this rank's part of the values.
+struct part {
+  indexed entry;
+  std::vector<std::uint64_t> words;  // the values' bits
+};
+
+template <class To, class From>
+std::vector<To> same_bits(const std::vector<From>& values) {
+  std::vector<To> same(values.size());
+  std::transform(values.begin(), values.end(), same.begin(), [](From x) { return std::bit_cast<To>(x); });
+  return same;
+}
 
 struct checkpoint_index {
   std::uint64_t file_bytes = 0, block_bytes = 0;
@@ -47,10 +64,7 @@ checkpoint_index read_block(const std::string& path, const std::string& block);
 
 [[noreturn]] void fail_damaged(const std::string& path, const std::string& what);
 
-// Bytes outside of the block and the datasets, as [from, to).
-std::vector<std::pair<std::uint64_t, std::uint64_t>> structure_ranges(const checkpoint_index& index);
-
-// Their checksum; read(from, to, bytes) fetches bytes of the file.
+// The checksum of the bytes outside of the block and the datasets; read(from, to, bytes) fetches bytes of the file.
 checksum structure_sum(const checkpoint_index& index,
                        const std::function<void(std::uint64_t, char*, std::size_t)>& read);
 // Collective: the datasets' checksums become the sums over all ranks.

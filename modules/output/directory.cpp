@@ -70,34 +70,19 @@ std::string final_name(const std::string& name) {
   return name.ends_with(".tmp") ? name.substr(0, name.size() - 4) : name;
 }
 
-std::string first_bytes(const std::string& path, std::size_t bytes) {
-  std::string text(bytes, '\0');
-  try {
-    const descriptor file(path, O_RDONLY);
-    text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, pread(file.get(), text.data(), bytes, 0))));
-  } catch (const foundation::error&) {
-    text.clear();
-  }
-  return text;
-}
-
-bool is_our_snapshot(const std::string& path) {
-  try {
-    const descriptor plain_file(path, O_RDONLY);
-    return !list_datasets(path, "/Provenance").empty();
-  } catch (const foundation::error&) {
-    return false;
-  }
-}
-
 // Of a file that has one of our names: did a run write it? Somebody else's table or HDF5 file may be called the same.
 bool written_by_a_run(const fs::path& path) {
   const auto name = path.filename().string();
   if (name.ends_with(".tmp") || fs::is_symlink(path)) return true;
-  if (name.ends_with(".csv")) return first_bytes(path.string(), 8) == "step [1]";
-  if (number_in(name, "checkpoint_", ".h5")) return first_bytes(path.string(), 19) == "tetsuame checkpoint";
-  if (number_in(name, "snapshot_", ".h5")) return is_our_snapshot(path.string());
-  return true;
+  try {
+    if (name.ends_with(".csv")) return beginning_of(path.string(), 8) == "step [1]";
+    if (number_in(name, "checkpoint_", ".h5")) return beginning_of(path.string(), 19) == "tetsuame checkpoint";
+    if (!number_in(name, "snapshot_", ".h5")) return true;
+    const descriptor plain_file(path.string(), O_RDONLY);
+    return !list_datasets(path.string(), "/Provenance").empty();
+  } catch (const foundation::error&) {
+    return false;
+  }
 }
 
 void remove_files(const std::string& directory, const std::vector<std::string>& names) {

@@ -44,17 +44,13 @@ class claimed_directory {
   std::vector<std::string> made_;  // rank 0; the innermost first
 };
 
-// Claims and clears.
 void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
                     const std::vector<std::string>& own_names = {});
 
-// Is this one of the names that a run gives to its files?
+// On this rank: whether this is one of the names that a run gives to its files; whether the directory holds a file that
+// a run wrote; the files PREFIX<digits>SUFFIX with their numbers, ascending.
 bool is_our_file(const std::string& name);
-
-// On this rank: whether the directory holds a file that a run wrote.
 bool holds_a_run(const std::string& directory);
-
-// On this rank: the files PREFIX<digits>SUFFIX with their numbers, ascending.
 std::vector<std::pair<std::int64_t, std::string>> numbered_files(const std::string& directory,
                                                                  const std::string& prefix, const std::string& suffix);
 

@@ -84,6 +84,19 @@ void read_at(const descriptor& file, const std::string& path, void* data, std::s
   }
 }
 
+std::uint64_t size_of(const descriptor& file, const std::string& path) {
+  struct stat about {};
+  if (fstat(file.get(), &about) != 0) fail_system("read", path);
+  return static_cast<std::uint64_t>(about.st_size);
+}
+
+std::string beginning_of(const std::string& path, std::uint64_t bytes) {
+  const descriptor file(path, O_RDONLY);
+  std::string text(std::min(bytes, size_of(file, path)), '\0');
+  read_at(file, path, text.data(), text.size(), 0);
+  return text;
+}
+
 void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes) {
   while (bytes > 0 && fallocate(file.get(), 0, 0, static_cast<off_t>(bytes)) != 0) {
     if (errno == EINTR) continue;
@@ -133,9 +146,7 @@ void write_text(MPI_Comm comm, const std::string& path, const std::string& text)
 }
 
 void write_summary(MPI_Comm comm, const std::string& path, const nlohmann::ordered_json& summary) {
-  on_rank_0(comm, [&] {
-    replace_text(path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-  });
+  write_text(comm, path, summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 void let_size_limits_fail_writes() { std::signal(SIGXFSZ, SIG_IGN); }

@@ -43,9 +43,11 @@ stream append_to(const std::string& path);
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,
               std::uint64_t offset);
 void read_at(const descriptor& file, const std::string& path, void* data, std::size_t bytes, std::uint64_t offset);
+std::uint64_t size_of(const descriptor& file, const std::string& path);
+// The first `bytes` of the file, or less where it is shorter.
+std::string beginning_of(const std::string& path, std::uint64_t bytes);
 
-// Reserves the space on the disk, so that a full disk shows before the first byte is
-// written; file systems that cannot reserve are left to fail later.
+// On the disk, so that a full one shows before the first byte is written, where the file system can.
 void reserve(const descriptor& file, const std::string& path, std::uint64_t bytes);
 
 std::string temporary_name(const std::string& path);  // path + ".tmp"
@@ -60,11 +62,8 @@ void remove_quietly(const std::string& path);
 void replace_text(const std::string& path, const std::string& text);
 
 // Collective; rank 0's text is written as above, and all ranks throw if it fails.
-// For resolved.nml and the like.
 void write_text(MPI_Comm comm, const std::string& path, const std::string& text);
-
-// Collective; as write_text. A number that is not finite becomes null, for which JSON
-// has no other word; bytes that are not UTF-8 become U+FFFD.
+// The same of JSON, where a number that is not finite becomes null, and bytes that are not UTF-8 U+FFFD.
 void write_summary(MPI_Comm comm, const std::string& path, const nlohmann::ordered_json& summary);
 
 // A file-size limit (ulimit -f) then fails a write, which is told with path and

@@ -1,18 +1,13 @@
-// Checksums that many ranks compute together: the sum, modulo 2^64 in two lanes, of
-// one hash for each (index, 64-bit word). A sum does not depend on order, so the
-// checksum of an array is the same however its rows lie on the ranks, while the index
-// inside each hash ties every word to its place.
+// Checksums that many ranks compute together: the sum, modulo 2^64 in two lanes, of one hash for each (index, 64-bit
+// word), the same however an array's rows lie on the ranks.
 //
 //   m(x) = x, xor-shifted and multiplied by odd numbers, three times (a bijection)
 //   a = sum_i m(w_i xor m(i + A)),   b = sum_i m(w_i + m(i xor B))
 //
-// Each term is a bijection of its word: a change confined to one word is always seen;
-// any other accident is missed with a probability of 2^-128. It is no protection
-// against intent. Constants: golden ratio; "variant 13" of D. Stafford (2011), the
+// A change confined to one word is always seen; any other accident is missed with a probability of 2^-128. It is no
+// protection against intent. Constants: golden ratio; "variant 13" of D. Stafford (2011), the
 // finaliser of SplitMix64 [G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014].
 #pragma once
-
-#include <mpi.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -38,9 +33,7 @@ struct checksum {
 
 // Adds the bytes as words numbered from first_word; a last, partial word is filled with zeros.
 void add_bytes(checksum& sum, std::uint64_t first_word, const void* data, std::size_t bytes);
-
-// Collective: the sum over all ranks, on every rank.
-checksum sum_over_ranks(MPI_Comm comm, checksum local);
+checksum sum_of(const std::string& text);
 
 std::string hex(const checksum& sum);  // 32 digits
 // The checksum that hex() writes as this text; false on any other text.

@@ -51,8 +51,7 @@ class handle {
  public:
   using closer = herr_t (*)(hid_t);
   handle(hid_t id, closer how) : id_(id), close_(how) {}
-  handle(const handle&) = delete;
-  handle& operator=(const handle&) = delete;
+  handle(handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   ~handle() {
     if (id_ >= 0) close_(id_);
   }
@@ -68,21 +67,17 @@ class handle {
   closer close_;
 };
 
-std::uint64_t element_bytes(element type) {
-  switch (type) {
-    case element::real:
-    case element::integer:
-      return 8;
-    case element::index:
-      return 4;
-    case element::text:
-      return 1;
-  }
-  return 1;
-}
-
 hid_t number_type(element type) {
   return type == element::real ? H5T_IEEE_F64LE : type == element::integer ? H5T_STD_I64LE : H5T_STD_I32LE;
+}
+
+// A text of so many bytes, without an end of its own.
+handle text_type(const file_context& file, std::size_t bytes) {
+  handle type(file.check(H5Tcopy(H5T_C_S1)), H5Tclose);
+  file.check(H5Tset_size(type, std::max<std::size_t>(1, bytes)));
+  file.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
+  file.check(H5Tset_cset(type, H5T_CSET_UTF8));
+  return type;
 }
 
 struct attribute_writer {
@@ -107,11 +102,7 @@ struct attribute_writer {
   void operator()(const std::vector<std::uint32_t>& values) const { array(H5T_NATIVE_UINT32, values); }
   void operator()(const std::vector<std::uint64_t>& values) const { array(H5T_NATIVE_UINT64, values); }
   void operator()(const std::string& text) const {
-    const handle type(file.check(H5Tcopy(H5T_C_S1)), H5Tclose);
-    file.check(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
-    file.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
-    file.check(H5Tset_cset(type, H5T_CSET_UTF8));
-    write(type, H5Screate(H5S_SCALAR), text.c_str());
+    write(text_type(file, text.size()), H5Screate(H5S_SCALAR), text.c_str());
   }
 };
 
@@ -129,12 +120,7 @@ void create_dataset(const file_context& file, hid_t root, dataset& d) {
   file.check(H5Pset_fill_time(how, H5D_FILL_TIME_NEVER));
 
   const bool text = d.type == element::text;
-  const handle type(file.check(H5Tcopy(text ? H5T_C_S1 : number_type(d.type))), H5Tclose);
-  if (text) {
-    file.check(H5Tset_size(type, std::max<std::size_t>(1, d.shape.at(0))));
-    file.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
-    file.check(H5Tset_cset(type, H5T_CSET_UTF8));
-  }
+  const auto type = text ? text_type(file, d.shape.at(0)) : handle(file.check(H5Tcopy(number_type(d.type))), H5Tclose);
   const std::vector<hsize_t> shape(d.shape.begin(), d.shape.end());
   const bool scalar = text || shape.empty();
   const handle space(file.check(scalar ? H5Screate(H5S_SCALAR)
@@ -171,18 +157,28 @@ std::uint64_t upper_estimate(const layout& contents) {
   return bytes;
 }
 
-hid_t open_for_reading(const file_context& file, const handle& access) {
-  // Locks fail on some network file systems, and nothing here needs them.
+// Locks fail on some network file systems, and nothing here needs them.
+handle access_without_locks(const file_context& file) {
+  handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   file.check(H5Pset_file_locking(access, false, true));
-  return file.check(H5Fopen(file.path.c_str(), H5F_ACC_RDONLY, access));
+  return access;
 }
+
+struct opened_file {
+  quiet silence{};
+  file_context file;
+  handle root;
+  explicit opened_file(const std::string& path)
+      : file{path, "read"},
+        root(file.check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access_without_locks(file))), H5Fclose) {}
+};
 
 }  // namespace
 
 std::uint64_t bytes_of(const dataset& d) {
   const auto values =
       std::accumulate(d.shape.begin(), d.shape.end(), std::uint64_t{1}, std::multiplies<std::uint64_t>());
-  return d.type == element::text ? std::max<std::uint64_t>(1, values) : values * element_bytes(d.type);
+  return d.type == element::text ? std::max<std::uint64_t>(1, values) : values * (d.type == element::index ? 4 : 8);
 }
 
 std::uint64_t create_layout(const std::string& path, layout& contents) {
@@ -190,26 +186,20 @@ std::uint64_t create_layout(const std::string& path, layout& contents) {
 
   const quiet silence;
   const file_context file{path, "write"};
-  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
-  file.check(H5Pset_file_locking(access, false, true));
   const handle creation(file.check(H5Pcreate(H5P_FILE_CREATE)), H5Pclose);
   file.check(H5Pset_userblock(creation, contents.user_block));
-  handle root(file.check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access)), H5Fclose);
+  handle root(file.check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access_without_locks(file))), H5Fclose);
   create_contents(file, root, contents);
   file.check(root.close());
 
   const descriptor written(path, O_RDWR);
-  const off_t end = lseek(written.get(), 0, SEEK_END);
-  if (end < 0) fail_system("write", path);
-  reserve(written, path, static_cast<std::uint64_t>(end));
-  return static_cast<std::uint64_t>(end);
+  const auto bytes = size_of(written, path);
+  reserve(written, path, bytes);
+  return bytes;
 }
 
 double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {
-  const quiet silence;
-  const file_context file{path, "read"};
-  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
-  const handle root(open_for_reading(file, access), H5Fclose);
+  const auto [silence, file, root] = opened_file(path);
   const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
   const handle space(file.check(H5Aget_space(a)), H5Sclose);
   if (H5Sget_simple_extent_npoints(space) != 1)
@@ -220,10 +210,7 @@ double read_real_attribute(const std::string& path, const std::string& object, c
 }
 
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {
-  const quiet silence;
-  const file_context file{path, "read"};
-  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
-  const handle root(open_for_reading(file, access), H5Fclose);
+  const auto [silence, file, root] = opened_file(path);
   std::vector<stored_dataset> list;
   if (group != "/" && file.check(H5Lexists(root, group.c_str(), H5P_DEFAULT)) == 0) return list;
   const handle folder(file.check(H5Gopen2(root, group.c_str(), H5P_DEFAULT)), H5Gclose);
@@ -245,10 +232,7 @@ std::vector<stored_dataset> list_datasets(const std::string& path, const std::st
 }
 
 std::vector<double> read_reals(const std::string& path, const std::string& name) {
-  const quiet silence;
-  const file_context file{path, "read"};
-  const handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
-  const handle root(open_for_reading(file, access), H5Fclose);
+  const auto [silence, file, root] = opened_file(path);
   const handle set(file.check(H5Dopen2(root, name.c_str(), H5P_DEFAULT)), H5Dclose);
   const handle space(file.check(H5Dget_space(set)), H5Sclose);
   std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));

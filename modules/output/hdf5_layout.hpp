@@ -1,11 +1,9 @@
 // The skeleton of an HDF5 file, made by one rank: groups, attributes and datasets
 // without their values, each dataset one contiguous block at a known place in the file.
 //
-// All ranks then write their rows to these places by plain pwrite (shared_file.hpp).
-// That is preferred to parallel HDF5 because a write that fails on one rank inside a
-// collective HDF5 or MPI-IO call (disk full, quota) can leave the other ranks waiting
-// for ever, and because the whole file can be reserved on the disk beforehand. The
-// price: no compression.
+// All ranks then write their rows to these places by plain pwrite (shared_file.hpp), at the price of no compression: in
+// parallel HDF5 a write that fails on one rank (disk full, quota) can leave the others waiting for ever, and the file
+// cannot be reserved on the disk beforehand.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
-#include <fcntl.h>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
+#include <ctime>
 #include <filesystem>
 #include <foundation/error.hpp>
 #include <output/agree.hpp>
@@ -17,16 +17,6 @@ std::string header_of(const std::vector<history_column>& columns) {
   return line + "\n";
 }
 
-// The first `bytes` of the file, or less where it is shorter.
-std::string beginning_of(const std::string& path, std::uint64_t bytes) {
-  const descriptor file(path, O_RDONLY);
-  struct stat about {};
-  if (fstat(file.get(), &about) != 0) fail_system("read", path);
-  std::string text(std::min(bytes, static_cast<std::uint64_t>(about.st_size)), '\0');
-  read_at(file, path, text.data(), text.size(), 0);
-  return text;
-}
-
 // The lines up to the mark; none where there are none to keep.
 std::string kept_text(const std::string& path, const table_mark& mark) {
   std::error_code missing;
@@ -34,9 +24,7 @@ std::string kept_text(const std::string& path, const table_mark& mark) {
   if (!std::filesystem::exists(here)) return {};
   auto text = beginning_of(path, static_cast<std::uint64_t>(std::max<std::int64_t>(0, mark.bytes)));
   if (text.empty()) return {};
-  checksum sum;
-  add_bytes(sum, 0, text.data(), text.size());
-  if (static_cast<std::int64_t>(text.size()) != mark.bytes || hex(sum) != mark.sum)
+  if (static_cast<std::int64_t>(text.size()) != mark.bytes || hex(sum_of(text)) != mark.sum)
     foundation::fail_file(
         fmt::format("cannot continue {}: its first {} bytes are not those that the checkpoint knows: it is damaged, or "
                     "was edited. Move it away to start a new one",
@@ -106,6 +94,24 @@ void history::append(std::int64_t step, std::span<const double> values, const st
 table_mark history::mark() {
   on_rank_0(comm_, [&] { sync(fileno(file_.get()), path_); });
   return {static_cast<std::int64_t>(sum_.bytes), hex(sum_.now())};
+}
+
+run_log::run_log(MPI_Comm comm, const std::string& path) {
+  on_rank_0(comm, [&] {
+    file_ = append_to(path);
+    const auto line =
+        fmt::format("--- {:%Y-%m-%d %H:%M:%S} UTC, {} ranks\n", fmt::gmtime(std::time(nullptr)), size_of(comm));
+    std::fputs(line.c_str(), file_.get());
+    std::fflush(file_.get());
+  });
+}
+
+void run_log::write(const std::string& text) {
+  if (!file_) return;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+  const auto line = fmt::format("{:10.2f} s  {}\n", elapsed.count(), text);
+  std::fwrite(line.data(), 1, line.size(), file_.get());
+  std::fflush(file_.get());
 }
 
 }  // namespace tetsuame::output

@@ -1,9 +1,10 @@
-// history.csv and tables like it: a time series, one line at a time, flushed, so that it can be watched while the run
-// goes on. The first line names the columns with their units: time [s].
+// history.csv and tables like it, and run.log: one line at a time, flushed, so that they can be watched while the run
+// goes on. A table's first line names the columns with their units: time [s].
 #pragma once
 
 #include <mpi.h>
 
+#include <chrono>
 #include <cstdint>
 #include <output/file.hpp>
 #include <output/hash.hpp>
@@ -60,6 +61,21 @@ class history {
   std::string path_;
   stream file_;  // rank 0
   growing_sum sum_;
+};
+
+// run.log: what the run said, line by line, with the seconds since it began. Rank 0 writes.
+class run_log {
+ public:
+  // Collective; a file that is there is continued. Throws fail_file on every rank.
+  run_log(MPI_Comm comm, const std::string& path);
+
+  // Any rank may call it, rank 0's text counts. Never throws: a full disk costs the
+  // lines, not the run (what matters goes to other files, which do tell).
+  void write(const std::string& text);
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  stream file_;
 };
 
 }  // namespace tetsuame::output

@@ -68,22 +68,15 @@ void progress::show(const progress_state& now) {
   const auto text = terminal_ ? fmt::format("\r{}\x1b[K", cut_to_terminal(line, stream_)) : line + "\n";
   std::fputs(text.c_str(), stream_);
   std::fflush(stream_);
-  drawn_ = terminal_;
   due_ = clock_now + interval_;
   if (!terminal_) interval_ = std::min<clock::duration>(2 * interval_, longest_plain_interval);
-}
-
-void progress::interrupt() {
-  if (!drawn_) return;
-  std::fputc('\n', stream_);
-  std::fflush(stream_);
-  drawn_ = false;
 }
 
 void progress::finish(const progress_state& now) {
   if (!speaks_) return;
   show(now);
-  interrupt();
+  if (terminal_) std::fputc('\n', stream_);
+  std::fflush(stream_);
 }
 
 }  // namespace tetsuame::output

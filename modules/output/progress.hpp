@@ -22,24 +22,21 @@ std::string progress_line(const progress_state& now, const progress_state& begin
 
 class progress {
  public:
-  // speaks: rank 0 only. The stream is redrawn if it is a terminal. Nothing else should
-  // write to the terminal before interrupt() or finish().
+  // speaks: rank 0 only. The stream is redrawn if it is a terminal, to which nothing else should write before finish().
   progress(bool speaks, std::FILE* stream, const progress_state& begin);
 
   // Every step: reads the clock, and writes only when a line is due.
   void update(const progress_state& now) {
     if (speaks_ && clock::now() >= due_) show(now);
   }
-  // Ends the redrawn line, so that a message may follow; the next update draws it anew.
-  void interrupt();
-  // The last line, then as interrupt().
+  // The last line; a message may follow.
   void finish(const progress_state& now);
 
  private:
   using clock = std::chrono::steady_clock;
   void show(const progress_state& now);
 
-  bool speaks_, terminal_, drawn_ = false;
+  bool speaks_, terminal_;
   std::FILE* stream_;
   progress_state begin_;
   clock::time_point start_, due_;

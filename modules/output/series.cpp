@@ -15,38 +15,10 @@ namespace tetsuame::output {
 
 namespace {
 
-struct series_group {
-  int type = 0;
-  std::vector<stored_dataset> datasets;
-  std::size_t connectivity_bytes = 4;  // of one number
-};
-
-struct series_entry {
-  std::string file;   // name inside the directory
-  double time = 0.0;  // s
-  std::vector<series_group> groups;
-};
-
 constexpr std::string_view first_lines =
     "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
     "    <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 constexpr std::string_view last_lines = "    </Grid>\n  </Domain>\n</Xdmf>\n";
-
-series_entry describe(const std::string& directory, const std::string& file) {
-  const auto path = (std::filesystem::path(directory) / file).string();
-  const descriptor plain_file(path, O_RDONLY);  // HDF5 would wait for a pipe
-  series_entry entry{file, read_real_attribute(path, "/Header", "Time"), {}};
-  const auto top = list_datasets(path, "/");
-  for (const int type : {0, 1}) {
-    auto datasets = list_datasets(path, fmt::format("/PartType{}", type));
-    if (datasets.empty()) continue;
-    const auto name = fmt::format("Connectivity{}", type);
-    const auto numbers = std::find_if(top.begin(), top.end(), [&](const stored_dataset& d) { return d.name == name; });
-    if (numbers == top.end()) foundation::fail_file(fmt::format("cannot read {}: /{} is missing", path, name));
-    entry.groups.push_back({type, std::move(datasets), numbers->bytes_per_value});
-  }
-  return entry;
-}
 
 std::string data_item(const std::string& place, const stored_dataset& d) {
   return fmt::format(R"(<DataItem Format="HDF" NumberType="{}" Precision="{}" Dimensions="{}">{}</DataItem>)",
@@ -62,11 +34,12 @@ std::string attribute_text(const std::string& folder, const stored_dataset& d) {
                      data_item(folder + d.name, d));
 }
 
-std::string grid_text(const std::string& file, const series_group& group) {
-  const auto folder = fmt::format("{}:/PartType{}/", file, group.type);
+std::string grid_text(const std::string& file, int type, const std::vector<stored_dataset>& datasets,
+                      stored_dataset numbers) {
+  const auto folder = fmt::format("{}:/PartType{}/", file, type);
   std::string geometry, values;
   std::uint64_t n = 0;
-  for (const auto& d : group.datasets) {
+  for (const auto& d : datasets) {
     if (d.shape.empty()) continue;
     n = d.shape[0];
     if (d.name == "Coordinates")
@@ -74,21 +47,31 @@ std::string grid_text(const std::string& file, const series_group& group) {
     else
       values += attribute_text(folder, d);
   }
-  const stored_dataset numbers{"", true, group.connectivity_bytes, {n, 1}};
+  numbers.integer = true;
+  numbers.shape = {n, 1};
   return fmt::format(
       "        <Grid Name=\"{}\" GridType=\"Uniform\">\n"
       "          <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">{}</Topology>\n"
       "{}{}        </Grid>\n",
-      group.type == 0 ? "fluid" : "wall", n, data_item(fmt::format("{}:/Connectivity{}", file, group.type), numbers),
-      geometry, values);
+      type == 0 ? "fluid" : "wall", n, data_item(fmt::format("{}:/{}", file, numbers.name), numbers), geometry, values);
 }
 
-std::string text_of(const series_entry& entry) {
+std::string text_of(const std::string& directory, const std::string& file) {
+  const auto path = (std::filesystem::path(directory) / file).string();
+  const descriptor plain_file(path, O_RDONLY);  // HDF5 would wait for a pipe
   auto text = fmt::format(
       "      <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
       "        <Time Value=\"{}\"/>\n",
-      entry.file, entry.time);
-  for (const auto& group : entry.groups) text += grid_text(entry.file, group);
+      file, read_real_attribute(path, "/Header", "Time"));
+  const auto top = list_datasets(path, "/");
+  for (const int type : {0, 1}) {
+    const auto datasets = list_datasets(path, fmt::format("/PartType{}", type));
+    if (datasets.empty()) continue;
+    const auto name = fmt::format("Connectivity{}", type);
+    const auto numbers = std::find_if(top.begin(), top.end(), [&](const stored_dataset& d) { return d.name == name; });
+    if (numbers == top.end()) foundation::fail_file(fmt::format("cannot read {}: /{} is missing", path, name));
+    text += grid_text(file, type, datasets, *numbers);
+  }
   return text + "      </Grid>\n";
 }
 
@@ -101,20 +84,13 @@ void write_whole(const std::string& directory, const std::vector<std::string>& s
   std::string text(first_lines);
   for (const auto& name : snapshots) {
     try {
-      text += text_of(describe(directory, name));
+      text += text_of(directory, name);
     } catch (const std::exception& e) {
       all.messages.push_back(fmt::format("{}; series.xdmf goes on without it", e.what()));
     }
   }
   all.end = text.size();
   replace_text(path_in(directory), text.append(last_lines));
-}
-
-// Whether the file still ends where it did after the last snapshot.
-bool stands(const std::string& path, const series& all) {
-  std::error_code problem;
-  const auto bytes = std::filesystem::file_size(path, problem);
-  return !problem && bytes == all.end + last_lines.size();
 }
 
 std::vector<std::string> snapshots_below(const std::string& directory, std::int64_t next) {
@@ -130,9 +106,11 @@ void add_to_series(MPI_Comm comm, const std::string& directory, const std::strin
   on_rank_0(comm, [&] {
     const auto path = path_in(directory);
     if (all.end == 0) return write_whole(directory, {snapshot_file}, all);
-    if (!stands(path, all))  // somebody removed or changed it
+    std::error_code problem;
+    const auto bytes = std::filesystem::file_size(path, problem);
+    if (problem || bytes != all.end + last_lines.size())  // somebody removed or changed it
       return write_whole(directory, snapshots_below(directory, std::numeric_limits<std::int64_t>::max()), all);
-    const auto text = text_of(describe(directory, snapshot_file));
+    const auto text = text_of(directory, snapshot_file);
     const auto added = text + std::string(last_lines);
     write_at(descriptor(path, O_WRONLY), path, added.data(), added.size(), all.end);
     all.end += text.size();

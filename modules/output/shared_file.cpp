@@ -30,7 +30,8 @@ shared_file::shared_file(MPI_Comm comm, const std::string& path, layout& content
       places.push_back(create_layout(temporary, contents));
       for (const auto& d : contents.datasets) places.insert(places.end(), {d.offset, d.bytes});
     });
-    places = broadcast(comm, places);
+    places.resize(1 + 2 * contents.datasets.size());
+    MPI_Bcast(places.data(), static_cast<int>(places.size()), MPI_UINT64_T, 0, comm);
     size_ = places[0];
     for (std::size_t k = 0; k < contents.datasets.size(); ++k) {
       contents.datasets[k].offset = places[1 + 2 * k];

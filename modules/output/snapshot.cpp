@@ -95,23 +95,17 @@ void write_rows(shared_file& file, const dataset& d, const id_order& order, cons
   file.write(d, order.first_row * row_bytes, rows.data(), rows.size() * sizeof(T));
 }
 
-template <class T>
-void write_row_numbers(shared_file& file, const dataset& d, const id_order& order) {
-  std::vector<T> numbers(order.rows());
-  std::iota(numbers.begin(), numbers.end(), static_cast<T>(order.first_row));
-  write_rows(file, d, order, numbers);
-}
-
 // Collective. next: the group's first dataset; moved past its last.
 void write_group(shared_file& file, const particle_group& group, const id_order& order,
                  std::vector<dataset>::const_iterator& next) {
   write_rows(file, *next++, order, order.ids);
   for (const auto& c : group.columns) write_rows(file, *next++, order, rows_of(c, order));
+  std::vector<std::int64_t> numbers(order.rows());
+  std::iota(numbers.begin(), numbers.end(), static_cast<std::int64_t>(order.first_row));
   if (next->type == element::index)
-    write_row_numbers<std::int32_t>(file, *next, order);
+    write_rows(file, *next++, order, std::vector<std::int32_t>(numbers.begin(), numbers.end()));
   else
-    write_row_numbers<std::int64_t>(file, *next, order);
-  ++next;
+    write_rows(file, *next++, order, numbers);
 }
 
 }  // namespace
@@ -123,20 +117,19 @@ void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_heade
   std::vector<id_order> orders;
   for (const auto& group : groups) orders.push_back(order_by_id(comm, group.n, group.ids));
 
-  // Rank 0 knows the text; the others need its length only.
-  const auto input_bytes = broadcast(comm, std::vector<std::uint64_t>{origin.resolved_input.size()}).at(0);
+  const auto input = broadcast(comm, origin.resolved_input);
   layout contents;
   contents.groups = {{"/Header", header_attributes(header, groups, orders)},
                      {"/Provenance", {{"Program", origin.program}, {"Version", origin.version}}}};
   for (std::size_t g = 0; g < groups.size(); ++g)
     if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, contents);
-  contents.datasets.push_back({"/Provenance/ResolvedInput", element::text, {input_bytes}, {}});
+  contents.datasets.push_back({"/Provenance/ResolvedInput", element::text, {input.size()}, {}});
 
   shared_file file(comm, path, contents);
   auto next = contents.datasets.cbegin();
   for (std::size_t g = 0; g < groups.size(); ++g)
     if (orders[g].total_rows > 0) write_group(file, groups[g], orders[g], next);
-  if (rank_of(comm) == 0) file.write(*next, 0, origin.resolved_input.c_str(), next->bytes);
+  if (rank_of(comm) == 0) file.write(*next, 0, input.c_str(), next->bytes);
   file.finish();
 }
 

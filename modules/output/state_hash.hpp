@@ -5,10 +5,8 @@
 //
 //   s_0 = m(i + m(t + A)),   s_j = m(s_{j-1} xor bits(x_j)) + A,   hash = sum s_k mod 2^64
 //
-// Every step is a bijection of the value that enters it, so changing any bits of one
-// value of one particle always changes the hash; two states that differ otherwise (two
-// particles that swap values, say) share it with a probability of 2^-128. The bits
-// count, not the numbers: 0.0 and -0.0 differ, and so do two kinds of not-a-number.
+// A change of any bits of one value of one particle always changes the hash; two states that differ otherwise
+// (particles that swap values, say) share it with a probability of 2^-128.
 #pragma once
 
 #include <mpi.h>

@@ -3,7 +3,7 @@
 #include <optional>
 #include <problems/make.hpp>
 #include <problems/program.hpp>
-#include <run/time_loop.hpp>
+#include <run/problem.hpp>
 
 namespace tetsuame::problems {
 

@@ -1,14 +1,14 @@
-// When the cuts between ranks move in a run, and where to. The cost of a rank is counted (pairs of neighbours: the same
-// in every run) or measured (pairs, and what of its seconds of computing, without those it waited for others, they
-// leave unexplained from one decision to the next). What
-// is decided changes who computes a particle, never what is computed.
+// When the cuts between ranks move in a run, and where to (docs/load_balancer.md). What is decided changes who computes
+// a particle, never what is computed.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <balance/balancer.hpp>
-#include <chrono>
+#include <bit>
+#include <cstring>
 #include <foundation/waiting.hpp>
+#include <numeric>
 #include <optional>
 #include <run/lists.hpp>
 #include <run/options.hpp>
@@ -54,7 +54,6 @@ struct load_balance {
   explicit load_balance(const balance_options& o) : mode(o.follows), interval(o.interval), how(o.how) {}
 
   bool measures() const { return mode == "measured"; }
-  const char* unit() const { return measures() ? "s" : "pairs"; }
 
   // Whether it is time. A move beside new lists costs least, so a decision waits for them for a while.
   bool due(bool lists_are_due) const { return mode != "off" && steps >= (lists_are_due ? interval : 4 * interval); }
@@ -63,25 +62,13 @@ struct load_balance {
   std::optional<verdict> decide(const state<D>& box, bool lists_are_due, std::int64_t remaining) {
     verdict v;
     v.lists_were_due = lists_are_due;
-    const auto& s = box.w.s;
-    const auto& ranks = box.w.d.ranks;
-    const auto mine = extent_of(box);
-    std::vector<double> told{computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(s.fluid)};
-    told.insert(told.end(), mine.lower.begin(), mine.lower.end());
-    told.insert(told.end(), mine.upper.begin(), mine.upper.end());
-    for (const auto& along : mine.cost) told.insert(told.end(), along.begin(), along.end());
-    const auto all = ranks.every(std::span<const double>(told));
     std::vector<double> seconds_per_step, pairs, particles;
-    balance::extents<D> where(static_cast<std::size_t>(ranks.size));
-    for (std::size_t r = 0; r < where.size(); ++r) {
-      const double* of_rank = all.data() + r * told.size();
-      seconds_per_step.push_back(of_rank[0]);
-      pairs.push_back(of_rank[1]);
-      particles.push_back(of_rank[2]);
-      std::copy_n(of_rank + 3, D, where[r].lower.begin());
-      std::copy_n(of_rank + 3 + D, D, where[r].upper.begin());
-      for (std::size_t a = 0; a < D; ++a)
-        std::copy_n(of_rank + 3 + 2 * D + a * mine.bins, mine.bins, where[r].cost[a].begin());
+    balance::extents<D> where;
+    for (const told& r : readings_of_ranks(box)) {
+      seconds_per_step.push_back(r.seconds_per_step);
+      pairs.push_back(r.pairs);
+      particles.push_back(r.particles);
+      where.push_back(r.where);
     }
     const auto times = balance::spread_of(seconds_per_step);
     time_spread = times.over_mean();
@@ -92,34 +79,7 @@ struct load_balance {
       return {};
     }
     const auto cost = measures() ? measured.of(seconds_per_step, pairs) : pairs;
-    v.spread = balance::spread_of(cost);
-    if (expected) experience.moved(*expected, before, cost);
-    expected.reset();
-
-    const auto& now = box.w.d.cuts;
-    v.cuts = balance::propose(now, cost, relaxed(how, experience), where);
-    auto price = measures() ? moving : counted_price(v.spread, particles);
-    // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
-    price.rebuild = lists_are_due ? 0.0 : price.rebuild + v.spread.maximum;
-    const auto horizon = std::min(steps, remaining);
-    v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
-    // Smaller gains come from a row of particles more or less: they do not come true.
-    constexpr double least_gain = 0.01;  // of the slowest rank's cost
-    const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
-    v.decision.move = v.decision.move && !too_little;
-    v.decision.reason =
-        fmt::format("{} {:.3g} {} over {} steps{}, moving costs {:.3g}: {}",
-                    v.decision.gain < 0.0 ? "would lose" : "gain", std::abs(v.decision.gain), unit(), horizon,
-                    too_little ? " (less than 1 %)" : "", v.decision.cost, v.decision.move ? "move" : "stay");
-    if (v.decision.move) {
-      const auto after = balance::redistribute(now, v.cuts, cost, where);
-      expected = v.spread.maximum - *std::max_element(after.begin(), after.end());
-      before = cost;
-      gain_predicted += v.decision.gain;
-      ++moves;
-    } else {
-      experience.stayed();
-    }
+    weigh(v, box.w.d.cuts, cost, particles, where, std::min(steps, remaining));
     ++decisions;
     if (decisions > 1) worst_load = std::max(worst_load.value_or(1.0), 1.0 / balance::spread_of(pairs).efficiency());
     computing = 0.0;
@@ -172,6 +132,50 @@ struct load_balance {
   }
 
  private:
+  // Of one rank; nothing but doubles, which is how it is told.
+  struct told {
+    double seconds_per_step, pairs, particles;
+    balance::extent<D> where;
+  };
+
+  std::vector<told> readings_of_ranks(const state<D>& box) const {
+    const told mine{computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(box.w.s.fluid),
+                    extent_of(box)};
+    const auto message = std::bit_cast<std::array<double, sizeof(told) / sizeof(double)>>(mine);
+    const auto& ranks = box.w.d.ranks;
+    const auto all = ranks.every(std::span<const double>(message));
+    std::vector<told> readings(static_cast<std::size_t>(ranks.size));
+    std::memcpy(static_cast<void*>(readings.data()), all.data(), readings.size() * sizeof(told));
+    return readings;
+  }
+
+  // Fills the verdict, and learns of the move before. horizon: steps that the gain lasts.
+  void weigh(verdict& v, const balance::cuts<D>& now, const std::vector<double>& cost,
+             const std::vector<double>& particles, const balance::extents<D>& where, std::int64_t horizon) {
+    v.spread = balance::spread_of(cost);
+    if (expected) experience.moved(*expected, before, cost);
+    expected.reset();
+    v.cuts = balance::propose(now, cost, relaxed(how, experience), where);
+    auto price = measures() ? moving : counted_price(v.spread, particles);
+    // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
+    price.rebuild = v.lists_were_due ? 0.0 : price.rebuild + v.spread.maximum;
+    v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
+    // Smaller gains come from a row of particles more or less: they do not come true.
+    constexpr double least_gain = 0.01;  // of the slowest rank's cost
+    const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
+    v.decision.move = v.decision.move && !too_little;
+    v.decision.reason = fmt::format("{} {:.3g} {} over {} steps{}, moving costs {:.3g}: {}",
+                                    v.decision.gain < 0.0 ? "would lose" : "gain", std::abs(v.decision.gain),
+                                    measures() ? "s" : "pairs", horizon, too_little ? " (less than 1 %)" : "",
+                                    v.decision.cost, v.decision.move ? "move" : "stay");
+    if (!v.decision.move) return experience.stayed();
+    const auto after = balance::redistribute(now, v.cuts, cost, where);
+    expected = v.spread.maximum - *std::max_element(after.begin(), after.end());
+    before = cost;
+    gain_predicted += v.decision.gain;
+    ++moves;
+  }
+
   // Neighbours of the fluid, and of the walls' markers.
   static double pairs_of(const state<D>& box) {
     return static_cast<double>(box.w.list.pairs + box.walls.near_marker.pairs);
@@ -193,8 +197,7 @@ struct load_balance {
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
   static balance::move_costs counted_price(const balance::spread& pairs, const std::vector<double>& particles) {
-    double sum = 0.0;
-    for (const double n : particles) sum += n;
+    const double sum = std::accumulate(particles.begin(), particles.end(), 0.0);
     const double each = pairs.mean * static_cast<double>(particles.size()) / std::max(1.0, sum);
     return {each, 2.0 * pairs.maximum};
   }

@@ -24,11 +24,8 @@ double bytes_in(const std::string& path, const std::string& key, double unit) {
   std::ifstream file(path);
   std::string word;
   double value = 0.0;
-  while (key.empty() ? static_cast<bool>(file >> value) : static_cast<bool>(file >> word)) {
-    if (key.empty()) return value * unit;
-    if (word == key && file >> value) return value * unit;
-  }
-  return std::numeric_limits<double>::infinity();
+  while (word != key && file >> word) continue;
+  return file >> value ? value * unit : std::numeric_limits<double>::infinity();
 }
 
 // B, what this node can still give: all of its ranks together.

@@ -7,6 +7,8 @@
 
 namespace tetsuame::run {
 
+namespace {
+
 void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names) {
   schema.group("kernel", "smoothing kernel and neighbour lists");
   if (names.empty())
@@ -31,18 +33,6 @@ void resolve(const namelist::schema& schema, kernel_options& o) {
     schema.fail("kernel", "h_over_dx",
                 fmt::format("expected at least {:.3g}, with which the {} kernel reaches the nearest neighbours, or 0",
                             1.0 / kernel.support_over_h, o.name));
-}
-
-double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
-
-void check_interval(const namelist::schema& schema, const output_options& o, double t_end) {
-  constexpr double most = 1e6;
-  if (o.interval > 0.0 && t_end / o.interval > most)
-    schema.fail(
-        "output", "interval",
-        fmt::format("would write {:.3g} snapshots until t = {:.6g} s: expected 0 or at least {:.3g} s, for {:.0e} "
-                    "of them",
-                    t_end / o.interval, t_end, t_end / most, most));
 }
 
 void declare(namelist::schema& schema, output_options& o) {
@@ -75,16 +65,6 @@ void declare(namelist::schema& schema, run_options& o) {
              {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
   schema.add("run", "checkpoint_seconds", o.checkpoint_seconds,
              {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
-}
-
-bool time_options::counts_steps(double output_interval) const {
-  if (t_end) return steps < time_options{}.steps;
-  const double steps_between = output_interval / *dt;
-  return method != "adaptive" && std::abs(steps_between - std::round(steps_between)) <= 1e-6;
-}
-
-bool time_options::controls_error() const {
-  return method == "adaptive" || ((method == "rkl2" || method == "rkc2") && error_control);
 }
 
 void declare(namelist::schema& schema, time_options& o, const abilities& of_problem) {
@@ -132,15 +112,12 @@ void declare(namelist::schema& schema, start_options& o) {
                          "densities and masses are those of its particles"});
 }
 
-void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
-  if (of_problem.starts_from_file) declare(schema, o.start);
-  declare(schema, o.time, of_problem);
-  declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
-  declare(schema, o.output);
-  declare(schema, o.run);
-  declare(schema, o.balance);
-}
-
+// Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the
+// methods' stability on the lattice, where |eigenvalue| <= 2.2 c/dx for sound and 8 D/dx^2 for diffusion in 2-D, 12 in
+// 3-D.
+struct fractions {
+  double cfl, diffusive;
+};
 fractions stable_fractions(const std::string& method) {
   if (method == "euler") return {0.05, 0.2};
   if (method == "ab2") return {0.2, 0.09};
@@ -150,12 +127,45 @@ fractions stable_fractions(const std::string& method) {
   return {1.0, 0.3};
 }
 
+}  // namespace
+
+double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
+
+bool time_options::counts_steps(double output_interval) const {
+  if (t_end) return steps < time_options{}.steps;
+  const double steps_between = output_interval / *dt;
+  return method != "adaptive" && std::abs(steps_between - std::round(steps_between)) <= 1e-6;
+}
+
+bool time_options::controls_error() const {
+  return method == "adaptive" || ((method == "rkl2" || method == "rkc2") && error_control);
+}
+
+void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
+  if (of_problem.starts_from_file) declare(schema, o.start);
+  declare(schema, o.time, of_problem);
+  declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
+  declare(schema, o.output);
+  declare(schema, o.run);
+  declare(schema, o.balance);
+}
+
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
   if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;
   if (!o.time.diffusive) o.time.diffusive = f.diffusive;
+}
+
+void check_interval(const namelist::schema& schema, const output_options& o, double t_end) {
+  constexpr double most = 1e6;
+  if (o.interval > 0.0 && t_end / o.interval > most)
+    schema.fail(
+        "output", "interval",
+        fmt::format("would write {:.3g} snapshots until t = {:.6g} s: expected 0 or at least {:.3g} s, for {:.0e} "
+                    "of them",
+                    t_end / o.interval, t_end, t_end / most, most));
 }
 
 void check_output(const namelist::schema& schema, const common_options& o) {

@@ -79,32 +79,17 @@ struct abilities {
 // &domain must be there.
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem);
 
-// Fills h_over_dx, and the fractions of sound's and diffusion's limits that the method stands (below).
+// Fills h_over_dx, with which the kernel must reach the nearest neighbours, and the fractions of sound's and
+// diffusion's limits that the method stands.
 void resolve(const namelist::schema& schema, common_options& o);
-// When the end is known.
+// When the end is known: a run writes at most a million snapshots.
 void check_output(const namelist::schema& schema, const common_options& o);
+void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 
 // The method that a checkpoint's input, as resolved, was run with: a fixed step that was chosen for it says nothing
 // about another.
 std::string method_of(const std::string& input);
 
-// Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the
-// methods' stability on the lattice, where |eigenvalue| <= 2.2 c/dx for sound and 8 D/dx^2 for diffusion in 2-D, 12 in
-// 3-D.
-struct fractions {
-  double cfl, diffusive;
-};
-fractions stable_fractions(const std::string& method);
-
-void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names = {});
-// Fills h_over_dx; the kernel must reach the nearest neighbours.
-void resolve(const namelist::schema& schema, kernel_options& o);
 double support_over_dx(const kernel_options& o);  // of a resolved one
-void declare(namelist::schema& schema, output_options& o);
-void declare(namelist::schema& schema, run_options& o);
-// In group &domain, which must be there, and &balancer.
-void declare(namelist::schema& schema, balance_options& o);
-// A run writes at most a million snapshots.
-void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 
 }  // namespace tetsuame::run

@@ -15,8 +15,6 @@ inline void save(const integrators::explicit_memory& memory, output::checkpoint_
   g.reals["previous_dt"] = memory.previous_dt;
   g.reals["radius"] = st.radius;
   g.reals["last_dt"] = st.last_dt;
-  g.integers["radius_age"] = memory.radius_age;
-  g.integers["radius_evaluations"] = st.radius_evaluations;
   g.integers["steps"] = st.steps;
   g.integers["attempts"] = st.attempts;
   g.integers["rejections"] = st.rejections;
@@ -32,9 +30,7 @@ inline integrators::explicit_memory integrator_memory(const output::checkpoint_g
   memory.previous_error = g.reals.at("previous_error");
   auto& st = memory.statistics;
   memory.previous_dt = g.reals.at("previous_dt");
-  memory.radius_age = static_cast<int>(g.integers.at("radius_age"));
   st.radius = g.reals.at("radius");
-  st.radius_evaluations = g.integers.at("radius_evaluations");
   st.last_dt = g.reals.at("last_dt");
   st.next_dt = memory.next_dt;
   st.steps = g.integers.at("steps");

@@ -109,7 +109,7 @@ void run_directory::begin() {
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
-  write_text(ranks, path_of("resolved.nml"), resolved);
+  output::write_text(ranks.comm, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }
 
@@ -211,7 +211,7 @@ void run_directory::write_checkpoint(std::int64_t step, const integrators::expli
     g.texts["sum of " + name] = mark.sum;
   }
   keep_good(output::write_checkpoint(ranks.comm, line.output, step, g, {fluid}));
-  checkpointed_ = seconds_clock::now();
+  checkpointed_ = {};
   say(fmt::format("checkpoint {} at step {}", good_checkpoint_, step));
 }
 
@@ -271,8 +271,8 @@ void run_directory::complete(std::int64_t step, double t, double t_end, const st
 
 bool run_directory::stop_file_is_there() {
   constexpr double patience = 0.2;  // s between two looks, which cost something on a cluster's file system
-  if (ranks.rank != 0 || since(looked_) < patience) return false;
-  looked_ = seconds_clock::now();
+  if (ranks.rank != 0 || looked_.elapsed() < patience) return false;
+  looked_ = {};
   std::error_code ignored;
   return fs::is_regular_file(fs::symlink_status(path_of("stop"), ignored));
 }

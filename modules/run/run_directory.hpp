@@ -2,8 +2,8 @@
 // snapshots and their series, checkpoints, summary. The loops (hydrostatic.hpp, run/time_loop.cpp) say when.
 #pragma once
 
-#include <chrono>
 #include <domain/communicator.hpp>
+#include <foundation/waiting.hpp>
 #include <functional>
 #include <integrators/explicit_integrator.hpp>
 #include <map>
@@ -11,7 +11,6 @@
 #include <output/checkpoint.hpp>
 #include <output/directory.hpp>
 #include <output/history.hpp>
-#include <output/log.hpp>
 #include <output/series.hpp>
 #include <output/snapshot.hpp>
 #include <run/command_line.hpp>
@@ -21,12 +20,6 @@
 #include <vector>
 
 namespace tetsuame::run {
-
-using seconds_clock = std::chrono::steady_clock;
-
-inline double since(seconds_clock::time_point begin) {
-  return std::chrono::duration<double>(seconds_clock::now() - begin).count();
-}
 
 // Where the next step should end, and what decided that.
 struct next_end {
@@ -50,8 +43,6 @@ struct run_directory {
   double next_snapshot = 0.0;     // s
 
   // Claims the directory, or reads the checkpoint that is to be continued, and heeds signals. Nothing is written yet.
-  // Throws bad_input where ranks have different SIMD lanes, where the directory holds another run, or where the
-  // checkpoint is of another input; file_failed where nothing can be written or no checkpoint is whole.
   std::optional<output::latest_checkpoint> open();
   // The run is set up: removes what --force replaces, begins run.log and resolved.nml.
   void begin();
@@ -59,8 +50,8 @@ struct run_directory {
   void say(const std::string& text);   // to the log
   void tell(const std::string& text);  // and to the terminal
 
-  double age() const { return since(began_); }                    // s, of this run, by this rank's clock
-  double checkpoint_age() const { return since(checkpointed_); }  // s, of the last checkpoint or of this run
+  double age() const { return began_.elapsed(); }                    // s, of this run, by this rank's clock
+  double checkpoint_age() const { return checkpointed_.elapsed(); }  // s, of the last checkpoint or of this run
 
   // Why this rank would have the run stop: 0 not at all; a signal, the file DIR/stop, or the wall-clock limit. The
   // largest of all ranks' counts, and is what interrupt() is to be told.
@@ -124,7 +115,7 @@ struct run_directory {
   std::vector<output::history_column> columns_;  // of the history
   output::series series_;
   std::string good_checkpoint_;  // the newest; empty: none
-  seconds_clock::time_point began_ = seconds_clock::now(), checkpointed_ = began_, looked_ = began_;
+  foundation::stopwatch began_, checkpointed_ = began_, looked_ = began_;
 };
 
 }  // namespace tetsuame::run

@@ -109,10 +109,6 @@ void summary::print() const {
   std::fputs(text.c_str(), stdout);  // whose reader may have gone
 }
 
-void write_text(const domain::communicator& where, const std::string& path, const std::string& text) {
-  output::write_text(where.comm, path, text);
-}
-
 namespace {
 
 // Of &domain and &expert who does the work.

@@ -57,9 +57,6 @@ struct summary {
   void print() const;
 };
 
-// Collective: a small text file of rank 0, replaced in one step.
-void write_text(const domain::communicator& ranks, const std::string& path, const std::string& text);
-
 // Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer, and for
 // &domain's ranks_x and balance, which may change) is not the present one's.
 void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,

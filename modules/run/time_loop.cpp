@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <foundation/waiting.hpp>
@@ -8,9 +7,8 @@
 #include <memory>
 #include <optional>
 #include <output/progress.hpp>
-#include <run/records.hpp>
+#include <run/problem.hpp>
 #include <run/run_directory.hpp>
-#include <run/time_loop.hpp>
 
 namespace tetsuame::run {
 
@@ -175,13 +173,13 @@ struct loop {
         progress.finish(state());
         interrupt_run();
       }
-      const auto before = seconds_clock::now();
+      const foundation::stopwatch watch;
       p.communication.begin();
       refresh_lists();
       take_step();
       complete_step();
       p.communication.end();
-      files.stepping_seconds += since(before);
+      files.stepping_seconds += watch.elapsed();
       record();
       progress.update(state());
     }
@@ -231,20 +229,26 @@ struct loop {
 
   // ---- output -----------------------------------------------------------------------------
 
-  run::records records{{.evaluate = [this] { evaluate_here(); },
-                        .line =
-                            [this] {
-                              append_history();
-                              is_steady = p.steady();
-                            },
-                        .snapshot = [this] { write_snapshot(); },
-                        .checkpoint = [this] { write_checkpoint(); }}};
+  // The steps of the last ones.
+  std::int64_t line_step = -1, snapshot_step = -1, checkpoint_step = -1;
 
   void record() {
-    records.lines_and_snapshots(step, step % o.output.history_interval == 0,
-                                files.snapshot_due(integrator->time(), o.output.interval));
-    if (records.has_line(step)) refine();
-    if (finished() || checkpoint_is_due()) records.checkpoint(step);
+    const bool line_due = step % o.output.history_interval == 0;
+    const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
+    if (line_due || snapshot_due) evaluate_here();
+    if (line_due) append_history();
+    if (snapshot_due) write_snapshot();
+    if (line_due) refine();
+    if (finished() || checkpoint_is_due()) write_checkpoint();
+  }
+
+  // The last checkpoint stands before what only the end of a run has, a line and a snapshot that were not due: a run
+  // that is continued from it is one that was not stopped.
+  void record_end() {
+    if (checkpoint_step != step) write_checkpoint();
+    evaluate_here();
+    if (line_step != step) append_history();
+    if (snapshot_step != step) write_snapshot();
   }
 
   bool checkpoint_is_due() const {
@@ -263,6 +267,8 @@ struct loop {
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
     for (const double v : p.row(integrator->time())) values.push_back(v);
     files.append_line(step, values);
+    line_step = step;
+    is_steady = p.steady();
   }
 
   void write_snapshot() {
@@ -272,6 +278,7 @@ struct loop {
     header.step = step;
     std::vector<particles::array> extra;
     files.write_snapshot(header, p.snapshot(extra), o.output.interval);
+    snapshot_step = step;
   }
 
   void write_checkpoint() {
@@ -284,8 +291,10 @@ struct loop {
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
     std::vector<std::int64_t> materials;
-    records.save(g);
+    g.integers["line_step"] = line_step;
+    g.integers["snapshot_step"] = snapshot_step;
     files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
+    checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
@@ -298,7 +307,8 @@ struct loop {
     files.start_history(columns());
     p.begin_tables(files);
     evaluate_here();
-    records.begin(step);
+    append_history();
+    write_snapshot();
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
@@ -314,7 +324,9 @@ struct loop {
     if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
-    records.restore(g, step, files.continues_here());
+    line_step = g.integers.at("line_step");
+    snapshot_step = g.integers.at("snapshot_step");
+    if (files.continues_here()) checkpoint_step = step;
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
     is_steady = p.steady();
@@ -351,7 +363,7 @@ struct loop {
       found.reset();
       warn_about_step();
       advance();
-      records.end(step);
+      record_end();
       fill_report();
       p.report(integrator->time(), report);
       report.state_hash = p.hash();

@@ -16,7 +16,6 @@
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <output/history.hpp>
-#include <output/log.hpp>
 #include <run/command_line.hpp>
 #include <run/summary.hpp>
 #include <virtual_ranks/machine.hpp>

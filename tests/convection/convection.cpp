@@ -12,7 +12,7 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <melting/melting.hpp>
-#include <namelist/parse.hpp>
+#include <namelist/document.hpp>
 #include <numbers>
 #include <random>
 

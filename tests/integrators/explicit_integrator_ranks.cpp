@@ -54,8 +54,9 @@ struct swarm {
 // x and v of all particles, then times, steps and the controller's state.
 std::vector<double> outcome(MPI_Comm communicator, const explicit_options& options, std::vector<int> ways) {
   swarm s(communicator, ways[0]);
-  explicit_integrator integrator(communicator, s.fields(), s.id.size(), 0.0, options,
-                                 [&](double, std::span<double* const> rate) { return s.rates(rate); });
+  explicit_integrator integrator(
+      communicator, s.fields(), s.id.size(), 0.0, options,
+      [&](double, std::span<double* const> rate) { return s.rates(rate); }, {}, [](double) { return 7.0; });
   for (std::size_t k = 0; k < ways.size(); ++k) {
     if (k > 0) {
       s.migrate(ways[k]);
@@ -85,8 +86,8 @@ BOOST_AUTO_TEST_CASE(same_bits_on_any_ranks_and_threads_and_through_migration) {
   const explicit_options adaptive{.method = "adaptive", .order = 3, .dt = 0.5, .rtol = 1e-5};
   const explicit_options high{.method = "adaptive", .order = 5, .rtol = 1e-9};
   const explicit_options ab2{.method = "ab2", .dt = 0.01};
-  const explicit_options rkl2{.method = "rkl2", .dt = 0.5, .rtol = 1e-5, .radius_interval = 5};
-  const explicit_options rkc2{.method = "rkc2", .rtol = 1e-6, .radius_interval = 5};
+  const explicit_options rkl2{.method = "rkl2", .dt = 0.5, .rtol = 1e-5};
+  const explicit_options rkc2{.method = "rkc2", .rtol = 1e-6};
   for (const auto& options : {euler, adaptive, high, ab2, rkl2, rkc2}) {
     omp_set_num_threads(1);
     const auto alone = outcome(MPI_COMM_SELF, options, {0, 0, 0});

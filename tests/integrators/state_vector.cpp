@@ -43,10 +43,9 @@ std::vector<std::uint64_t> all_reductions(MPI_Comm communicator, int way) {
   double dots[3];
   N_VDotProdMulti(3, s.home.get(), others, dots);
   std::vector<std::uint64_t> result;
-  for (double v : {N_VWrmsNorm(s.home.get(), w.get()), N_VWL2Norm(s.home.get(), w.get()), N_VL1Norm(s.home.get()),
-                   N_VDotProd(s.home.get(), squared.get()), N_VMaxNorm(s.home.get()), N_VMin(s.home.get()),
-                   N_VWrmsNormMask(squared.get(), w.get(), s.home.get()), dots[0], dots[1], dots[2],
-                   static_cast<double>(N_VGetLength(w.get()))})
+  for (double v : {N_VWrmsNorm(s.home.get(), w.get()), N_VWL2Norm(s.home.get(), w.get()),
+                   N_VDotProd(s.home.get(), squared.get()), N_VMaxNorm(s.home.get()), N_VMin(s.home.get()), dots[0],
+                   dots[1], dots[2], static_cast<double>(N_VGetLength(w.get()))})
     result.push_back(bits(v));
   return result;
 }
@@ -68,11 +67,10 @@ BOOST_AUTO_TEST_CASE(reductions_agree_with_their_definitions) {
   sample s(MPI_COMM_WORLD, 1, 100);
   const vector_handle w = s.clone();
   N_VConst(0.5, w.get());
-  long double squares = 0, absolute = 0, lowest = 1e300L, highest = 0;
+  long double squares = 0, lowest = 1e300L, highest = 0;
   for (int k = 0; k < 100; ++k)
     for (long double v : {std::sin(1.0 + k) * std::exp(10.0 * std::cos(3.0 * k)), std::cos(2.0 + k)}) {
       squares += 0.25L * v * v;
-      absolute += std::fabs(v);
       lowest = std::min(lowest, v);
       highest = std::max(highest, std::fabs(v));
     }
@@ -81,7 +79,6 @@ BOOST_AUTO_TEST_CASE(reductions_agree_with_their_definitions) {
   BOOST_CHECK_CLOSE(N_VWrmsNorm(s.home.get(), w.get()), static_cast<double>(std::sqrt(squares / 200)), 100 * tolerance);
   BOOST_CHECK_CLOSE(N_VWL2Norm(s.home.get(), w.get()), static_cast<double>(std::sqrt(squares)), 100 * tolerance);
   BOOST_CHECK_CLOSE(N_VDotProd(s.home.get(), s.home.get()), static_cast<double>(4 * squares), 100 * tolerance);
-  BOOST_CHECK_CLOSE(N_VL1Norm(s.home.get()), static_cast<double>(absolute), 100 * tolerance);
   BOOST_CHECK_EQUAL(N_VMin(s.home.get()), static_cast<double>(lowest));
   BOOST_CHECK_EQUAL(N_VMaxNorm(s.home.get()), static_cast<double>(highest));
 }
@@ -165,5 +162,7 @@ BOOST_AUTO_TEST_CASE(the_worst_status_of_any_rank_counts) {
   tetsuame::foundation::exact_sum sum;
   sum.add(last ? 1.0 : 1e300);
   sum.add(last ? 0.0 : -1e300);
-  BOOST_CHECK_EQUAL(exact_allreduce(MPI_COMM_WORLD, sum), 1.0);
+  double result = 0.0;
+  exact_allreduce(MPI_COMM_WORLD, {&sum, 1}, {&result, 1});
+  BOOST_CHECK_EQUAL(result, 1.0);
 }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <output/file.hpp>
 #include <output/history.hpp>
-#include <output/log.hpp>
 #include <output/progress.hpp>
 
 #include "scratch.hpp"

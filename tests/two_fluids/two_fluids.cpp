@@ -5,7 +5,7 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <kernels/kernel.hpp>
-#include <namelist/parse.hpp>
+#include <namelist/document.hpp>
 #include <numbers>
 #include <two_fluids/cloud.hpp>
 #include <two_fluids/column.hpp>

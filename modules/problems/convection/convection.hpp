@@ -7,7 +7,7 @@
 #include <convection/levels.hpp>
 #include <convection/pass.hpp>
 #include <convection/step.hpp>
-#include <output/columns.hpp>
+#include <output/groups.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::convection {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <gas/convergence.hpp>
 #include <output/directory.hpp>
-#include <run/time_loop.hpp>
+#include <run/problem.hpp>
 #include <sstream>
 
 namespace tetsuame::gas {

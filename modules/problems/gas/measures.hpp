@@ -3,7 +3,7 @@
 
 #include <gas/world.hpp>
 #include <nlohmann/json.hpp>
-#include <output/columns.hpp>
+#include <output/groups.hpp>
 
 namespace tetsuame::gas {
 

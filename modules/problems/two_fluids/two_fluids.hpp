@@ -23,7 +23,7 @@
 // told: report.hpp.
 #pragma once
 
-#include <output/columns.hpp>
+#include <output/groups.hpp>
 #include <run/box.hpp>
 #include <two_fluids/by_scheme.hpp>
 #include <two_fluids/lists.hpp>
