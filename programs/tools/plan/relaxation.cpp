@@ -151,7 +151,7 @@ void print_steps(const fluid_layer& f, const recommendation& r, const convection
           {{"tau", number(p.tau), "s", "L/V"},
            {"steps", number(p.steps), "", fmt::format("tau/dt; not slowed {}", number(before))},
            {"particles", number(p.particles), "", ""},
-           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note()}},
+           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note}},
           {false, true, false, false}};
   if (p.seconds > 0.0)
     c.rows.push_back({"run time", duration(p.seconds), "",
@@ -175,7 +175,7 @@ json plan_json(const convection_plan& p) {
   j["time_step"] = bounds_json(p.dt);
   j["turnover_s"] = p.tau;
   j["steps"] = p.steps;
-  j["run_time_s"] = p.seconds > 0.0 ? json(p.seconds) : json(nullptr);
+  j["run_time_s"] = or_null(p.seconds);
   return j;
 }
 
