@@ -5,17 +5,16 @@
 #include <omp.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bench/measure.hpp>
 #include <cmath>
+#include <command.hpp>
 #include <cstdlib>
 #include <domain/communicator.hpp>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <pairs/records.hpp>
-#include <run/command_line.hpp>
 
 namespace {
 
@@ -62,16 +61,7 @@ int parse(int argc, char** argv, settings& o) {
   app.add_option("--steps-per-list", o.steps_a_list, "steps that share the making of one list")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.set_version_flag("--version", run::version());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {
-    app.exit(e);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "bench: {}\nTry --help.\n", e.what());
-    return static_cast<int>(foundation::exit_status::bad_input);
-  }
+  if (const int status = tools::parse(app, argc, argv); status >= 0) return status;
   if (o.quick && seconds->count() == 0) o.seconds = 0.2;
   if (o.quick && cases->count() == 0)
     std::erase_if(o.cases, [](const std::string& name) { return bench::is_scheme(name) && name != "gdisph"; });
@@ -213,18 +203,11 @@ int main(int argc, char** argv) {
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   settings o;
   int status = parse(argc, argv, o);
-  if (status < 0) {
-    try {
+  if (status < 0)
+    status = tools::carry_out("bench", foundation::exit_status::calculation_failed, [&] {
       measure_all(o);
-      status = 0;
-    } catch (const foundation::error& e) {
-      fmt::print(stderr, "bench: {}\n", e.what());
-      status = static_cast<int>(e.status());
-    } catch (const std::exception& e) {  // not ours: out of memory, say
-      fmt::print(stderr, "bench: {}\n", e.what());
-      status = static_cast<int>(foundation::exit_status::calculation_failed);
-    }
-  }
+      return 0;
+    });
   MPI_Finalize();
   return status;
 }

@@ -5,6 +5,7 @@
 #include <convection/options.hpp>
 
 #include <cmath>
+#include <command.hpp>
 #include <foundation/error.hpp>
 #include <functional>
 #include <iostream>
@@ -359,10 +360,7 @@ std::function<void()> relaxation_question(CLI::App& app) {
   auto q = std::make_shared<question>();
   app.add_option("INPUT", q->input, "namelist file of a convection problem (default: the mantle, case 1a)")
       ->type_name("INPUT.nml");
-  app.add_option("--set", q->set, "group.key=value, over what the file says; may be repeated")
-      ->expected(1)
-      ->take_all()
-      ->type_name("group.key=value");
+  tools::add_many(app, "--set", q->set, "group.key=value, over what the file says; may be repeated", "group.key=value");
   app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
   app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(above_zero());
   app.add_option("--dT", q->dT, "bottom less top (K)")->check(above_zero());
