@@ -1,5 +1,6 @@
 """HTML pages: one file with style and figures inside, so that it opens anywhere, offline."""
 import base64
+import time
 from html import escape
 from pathlib import Path
 
@@ -12,6 +13,23 @@ def document(title: str, parts: list[str]) -> str:
             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             f"<title>Tetsuame: {escape(title)}</title>\n<style>\n{STYLE.read_text(encoding='utf-8')}</style>\n</head>\n<body>\n"
             + "\n".join(part for part in parts if part) + "\n</body>\n</html>\n")
+
+
+def head(title: str, facts: list[str], text: str) -> str:
+    """`facts` (with the time of writing before them) and `text` are HTML."""
+    said = [time.strftime("%Y-%m-%d %H:%M"), *(fact for fact in facts if fact)]
+    return f"<h1>{title}</h1>\n<p class=\"facts\">{' · '.join(said)}</p>\n" + (f"<p>{text}</p>" if text else "")
+
+
+def section(title: str, *parts: str) -> str:
+    return "\n".join([f"<h2>{title}</h2>", *parts])
+
+
+def write(folder: Path, page: str) -> str:
+    """report.html of a folder; what is said of it."""
+    target = folder / "report.html"
+    target.write_text(page, encoding="utf-8")
+    return f"Report: {target}"
 
 
 def figure(png: bytes, caption: str) -> str:
