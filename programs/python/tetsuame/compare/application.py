@@ -2,7 +2,8 @@
 import sys
 
 from .. import ROOT
-from . import cases, figures, options, publish, report, runner, study, table
+from . import cases, options, publish, report, runner, study, table
+from .figures import hydrostatic as figures
 
 
 def main(arguments: list[str]) -> int:

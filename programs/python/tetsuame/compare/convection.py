@@ -93,24 +93,24 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     return ["<p>The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
             "uncertainty of the average over time, not the error of the method.</p>",
             "<h2>At a glance</h2>", glance(measured, cases),
-            report.drawn(figures.fields, outcomes, folder / "fields.png",
+            report.drawn(figures.fields(outcomes), folder / "fields.png",
                          "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's "
                          "direction and strength."),
             "<h2>Convergence</h2>",
-            report.drawn(figures.convergence, measured, folder / "convergence.png",
+            report.drawn(figures.convergence(measured), folder / "convergence.png",
                          "Distance from the known value over the number of particles along the height. Bars: uncertainty of the "
                          "average over time. Lines: the fitted order; errors within their bar are open and not in the fit."),
             orders_table(measured),
             "<h2>Measured, and known</h2>", *(case_table(measured, case) for case in cases),
             "<h2>Profiles and the way to the steady state</h2>",
-            report.drawn(figures.profiles, outcomes, folder / "profiles.png",
+            report.drawn(figures.profiles(outcomes), folder / "profiles.png",
                          "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
                          "horizontal velocity along them."),
-            report.drawn(figures.course, outcomes, folder / "course.png",
+            report.drawn(figures.course(outcomes), folder / "course.png",
                          "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
                          "history."),
             "<h2>What it costs</h2>",
-            report.drawn(figures.cost, measured, folder / "cost.png",
+            report.drawn(figures.cost(measured), folder / "cost.png",
                          "Right-hand sides to the steady state, and seconds on one thread; other work on the machine shows in the "
                          "seconds.")]
 

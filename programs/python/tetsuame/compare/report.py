@@ -4,11 +4,10 @@ import time
 from html import escape
 from pathlib import Path
 
-from .. import pages
-from ..style import COLOUR
+from .. import pages, style
 from . import note, prose
 from .cases import ITERATING
-from .figures import Figure
+from .figures.hydrostatic import Figure
 from .results import cost_per_step, resolved_text, wall_share
 from .runner import COMPLETED, CRASHED, Outcome
 from .table import (agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place,
@@ -55,9 +54,12 @@ def image(figure: Figure, caption: str, folded: bool) -> str:
     return f"<details><summary>Displacement, file {escape(figure.file)}</summary>\n{block}</details>"
 
 
-def drawn(draw, data, path: Path, text: str) -> str:
-    """The figure that draw(data, path) makes, as a block of the page; nothing where there are no data for it."""
-    return pages.figure(path.read_bytes(), text) if draw(data, path) else ""
+def drawn(figure, path: Path, text: str) -> str:
+    """The figure, which is written to a file, as a block of the page; nothing where there is none."""
+    if figure is None:
+        return ""
+    style.save(figure, path)
+    return pages.figure(path.read_bytes(), text)
 
 
 def head(outcomes: list[Outcome], settings: tuple[str, ...]) -> str:
@@ -88,7 +90,7 @@ def state_class(outcome: Outcome) -> str:
 
 
 def program_cell(label: str) -> str:
-    return f"<td class=\"name\"><span class=\"key\" style=\"background:{COLOUR[label[0]]}\"></span>{escape(label)}</td>"
+    return f"<td class=\"name\"><span class=\"key\" style=\"background:{style.COLOUR[label[0]]}\"></span>{escape(label)}</td>"
 
 
 def overview(outcomes: list[Outcome]) -> str:

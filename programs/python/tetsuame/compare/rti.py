@@ -113,17 +113,17 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             f"have Newton's iteration here: the plain one of the note diverges where p &lt; K/2.</p>\n<ul>{methods}</ul>",
             "<h2>Who survives</h2>", outcome_table(measured, names),
             "<h2>Overturn</h2>",
-            report.drawn(figures.states, outcomes, folder / "states.png",
+            report.drawn(figures.states(outcomes), folder / "states.png",
                          "The last state on disk: metal dark, silicate light, at each place the particle nearest to it."),
-            report.drawn(figures.courses, outcomes, folder / "courses.png",
+            report.drawn(figures.courses(outcomes), folder / "courses.png",
                          "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
                          "over their start values. ×: the run stopped."),
             "<h2>Growth</h2>",
-            report.drawn(figures.growth, outcomes, folder / "growth.png",
+            report.drawn(figures.growth(outcomes), folder / "growth.png",
                          "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with compressibility and "
                          "walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some 10 % at any number of "
                          "particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti."),
-            report.drawn(figures.convergence, measured, folder / "convergence.png",
+            report.drawn(figures.convergence(measured), folder / "convergence.png",
                          "Distance of the growth rate from linear theory; bars: uncertainty of the fit."),
             growth_table(measured, names)]
 

@@ -145,15 +145,14 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
              "dissipation comes from (artificial viscosity or Riemann problems).</p>",
              "<h2>At a glance</h2>", glance(measured, tests),
              "<h2>Convergence</h2>",
-             report.drawn(figures.convergence, measured, folder / "convergence.png",
+             report.drawn(figures.convergence(measured), folder / "convergence.png",
                           "Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. Lines: the fitted order.")]
     for test in tests:
         parts += [f"<h2>{escape(test)}: {escape(TESTS[test].about)}</h2>",
-                  report.drawn(lambda data, path, test=test: figures.state(data, test, path), outcomes, folder / f"{test}.png",
-                               figures.caption(outcomes, test)),
+                  report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
                   test_table([one for one in measured["runs"] if one["test"] == test], measured["orders"])]
     parts += ["<h2>What it costs</h2>",
-              report.drawn(figures.cost, measured, folder / "cost.png",
+              report.drawn(figures.cost(measured), folder / "cost.png",
                            "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one "
                            "thread; other work on the machine shows in it.")]
     return parts
