@@ -8,7 +8,7 @@ from . import BAD_INPUT, COMPLETED
 from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
-MODULES = {"compare": ".compare.application", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application"}
+MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application"}
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Draw cuts.png and course.png.", "output directory of balance; the pictures go there too")}

@@ -9,13 +9,14 @@ from .. import pages
 from . import fit, references, report
 from .cases import Run
 from .figures import convection as figures
-from .options import find_input
+from .options import find_inputs
 from .results import cost, number
 from .runner import COMPLETED, Outcome
 from .table import verdict
 
 NAME = "convection"
 TITLE = "Convection against known steady states"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
 INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
 QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
@@ -34,13 +35,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    names = [name.strip() for name in given.inputs.split(",")] if given.inputs else QUICK if given.quick else INPUTS
     particles = sorted(set(given.particles or ((16, 20, 24) if given.quick else (16, 24, 32))))
     if particles[0] < 8:
         parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
-    inputs = [find_input(name, root, parser, "", tuple(references.STEADY)) for name in names if name]
-    if len({path.stem for path in inputs}) != len(inputs):
-        parser.error("--inputs: two files of the same name would share one output folder")
+    inputs = find_inputs(given.inputs or (QUICK if given.quick else INPUTS), root, parser, known=tuple(references.STEADY))
     return [Run("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
                                             *given.settings)) for path in inputs for n in particles]
 
@@ -63,8 +61,7 @@ def measure(outcomes: list[Outcome]) -> dict:
             slope = fit.order([n for n, _ in seen], [v["error"] for _, v in seen],
                               [relative_uncertainty(v) for _, v in seen])
             if slope:
-                orders.append({"case": case, "quantity": name, "order": slope.value, "standard_error": slope.error,
-                               "points": slope.points, "intercept": slope.intercept})
+                orders.append(fit.entry(slope, case=case, quantity=name) | {"intercept": slope.intercept})
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -152,7 +149,7 @@ def orders_table(measured: dict) -> str:
     if not measured["orders"]:
         return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
     rows = [f"<tr><td>{escape(one['case'])}</td><td>{SYMBOL[one['quantity']]}</td>"
-            f"<td class=\"number\">{fit.said(fit.Slope(one['order'], one['standard_error'], 0.0, one['points']))}</td>"
+            f"<td class=\"number\">{fit.of_entry(one)}</td>"
             f"<td class=\"number\">{one['points']}</td></tr>" for one in measured["orders"]]
     return pages.table(["Case", "Quantity", "Order p of |error| ~ n⁻ᵖ", "points"], rows, numbers=frozenset({2, 3})) + \
         ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
@@ -213,6 +210,5 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
         else:
             lines.append(f"{one['case']:<16}{one['n']:>5}  {one['outcome']}: {one['reason']}")
     for one in measured["orders"]:
-        slope = fit.Slope(one["order"], one["standard_error"], 0.0, one["points"])
-        lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.said(slope)}")
-    return "\n".join(lines)
+        lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.of_entry(one)}")
+    return "\n".join(lines + report.crash_lines(outcomes))

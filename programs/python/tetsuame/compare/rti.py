@@ -14,6 +14,7 @@ from .table import stopped_step, verdict
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the schemes' programs and rti on the same layers of metal over silicate: growth and overturn."
 
 # Name -> its program, and what it is.
@@ -76,8 +77,7 @@ def measure(outcomes: list[Outcome]) -> dict:
         slope = fit.order([one["n"] for one in seen], [one["growth_error"] for one in seen],
                           [one["growth_uncertainty"] / one["growth_theory"] for one in seen])
         if slope:
-            orders.append({"variant": name, "quantity": "growth_rate", "order": slope.value, "standard_error": slope.error,
-                           "points": slope.points})
+            orders.append(fit.entry(slope, variant=name, quantity="growth_rate"))
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -184,8 +184,7 @@ def growth_table(measured: dict, names: list[str]) -> str:
     rows = []
     for name in names:
         runs = {one["n"]: one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH}
-        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in measured["orders"]
-                      if o["variant"] == name), "–")
+        slope = fit.of_entry(next((o for o in measured["orders"] if o["variant"] == name), None))
         cells = "".join(f"<td class=\"number\">{growth_text(runs.get(n))}</td>" for n in sizes)
         rows.append(f"<tr><td class=\"name\">{escape(name)}</td>{cells}<td class=\"number\">{slope}</td></tr>")
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
@@ -201,4 +200,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
         centroid = f"{one['metal_centroid']:.3f}" if one["case"] == OVERTURN and one["metal_centroid"] is not None else ""
         lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
                      f"{short(one['reason'])}")
-    return "\n".join(lines)
+    return "\n".join(lines + report.crash_lines(outcomes))

@@ -18,6 +18,7 @@ from .table import place, verdict
 
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
 SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
@@ -95,8 +96,7 @@ def measure(outcomes: list[Outcome]) -> dict:
             seen = [one for one in runs if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
             slope = fit.order([one["n"] for one in seen], [one["errors"][name] for one in seen])
             if slope:
-                orders.append({"test": test, "scheme": scheme, "quantity": name, "order": slope.value,
-                               "standard_error": slope.error, "points": slope.points})
+                orders.append(fit.entry(slope, test=test, scheme=scheme, quantity=name))
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -122,9 +122,7 @@ def row(outcome: Outcome, fine: Outcome | None) -> dict:
 def errors_against(folder: Path, fine: Path) -> dict[str, float]:
     """L1 errors in one dimension against another run: means over the volume, its values interpolated between particles."""
     here, there = fluid(folder), fluid(fine)
-    if here is None or there is None:
-        return {}
-    return l1(here, there)
+    return {} if here is None or there is None else l1(here, there)
 
 
 def l1(here: dict, there: dict) -> dict[str, float]:
@@ -229,8 +227,7 @@ def test_table(runs: list[dict], orders: list[dict]) -> str:
         bad = "good" if one["outcome"] == COMPLETED else "bad" if one["outcome"] == "crashed" else "stop"
         said = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
         cells = "".join(f"<td class=\"number\">{scientific(one['errors'].get(name))}</td>" for name in errors)
-        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in orders
-                      if o["test"] == one["test"] and o["scheme"] == one["scheme"]), "–")
+        slope = fit.of_entry(next((o for o in orders if (o["test"], o["scheme"]) == (one["test"], one["scheme"])), None))
         last = one["n"] == max(r["n"] for r in runs)
         if errors:
             cells += f"<td class=\"number\">{slope if last else ''}</td>"
@@ -260,4 +257,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
             cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
                             for s in SCHEMES)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
-    return "\n".join(lines)
+    return "\n".join(lines + report.crash_lines(outcomes))

@@ -1,7 +1,4 @@
 """The figures of programs A to F. A figure without data to show is none."""
-from dataclasses import dataclass
-from pathlib import Path
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import ListedColormap, LogNorm
@@ -9,47 +6,24 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from ... import style
-from ..results import Residuals, Snapshot, cost_per_step, last_snapshot, number, representatives, residuals, stages
+from ..results import Residuals, cost_per_step, fluid, lattice, number, representatives, residuals, stages
 from ..runner import COMPLETED, Outcome
-from ..table import files
-
-
-@dataclass(frozen=True)
-class Figure:
-    kind: str       # 'pressure', 'displacement', 'residual', 'cost'
-    file: str       # the input shown; '' if the figure is about several
-    path: Path
-
-
-def draw_all(outcomes: list[Outcome], output: Path) -> list[Figure]:
-    """Writes the PNG files and tells which there are."""
-    shown = files(outcomes)
-    figures = {("pressure", ""): pressure(outcomes, shown)} | {("displacement", file): displacement(outcomes, file) for file in shown}
-    figures |= {("residual", ""): residual(outcomes, shown), ("cost", ""): cost(outcomes, shown)}
-    drawn = []
-    for (kind, file), figure in figures.items():
-        if figure is not None:
-            drawn.append(Figure(kind, file, output / (f"{kind}_{file}.png" if file else f"{kind}.png")))
-            style.save(figure, drawn[-1].path)
-    return drawn
-
 
 # ---- pressure error against depth, from the last snapshots: one panel for each input ----------------------------------
 
 ROUND_OFF = 1e-16  # smaller errors, zero too, are drawn here
 
 
-def by_row(snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+def by_row(fields: dict, height: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Depth (km) of each row of the start lattice, and the mean relative pressure error in it."""
-    y = snapshot.position[:, 1]
-    rows = round(snapshot.length[1] / snapshot.spacing)
-    row = np.clip(np.floor(y / snapshot.spacing).astype(int), 0, rows - 1)
-    reference = snapshot.pressure_reference
-    relative = np.abs(snapshot.pressure - reference) / np.abs(reference)
+    y, reference = fields["Coordinates"][:, 1], fields["PressureReference"]
+    rows = round(height / spacing)
+    row = np.clip(np.floor(y / spacing).astype(int), 0, rows - 1)
+    relative = np.abs(fields["Pressure"] - reference) / np.abs(reference)
     count = np.bincount(row, minlength=rows)
     full = count > 0
     mean = np.bincount(row, relative, minlength=rows)[full] / count[full]
-    depth = snapshot.length[1] - np.bincount(row, y, minlength=rows)[full] / count[full]
+    depth = height - np.bincount(row, y, minlength=rows)[full] / count[full]
     return depth / 1e3, np.maximum(mean, ROUND_OFF)
 
 
@@ -57,9 +31,10 @@ def pressure(outcomes: list[Outcome], files: list[str]):
     curves = {}
     for file in files:
         for outcome in representatives(outcomes, file):
-            snapshot = last_snapshot(outcome.folder)
-            if snapshot is not None and snapshot.pressure_reference is not None:
-                curves.setdefault(file, []).append((outcome.case, by_row(snapshot)))
+            fields = fluid(outcome.folder)
+            if fields is not None and "PressureReference" in fields:
+                (_, height), spacing = lattice(outcome.folder)
+                curves.setdefault(file, []).append((outcome.case, by_row(fields, height, spacing)))
     if not curves:
         return None
     # One panel more than there are inputs holds the legend.
@@ -95,16 +70,16 @@ COLOURS = ListedColormap(colormaps["YlOrBr"](np.linspace(0.1, 0.72, 256)))
 
 
 def displacement(outcomes: list[Outcome], file: str):
-    states = [(outcome.case, snapshot) for outcome in representatives(outcomes, file)
-              if (snapshot := last_snapshot(outcome.folder)) is not None and snapshot.displacement is not None]
+    states = [(outcome, fields) for outcome in representatives(outcomes, file)
+              if (fields := fluid(outcome.folder)) is not None and "Displacement" in fields]
     if not states:
         return None
     figure, axes = style.panels(len(states), 3 if len(states) != 4 else 2, 3.6 if len(states) != 4 else 4.4,
                                 sharex=True, sharey=True)
     norm = LogNorm(SMALLEST, LARGEST, clip=True)
     points = None
-    for ax, (case, snapshot) in zip(axes, states):
-        points = draw_map(ax, case, snapshot, norm)
+    for ax, (outcome, fields) in zip(axes, states):
+        points = draw_map(ax, outcome, fields, norm)
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel("y (km)")
         if ax.get_subplotspec().is_last_row():
@@ -113,27 +88,28 @@ def displacement(outcomes: list[Outcome], file: str):
     return figure
 
 
-def draw_map(ax, case, snapshot, norm):
-    position, moved = snapshot.position[:, :2] / 1e3, snapshot.displacement[:, :2]
-    distance = np.hypot(*moved.T) / snapshot.spacing
+def draw_map(ax, outcome: Outcome, fields: dict, norm):
+    lengths, spacing = lattice(outcome.folder)
+    position, moved = fields["Coordinates"][:, :2] / 1e3, fields["Displacement"][:, :2]
+    distance = np.hypot(*moved.T) / spacing
     largest = distance.max()
     # Tiles that nearly touch, in points squared: the panel is about 2.6 inches for the box and its walls.
-    size = (0.8 * 72 * ax.get_position().width * style.WIDTH * 0.86 / (snapshot.length[0] / snapshot.spacing + 6.4)) ** 2
-    wall = snapshot.wall_position[:, :2] / 1e3
-    ax.scatter(*wall.T, s=size / 6, marker="s", color="#bdbdbd", linewidths=0)
+    size = (0.8 * 72 * ax.get_position().width * style.WIDTH * 0.86 / (lengths[0] / spacing + 6.4)) ** 2
+    if (walls := fluid(outcome.folder, "PartType1")) is not None:
+        ax.scatter(*walls["Coordinates"][:, :2].T / 1e3, s=size / 6, marker="s", color="#bdbdbd", linewidths=0)
     points = ax.scatter(*position.T, s=size, marker="s", c=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS,
                         linewidths=0)
     # Below the colours' range the directions are those of round-off.
     if largest > SMALLEST:
-        arrows = moved / snapshot.spacing / largest * ARROW * snapshot.spacing / 1e3
+        arrows = moved / spacing / largest * ARROW * spacing / 1e3
         longer = distance > 0.05 * largest
         ax.quiver(*position[longer].T, *arrows[longer].T, angles="xy", scale_units="xy", scale=1,
                   pivot="mid", color=style.INK, width=0.0035, headwidth=4, headlength=4, headaxislength=3.5)
-    ax.set_title(f"{case.label}\n", pad=2)
+    ax.set_title(f"{outcome.case.label}\n", pad=2)
     said = f"largest: {largest:.1e} spacings" if largest > 0 else "none moved"
     ax.text(0, 1.015, said, transform=ax.transAxes, fontsize=8.5, color=style.GREY)
-    margin = 3.2 * snapshot.spacing / 1e3
-    style.as_map(ax, *((-margin, length / 1e3 + margin) for length in snapshot.length))
+    margin = 3.2 * spacing / 1e3
+    style.as_map(ax, *((-margin, length / 1e3 + margin) for length in lengths))
     return points
 
 
