@@ -39,6 +39,17 @@ def figure(png: bytes, caption: str) -> str:
             f"<figcaption>{caption}</figcaption></figure>")
 
 
+def numbers(*texts) -> str:
+    """Cells that stand to the right."""
+    return "".join(f"<td class=\"number\">{text}</td>" for text in texts)
+
+
+def name(text: str, colour: str = "") -> str:
+    """The cell a line begins with, and the colour that it has in the figures."""
+    key = f"<span class=\"key\" style=\"background:{colour}\"></span>" if colour else ""
+    return f"<td class=\"name\">{key}{escape(text)}</td>"
+
+
 def table(header: list[str], rows: list[str], kind: str = "", numbers: frozenset[int] = frozenset()) -> str:
     """`rows` are HTML, from <tr> to </tr>; `numbers`: the columns whose heads stand to the right."""
     cells = "".join(f"<th{' class=' + chr(34) + 'number' + chr(34) if index in numbers else ''}>{text}</th>"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .. import pages
 from . import fit, references, report
-from .cases import Run
+from .cases import Run, of_size
 from .figures import convection as figures
 from .options import find_inputs
 from .results import cost, number
@@ -39,7 +39,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     if particles[0] < 8:
         parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
     inputs = find_inputs(given.inputs or (QUICK if given.quick else INPUTS), root, parser, known=tuple(references.STEADY))
-    return [Run("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
+    return [of_size("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
                                             *given.settings)) for path in inputs for n in particles]
 
 
@@ -118,11 +118,9 @@ def glance(measured: dict, cases: list[str]) -> str:
         runs = [one for one in measured["runs"] if one["case"] == case]
         done = [one for one in runs if one["outcome"] == COMPLETED]
         best = done[-1] if done else runs[-1]
-        cells = "".join(f"<td class=\"number\">{text}</td>" for name in CONVERGENCE
-                        for text in (shown(best, name), error(best, name)))
-        rows.append(f"<tr><td class=\"name\">{escape(case)}</td><td class=\"number\">{best['n']}</td>{state(best)}{cells}"
-                    f"<td class=\"number\">{percent(best['heat_imbalance'])}</td>"
-                    f"<td class=\"number\">{count(best['right_hand_sides'])}</td></tr>")
+        values = [text for name in CONVERGENCE for text in (shown(best, name), error(best, name))]
+        values += [percent(best["heat_imbalance"]), count(best["right_hand_sides"])]
+        rows.append(f"<tr>{pages.name(case)}{pages.numbers(best['n'])}{state(best)}{pages.numbers(*values)}</tr>")
     return pages.table(["Case", "n", "Outcome", "Nu", "error", "v_rms (κ/L)", "error", "heat in − out", "right-hand sides"], rows,
                         numbers=frozenset({1, *range(3, 9)}))
 
@@ -134,11 +132,11 @@ def case_table(measured: dict, case: str) -> str:
     known = next((one for one in runs if one["source"]), None)
     rows = ["<tr><td>outcome</td>" + "".join(state(one, 2) for one in runs) + "<td></td></tr>"]
     for name in names:
-        cells = "".join(f"<td class=\"number\">{shown(one, name)}</td><td class=\"number small\">{error(one, name)}</td>" for one in runs)
-        rows.append(f"<tr><td class=\"name\">{SYMBOL[name]}</td>{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
+        cells = "".join(f"{pages.numbers(shown(one, name))}<td class=\"number small\">{error(one, name)}</td>" for one in runs)
+        rows.append(f"<tr>{pages.name(SYMBOL[name])}{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
     for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
                         ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: seconds(one["seconds"]))):
-        rows.append(f"<tr><td class=\"name\">{label}</td>" + "".join(f"<td class=\"number\">{text(one)}</td><td></td>" for one in runs) + "<td></td></tr>")
+        rows.append(f"<tr>{pages.name(label)}{''.join(pages.numbers(text(one)) + '<td></td>' for one in runs)}<td></td></tr>")
     head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
     source = f"<p class=\"small\">Known: {escape(known['source'])}.</p>" if known else \
         "<p class=\"small\">No value known for this case as run.</p>"
@@ -149,8 +147,7 @@ def orders_table(measured: dict) -> str:
     if not measured["orders"]:
         return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
     rows = [f"<tr><td>{escape(one['case'])}</td><td>{SYMBOL[one['quantity']]}</td>"
-            f"<td class=\"number\">{fit.of_entry(one)}</td>"
-            f"<td class=\"number\">{one['points']}</td></tr>" for one in measured["orders"]]
+            f"{pages.numbers(fit.of_entry(one), one['points'])}</tr>" for one in measured["orders"]]
     return pages.table(["Case", "Quantity", "Order p of |error| ~ n⁻ᵖ", "points"], rows, numbers=frozenset({2, 3})) + \
         ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
          "passes through zero on the way looks small by chance.</p>")

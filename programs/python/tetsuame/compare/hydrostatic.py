@@ -5,11 +5,11 @@ from pathlib import Path
 
 from .. import pages, style
 from . import cases, note, prose, report, table
-from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Case
+from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Run
 from .figures import hydrostatic as figures
-from .options import find_inputs
+from .options import chosen, find_inputs
 from .results import cost_per_step, resolved_text, wall_share
-from .runner import COMPLETED, CRASHED, Outcome
+from .runner import COMPLETED, Outcome
 from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, terminal, verdict
 
 NAME = ""
@@ -28,16 +28,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
                         help="11, 12, 13, 13_linear, column, or paths of namelists (default: %(default)s)")
 
 
-def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Case]:
-    programs = tuple(name.strip().upper() for name in given.programs.split(",") if name.strip())
-    for name in programs:
-        if name not in PROGRAMS:
-            parser.error(f"--programs: no program '{name}' (there are {', '.join(PROGRAMS)})")
+def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
+    programs = chosen("--programs", "program", given.programs.upper(), ",", PROGRAMS, parser)
     inputs = find_inputs(given.inputs, root, parser, "hydrostatic_")
     if not programs or not inputs:
         parser.error("nothing to run: --programs and --inputs need at least one name each")
-    # A program named twice is still run once.
-    return cases.plan(tuple(dict.fromkeys(programs)), tuple(inputs), tuple(given.settings))
+    return cases.plan(programs, tuple(inputs), tuple(given.settings))
 
 
 def measure(outcomes: list[Outcome]) -> None:
@@ -82,12 +78,8 @@ def displacements(outcomes: list[Outcome], folder: Path) -> str:
                      for file, block in blocks.items() if block)
 
 
-def state_class(outcome: Outcome) -> str:
-    return {COMPLETED: "good", CRASHED: "bad"}.get(outcome.kind, "stop")
-
-
 def program_cell(label: str) -> str:
-    return f"<td class=\"name\"><span class=\"key\" style=\"background:{style.COLOUR[label[0]]}\"></span>{escape(label)}</td>"
+    return pages.name(label, style.COLOUR[label[0]])
 
 
 def overview(outcomes: list[Outcome]) -> str:
@@ -100,7 +92,7 @@ def overview(outcomes: list[Outcome]) -> str:
         row = program_cell(label) + f"<td>{method}</td>"
         for name in columns:
             outcome = by_place.get((label, name))
-            kind = f" {state_class(outcome)}" if outcome else ""
+            kind = f" {report.state_class(outcome.kind)}" if outcome else ""
             row += f"<td class=\"number{kind}\">{escape(cell(outcome))}</td>"
         rows.append(f"<tr>{row}</tr>")
     return ("<h2>At a glance</h2>\n"
@@ -135,11 +127,10 @@ def row_beside_the_note(outcome: Outcome, first_of_file: bool) -> str:
         f"{'diverges' if said == 'diverged' else said}{', ' + place(outcome) if place(outcome) else ''}"
     return (f"<tr{' class=' + chr(34) + 'first' + chr(34) if first_of_file else ''}>{program_cell(outcome.case.program)}"
             f"<td>{escape(outcome.case.file)}</td>"
-            f"<td class=\"number\">{entry.dt}</td><td class=\"number\">{entry.pressure}</td><td>{escape(iteration_of(outcome))}</td>"
-            f"<td>{note_says(outcome)}</td><td class=\"{state_class(outcome)}\">{escape(ours)}</td>"
+            f"{pages.numbers(entry.dt, entry.pressure)}<td>{escape(iteration_of(outcome))}</td>"
+            f"<td>{note_says(outcome)}</td><td class=\"{report.state_class(outcome.kind)}\">{escape(ours)}</td>"
             f"<td>{agreement(outcome)}</td><td>{agreement_in_place(outcome) or ''}</td>"
-            f"<td class=\"number\">{scientific(error(outcome, 'pressure_mean'))}</td>"
-            f"<td class=\"number\">{scientific(error(outcome, 'displacement_max_over_dx'))}</td></tr>")
+            f"{pages.numbers(*(scientific(error(outcome, what)) for what in ('pressure_mean', 'displacement_max_over_dx')))}</tr>")
 
 
 def iteration_of(outcome: Outcome) -> str:
@@ -168,8 +159,8 @@ def all_runs(outcomes: list[Outcome]) -> str:
         first = " class=\"first\"" if o.case.file != last_file else ""
         last_file = o.case.file
         rows.append(f"<tr{first}><td>{escape(o.case.file)}</td>{program_cell(o.case.label)}"
-                    f"<td class=\"{state_class(o)}\">{escape(verdict(o) + where)}</td>"
-                    + "".join(f"<td class=\"number\">{value}</td>" for value in values) + "</tr>")
+                    f"<td class=\"{report.state_class(o.kind)}\">{escape(verdict(o) + where)}</td>"
+                    f"{pages.numbers(*values)}</tr>")
     return ("<h2>All runs</h2>\n"
             + pages.table(["File", "Program", "Outcome", "p error, mean", "p error, max", "ρ error, max",
                      "moved/Δx, max", "ms/step", "walls"], rows, "wide", frozenset(range(3, 9)))

@@ -42,6 +42,15 @@ def common(given: argparse.Namespace, parser: argparse.ArgumentParser) -> Common
     return Common(given.output, given.binaries, given.jobs, tuple(given.settings), given.time_limit, given.fresh)
 
 
+def chosen(option: str, what: str, text: str, between: str, known, parser: argparse.ArgumentParser) -> tuple[str, ...]:
+    """Names, each once, of those that are known."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(between) if name.strip()))
+    for name in names:
+        if name not in known:
+            parser.error(f"{option}: no {what} '{name}' (there are {f'{between} '.join(known)})")
+    return names
+
+
 def find_inputs(names: str | tuple[str, ...], root: Path, parser: argparse.ArgumentParser, prefix: str = "",
                 known: tuple[str, ...] = SHIPPED_INPUTS) -> list[Path]:
     """Of names with commas between, or several: files as they are, or of the folder inputs."""

@@ -15,6 +15,10 @@ def drawn(figure, path: Path, text: str) -> str:
     return pages.figure(path.read_bytes(), text)
 
 
+def state_class(outcome: str) -> str:
+    return {COMPLETED: "good", CRASHED: "bad"}.get(outcome, "stop")
+
+
 def facts(outcomes: list[Outcome], settings: tuple[str, ...]) -> list[str]:
     versions = sorted({str(o.summary["version"]) for o in outcomes if o.summary.get("version")})
     counts = [f"{sum(o.kind == kind for o in outcomes)} {word}" for kind, word in
