@@ -173,12 +173,16 @@ std::vector<output::history_column> columns(const options& o) {
   for (const auto& name : o.compare) prefixes.push_back(name + "_");
   std::vector<output::history_column> all;
   for (const auto& p : prefixes)
-    for (const char* name : {"spread [1]", "spread_of_maximum [1]", "max_over_mean [1]", "slowest_step [s]",
-                             "migrated_fraction [1]", "gain [s]", "cost [s]", "moved [1]"}) {
-      const std::string text = name;
-      const auto at = text.find(" [");
-      all.push_back({p + text.substr(0, at), text.substr(at + 2, text.size() - at - 3)});
-    }
+    for (const auto& [name, unit] :
+         std::initializer_list<std::pair<const char*, const char*>>{{"spread", "1"},
+                                                                    {"spread_of_maximum", "1"},
+                                                                    {"max_over_mean", "1"},
+                                                                    {"slowest_step", "s"},
+                                                                    {"migrated_fraction", "1"},
+                                                                    {"gain", "s"},
+                                                                    {"cost", "s"},
+                                                                    {"moved", "1"}})
+      all.push_back({p + name, unit});
   all.push_back({"trust", "1"});
   all.push_back({"relaxation", "1"});
   return all;

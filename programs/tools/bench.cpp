@@ -155,14 +155,6 @@ void print_row(const bench::result& r) {
   std::fflush(stdout);
 }
 
-void write(const std::string& directory, const json& all) {
-  const auto path = std::filesystem::path(directory) / "bench.json";
-  std::ofstream file(path);
-  file << all.dump(1) << '\n';
-  file.close();
-  if (!file) foundation::fail_file(path.string() + ": cannot be written; is there space, and may you write there?");
-}
-
 void measure_all(const settings& o) {
   if (domain::communicator::world().size > 1)
     foundation::fail_input("bench measures one process and its threads: start it without mpirun");
@@ -190,7 +182,8 @@ void measure_all(const settings& o) {
       print_row(r);
       all.push_back(as_json(r, o, name));
     }
-    write(o.output, all);  // after each case: what was measured is not lost
+    tools::write_json(std::filesystem::path(o.output) / "bench.json",
+                      all);  // after each case: what was measured is not lost
   }
   if (all.empty()) foundation::fail_input("nothing was measured: every case needs more memory than is free");
   fmt::print("{}/bench.json\n", o.output);

@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <foundation/error.hpp>
+#include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <run/command_line.hpp>
 
 namespace tetsuame::tools {
@@ -39,6 +41,14 @@ inline int carry_out(const char* program, foundation::exit_status others, const 
     fmt::print(stderr, "{}: {}\n", program, e.what());
     return static_cast<int>(others);
   }
+}
+
+// fail_file if it cannot be written.
+inline void write_json(const std::string& path, const nlohmann::ordered_json& all) {
+  std::ofstream file(path);
+  file << all.dump(1) << '\n';
+  file.close();
+  if (!file) foundation::fail_file(path + ": cannot be written; is there space, and may you write there?");
 }
 
 // An option that may be repeated.

@@ -351,7 +351,7 @@ void run(const question& q) {
     check_finite(all);
   }
   fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
-  if (!q.shared.json.empty()) write_json(q.shared.json, all);
+  if (!q.shared.json.empty()) tools::write_json(q.shared.json, all);
 }
 
 }  // namespace

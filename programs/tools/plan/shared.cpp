@@ -161,11 +161,4 @@ std::string duration(double seconds) {
   return fmt::format("{:.3g} years", seconds / (365.25 * 86400.0));
 }
 
-void write_json(const std::string& path, const json& all) {
-  std::ofstream file(path);
-  file << all.dump(1) << '\n';
-  file.close();
-  if (!file) foundation::fail_file(path + ": cannot be written; is there space, and may you write there?");
-}
-
 }  // namespace tetsuame::plan

@@ -42,8 +42,6 @@ json as_json(const machine& m);
 
 // fail_calculation where a number of the answer is not finite: those of the question are too far apart.
 void check_finite(const json& answer);
-// fail_file if it cannot be written.
-void write_json(const std::string& path, const json& all);
 
 // Rows of texts in aligned columns: the first left, as is the last; `right` says which are set right.
 struct table {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/algorithm/string.hpp>
 #include <cmath>
+#include <command.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <map>
@@ -303,7 +304,7 @@ void run(question q) {
   if (q.shared.steps || q.shared.seconds) answer_backwards(q, m, all);
   check_finite(all);
   fmt::print("S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)\n");
-  if (!q.shared.json.empty()) write_json(q.shared.json, all);
+  if (!q.shared.json.empty()) tools::write_json(q.shared.json, all);
 }
 
 }  // namespace
