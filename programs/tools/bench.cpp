@@ -90,21 +90,16 @@ std::vector<bench::request> plan(const settings& o) {
   return all;
 }
 
-// From /proc/cpuinfo; "unknown" where there is none.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
+// What a file of /proc says of something, or else.
+std::string said(const char* path, const char* of, const char* otherwise) {
+  std::ifstream file(path);
   for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown";
+    if (line.starts_with(of)) return line.substr(line.find(':') + 2);
+  return otherwise;
 }
 
 // Bytes that can still be had, infinite where the system does not say.
-double memory_free() {
-  std::ifstream file("/proc/meminfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("MemAvailable:")) return 1024.0 * std::stod(line.substr(line.find(':') + 1));
-  return std::numeric_limits<double>::infinity();
-}
+double memory_free() { return 1024.0 * std::stod(said("/proc/meminfo", "MemAvailable:", "inf")); }
 
 json as_json(const bench::result& r, const settings& o, const std::string& processor_name) {
   json j;
@@ -164,7 +159,7 @@ void measure_all(const settings& o) {
 
   const auto requests = plan(o);
   const bool watched = isatty(STDERR_FILENO) != 0;
-  const std::string name = processor();
+  const std::string name = said("/proc/cpuinfo", "model name", "unknown");
   fmt::print("{}, {} lanes of double, version {}\n", name, pairs::lanes, run::version());
   print_head();
   json all = json::array();

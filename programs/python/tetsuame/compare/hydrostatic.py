@@ -10,13 +10,14 @@ from .figures import hydrostatic as figures
 from .options import chosen, find_inputs
 from .results import cost_per_step, resolved_text, wall_share
 from .runner import COMPLETED, Outcome
-from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, terminal, verdict
+from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, verdict
 
 NAME = ""
 TITLE = "Programs A to F on hydrostatic states"
 PAGE_TITLE = "programs A to F compared"
 ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
         "Other comparisons: ./run compare convection, shock, rti (each with --help)."
+terminal = table.terminal
 INTRODUCTION = "Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should " \
                "move. What moves, or departs from the known pressure, is error."
 AGAIN = "\nbuild/programs/disph_a inputs/hydrostatic_13.nml --set hosono.solver=newton --output output/a_newton"
