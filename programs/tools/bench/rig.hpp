@@ -213,6 +213,20 @@ class rig {
     r.speedup_over_scalar = median(ratios);
     r.scalar_ns_per_pair = 1e9 * median(scalars) * r.threads / (static_cast<double>(s.fluid) * r.neighbours);
 
+    const double worst = deviation(out, sums);
+    r.deviation_from_scalar = worst;
+    // Hundreds of terms that nearly cancel, added in another order.
+    constexpr double round_off = 1e-11;
+    if (!(worst <= round_off))
+      foundation::fail_calculation(fmt::format(
+          "{} in {}-D, {} particles: the engine's sums and the scalar reference differ by {:.2g} of the largest value, "
+          "more than round-off ({:.0e}); one of the two is wrong, so no speed is given",
+          asked_.name, D, r.particles, worst, round_off));
+  }
+
+  // Largest difference of the engine's sums from the scalar ones, relative to the field's largest value.
+  double deviation(const liquid::rates<D>& out, const scalar_sums<D>& sums) const {
+    const auto& s = world_.w.s;
     double worst = 0.0;
     const auto differ = [&](const auto& a, const std::vector<double>& b) {
       double difference = 0.0, largest = 0.0;
@@ -228,14 +242,7 @@ class rig {
     differ(out.du, sums.work);
     differ(out.dlnrho(), sums.dlnrho);
     differ(out.heat(), sums.heat);
-    r.deviation_from_scalar = worst;
-    // Hundreds of terms that nearly cancel, added in another order.
-    constexpr double round_off = 1e-11;
-    if (!(worst <= round_off))
-      foundation::fail_calculation(fmt::format(
-          "{} in {}-D, {} particles: the engine's sums and the scalar reference differ by {:.2g} of the largest value, "
-          "more than round-off ({:.0e}); one of the two is wrong, so no speed is given",
-          asked_.name, D, r.particles, worst, round_off));
+    return worst;
   }
 
   request asked_;
