@@ -172,12 +172,16 @@ std::vector<output::history_column> columns(const options& o) {
   for (const auto& name : o.compare) prefixes.push_back(name + "_");
   std::vector<output::history_column> all;
   for (const auto& p : prefixes)
-    for (const char* name : {"spread [1]", "spread_of_maximum [1]", "max_over_mean [1]", "slowest_step [s]",
-                             "migrated_fraction [1]", "gain [s]", "cost [s]", "moved [1]"}) {
-      const std::string text = name;
-      const auto at = text.find(" [");
-      all.push_back({p + text.substr(0, at), text.substr(at + 2, text.size() - at - 3)});
-    }
+    for (const auto& [name, unit] :
+         std::initializer_list<std::pair<const char*, const char*>>{{"spread", "1"},
+                                                                    {"spread_of_maximum", "1"},
+                                                                    {"max_over_mean", "1"},
+                                                                    {"slowest_step", "s"},
+                                                                    {"migrated_fraction", "1"},
+                                                                    {"gain", "s"},
+                                                                    {"cost", "s"},
+                                                                    {"moved", "1"}})
+      all.push_back({p + name, unit});
   all.push_back({"trust", "1"});
   all.push_back({"relaxation", "1"});
   return all;
@@ -204,6 +208,44 @@ json metrics_of(const std::vector<course>& courses, const ledger& book) {
   j["balancer_seconds"] = book.proposals > 0 ? book.proposing / static_cast<double>(book.proposals) : 0.0;
   j["balancer_share_of_run_time"] = courses[0].run_time > 0.0 ? book.proposing / courses[0].run_time : 0.0;
   return j;
+}
+
+template <int D>
+json summary_of(const virtual_run<D>& v, const std::string& program, std::int64_t step, double wall_seconds) {
+  json j;
+  j["program"] = program;
+  j["status"] = "completed";
+  j["message"] = fmt::format("spread {:.1f} % -> {:.1f} %", 100.0 * v.courses[0].first_times.over_mean(),
+                             100.0 * v.courses[0].times.over_mean());
+  j["steps"] = step;
+  j["dimension"] = D;
+  const auto walls =
+      std::count_if(v.s.kinds.begin(), v.s.kinds.end(), [](kind k) { return k == kind::wall || k == kind::marker; });
+  j["fluid_particles"] = static_cast<std::int64_t>(v.s.size()) - walls;
+  j["wall_particles"] = walls;
+  j["ranks"] = 1;
+  j["threads"] = 1;
+  j["virtual_ranks"] = v.slowness.size();
+  j["counts"] = v.cuts.counts;
+  j["wall_seconds"] = wall_seconds;
+  j["metrics"] = metrics_of(v.courses, v.book);
+  if (const auto lost = run::first_not_finite(j["metrics"]); !lost.empty())
+    foundation::fail_calculation("metrics." + lost + " is not a finite number: times of the input lie too far apart");
+  j["version"] = run::version();
+  return j;
+}
+
+template <int D>
+void print(const virtual_run<D>& v, std::int64_t decisions) {
+  fmt::print("{} particles on {} ranks ({}), {} decisions\n", v.s.size(), v.slowness.size(),
+             fmt::join(v.cuts.counts, " x "), decisions);
+  fmt::print("{:<12}{:>20}{:>14}{:>10}{:>16}{:>12}{:>14}\n", "", "spread (max-min)/mean", "mean/max", "updates",
+             "moved an update", "run time", "of equal counts");
+  for (const auto& c : v.courses)
+    fmt::print("{:<12}{:>9.1f} % -> {:>5.1f} %{:>12.3f}{:>10}{:>14.1f} %{:>10.4g} s{:>12.1f} %\n",
+               c.name.empty() ? "balancer" : c.name, 100.0 * c.first_times.over_mean(), 100.0 * c.times.over_mean(),
+               c.times.efficiency(), c.updates, c.updates > 0 ? 100.0 * c.moved / static_cast<double>(c.updates) : 0.0,
+               c.run_time, v.book.equal_counts > 0.0 ? 100.0 * c.run_time / v.book.equal_counts : 100.0);
 }
 
 template <int D>
@@ -256,39 +298,11 @@ void carry_out(const run::command_line& line, const options& o, const std::strin
       if (c.last.move) v.look(c);
   }
 
-  json j;
-  j["program"] = line.program;
-  j["status"] = "completed";
-  j["message"] = fmt::format("spread {:.1f} % -> {:.1f} %", 100.0 * v.courses[0].first_times.over_mean(),
-                             100.0 * v.courses[0].times.over_mean());
-  j["steps"] = step;
-  j["dimension"] = D;
-  std::int64_t walls = 0;
-  for (const kind k : v.s.kinds) walls += k == kind::wall || k == kind::marker ? 1 : 0;
-  j["fluid_particles"] = static_cast<std::int64_t>(v.s.size()) - walls;
-  j["wall_particles"] = walls;
-  j["ranks"] = 1;
-  j["threads"] = 1;
-  j["virtual_ranks"] = v.slowness.size();
-  j["counts"] = v.cuts.counts;
-  j["wall_seconds"] = seconds_since(begin);
-  j["metrics"] = metrics_of(v.courses, v.book);
-  if (const auto lost = run::first_not_finite(j["metrics"]); !lost.empty())
-    foundation::fail_calculation("metrics." + lost + " is not a finite number: times of the input lie too far apart");
-  j["version"] = run::version();
+  const json summary = summary_of(v, line.program, step, seconds_since(begin));
   output::write_text(MPI_COMM_WORLD, line.output + "/cuts.csv", v.cuts_csv);
   output::write_text(MPI_COMM_WORLD, line.output + "/times.csv", v.times_csv);
-  output::write_summary(MPI_COMM_WORLD, line.output + "/summary.json", j);
-
-  fmt::print("{} particles on {} ranks ({}), {} decisions\n", v.s.size(), v.slowness.size(),
-             fmt::join(v.cuts.counts, " x "), decisions);
-  fmt::print("{:<12}{:>20}{:>14}{:>10}{:>16}{:>12}{:>14}\n", "", "spread (max-min)/mean", "mean/max", "updates",
-             "moved an update", "run time", "of equal counts");
-  for (const auto& c : v.courses)
-    fmt::print("{:<12}{:>9.1f} % -> {:>5.1f} %{:>12.3f}{:>10}{:>14.1f} %{:>10.4g} s{:>12.1f} %\n",
-               c.name.empty() ? "balancer" : c.name, 100.0 * c.first_times.over_mean(), 100.0 * c.times.over_mean(),
-               c.times.efficiency(), c.updates, c.updates > 0 ? 100.0 * c.moved / static_cast<double>(c.updates) : 0.0,
-               c.run_time, v.book.equal_counts > 0.0 ? 100.0 * c.run_time / v.book.equal_counts : 100.0);
+  output::write_summary(MPI_COMM_WORLD, line.output + "/summary.json", summary);
+  print(v, decisions);
 }
 
 }  // namespace

@@ -1,21 +1,20 @@
 // Times the right-hand side in the programs' own time loop: `./run bench`. The cases are in
-// bench/rig.hpp and bench/shock_rig.hpp; what is written, in docs/performance.md.
+// bench/rig.hpp; what is written, in docs/performance.md.
 #include <fmt/format.h>
 #include <mpi.h>
 #include <omp.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bench/measure.hpp>
 #include <cmath>
+#include <command.hpp>
 #include <cstdlib>
 #include <domain/communicator.hpp>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <pairs/records.hpp>
-#include <run/command_line.hpp>
 
 namespace {
 
@@ -62,16 +61,7 @@ int parse(int argc, char** argv, settings& o) {
   app.add_option("--steps-per-list", o.steps_a_list, "steps that share the making of one list")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.set_version_flag("--version", run::version());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {
-    app.exit(e);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "bench: {}\nTry --help.\n", e.what());
-    return static_cast<int>(foundation::exit_status::bad_input);
-  }
+  if (const int status = tools::parse(app, argc, argv); status >= 0) return status;
   if (o.quick && seconds->count() == 0) o.seconds = 0.2;
   if (o.quick && cases->count() == 0)
     std::erase_if(o.cases, [](const std::string& name) { return bench::is_scheme(name) && name != "gdisph"; });
@@ -100,21 +90,16 @@ std::vector<bench::request> plan(const settings& o) {
   return all;
 }
 
-// From /proc/cpuinfo; "unknown" where there is none.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
+// What a file of /proc says of something, or else.
+std::string said(const char* path, const char* of, const char* otherwise) {
+  std::ifstream file(path);
   for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown";
+    if (line.starts_with(of)) return line.substr(line.find(':') + 2);
+  return otherwise;
 }
 
 // Bytes that can still be had, infinite where the system does not say.
-double memory_free() {
-  std::ifstream file("/proc/meminfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("MemAvailable:")) return 1024.0 * std::stod(line.substr(line.find(':') + 1));
-  return std::numeric_limits<double>::infinity();
-}
+double memory_free() { return 1024.0 * std::stod(said("/proc/meminfo", "MemAvailable:", "inf")); }
 
 json as_json(const bench::result& r, const settings& o, const std::string& processor_name) {
   json j;
@@ -165,14 +150,6 @@ void print_row(const bench::result& r) {
   std::fflush(stdout);
 }
 
-void write(const std::string& directory, const json& all) {
-  const auto path = std::filesystem::path(directory) / "bench.json";
-  std::ofstream file(path);
-  file << all.dump(1) << '\n';
-  file.close();
-  if (!file) foundation::fail_file(path.string() + ": cannot be written; is there space, and may you write there?");
-}
-
 void measure_all(const settings& o) {
   if (domain::communicator::world().size > 1)
     foundation::fail_input("bench measures one process and its threads: start it without mpirun");
@@ -182,7 +159,7 @@ void measure_all(const settings& o) {
 
   const auto requests = plan(o);
   const bool watched = isatty(STDERR_FILENO) != 0;
-  const std::string name = processor();
+  const std::string name = said("/proc/cpuinfo", "model name", "unknown");
   fmt::print("{}, {} lanes of double, version {}\n", name, pairs::lanes, run::version());
   print_head();
   json all = json::array();
@@ -196,11 +173,12 @@ void measure_all(const settings& o) {
     if (watched)
       fmt::print(stderr, "[{}/{}] {} {}-D {} \r", n + 1, requests.size(), asked.name, asked.dimension,
                  asked.particles());
-    bench::measure(asked, [&](const bench::result& r) {
+    for (const auto& r : (asked.dimension == 2 ? bench::measure_2d : bench::measure_3d)(asked)) {
       print_row(r);
       all.push_back(as_json(r, o, name));
-    });
-    write(o.output, all);  // after each case: what was measured is not lost
+    }
+    tools::write_json(std::filesystem::path(o.output) / "bench.json",
+                      all);  // after each case: what was measured is not lost
   }
   if (all.empty()) foundation::fail_input("nothing was measured: every case needs more memory than is free");
   fmt::print("{}/bench.json\n", o.output);
@@ -213,18 +191,11 @@ int main(int argc, char** argv) {
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   settings o;
   int status = parse(argc, argv, o);
-  if (status < 0) {
-    try {
+  if (status < 0)
+    status = tools::carry_out("bench", foundation::exit_status::calculation_failed, [&] {
       measure_all(o);
-      status = 0;
-    } catch (const foundation::error& e) {
-      fmt::print(stderr, "bench: {}\n", e.what());
-      status = static_cast<int>(e.status());
-    } catch (const std::exception& e) {  // not ours: out of memory, say
-      fmt::print(stderr, "bench: {}\n", e.what());
-      status = static_cast<int>(foundation::exit_status::calculation_failed);
-    }
-  }
+      return 0;
+    });
   MPI_Finalize();
   return status;
 }

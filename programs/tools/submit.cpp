@@ -1,40 +1,30 @@
 // Writes, and on request submits, the job script of a run for a batch system. The script continues itself by
 // `--restart latest` until the run is complete; its text is in programs/tools/submit/*.sh, which says more.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <command.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <foundation/error.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <regex>
-#include <run/command_line.hpp>
-#include <sstream>
 #include <submit/script.hpp>
-
-extern char** environ;
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace tetsuame;
-using foundation::exit_status;
 using foundation::fail_file;
 using foundation::fail_input;
 
-// Status to leave with, or -1 to go on.
-int parse(int argc, char** argv, submit::options& o) {
-  CLI::App app{
-      "Writes DIR/job.sh, a job script that runs PROGRAM on INPUT under a batch system and continues it, job "
-      "after job, until it is complete.",
-      "submit"};
+// What is run, on what.
+void add_run(CLI::App& app, submit::options& o) {
   app.add_option("PROGRAM", o.program, "a program beside this one (disph_c), or a path")->required();
   app.add_option("INPUT", o.input, "namelist file")->required()->type_name("INPUT.nml");
   app.add_option("--scheduler", o.scheduler,
@@ -51,30 +41,26 @@ int parse(int argc, char** argv, submit::options& o) {
                  "s before the time is up at which the run writes its checkpoint (default: a twentieth of the time, "
                  "between 60 and 600, but no more than half)")
       ->check(CLI::Range(1L, 1000000L));
+}
+
+// Whose job it is, what stands in its script, and how it goes on.
+void add_job(CLI::App& app, submit::options& o) {
   app.add_option("--queue,--partition", o.queue, "queue, partition or resource group")->type_name("NAME");
   app.add_option("--account", o.account, "whom the time is charged to")->type_name("NAME");
   app.add_option("--group", o.group, "the same, where it goes by group")->type_name("NAME");
   app.add_option("--name", o.name, "of the job (default: the program's)")->type_name("NAME");
   app.add_option("--output", o.output, "directory for script and results (default: output/PROGRAM/INPUT's name)")
       ->type_name("DIR");
-  app.add_option("--set", o.set, "group.key=value, over what the file says; may be repeated")
-      ->expected(1)
-      ->take_all()
-      ->type_name("group.key=value");
-  app.add_option("--before", o.before,
-                 "a command to stand before the run, such as 'module load openmpi'; may be repeated")
-      ->expected(1)
-      ->take_all()
-      ->type_name("COMMAND");
-  app.add_option("--directive", o.directives, "one more line for the scheduler, such as '--mem=8G'; may be repeated")
-      ->expected(1)
-      ->take_all()
-      ->type_name("TEXT");
+  tools::add_many(app, "--set", o.set, "group.key=value, over what the file says; may be repeated", "group.key=value");
+  tools::add_many(app, "--before", o.before,
+                  "a command to stand before the run, such as 'module load openmpi'; may be repeated", "COMMAND");
+  tools::add_many(app, "--directive", o.directives,
+                  "one more line for the scheduler, such as '--mem=8G'; may be repeated", "TEXT");
   app.add_option("--launcher", o.launcher, "what starts the ranks, in place of the scheduler's usual; taken as it is")
       ->type_name("COMMAND");
-  auto* most = app.add_option("--max-jobs", o.max_jobs, "the chain ends after so many")
-                   ->check(CLI::Range(1, 100000))
-                   ->capture_default_str();
+  app.add_option("--max-jobs", o.max_jobs, "the chain ends after so many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   app.add_option("--chain", o.chain,
                  "self: each job submits the next; ahead: --max-jobs jobs are submitted at once, each waiting for the "
                  "one before, where jobs may not submit")
@@ -82,21 +68,22 @@ int parse(int argc, char** argv, submit::options& o) {
       ->capture_default_str();
   app.add_flag("--submit", o.submit, "submit it, too");
   app.add_flag("--force", o.force, "start anew, in place of the results that are in the output directory");
-  app.set_version_flag("--version", run::version());
-  try {
-    app.parse(argc, argv);
-    if (o.chain == "ahead" && most->count() == 0) throw CLI::RequiredError("--chain ahead: --max-jobs");
-    if (o.chain == "ahead" && o.max_jobs > 100) throw CLI::ValidationError("--chain ahead: --max-jobs", "at most 100");
-    if (o.chain == "ahead" && o.scheduler == "nqsv")
-      throw CLI::ValidationError("--chain ahead", "not for nqsv: its jobs submit the next");
-  } catch (const CLI::Success& e) {
-    app.exit(e);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "submit: {}\nTry --help.\n", e.what());
-    return static_cast<int>(exit_status::bad_input);
-  }
-  return -1;
+}
+
+// Status to leave with, or -1 to go on.
+int parse(int argc, char** argv, submit::options& o) {
+  CLI::App app{
+      "Writes DIR/job.sh, a job script that runs PROGRAM on INPUT under a batch system and continues it, job "
+      "after job, until it is complete.",
+      "submit"};
+  add_run(app, o);
+  add_job(app, o);
+  return tools::parse(app, argc, argv, [&] {
+    if (o.chain != "ahead") return;
+    if (app.count("--max-jobs") == 0) throw CLI::RequiredError("--chain ahead: --max-jobs");
+    if (o.max_jobs > 100) throw CLI::ValidationError("--chain ahead: --max-jobs", "at most 100");
+    if (o.scheduler == "nqsv") throw CLI::ValidationError("--chain ahead", "not for nqsv: its jobs submit the next");
+  });
 }
 
 // As it would be typed.
@@ -154,33 +141,13 @@ struct outcome {
 };
 
 outcome called(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) output::fail_system("make", "a pipe");
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
-  pid_t child = 0;
-  const int problem = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[1]);
+  const auto line = "command -v " + submit::quoted(words[0]) + " >/dev/null || exit 127; exec " + joined(words);
+  std::FILE* pipe = popen(line.c_str(), "r");
+  if (pipe == nullptr) output::fail_system("make", "a pipe");
   outcome o;
-  if (problem != 0) {
-    close(ends[0]);
-    return {127, ""};
-  }
   std::array<char, 4096> buffer{};
-  for (ssize_t n; (n = read(ends[0], buffer.data(), buffer.size())) != 0;) {
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) break;
-    o.text.append(buffer.data(), static_cast<std::size_t>(n));
-  }
-  close(ends[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (const auto n = std::fread(buffer.data(), 1, buffer.size(), pipe)) o.text.append(buffer.data(), n);
+  const int status = pclose(pipe);
   o.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return o;
 }
@@ -296,7 +263,7 @@ void submit_jobs(const submit::options& o, const std::string& path) {
 int main(int argc, char** argv) {
   submit::options o;
   if (const int status = parse(argc, argv, o); status >= 0) return status;
-  try {
+  return tools::carry_out("submit", foundation::exit_status::file_failed, [&] {
     refuse_line_ends(argc, argv);
     o.command = joined({argv, argv + argc});
     complete(o);
@@ -308,11 +275,5 @@ int main(int argc, char** argv) {
     else
       fmt::print("submit it by: {} {}\n", submit::submit_command(o.scheduler), path);
     return 0;
-  } catch (const foundation::error& e) {
-    fmt::print(stderr, "submit: {}\n", e.what());
-    return static_cast<int>(e.status());
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "submit: {}\n", e.what());
-    return static_cast<int>(exit_status::file_failed);
-  }
+  });
 }

@@ -77,10 +77,10 @@ class AddAVariant(unittest.TestCase):
                     file.write(content)
             else:
                 shell += content.splitlines()
-        self.assertEqual(len(files), 4, "a module, a program's list and main, a test")
+        self.assertEqual(len(files), 3, "a module, a program, a test")
         self.configure()
 
-        program, test = (pathlib.Path(name).stem for name in files[2:])
+        program, test = (pathlib.Path(name).stem for name in files[1:])
         self.build(program, program)
         line = next(command for text in shell for command in text.split(" && ") if command.startswith("build/programs/"))
         self.run_in(self.here, shlex.split(line) + ["--set", "time.steps=10"])

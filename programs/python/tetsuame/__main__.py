@@ -2,11 +2,16 @@
 import argparse
 import importlib
 import sys
+from pathlib import Path
 
-from . import BAD_INPUT
+from . import BAD_INPUT, COMPLETED
+from .reading import Unreadable
 
-# The package of each command: its application.main takes the rest of the command line and returns the exit status.
-PACKAGES = {"compare": "compare", "bench": "bench_report", "balance": "balance_report", "scaling": "scaling"}
+# The module of each command: its main takes the rest of the command line and returns the exit status.
+MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application"}
+# These take a folder, and make something of it: what they do, and what the folder is.
+OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
+               "balance": ("Draw cuts.png and course.png.", "output directory of balance; the pictures go there too")}
 
 
 def main(arguments: list[str]) -> int:
@@ -20,11 +25,25 @@ def main(arguments: list[str]) -> int:
                "  scaling   measure program C over ranks and threads; write report.html")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
     command = parser.parse_args(arguments[:1]).command
-    if command not in PACKAGES:
-        print(f"tetsuame: no command '{command}' (there are {', '.join(PACKAGES)})", file=sys.stderr)
+    if command not in MODULES:
+        print(f"tetsuame: no command '{command}' (there are {', '.join(MODULES)})", file=sys.stderr)
         return BAD_INPUT
-    # Only the one asked for: matplotlib takes a second.
-    return importlib.import_module(f".{PACKAGES[command]}.application", __package__).main(arguments[1:])
+    def module():
+        """Only the one asked for: matplotlib takes a second."""
+        return importlib.import_module(MODULES[command], __package__)
+
+    if command not in OF_A_FOLDER:
+        return module().main(arguments[1:])
+    about, what = OF_A_FOLDER[command]
+    parser = argparse.ArgumentParser(prog=f"tetsuame {command}", description=about)
+    parser.add_argument("folder", type=Path, help=what)
+    folder = parser.parse_args(arguments[1:]).folder
+    try:
+        print(module().make(folder))
+    except Unreadable as problem:
+        print(f"tetsuame {command}: {problem}", file=sys.stderr)
+        return BAD_INPUT
+    return COMPLETED
 
 
 if __name__ == "__main__":

@@ -56,18 +56,58 @@ def panels(count: int, columns: int, height: float, **options):
     return figure, flat[:count]
 
 
-def save(figure, path) -> None:
-    figure.savefig(path)
+def across(names: list[str], height: float = 0.42, margin: float = 1.2):
+    """A figure of horizontal bars, one line a name from the top down, and its axes."""
+    figure, (ax,) = panels(1, 1, height * len(names) + margin)
+    ax.set_yticks(range(len(names)), names)
+    ax.invert_yaxis()
+    ax.grid(axis="y", visible=False)
+    ax.set_axisbelow(True)
+    return figure, ax
+
+
+def stack(ax, widths: list[float], left: list[float], colour: str, label: str) -> list[float]:
+    """Bars of across() that begin where those before end; where these end."""
+    ax.barh(range(len(widths)), widths, left=left, height=0.68, color=colour, edgecolor="white", linewidth=0.6, label=label)
+    return [start + width for start, width in zip(left, widths)]
+
+
+def say_at_ends(ax, ends: list[float], texts: list[str]) -> None:
+    for index, (end, text) in enumerate(zip(ends, texts)):
+        ax.annotate(text, (end, index), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
+    ax.margins(x=0.08)
+
+
+def legend_beside(ax) -> None:
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+
+
+def colour_bar(figure, drawn, axes, label: str, **options) -> None:
+    bar = figure.colorbar(drawn, ax=axes, **options)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+
+
+def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
+    """Lengths alike along both axes, nothing between the ticks."""
+    ax.set_aspect("equal")
+    ax.set_xlim(*x)
+    ax.set_ylim(*y)
+    ax.grid(False)
+
+
+def save(figure, path, **options) -> None:
+    figure.savefig(path, **options)
     plt.close(figure)
 
 
 def png(figure) -> bytes:
     """The picture of a figure, which is closed."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png")
-    plt.close(figure)
+    save(figure, buffer)
     return buffer.getvalue()
 
 
-def discard(figure) -> None:
-    plt.close(figure)
+def draw_all(figures: dict) -> dict[str, bytes]:
+    """The pictures by name, without those that have no data to show."""
+    return {name: png(figure) for name, figure in figures.items() if figure is not None}

@@ -1,7 +1,9 @@
 // One measured case, and what is asked for: the part of bench that does not depend on the dimension.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <foundation/stages.hpp>
 #include <functional>
 #include <map>
 #include <optional>
@@ -21,7 +23,7 @@ struct request {
   std::int64_t particles() const { return dimension == 2 ? side * side : side * side * side; }
 };
 
-// Of the hydrostatic programs (rig.hpp) and of program shock (shock_rig.hpp).
+// Of the hydrostatic programs and of program shock (rig.hpp).
 inline const std::vector<std::string> scheme_names{"ssph", "disph", "gsph", "gdisph", "remix"};
 inline const std::vector<std::string> case_names{"program_c", "program_f", "number_density", "transport", "ssph",
                                                  "disph",     "gsph",      "gdisph",         "remix"};
@@ -51,15 +53,10 @@ struct result {
   double ns_per_pair() const { return 1e9 * threads / pairs_per_second(); }  // of one core's time
 };
 
-// Measures the case for each number of threads. fail_calculation if engine and scalar
-// reference disagree.
-void measure(const request& asked, const std::function<void(const result&)>& take);
-
-// The same, one file a dimension: they take long to compile.
-void measure_2d(const request& asked, const std::function<void(const result&)>& take);
-void measure_3d(const request& asked, const std::function<void(const result&)>& take);
-void measure_shock_2d(const request& asked, const std::function<void(const result&)>& take);
-void measure_shock_3d(const request& asked, const std::function<void(const result&)>& take);
+// Measures the case for each number of threads; one file a dimension: they take long to compile. fail_calculation if
+// engine and scalar reference disagree.
+std::vector<result> measure_2d(const request& asked);
+std::vector<result> measure_3d(const request& asked);
 
 // Roughly what a case takes at its largest moment, in bytes: refused beforehand rather than killed.
 double memory_needed(const request& asked);
@@ -67,5 +64,19 @@ double memory_needed(const request& asked);
 double median(std::vector<double> values);
 // Bytes in use on the heap, as malloc counts them.
 double heap_bytes();
+
+using clock = std::chrono::steady_clock;
+inline double since(clock::time_point start) { return std::chrono::duration<double>(clock::now() - start).count(); }
+double time_of(auto&& work) {
+  const auto start = clock::now();
+  work();
+  return since(start);
+}
+
+// A result for each number of threads. Rounds, in each of which every number of threads has its turn: new lists, the
+// step that finds them new, ordinary steps. What the first step takes more than an ordinary one (what is kept while
+// lists live) is charged to the lists. They take turns, so that what else the machine does falls on all of them.
+std::vector<result> time_steps(const result& found, const request& asked, const std::function<void()>& make_lists,
+                               const std::function<void()>& step, foundation::stage_times& times);
 
 }  // namespace tetsuame::bench

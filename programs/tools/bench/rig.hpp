@@ -1,24 +1,29 @@
-// A case on the bench: one of the programs (programs.hpp) on a box of liquid iron at 10 GPa between two walls with
-// markers, periodic sideways, every particle off its lattice place and moving, so that nothing is special. It is
-// stepped as the programs' time loop does with steps so small that nothing changes: all that is measured is what a step
-// costs.
+// A case on the bench, stepped as the programs' time loop does with steps so small that nothing changes: all that is
+// measured is what a step costs. Every particle is off its lattice place and moving, so that nothing is special.
 #pragma once
 
+#include <fmt/format.h>
 #include <omp.h>
 
-#include <bench/programs.hpp>
+#include <bench/measure.hpp>
 #include <bench/scalar.hpp>
-#include <bench/turns.hpp>
 #include <cmath>
+#include <gas/make.hpp>
+#include <gas/world.hpp>
 #include <hydrostatic/options.hpp>
 #include <liquid/passes.hpp>
 #include <problems/make.hpp>
+#include <programs/schemes.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::bench {
 
+// The very scheme that a case of liquid measures, with the library that the programs are linked with.
+const liquid::program& program_of(const std::string& name);
+
+// One of the programs on a box of liquid iron at 10 GPa between two walls with markers, periodic sideways.
 template <int D>
-hydrostatic::options box(const request& asked) {
+hydrostatic::options box_of_liquid(const request& asked) {
   hydrostatic::options o;
   o.domain.dimension = D;
   for (std::size_t a = 0; a < D; ++a) {
@@ -41,45 +46,70 @@ hydrostatic::options box(const request& asked) {
   return o;
 }
 
+// A scheme of program shock: a periodic box of gas, a square of it four times as dense (a cube in 3-D), particles on
+// one lattice.
+inline gas::options box_of_gas(const request& asked) {
+  const auto n = asked.side;
+  gas::options o;
+  namelist::schema schema;
+  gas::declare(schema, o);
+  schema.read(namelist::parse_text(
+      fmt::format(
+          "&domain dimension = {} length_x = {} particles_x = {} periodic_x = T periodic_y = T periodic_z = T /\n"
+          "&shock test = 'square' scheme = '{}' masses = 'equal_spacing' rho_l = 4 p_l = 2.5 rho_r = 1 p_r = 2.5 /\n"
+          "&time method = 'euler' dt = 1e-15 t_end = 1 /\n",
+          asked.dimension, n, n, asked.name),
+      "bench"));
+  gas::resolve(schema, o);
+  return o;
+}
+
+// In [-1, 1), of a particle's ID and a salt (SplitMix64's finaliser, by S. Vigna).
+inline double scatter(std::int64_t id, std::uint64_t salt) {
+  std::uint64_t z = (static_cast<std::uint64_t>(id) + 1) * 0x9e3779b97f4a7c15U + salt * 0xd1342543de82ef95U;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+  z ^= z >> 31;
+  return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
+}
+
 template <int D>
 class rig {
  public:
-  explicit rig(const request& asked)
-      : asked_(asked),
-        heap_before_(heap_bytes()),
-        options_(box<D>(asked)),
-        box_(problems::at_rest(options_, program_of(asked.name))),
-        world_(static_cast<run::problem_in_a_box<D>&>(*box_).box) {
+  rig(const request& asked, const run::time_options& time, std::unique_ptr<run::problem> box)
+      : asked_(asked), dt_(*time.dt), box_(std::move(box)), world_(static_cast<run::problem_in_a_box<D>&>(*box_).box) {
+    const bool gas = is_scheme(asked.name);
     auto& w = world_.w;
     auto& s = w.s;
+    if (gas) make_lists();  // it settles on its lattice
     for (std::size_t i = 0; i < s.fluid; ++i) {
       for (std::size_t a = 0; a < D; ++a) {
         s.x[a][i] += 0.05 * w.dx * scatter(s.id[i], a);
         s.v[a][i] = scatter(s.id[i], 3 + a);  // m/s
       }
-      s.T[i] += scatter(s.id[i], 6);  // K
+      if (!gas) s.T[i] += scatter(s.id[i], 6);  // K
     }
     make_lists();
     integrators::explicit_options how;
-    how.method = options_.time.method;
-    how.dt = *options_.time.dt;
+    how.method = time.method;
+    how.dt = dt_;
     integrator_ = std::make_unique<integrators::explicit_integrator>(
         box_->ranks().comm, box_->fields(), box_->local_particles(), 0.0, how,
         [this](double, std::span<double* const> rate) { return evaluate(rate); });
     step();
-    const double support2 = w.support() * w.support();
-    count_pairs(found_, w, [&](std::size_t) { return support2; });
-    count_bytes(found_, w, heap_before_);
-    found_.name = asked.name;
-    found_.dimension = D;
-    found_.particles = asked.particles();
-    found_.passes = passes_of(asked.name);
   }
 
-  // For each number of threads asked for. They take turns, so that what else the machine does falls on all of them.
-  std::vector<result> measure() {
-    auto all = with_threads(found_, asked_.threads);
-    time_steps(all, asked_, {[&] { make_lists(); }, [&] { step(); }, world_.w.times});
+  // For each number of threads asked for. heap_before: bytes, before the box was made.
+  std::vector<result> measure(int passes, double heap_before) {
+    result found;
+    found.name = asked_.name;
+    found.dimension = D;
+    found.particles = asked_.particles();
+    found.passes = passes;
+    count_pairs(found);
+    count_bytes(found, heap_before);
+    auto all = time_steps(
+        found, asked_, [&] { make_lists(); }, [&] { step(); }, world_.w.times);
     if (asked_.name == "program_c")
       for (result& r : all) {
         omp_set_num_threads(r.threads);
@@ -101,13 +131,45 @@ class rig {
     return 0;
   }
   void step() {
-    if (box_->moved() + box_->speed() * *options_.time.dt > box_->allowance()) make_lists();
+    if (box_->moved() + box_->speed() * dt_ > box_->allowance()) make_lists();
     {
       const foundation::stage timed(box_->times(), "integration");
       integrator_->prepare();
-      integrator_->step(integrator_->time() + *options_.time.dt);
+      box_->keep_memory();
+      integrator_->step(integrator_->time() + dt_);
     }
     box_->complete_step(++steps_);
+  }
+
+  // m2, of particle i
+  double support2(std::size_t i) const {
+    if (!is_scheme(asked_.name)) return world_.w.support() * world_.w.support();
+    const auto& S = static_cast<const gas::world<D>&>(world_).S;
+    return S[i] * S[i];
+  }
+
+  void count_pairs(result& r) const {
+    const auto& w = world_.w;
+    std::size_t close = 0;
+    std::vector<std::uint32_t> row;
+    for (std::size_t i = 0; i < w.s.fluid; ++i)
+      for (const std::uint32_t j : w.list.row(i, row)) {
+        double r2 = 0.0;
+        for (const auto& x : w.s.x) {
+          const double d = x[i] - x[j];
+          r2 += d * d;
+        }
+        close += r2 < support2(i) ? 1 : 0;
+      }
+    r.neighbours = static_cast<double>(close) / static_cast<double>(w.s.fluid);
+    r.list_entries = static_cast<double>(w.list.pairs) / static_cast<double>(w.s.fluid);
+  }
+
+  void count_bytes(result& r, double heap_before) const {
+    const double lists = world_.w.list.bytes();
+    const auto n = static_cast<double>(world_.w.s.fluid);
+    r.list_bytes_per_particle = lists / n;
+    r.bytes_per_particle = (heap_bytes() - heap_before - lists) / n;
   }
 
   // Engine and scalar loop in turn on the same particles and list; the median of the pairs' ratios.
@@ -144,7 +206,7 @@ class rig {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false);
         liquid::begin_forces(world_, out);
-        liquid::sum_forces<programs::program_c::gradient>(world_, out, w.fluid());
+        liquid::sum_forces<programs::disph_c::gradient>(world_, out, w.fluid());
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in hydrostatic::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
@@ -157,6 +219,20 @@ class rig {
     r.speedup_over_scalar = median(ratios);
     r.scalar_ns_per_pair = 1e9 * median(scalars) * r.threads / (static_cast<double>(s.fluid) * r.neighbours);
 
+    const double worst = deviation(out, sums);
+    r.deviation_from_scalar = worst;
+    // Hundreds of terms that nearly cancel, added in another order.
+    constexpr double round_off = 1e-11;
+    if (!(worst <= round_off))
+      foundation::fail_calculation(fmt::format(
+          "{} in {}-D, {} particles: the engine's sums and the scalar reference differ by {:.2g} of the largest value, "
+          "more than round-off ({:.0e}); one of the two is wrong, so no speed is given",
+          asked_.name, D, r.particles, worst, round_off));
+  }
+
+  // Largest difference of the engine's sums from the scalar ones, relative to the field's largest value.
+  double deviation(const liquid::rates<D>& out, const scalar_sums<D>& sums) const {
+    const auto& s = world_.w.s;
     double worst = 0.0;
     const auto differ = [&](const auto& a, const std::vector<double>& b) {
       double difference = 0.0, largest = 0.0;
@@ -172,29 +248,33 @@ class rig {
     differ(out.du, sums.work);
     differ(out.dlnrho(), sums.dlnrho);
     differ(out.heat(), sums.heat);
-    r.deviation_from_scalar = worst;
-    // Hundreds of terms that nearly cancel, added in another order.
-    constexpr double round_off = 1e-11;
-    if (!(worst <= round_off))
-      foundation::fail_calculation(fmt::format(
-          "{} in {}-D, {} particles: the engine's sums and the scalar reference differ by {:.2g} of the largest value, "
-          "more than round-off ({:.0e}); one of the two is wrong, so no speed is given",
-          asked_.name, D, found_.particles, worst, round_off));
+    return worst;
   }
 
   request asked_;
-  double heap_before_;
-  hydrostatic::options options_;
+  double dt_;  // s
   std::unique_ptr<run::problem> box_;
   run::state<D>& world_;
   std::unique_ptr<integrators::explicit_integrator> integrator_;
   std::int64_t steps_ = 0;
-  result found_;
 };
 
+// The options outlive the box.
 template <int D>
-void measure_in(const request& asked, const std::function<void(const result&)>& take) {
-  for (const result& r : rig<D>(asked).measure()) take(r);
+std::vector<result> measure_in(const request& asked) {
+  const double before = heap_bytes();
+  if (is_scheme(asked.name)) {
+    const auto o = box_of_gas(asked);
+    const std::vector<gas::level> alone;
+    return rig<D>(asked, o.common.time, D == 2 ? gas::make_2d(o, alone) : gas::make_3d(o, alone))
+        .measure(o.evolves_density() ? 4
+                 : o.godunov()       ? 3
+                                     : 2,
+                 before);
+  }
+  const auto o = box_of_liquid<D>(asked);
+  return rig<D>(asked, o.time, problems::at_rest(o, program_of(asked.name)))
+      .measure(asked.name == "program_f" ? 1 : 2, before);
 }
 
 }  // namespace tetsuame::bench

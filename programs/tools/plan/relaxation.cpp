@@ -5,6 +5,7 @@
 #include <convection/options.hpp>
 
 #include <cmath>
+#include <command.hpp>
 #include <foundation/error.hpp>
 #include <functional>
 #include <iostream>
@@ -151,7 +152,7 @@ void print_steps(const fluid_layer& f, const recommendation& r, const convection
           {{"tau", number(p.tau), "s", "L/V"},
            {"steps", number(p.steps), "", fmt::format("tau/dt; not slowed {}", number(before))},
            {"particles", number(p.particles), "", ""},
-           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note()}},
+           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note}},
           {false, true, false, false}};
   if (p.seconds > 0.0)
     c.rows.push_back({"run time", duration(p.seconds), "",
@@ -175,7 +176,7 @@ json plan_json(const convection_plan& p) {
   j["time_step"] = bounds_json(p.dt);
   j["turnover_s"] = p.tau;
   j["steps"] = p.steps;
-  j["run_time_s"] = p.seconds > 0.0 ? json(p.seconds) : json(nullptr);
+  j["run_time_s"] = or_null(p.seconds);
   return j;
 }
 
@@ -350,7 +351,7 @@ void run(const question& q) {
     check_finite(all);
   }
   fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
-  if (!q.shared.json.empty()) write_json(q.shared.json, all);
+  if (!q.shared.json.empty()) tools::write_json(q.shared.json, all);
 }
 
 }  // namespace
@@ -359,10 +360,7 @@ std::function<void()> relaxation_question(CLI::App& app) {
   auto q = std::make_shared<question>();
   app.add_option("INPUT", q->input, "namelist file of a convection problem (default: the mantle, case 1a)")
       ->type_name("INPUT.nml");
-  app.add_option("--set", q->set, "group.key=value, over what the file says; may be repeated")
-      ->expected(1)
-      ->take_all()
-      ->type_name("group.key=value");
+  tools::add_many(app, "--set", q->set, "group.key=value, over what the file says; may be repeated", "group.key=value");
   app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
   app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(above_zero());
   app.add_option("--dT", q->dT, "bottom less top (K)")->check(above_zero());

@@ -1,21 +1,26 @@
-// What both questions of plan share.
+// What both questions of plan share: options, the machine's speed, the tables they print and the file for machines.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <plan/speed.hpp>
-#include <plan/table.hpp>
 #include <relaxation/steps.hpp>
 #include <string>
+#include <vector>
 
 namespace tetsuame::plan {
+
+using json = nlohmann::ordered_json;
 
 struct shared_options {
   std::string json;
   std::optional<double> steps, seconds;  // backwards
   std::string method = "rk4";
   std::optional<double> rate;  // updates a second, instead of bench's
-  speed_options speed;
+  std::string bench = "output/bench/bench.json";
+  bool bench_given = false;        // then it must be there
+  std::string kind = "transport";  // the case of bench
+  int threads = 0;                 // 0: as many as were measured at most
 };
 
 // Beyond that no quantity is meant, and products would overflow.
@@ -28,15 +33,31 @@ void add_shared(CLI::App& app, shared_options& o);
 
 struct machine {
   relaxation::cost cost;
-  std::optional<measured_speed> measured;
-  std::string note() const;  // where the rate comes from
+  std::string note;  // where the rate comes from
 };
+// The speed by the record of bench nearest in size (by ratio), of that case, dimension and number of threads. fail_file
+// if the file is damaged, fail_input if it was asked for and has no such record, or a run time needs one.
+machine this_machine(const shared_options& o, int dimension, double particles);
+json as_json(const machine& m);
 
 // fail_calculation where a number of the answer is not finite: those of the question are too far apart.
 void check_finite(const json& answer);
 
-machine this_machine(shared_options o, int dimension, double particles);
-json as_json(const machine& m);
+// Rows of texts in aligned columns: the first left, as is the last; `right` says which are set right.
+struct table {
+  std::string title;
+  std::vector<std::vector<std::string>> rows;  // the first is the head, if has_head
+  std::vector<bool> right;
+  bool has_head = false;
+  void print() const;
+};
+
+// Four digits: 1000, 2.673e-07, 0.0843
+std::string number(double value);
+// "1.2 h", "35 s", "2.1 days"
+std::string duration(double seconds);
+// null where it is not known.
+inline json or_null(double value) { return value > 0.0 ? json(value) : json(nullptr); }
 
 // The two questions; each adds its options and returns what runs it.
 std::function<void()> relaxation_question(CLI::App& app);

@@ -1,8 +1,12 @@
 // The virtual machine: what a step would take on each rank, for any partition of the particles.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <balance/balancer.hpp>
+#include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 #include <virtual_ranks/scene.hpp>
 
@@ -16,31 +20,183 @@ struct load {
   std::vector<double> particles;  // of each rank
   std::vector<double> work;       // s, computing time of each rank if none were slow: what a run counts by its pairs
 };
+// s, to compute a particle.
+inline double seconds_of(const cost_options& c, kind k) {
+  return std::array{c.fluid, c.wall, c.marker, c.metal}[static_cast<std::size_t>(k)];
+}
+
+struct share {
+  int rank;
+  double particles;
+};
+
+// Who has how many particles in a bin.
+inline void shares_of(const std::vector<int>& owner, std::size_t begin, std::size_t end, std::vector<share>& found) {
+  found.clear();
+  for (std::size_t i = begin; i < end; ++i) {
+    auto at = std::find_if(found.begin(), found.end(), [&](const share& s) { return s.rank == owner[i]; });
+    if (at == found.end())
+      found.push_back({owner[i], 1.0});
+    else
+      at->particles += 1.0;
+  }
+}
+
+// The bins around a bin, itself included.
+template <int D, class F>
+void visit_around(const scene<D>& s, std::size_t bin, const F& visit) {
+  std::array<std::int64_t, D> low{}, high{};
+  auto rest = static_cast<std::int64_t>(bin);
+  for (std::size_t a = 0; a < D; ++a) {
+    const std::int64_t at = rest % s.bins[a];
+    low[a] = std::max<std::int64_t>(at - 1, 0);
+    high[a] = std::min(at + 1, s.bins[a] - 1);
+    rest /= s.bins[a];
+  }
+  visit_bins<D>(s, low, high, visit);
+}
+
+void keep_each_once(auto& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+constexpr int nobody = -1, several = -2;
+// Whose particles are in each bin.
 template <int D>
-load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_options& cost,
-             const std::vector<double>& slowness);
+std::vector<int> sole_owners(const scene<D>& s, const std::vector<int>& owner) {
+  std::vector<int> only(s.first.size() - 1, nobody);
+  for (std::size_t b = 0; b < only.size(); ++b)
+    for (std::size_t i = s.first[b]; i < s.first[b + 1] && only[b] != several; ++i)
+      only[b] = only[b] == nobody || only[b] == owner[i] ? owner[i] : several;
+  return only;
+}
 
 template <int D>
-std::vector<int> owners(const scene<D>& s, const balance::cuts<D>& c);
+load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_options& cost,
+             const std::vector<double>& slowness) {
+  const std::size_t ranks = slowness.size();
+  load l;
+  l.particles.assign(ranks, 0.0);
+  l.time.computing.assign(ranks, 0.0);
+  l.time.communication.assign(ranks, 0.0);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const auto r = static_cast<std::size_t>(owner[i]);
+    l.particles[r] += 1.0;
+    l.time.computing[r] += seconds_of(cost, s.kinds[i]);
+  }
+  l.work = l.time.computing;
+  for (std::size_t r = 0; r < ranks; ++r) l.time.computing[r] *= slowness[r];
+
+  const auto only = sole_owners(s, owner);
+  std::vector<std::uint64_t> pairs;
+  std::vector<share> here, there;
+  std::vector<int> near;
+  for (std::size_t b = 0; b < only.size(); ++b) {
+    if (only[b] == nobody) continue;
+    bool border = only[b] == several;
+    if (!border)
+      visit_around<D>(s, b, [&](std::size_t n) { border = border || (only[n] != nobody && only[n] != only[b]); });
+    if (!border) continue;
+    shares_of(owner, s.first[b], s.first[b + 1], here);
+    near.clear();
+    visit_around<D>(s, b, [&](std::size_t n) {
+      if (only[n] >= 0) {
+        near.push_back(only[n]);
+      } else if (only[n] == several) {
+        shares_of(owner, s.first[n], s.first[n + 1], there);
+        for (const auto& t : there) near.push_back(t.rank);
+      }
+    });
+    keep_each_once(near);
+    const auto all = static_cast<double>(s.first[b + 1] - s.first[b]);
+    for (const int p : near) {
+      double others = all;
+      for (const auto& h : here) {
+        if (h.rank == p)
+          others -= h.particles;
+        else
+          pairs.push_back(static_cast<std::uint64_t>(p) * ranks + static_cast<std::uint64_t>(h.rank));
+      }
+      l.time.communication[static_cast<std::size_t>(p)] += cost.halo * others;
+    }
+    if (pairs.size() > (std::size_t{1} << 24)) keep_each_once(pairs);
+  }
+  keep_each_once(pairs);
+  for (const auto pair : pairs) l.time.communication[pair / ranks] += cost.latency;
+  return l;
+}
+
+template <int D>
+std::vector<int> owners(const scene<D>& s, const balance::cuts<D>& c) {
+  std::vector<int> owner(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) owner[i] = c.owner(s.x[i]);
+  return owner;
+}
 
 // The box around each rank's particles, and where in it their computing time goes.
 template <int D>
 balance::extents<D> extents_of(const scene<D>& s, const std::vector<int>& owner, std::size_t ranks,
-                               const cost_options& cost);
+                               const cost_options& cost) {
+  balance::extents<D> all(ranks);
+  for (std::size_t i = 0; i < s.size(); ++i) all[static_cast<std::size_t>(owner[i])].include(s.x[i]);
+  for (auto& of_rank : all)
+    if (of_rank.lower[0] <= of_rank.upper[0]) of_rank.begin_costs();
+  for (std::size_t i = 0; i < s.size(); ++i)
+    all[static_cast<std::size_t>(owner[i])].add_cost(s.x[i], seconds_of(cost, s.kinds[i]));
+  return all;
+}
 
-std::vector<double> slowness_of(const machine_options& o);
+inline std::vector<double> slowness_of(const machine_options& o) {
+  const auto ranks = static_cast<std::size_t>(o.ranks);
+  const auto slow = static_cast<std::size_t>(std::lround(o.slow_fraction * static_cast<double>(ranks)));
+  std::vector<std::size_t> order(ranks);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (o.slow_pattern == "random") {
+    const auto place = [&](std::size_t r) { return uniform_at(static_cast<std::uint64_t>(o.seed), 1000, r); };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  }
+  std::vector<double> slowness(ranks, 1.0);
+  for (std::size_t k = 0; k < slow; ++k) slowness[order[k]] = o.slow_factor;
+  return slowness;
+}
+
 // As a clock would show it: scattered by machine.noise, the same for the same seed and reading.
-std::vector<double> measured(const std::vector<double>& time, const machine_options& o, std::int64_t reading);
+inline std::vector<double> measured(const std::vector<double>& time, const machine_options& o, std::int64_t reading) {
+  std::vector<double> shown(time);
+  for (std::size_t r = 0; r < shown.size(); ++r)
+    shown[r] *= std::max(0.0, 1.0 + o.noise * normal_at(static_cast<std::uint64_t>(o.seed),
+                                                        2000 + static_cast<std::uint64_t>(reading), r));
+  return shown;
+}
 
 struct migration {
   std::int64_t particles = 0;  // that change their rank
   double seconds = 0.0;        // of the slowest rank: what it sends and receives, and new lists
 };
-migration migration_between(const std::vector<int>& from, const std::vector<int>& to, std::size_t ranks,
-                            const cost_options& cost);
+inline migration migration_between(const std::vector<int>& from, const std::vector<int>& to, std::size_t ranks,
+                                   const cost_options& cost) {
+  migration m;
+  std::vector<std::int64_t> moved(ranks, 0), held(ranks, 0);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    ++held[static_cast<std::size_t>(to[i])];
+    if (from[i] == to[i]) continue;
+    ++m.particles;
+    ++moved[static_cast<std::size_t>(from[i])];
+    ++moved[static_cast<std::size_t>(to[i])];
+  }
+  m.seconds = cost.migrate * static_cast<double>(*std::max_element(moved.begin(), moved.end())) +
+              cost.list * static_cast<double>(*std::max_element(held.begin(), held.end()));
+  return m;
+}
 
 // One weight for each particle, its computing time; for partitioners that see particles.
 template <int D>
-std::vector<float> weights_of(const scene<D>& s, const cost_options& cost);
+std::vector<float> weights_of(const scene<D>& s, const cost_options& cost) {
+  const double largest = std::max({1e-300, cost.fluid, cost.wall, cost.marker, cost.metal});
+  std::vector<float> w(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) w[i] = static_cast<float>(seconds_of(cost, s.kinds[i]) / largest);
+  return w;
+}
 
 }  // namespace tetsuame::virtual_ranks

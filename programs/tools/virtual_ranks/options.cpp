@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <virtual_ranks/options.hpp>
 #include <virtual_ranks/scene.hpp>
 #include <virtual_ranks/zoltan.hpp>
 
@@ -93,6 +92,15 @@ void declare(namelist::schema& schema, schedule_options& o) {
               .meaning = "steps whose gain is set against the cost of a move; 0: steps_between"});
 }
 
+// A lattice of about so many particles must have a row along each edge.
+void check_shape(const namelist::schema& schema, const distribution_options& d) {
+  const auto end = d.length.begin() + d.dimension;
+  const auto longest = std::max_element(d.length.begin(), end);
+  if (*longest > 1e4 * *std::min_element(d.length.begin(), end))
+    schema.fail("distribution", std::string("length_") + "xyz"[longest - d.length.begin()],
+                "expected at most 1e4 times the box's shortest edge");
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
@@ -106,19 +114,6 @@ void declare(namelist::schema& schema, options& o) {
       "compare", "methods", o.compare,
       {.maximum_size = 2, .meaning = with_zoltan ? "any of 'rcb', 'hsfc'; or 'none'" : "'none': built without Zoltan"});
 }
-
-namespace {
-
-// A lattice of about so many particles must have a row along each edge.
-void check_shape(const namelist::schema& schema, const distribution_options& d) {
-  const auto end = d.length.begin() + d.dimension;
-  const auto longest = std::max_element(d.length.begin(), end);
-  if (*longest > 1e4 * *std::min_element(d.length.begin(), end))
-    schema.fail("distribution", std::string("length_") + "xyz"[longest - d.length.begin()],
-                "expected at most 1e4 times the box's shortest edge");
-}
-
-}  // namespace
 
 void complete(const namelist::schema& schema, options& o) {
   const auto& d = o.distribution;

@@ -1,9 +1,18 @@
 // The particles of a virtual run: places, kinds and the bins that find who is near whom.
 #pragma once
 
+#include <hdf5.h>
+
+#include <algorithm>
 #include <array>
 #include <balance/cuts.hpp>
+#include <cmath>
 #include <cstdint>
+#include <foundation/error.hpp>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <output/hash.hpp>
 #include <vector>
 #include <virtual_ranks/options.hpp>
 
@@ -19,31 +28,291 @@ struct scene {
   std::vector<kind> kinds;
 
   // Bins of the halo's width; particles stand in the order of their bins.
-  double bin_width = 0.0;                    // m
   std::array<std::int64_t, D> bins{};        // along each axis
   std::vector<std::size_t> first;            // of each bin; one more than bins
   std::vector<std::array<double, D>> blobs;  // centres at the start
 
   std::size_t size() const { return x.size(); }
+  double volume() const { return std::accumulate(length.begin(), length.end(), 1.0, std::multiplies<>()); }  // m^D
 };
 
-// Dimension and box of the snapshot o.file. Throws fail_file.
-void read_box(distribution_options& o);
+// In [0, 1), the same for the same numbers on any machine [SplitMix64, G. Steele et al., OOPSLA 2014].
+inline double uniform_at(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+  const auto mix = [](std::uint64_t z) { return output::mix(z + 0x9e3779b97f4a7c15U); };
+  return static_cast<double>(mix(mix(mix(seed) ^ stream) ^ index) >> 11) * 0x1p-53;
+}
 
-// Throws fail_input (no particle, an unfit snapshot) and fail_file.
+// Box-Muller.
+inline double normal_at(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+  const double u = 1.0 - uniform_at(seed, stream, 2 * index), v = uniform_at(seed, stream, 2 * index + 1);
+  return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+}
+
+constexpr std::uint64_t jitter_stream = 1, blob_stream = 16;
+
+// Height of the bowl's surface above a point.
 template <int D>
-scene<D> make_scene(const distribution_options& o, double halo_width);
+double ground(const distribution_options& o, const std::array<double, D>& x) {
+  double r2 = 0.0;
+  for (std::size_t a = 0; a < D; ++a)
+    if (a != 1) r2 += (x[a] - 0.5 * o.length[a]) * (x[a] - 0.5 * o.length[a]);
+  const double radius = o.bowl_radius * o.length[0];
+  return o.length[1] * (o.bowl_bottom + (o.bowl_rim - o.bowl_bottom) * std::min(1.0, r2 / (radius * radius)));
+}
+
+// The kind of a particle there; none where the box is empty.
+template <int D>
+std::optional<kind> kind_at(const distribution_options& o, double reach, const std::array<double, D>& x) {
+  if (o.kind != "bowl") return kind::fluid;
+  const double surface = ground<D>(o, x);
+  if (x[1] >= surface) return x[1] < o.water_level * o.length[1] ? std::optional(kind::fluid) : std::nullopt;
+  // Seen straight up: near enough for a bowl this flat.
+  const bool near = surface - x[1] < reach && surface < o.water_level * o.length[1];
+  return near ? kind::marker : kind::wall;
+}
+
+template <int D, class F>
+void visit_lattice(const std::array<double, D>& length, double spacing, const F& visit) {
+  std::array<std::int64_t, D> n{};
+  std::int64_t all = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    n[a] = std::max<std::int64_t>(1, std::llround(length[a] / spacing));
+    all *= n[a];
+  }
+  for (std::int64_t k = 0; k < all; ++k) {
+    std::array<double, D> x{};
+    std::int64_t rest = k;
+    for (std::size_t a = 0; a < D; ++a) {
+      x[a] = (static_cast<double>(rest % n[a]) + 0.5) * length[a] / static_cast<double>(n[a]);
+      rest /= n[a];
+    }
+    visit(static_cast<std::uint64_t>(k), x);
+  }
+}
+
+template <int D>
+void fill(scene<D>& s, const distribution_options& o, double halo_width) {
+  const double volume = s.volume();
+  // The filled part of the box, on a lattice coarse enough to be quick.
+  std::int64_t tried = 0, filled = 0;
+  visit_lattice<D>(s.length, std::pow(volume / 2e5, 1.0 / D), [&](std::uint64_t, const std::array<double, D>& x) {
+    ++tried;
+    if (kind_at<D>(o, 0.0, x)) ++filled;
+  });
+  const double part = static_cast<double>(std::max<std::int64_t>(filled, 1)) / static_cast<double>(tried);
+  s.spacing = std::pow(volume * part / static_cast<double>(o.particles), 1.0 / D);
+  const auto seed = static_cast<std::uint64_t>(o.seed);
+  visit_lattice<D>(s.length, s.spacing, [&](std::uint64_t k, std::array<double, D> x) {
+    const auto found = kind_at<D>(o, halo_width * s.spacing, x);
+    if (!found) return;
+    for (std::size_t a = 0; a < D; ++a)
+      x[a] = std::clamp(x[a] + o.jitter * s.spacing * (uniform_at(seed, jitter_stream + a, k) - 0.5), 0.0, s.length[a]);
+    s.x.push_back(x);
+    s.kinds.push_back(*found);
+  });
+  if (o.kind != "blobs") return;
+  for (std::int64_t b = 0; b < o.blobs; ++b) {
+    std::array<double, D> centre{};
+    for (std::size_t a = 0; a < D; ++a) {
+      const double u = uniform_at(seed, blob_stream + a, static_cast<std::uint64_t>(b));
+      centre[a] = (a == 1 ? o.blob_height : 1.0) * o.length[a] * u;
+    }
+    s.blobs.push_back(centre);
+  }
+}
+
+// An open HDF5 object, closed at the end of its scope.
+struct handle {
+  hid_t id;
+  herr_t (*close)(hid_t);
+  ~handle() {
+    if (id >= 0) close(id);
+  }
+};
+
+template <int D>
+void read_positions(scene<D>& s, hid_t file, const std::string& path, const std::string& name, kind as) {
+  const handle data{H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose};
+  if (data.id < 0) return;  // a snapshot without walls
+  const handle space{H5Dget_space(data.id), H5Sclose};
+  std::array<hsize_t, 2> shape{};
+  if (H5Sget_simple_extent_ndims(space.id) != 2 || H5Sget_simple_extent_dims(space.id, shape.data(), nullptr) < 0 ||
+      shape[1] != 3)
+    foundation::fail_file(path + ": " + name + " is not an array of three columns");
+  std::vector<double> all(shape[0] * 3);
+  if (H5Dread(data.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+    foundation::fail_file(path + ": " + name + " cannot be read; the file is damaged");
+  for (std::size_t k = 0; k < shape[0]; ++k) {
+    std::array<double, D> x{};
+    for (std::size_t a = 0; a < D; ++a) x[a] = all[3 * k + a];
+    if (!std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); }))
+      foundation::fail_file(path + ": " + name + " holds values that are not finite");
+    s.x.push_back(x);
+    s.kinds.push_back(as);
+  }
+}
+
+inline hid_t open_file(const std::string& path) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) foundation::fail_file(path + ": cannot be read as an HDF5 file; is the path right?");
+  return file;
+}
+
+// An attribute of the header, as many values as it must have.
+inline void read_header(hid_t file, const std::string& path, const char* name, hsize_t count, double* values) {
+  const handle attribute{H5Aopen_by_name(file, "/Header", name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose};
+  const handle space{attribute.id < 0 ? -1 : H5Aget_space(attribute.id), H5Sclose};
+  if (space.id < 0 || H5Sget_simple_extent_npoints(space.id) != static_cast<hssize_t>(count) ||
+      H5Aread(attribute.id, H5T_NATIVE_DOUBLE, values) < 0)
+    foundation::fail_file(path + ": no " + name + " in /Header: not a snapshot of ours");
+}
+
+template <int D>
+void read(scene<D>& s, const distribution_options& o) {
+  const handle file{open_file(o.file), H5Fclose};
+  read_positions(s, file.id, o.file, "/PartType0/Coordinates", kind::fluid);
+  read_positions(s, file.id, o.file, "/PartType1/Coordinates", kind::marker);
+  if (s.x.empty()) foundation::fail_file(o.file + ": no /PartType0/Coordinates: not a snapshot of ours");
+  // Positions begin at the box's corner in our snapshots; walls outside belong to the outermost cells.
+  const auto fluid = std::max<std::ptrdiff_t>(std::count(s.kinds.begin(), s.kinds.end(), kind::fluid), 1);
+  s.spacing = std::pow(s.volume() / static_cast<double>(fluid), 1.0 / D);
+}
+
+// Along an axis; what lies outside the box goes to the outermost.
+template <int D>
+std::int64_t bin_along(const scene<D>& s, std::size_t axis, double x) {
+  const auto i = static_cast<std::int64_t>(x / s.length[axis] * static_cast<double>(s.bins[axis]));
+  return std::clamp<std::int64_t>(i, 0, s.bins[axis] - 1);
+}
+
+// visit(bin) for all between two along each axis, these included.
+template <int D, class F>
+void visit_bins(const scene<D>& s, const std::array<std::int64_t, D>& low, const std::array<std::int64_t, D>& high,
+                const F& visit) {
+  const auto along = [&](auto&& self, std::size_t axis, std::int64_t sum) -> void {
+    for (std::int64_t i = low[axis]; i <= high[axis]; ++i)
+      if (axis == 0)
+        visit(static_cast<std::size_t>(sum * s.bins[0] + i));
+      else
+        self(self, axis - 1, sum * s.bins[axis] + i);
+  };
+  along(along, D - 1, 0);
+}
+
+template <int D>
+void sort_into_bins(scene<D>& s, double halo_width) {
+  const double width = halo_width * s.spacing;  // m
+  std::size_t all = 1;
+  for (std::size_t a = 0; a < D; ++a) {
+    s.bins[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(s.length[a] / width), 1, 1 << 20);
+    all *= static_cast<std::size_t>(s.bins[a]);
+  }
+  std::vector<std::size_t> bin(s.size());
+  s.first.assign(all + 1, 0);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    std::int64_t b = 0;
+    for (std::size_t a = D; a-- > 0;) b = b * s.bins[a] + bin_along(s, a, s.x[i][a]);
+    bin[i] = static_cast<std::size_t>(b);
+    ++s.first[bin[i] + 1];
+  }
+  std::partial_sum(s.first.begin(), s.first.end(), s.first.begin());
+  auto next = s.first;
+  std::vector<std::array<double, D>> x(s.size());
+  std::vector<kind> kinds(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const std::size_t to = next[bin[i]]++;
+    x[to] = s.x[i];
+    kinds[to] = s.kinds[i];
+  }
+  s.x.swap(x);
+  s.kinds.swap(kinds);
+}
+
+// Dimension and box of the snapshot o.file. Throws fail_file.
+inline void read_box(distribution_options& o) {
+  const handle file{open_file(o.file), H5Fclose};
+  double dimension = 0.0;
+  read_header(file.id, o.file, "Dimension", 1, &dimension);
+  o.dimension = dimension == 3.0 ? 3 : 2;
+  std::array<double, 3> length{};
+  read_header(file.id, o.file, "BoxLengths", 3, length.data());
+  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a) {
+    if (!(length[a] > 0.0) || !std::isfinite(length[a])) foundation::fail_file(o.file + ": the box has no size");
+    o.length[a] = length[a];
+  }
+}
 
 // Kinds after so many steps; true if any has changed. Only falling blobs change theirs.
 template <int D>
-bool move_blobs(scene<D>& s, const distribution_options& o, std::int64_t steps);
+bool move_blobs(scene<D>& s, const distribution_options& o, std::int64_t steps) {
+  if (s.blobs.empty() || (steps > 0 && o.fall == 0.0)) return false;
+  const double radius = o.blob_radius * o.length[0];
+  auto centres = s.blobs;
+  for (auto& c : centres) {
+    c[1] = std::max(c[1] - o.fall * static_cast<double>(steps), std::min(c[1], radius));
+  }
+  std::vector<kind> kinds(s.size(), kind::fluid);
+  // Only the bins that a blob meets.
+  for (const auto& c : centres) {
+    std::array<std::int64_t, D> low{}, high{};
+    for (std::size_t a = 0; a < D; ++a) {
+      low[a] = bin_along(s, a, c[a] - radius);
+      high[a] = bin_along(s, a, c[a] + radius);
+    }
+    visit_bins<D>(s, low, high, [&](std::size_t bin) {
+      for (std::size_t i = s.first[bin]; i < s.first[bin + 1]; ++i) {
+        double r2 = 0.0;
+        for (std::size_t a = 0; a < D; ++a) r2 += (s.x[i][a] - c[a]) * (s.x[i][a] - c[a]);
+        if (r2 < radius * radius) kinds[i] = kind::metal;
+      }
+    });
+  }
+  const bool changed = kinds != s.kinds;
+  s.kinds.swap(kinds);
+  return changed;
+}
+
+// Throws fail_input (no particle, an unfit snapshot) and fail_file.
+template <int D>
+scene<D> make_scene(const distribution_options& o, double halo_width) {
+  scene<D> s;
+  for (std::size_t a = 0; a < D; ++a) s.length[a] = o.length[a];
+  if (o.kind == "snapshot")
+    read(s, o);
+  else
+    fill(s, o, halo_width);
+  if (s.x.empty()) foundation::fail_input(o.place + "the distribution has none: use more, or a fuller bowl");
+  sort_into_bins(s, halo_width);
+  move_blobs(s, o, 0);
+  return s;
+}
 
 // Cuts with as many particles in each cell, as far as whole particles allow.
 template <int D>
-balance::cuts<D> equal_count_cuts(const scene<D>& s, const std::array<int, D>& counts);
-
-// In [0, 1), the same for the same numbers on any machine [SplitMix64, G. Steele et al., OOPSLA 2014].
-double uniform_at(std::uint64_t seed, std::uint64_t stream, std::uint64_t index);
-double normal_at(std::uint64_t seed, std::uint64_t stream, std::uint64_t index);
+balance::cuts<D> equal_count_cuts(const scene<D>& s, const std::array<int, D>& counts) {
+  auto c = balance::equal_cuts<D>(counts, s.length);
+  std::vector<std::size_t> order(s.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  using iterator = std::vector<std::size_t>::iterator;
+  const auto split = [&](auto&& self, std::size_t axis, std::size_t g, iterator begin, iterator end) -> void {
+    const auto less = [&](std::size_t i, std::size_t j) { return s.x[i][axis] < s.x[j][axis]; };
+    std::sort(begin, end, less);
+    const auto n = static_cast<std::size_t>(end - begin), parts = static_cast<std::size_t>(counts[axis]);
+    double* cut = c.group(axis, g);
+    const auto border = [&](std::size_t k) { return begin + static_cast<std::ptrdiff_t>(n * k / parts); };
+    for (std::size_t k = 1; k < parts; ++k) {
+      const auto at = border(k);
+      if (n == 0) break;  // the cuts stay equal
+      const double above = at == end ? c.group(axis, g)[parts] : s.x[*at][axis];
+      const double below = at == begin ? above : s.x[*(at - 1)][axis];
+      cut[k] = std::clamp(0.5 * (below + above), cut[0], cut[parts]);
+    }
+    if (axis + 1 == D) return;
+    for (std::size_t k = 0; k < parts; ++k) self(self, axis + 1, g * parts + k, border(k), border(k + 1));
+  };
+  split(split, 0, 0, order.begin(), order.end());
+  return c;
+}
 
 }  // namespace tetsuame::virtual_ranks

@@ -3,13 +3,11 @@
     ./run compare [--help]
 
 The pieces, in the order in which a run passes through them:
-    options   the command line
-    cases     which program runs on which input with which settings
-    runner    runs them, several at a time, and tells divergence from a crash
+    study     any comparison, from the command line to the page
+    options   what all command lines have
+    runner    runs the cases, several at a time, and tells divergence from a crash
     results   reads what a program left: summary, residuals, snapshots
-    note      what the note reports, the figures that are compared with
-    table     the tables: terminal, CSV
-    figures   one file a figure
-    prose     the explanation, with the numbers of these runs
-    report    the HTML page
+    hydrostatic (with cases, note, table, prose), convection, shock, rti   the comparisons
+    figures   a file for each of these
+    report    what all pages have
 """

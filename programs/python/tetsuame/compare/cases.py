@@ -19,71 +19,49 @@ NORMALISED_PROGRAMS = ("A",)
 
 
 @dataclass(frozen=True)
-class Case:
-    program: str                 # 'A' … 'F'
-    input: Path
-    variant: str = ""            # '' as the input has it, else what differs, in words
-    settings: tuple[str, ...] = ()
-
-    @property
-    def binary(self) -> str:
-        return f"disph_{self.program.lower()}"
-
-    @property
-    def file(self) -> str:
-        """The input's short name: '11', 'column', …"""
-        return self.input.stem.removeprefix("hydrostatic_")
-
-    @property
-    def label(self) -> str:
-        return f"{self.program} ({self.variant})" if self.variant else self.program
-
-    @property
-    def folder(self) -> str:
-        name = self.binary
-        return f"{self.file}/{name}_{self.variant.replace(', ', '_')}" if self.variant else f"{self.file}/{name}"
-
-
-@dataclass(frozen=True)
 class Run:
-    """A run of one of the other comparisons: a program, an input, a variant of it, a resolution."""
+    """A program on an input, in a variant of it."""
     binary: str
     input: Path
+    file: str                    # what the runs of one problem share, often the input's short name: '11', 'column', …
+    label: str
+    folder: str                  # of its results, below that of the runs
     variant: str                 # in words; '' as the input has it
-    n: int                       # particles along the box
-    settings: tuple[str, ...] = ()
-    case: str = ""               # what the runs of one problem share; '': the input's name
-
-    @property
-    def file(self) -> str:
-        return self.case or self.input.stem
-
-    @property
-    def label(self) -> str:
-        return f"{self.variant}, n = {self.n}" if self.variant else f"n = {self.n}"
-
-    @property
-    def folder(self) -> str:
-        name = re.sub(r"[^A-Za-z0-9]+", "_", self.variant.replace("δ", "delta")).strip("_")
-        return f"{self.file}/{name}_{self.n}" if name else f"{self.file}/{self.n}"
+    settings: tuple[str, ...]
+    n: int = 0                   # particles along the box, where that is varied
+    program: str = ""            # 'A' … 'F'
 
 
-def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[str, ...]) -> list[Case]:
+def of_letter(program: str, path: Path, variant: str, settings: tuple[str, ...]) -> Run:
+    """Of programs A to F."""
+    binary, file = f"disph_{program.lower()}", path.stem.removeprefix("hydrostatic_")
+    folder = f"{file}/{binary}_{variant.replace(', ', '_')}" if variant else f"{file}/{binary}"
+    return Run(binary, path, file, f"{program} ({variant})" if variant else program, folder, variant, settings, program=program)
+
+
+def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, ...], case: str = "") -> Run:
+    """Of the comparisons over resolution. case: '': the input's name"""
+    file, name = case or path.stem, re.sub(r"[^A-Za-z0-9]+", "_", variant).strip("_")
+    return Run(binary, path, file, f"{variant}, n = {n}" if variant else f"n = {n}", f"{file}/{name}_{n}" if name else f"{file}/{n}",
+               variant, settings, n)
+
+
+def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[str, ...]) -> list[Run]:
     """All runs, by input and program. Settings of the command line hold for every run and come
     last: one that chooses the solver leaves nothing for the extra runs to show, so they are dropped."""
     solver_is_given = any(setting.partition("=")[0].strip().lower() == "hosono.solver" for setting in settings)
     cases = []
     for path in inputs:
         for program in programs:
-            base = Case(program, path, "", settings)
+            base = of_letter(program, path, "", settings)
             cases.append(base)
             if program not in ITERATING or solver_is_given:
                 continue
             if base.file in CURED_INPUTS:
-                cases += [Case(program, path, cure, (f"hosono.solver={cure}", *settings)) for cure in CURES]
+                cases += [of_letter(program, path, cure, (f"hosono.solver={cure}", *settings)) for cure in CURES]
             if base.file in NORMALISED_INPUTS:
-                cases.append(Case(program, path, "newton", ("hosono.solver=newton", *settings)))
+                cases.append(of_letter(program, path, "newton", ("hosono.solver=newton", *settings)))
                 if program in NORMALISED_PROGRAMS:
-                    cases.append(Case(program, path, "newton, normalised",
+                    cases.append(of_letter(program, path, "newton, normalised",
                                       ("hosono.solver=newton", "smoothing.normalise=.true.", *settings)))
     return cases

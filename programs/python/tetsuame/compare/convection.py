@@ -7,15 +7,16 @@ from pathlib import Path
 
 from .. import pages
 from . import fit, references, report
-from .cases import Run
+from .cases import Run, of_size
 from .figures import convection as figures
-from .options import find_input
+from .options import find_inputs
 from .results import cost, number
 from .runner import COMPLETED, Outcome
 from .table import verdict
 
 NAME = "convection"
 TITLE = "Convection against known steady states"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
 INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
 QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
@@ -34,14 +35,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    names = [name.strip() for name in given.inputs.split(",")] if given.inputs else QUICK if given.quick else INPUTS
     particles = sorted(set(given.particles or ((16, 20, 24) if given.quick else (16, 24, 32))))
     if particles[0] < 8:
         parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
-    inputs = [find_input(name, root, parser, "", tuple(references.STEADY)) for name in names if name]
-    if len({path.stem for path in inputs}) != len(inputs):
-        parser.error("--inputs: two files of the same name would share one output folder")
-    return [Run("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
+    inputs = find_inputs(given.inputs or (QUICK if given.quick else INPUTS), root, parser, known=tuple(references.STEADY))
+    return [of_size("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
                                             *given.settings)) for path in inputs for n in particles]
 
 
@@ -63,8 +61,7 @@ def measure(outcomes: list[Outcome]) -> dict:
             slope = fit.order([n for n, _ in seen], [v["error"] for _, v in seen],
                               [relative_uncertainty(v) for _, v in seen])
             if slope:
-                orders.append({"case": case, "quantity": name, "order": slope.value, "standard_error": slope.error,
-                               "points": slope.points, "intercept": slope.intercept})
+                orders.append(fit.entry(slope, case=case, quantity=name) | {"intercept": slope.intercept})
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -93,24 +90,24 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     return ["<p>The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
             "uncertainty of the average over time, not the error of the method.</p>",
             "<h2>At a glance</h2>", glance(measured, cases),
-            report.drawn(figures.fields, outcomes, folder / "fields.png",
+            report.drawn(figures.fields(outcomes), folder / "fields.png",
                          "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's "
                          "direction and strength."),
             "<h2>Convergence</h2>",
-            report.drawn(figures.convergence, measured, folder / "convergence.png",
+            report.drawn(figures.convergence(measured), folder / "convergence.png",
                          "Distance from the known value over the number of particles along the height. Bars: uncertainty of the "
                          "average over time. Lines: the fitted order; errors within their bar are open and not in the fit."),
             orders_table(measured),
             "<h2>Measured, and known</h2>", *(case_table(measured, case) for case in cases),
             "<h2>Profiles and the way to the steady state</h2>",
-            report.drawn(figures.profiles, outcomes, folder / "profiles.png",
+            report.drawn(figures.profiles(outcomes), folder / "profiles.png",
                          "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
                          "horizontal velocity along them."),
-            report.drawn(figures.course, outcomes, folder / "course.png",
+            report.drawn(figures.course(outcomes), folder / "course.png",
                          "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
                          "history."),
             "<h2>What it costs</h2>",
-            report.drawn(figures.cost, measured, folder / "cost.png",
+            report.drawn(figures.cost(measured), folder / "cost.png",
                          "Right-hand sides to the steady state, and seconds on one thread; other work on the machine shows in the "
                          "seconds.")]
 
@@ -121,11 +118,9 @@ def glance(measured: dict, cases: list[str]) -> str:
         runs = [one for one in measured["runs"] if one["case"] == case]
         done = [one for one in runs if one["outcome"] == COMPLETED]
         best = done[-1] if done else runs[-1]
-        cells = "".join(f"<td class=\"number\">{text}</td>" for name in CONVERGENCE
-                        for text in (shown(best, name), error(best, name)))
-        rows.append(f"<tr><td class=\"name\">{escape(case)}</td><td class=\"number\">{best['n']}</td>{state(best)}{cells}"
-                    f"<td class=\"number\">{percent(best['heat_imbalance'])}</td>"
-                    f"<td class=\"number\">{count(best['right_hand_sides'])}</td></tr>")
+        values = [text for name in CONVERGENCE for text in (shown(best, name), error(best, name))]
+        values += [percent(best["heat_imbalance"]), count(best["right_hand_sides"])]
+        rows.append(f"<tr>{pages.name(case)}{pages.numbers(best['n'])}{state(best)}{pages.numbers(*values)}</tr>")
     return pages.table(["Case", "n", "Outcome", "Nu", "error", "v_rms (κ/L)", "error", "heat in − out", "right-hand sides"], rows,
                         numbers=frozenset({1, *range(3, 9)}))
 
@@ -137,11 +132,11 @@ def case_table(measured: dict, case: str) -> str:
     known = next((one for one in runs if one["source"]), None)
     rows = ["<tr><td>outcome</td>" + "".join(state(one, 2) for one in runs) + "<td></td></tr>"]
     for name in names:
-        cells = "".join(f"<td class=\"number\">{shown(one, name)}</td><td class=\"number small\">{error(one, name)}</td>" for one in runs)
-        rows.append(f"<tr><td class=\"name\">{SYMBOL[name]}</td>{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
+        cells = "".join(f"{pages.numbers(shown(one, name))}<td class=\"number small\">{error(one, name)}</td>" for one in runs)
+        rows.append(f"<tr>{pages.name(SYMBOL[name])}{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
     for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
                         ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: seconds(one["seconds"]))):
-        rows.append(f"<tr><td class=\"name\">{label}</td>" + "".join(f"<td class=\"number\">{text(one)}</td><td></td>" for one in runs) + "<td></td></tr>")
+        rows.append(f"<tr>{pages.name(label)}{''.join(pages.numbers(text(one)) + '<td></td>' for one in runs)}<td></td></tr>")
     head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
     source = f"<p class=\"small\">Known: {escape(known['source'])}.</p>" if known else \
         "<p class=\"small\">No value known for this case as run.</p>"
@@ -152,8 +147,7 @@ def orders_table(measured: dict) -> str:
     if not measured["orders"]:
         return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
     rows = [f"<tr><td>{escape(one['case'])}</td><td>{SYMBOL[one['quantity']]}</td>"
-            f"<td class=\"number\">{fit.said(fit.Slope(one['order'], one['standard_error'], 0.0, one['points']))}</td>"
-            f"<td class=\"number\">{one['points']}</td></tr>" for one in measured["orders"]]
+            f"{pages.numbers(fit.of_entry(one), one['points'])}</tr>" for one in measured["orders"]]
     return pages.table(["Case", "Quantity", "Order p of |error| ~ n⁻ᵖ", "points"], rows, numbers=frozenset({2, 3})) + \
         ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
          "passes through zero on the way looks small by chance.</p>")
@@ -213,6 +207,5 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
         else:
             lines.append(f"{one['case']:<16}{one['n']:>5}  {one['outcome']}: {one['reason']}")
     for one in measured["orders"]:
-        slope = fit.Slope(one["order"], one["standard_error"], 0.0, one["points"])
-        lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.said(slope)}")
-    return "\n".join(lines)
+        lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.of_entry(one)}")
+    return "\n".join(lines + report.crash_lines(outcomes))

@@ -36,6 +36,15 @@ def order(n: list[int], errors: list[float], uncertainties: list[float] | None =
     return Slope(-found.value, found.error, found.intercept, found.points) if found else None
 
 
+def entry(slope: Slope, **of) -> dict:
+    """Of results.json: what it is the order of, and the order."""
+    return of | {"order": slope.value, "standard_error": slope.error, "points": slope.points}
+
+
+def of_entry(found: dict | None) -> str:
+    return said(Slope(found["order"], found["standard_error"], 0.0, found["points"]) if found else None)
+
+
 def said(slope: Slope | None) -> str:
     """'1.92 ± 0.05', or a dash."""
     if slope is None:

@@ -1,5 +1,4 @@
 """Reads what a program left: fields of summary.json, residuals.csv, the last snapshot."""
-import csv
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,39 +50,26 @@ class Residuals:
 
 def residuals(folder: Path) -> list[Residuals]:
     """All evaluations recorded in residuals.csv, in order."""
-    path = folder / "residuals.csv"
-    if not path.is_file():
-        return []
-    groups: dict[tuple[int, int], list[tuple[int, float]]] = {}
-    with open(path, newline="") as file:
-        rows = csv.reader(file)
-        names = [column.partition(" [")[0] for column in next(rows)]  # without the units
-        for values in rows:
-            row = dict(zip(names, values))
-            key = int(row["step"]), int(row["evaluation"])
-            groups.setdefault(key, []).append((int(row["iteration"]), float(row["residual"])))
+    groups: dict[tuple[int, int], list[tuple[float, float]]] = {}
+    columns = history(folder, "residuals.csv")
+    for step, evaluation, *row in zip(*(columns.get(name, ()) for name in ("step", "evaluation", "iteration", "residual"))):
+        groups.setdefault((int(step), int(evaluation)), []).append(row)
     return [Residuals(step, evaluation, *map(np.array, zip(*rows))) for (step, evaluation), rows in groups.items()]
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """The last state on disk; lengths in m, pressures in Pa, particles along the first axis."""
-    position: np.ndarray
-    pressure: np.ndarray
-    pressure_reference: np.ndarray | None
-    displacement: np.ndarray | None
-    wall_position: np.ndarray
-    length: tuple[float, float]    # of the box
-    spacing: float                 # of the start lattice
-
-
-def fluid(folder: Path) -> dict[str, np.ndarray] | None:
-    """All fields of the fluid in the last state on disk; None if there is none."""
+def fluid(folder: Path, group: str = "PartType0") -> dict[str, np.ndarray] | None:
+    """All fields of the fluid in the last state on disk; None if there is none. Lengths in m, pressures in Pa."""
     names = sorted(folder.glob("snapshot_*.h5"))
     if not names:
         return None
     with h5py.File(names[-1]) as file:
-        return {name: values[:] for name, values in file["PartType0"].items()}
+        return {name: values[:] for name, values in file[group].items()} if group in file else None
+
+
+def lattice(folder: Path) -> tuple[tuple[float, float], float]:
+    """Edges of the box, and spacing of the start lattice (m)."""
+    lengths = tuple(resolved(folder, "domain", key) for key in ("length_x", "length_y"))
+    return lengths, lengths[1] / resolved(folder, "domain", "particles_y")
 
 
 def last_time(folder: Path) -> float:
@@ -92,27 +78,10 @@ def last_time(folder: Path) -> float:
         return float(file["Header"].attrs["Time"])
 
 
-def history(folder: Path) -> dict[str, np.ndarray]:
-    """The columns of history.csv by name, without their units; empty if there is no such file, or no line in it."""
-    path = folder / "history.csv"
+def history(folder: Path, name: str = "history.csv") -> dict[str, np.ndarray]:
+    """The columns of a table by name, without their units; empty if there is no such file, or no line in it."""
+    path = folder / name
     return read_columns(path) if path.is_file() else {}
-
-
-def last_snapshot(folder: Path) -> Snapshot | None:
-    names = sorted(folder.glob("snapshot_*.h5"))
-    if not names:
-        return None
-    lengths = [resolved(folder, "domain", key) for key in ("length_x", "length_y")]
-    spacing = lengths[1] / resolved(folder, "domain", "particles_y")
-    with h5py.File(names[-1]) as file:
-        fluid = file["PartType0"]
-
-        def optional(name):
-            return fluid[name][:] if name in fluid else None
-
-        wall = file["PartType1/Coordinates"][:] if "PartType1/Coordinates" in file else np.empty((0, 3))
-        return Snapshot(fluid["Coordinates"][:], fluid["Pressure"][:], optional("PressureReference"),
-                        optional("Displacement"), wall, tuple(lengths), spacing)
 
 
 def resolved(folder: Path, group: str, key: str) -> float:

@@ -5,15 +5,17 @@ from pathlib import Path
 
 from .. import pages
 from . import fit, report
-from .cases import Run
+from .cases import Run, of_size
 from .convection import percent, seconds
 from .figures import rti as figures
+from .options import chosen
 from .results import cost, history, number
-from .runner import COMPLETED, CRASHED, Outcome
+from .runner import COMPLETED, Outcome
 from .table import stopped_step, verdict
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the schemes' programs and rti on the same layers of metal over silicate: growth and overturn."
 
 # Name -> its program, and what it is.
@@ -47,15 +49,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    names = [name.strip() for name in given.schemes.split(";") if name.strip()] if given.schemes else QUICK if given.quick else SCHEMES
-    for name in names:
-        if name not in SCHEMES:
-            parser.error(f"--schemes: no scheme '{name}' (there are {'; '.join(SCHEMES)})")
+    names = chosen("--schemes", "scheme", given.schemes or ";".join(QUICK if given.quick else SCHEMES), ";", SCHEMES, parser)
     sizes = sorted(set(given.particles or ((24,) if given.quick else (24, 48))))
     overturn = given.overturn or (24 if given.quick else 40)
     if min(*sizes, overturn) < 12:
         parser.error("--particles, --overturn: at least 12")
-    return [run(root, name, case, n, given) for name in dict.fromkeys(names)
+    return [run(root, name, case, n, given) for name in names
             for case, n in [*((GROWTH, n) for n in sizes), (OVERTURN, overturn)]]
 
 
@@ -65,7 +64,7 @@ def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> 
     if case == OVERTURN and name != "rti":
         own.append(OWN_SUPPORT)
     settings = (f"domain.particles_x={n}", f"domain.particles_y={n}", *own, *given.settings)
-    return Run(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case)
+    return of_size(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case)
 
 
 def measure(outcomes: list[Outcome]) -> dict:
@@ -76,8 +75,7 @@ def measure(outcomes: list[Outcome]) -> dict:
         slope = fit.order([one["n"] for one in seen], [one["growth_error"] for one in seen],
                           [one["growth_uncertainty"] / one["growth_theory"] for one in seen])
         if slope:
-            orders.append({"variant": name, "quantity": "growth_rate", "order": slope.value, "standard_error": slope.error,
-                           "points": slope.points})
+            orders.append(fit.entry(slope, variant=name, quantity="growth_rate"))
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -113,17 +111,17 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             f"have Newton's iteration here: the plain one of the note diverges where p &lt; K/2.</p>\n<ul>{methods}</ul>",
             "<h2>Who survives</h2>", outcome_table(measured, names),
             "<h2>Overturn</h2>",
-            report.drawn(figures.states, outcomes, folder / "states.png",
+            report.drawn(figures.states(outcomes), folder / "states.png",
                          "The last state on disk: metal dark, silicate light, at each place the particle nearest to it."),
-            report.drawn(figures.courses, outcomes, folder / "courses.png",
+            report.drawn(figures.courses(outcomes), folder / "courses.png",
                          "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
                          "over their start values. ×: the run stopped."),
             "<h2>Growth</h2>",
-            report.drawn(figures.growth, outcomes, folder / "growth.png",
+            report.drawn(figures.growth(outcomes), folder / "growth.png",
                          "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with compressibility and "
                          "walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some 10 % at any number of "
                          "particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti."),
-            report.drawn(figures.convergence, measured, folder / "convergence.png",
+            report.drawn(figures.convergence(measured), folder / "convergence.png",
                          "Distance of the growth rate from linear theory; bars: uncertainty of the fit."),
             growth_table(measured, names)]
 
@@ -134,10 +132,7 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         growths = [one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH]
         finest = max(growths, key=lambda one: one["n"], default=None)
         over = next((one for one in measured["runs"] if one["variant"] == name and one["case"] == OVERTURN), None)
-        cells = f"<td class=\"name\"><span class=\"key\" style=\"background:{figures.colour(name)}\"></span>{escape(name)}</td>"
-        cells += f"<td class=\"number\">{growth_text(finest)}</td>"
-        cells += outcome_cells(over)
-        rows.append(f"<tr>{cells}</tr>")
+        rows.append(f"<tr>{pages.name(name, figures.colour(name))}{pages.numbers(growth_text(finest))}{outcome_cells(over)}</tr>")
     return pages.table(["Scheme", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
                          "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8})) + \
         "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
@@ -152,15 +147,13 @@ def growth_text(one: dict | None) -> str:
 def outcome_cells(one: dict | None) -> str:
     if one is None:
         return "<td></td>" * 7
-    kind = {COMPLETED: "good", CRASHED: "bad"}.get(one["outcome"], "stop")
     low, high = one["density_ratio"]
     ratio = f"{low:.2f} to {high:.2f}" if low is not None and high is not None else "–"
-    values = [f"{one['time']:.0f} s" if one["time"] is not None else "–"]
-    reason = f"<td>{escape(cause(one['reason']))}</td>"
+    until = f"{one['time']:.0f} s" if one["time"] is not None else "–"
     rest = [f"{one['metal_centroid']:.3f}" if one["metal_centroid"] is not None else "–", ratio,
             f"{one['energy_residual']:.1e}" if one["energy_residual"] is not None else "–", seconds(one["seconds"])]
-    return (f"<td class=\"{kind}\">{escape(one['outcome'])}</td><td class=\"number\">{values[0]}</td>{reason}"
-            + "".join(f"<td class=\"number\">{text}</td>" for text in rest))
+    return (f"<td class=\"{report.state_class(one['outcome'])}\">{escape(one['outcome'])}</td>{pages.numbers(until)}"
+            f"<td>{escape(cause(one['reason']))}</td>{pages.numbers(*rest)}")
 
 
 def cause(reason: str | None) -> str:
@@ -184,10 +177,8 @@ def growth_table(measured: dict, names: list[str]) -> str:
     rows = []
     for name in names:
         runs = {one["n"]: one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH}
-        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in measured["orders"]
-                      if o["variant"] == name), "–")
-        cells = "".join(f"<td class=\"number\">{growth_text(runs.get(n))}</td>" for n in sizes)
-        rows.append(f"<tr><td class=\"name\">{escape(name)}</td>{cells}<td class=\"number\">{slope}</td></tr>")
+        slope = fit.of_entry(next((o for o in measured["orders"] if o["variant"] == name), None))
+        rows.append(f"<tr>{pages.name(name)}{pages.numbers(*(growth_text(runs.get(n)) for n in sizes), slope)}</tr>")
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
     text = f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else ""
     return pages.table(["Scheme", *(f"error, n = {n}" for n in sizes), "order"], rows, numbers=frozenset(range(1, 2 + len(sizes)))) + text
@@ -201,4 +192,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
         centroid = f"{one['metal_centroid']:.3f}" if one["case"] == OVERTURN and one["metal_centroid"] is not None else ""
         lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
                      f"{short(one['reason'])}")
-    return "\n".join(lines)
+    return "\n".join(lines + report.crash_lines(outcomes))

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from .cases import Case, Run
+from .cases import Run
 from .options import Common
 
 COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
@@ -20,7 +20,7 @@ CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 @dataclass(frozen=True)
 class Outcome:
-    case: Case | Run
+    case: Run
     kind: str        # COMPLETED, STOPPED (exit 3: a result), CRASHED
     reason: str      # in words, unless completed
     folder: Path
@@ -28,10 +28,10 @@ class Outcome:
     reused: bool     # the last report's run: nothing it depends on has changed
 
 
-def run_all(cases: list[Case] | list[Run], options: Common) -> list[Outcome]:
+def run_all(cases: list[Run], options: Common) -> list[Outcome]:
     """The outcomes in the order of the cases."""
     progress = Progress(len(cases))
-    outcomes: dict[Case, Outcome] = {}
+    outcomes: dict[Run, Outcome] = {}
     with ThreadPoolExecutor(options.jobs) as pool:
         futures = {pool.submit(run_one, case, options, progress): case for case in cases}
         for future in as_completed(futures):
@@ -42,7 +42,7 @@ def run_all(cases: list[Case] | list[Run], options: Common) -> list[Outcome]:
     return [outcomes[case] for case in cases]
 
 
-def run_one(case: Case | Run, options: Common, progress: "Progress") -> Outcome:
+def run_one(case: Run, options: Common, progress: "Progress") -> Outcome:
     folder = options.output.resolve() / "runs" / case.folder
     program = options.binaries.resolve() / case.binary
     if not program.is_file():
@@ -76,7 +76,7 @@ def run_one(case: Case | Run, options: Common, progress: "Progress") -> Outcome:
     return judge(case, folder, status, False)
 
 
-def judge(case: Case | Run, folder: Path, status: int, reused: bool) -> Outcome:
+def judge(case: Run, folder: Path, status: int, reused: bool) -> Outcome:
     """What the exit status and summary.json together say."""
     try:
         summary = json.loads((folder / "summary.json").read_text())
@@ -115,7 +115,7 @@ def terminal_of(folder: Path) -> Path:
     return folder.with_name(folder.name + ".log")
 
 
-def fingerprint(program: Path, case: Case | Run) -> str:
+def fingerprint(program: Path, case: Run) -> str:
     """Changes with everything the result of a run depends on."""
     digest = hashlib.sha256()
     for part in (program.read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode()):
@@ -140,7 +140,7 @@ class Progress:
         self.terminal = sys.stderr.isatty()
         self.running: list[str] = []
 
-    def started(self, case: Case | Run) -> None:
+    def started(self, case: Run) -> None:
         self.running.append(f"{case.label} on {case.file}")
         self.draw()
 

@@ -9,15 +9,17 @@ import numpy as np
 from .. import pages
 from ..style import SCHEME
 from . import fit, report
-from .cases import Run
+from .cases import Run, of_size
 from .convection import count, percent, seconds
 from .figures import shock as figures
+from .options import chosen
 from .results import cost, fluid, number
 from .runner import COMPLETED, Outcome
 from .table import place, verdict
 
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
+PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
 SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
@@ -60,14 +62,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    tests, schemes = (tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
-                      for text in (given.tests, given.schemes))
-    for name in tests:
-        if name not in TESTS:
-            parser.error(f"--tests: no test '{name}' (there are {', '.join(TESTS)})")
-    for name in schemes:
-        if name not in SCHEMES:
-            parser.error(f"--schemes: no scheme '{name}' (there are {', '.join(SCHEMES)})")
+    tests = chosen("--tests", "test", given.tests, ",", TESTS, parser)
+    schemes = chosen("--schemes", "scheme", given.schemes, ",", SCHEMES, parser)
     if given.particles and min(given.particles) < 8:
         parser.error("--particles: at least 8")
     runs = []
@@ -77,7 +73,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
 
         def run(scheme, n, variant):
             settings = (f"domain.particles_x={n}", f"shock.scheme={scheme}", *test.settings, *given.settings)
-            return Run("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name)
+            return of_size("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name)
 
         runs += [run(scheme, n, scheme) for n in sizes for scheme in schemes]
         if test.refined:
@@ -95,8 +91,7 @@ def measure(outcomes: list[Outcome]) -> dict:
             seen = [one for one in runs if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
             slope = fit.order([one["n"] for one in seen], [one["errors"][name] for one in seen])
             if slope:
-                orders.append({"test": test, "scheme": scheme, "quantity": name, "order": slope.value,
-                               "standard_error": slope.error, "points": slope.points})
+                orders.append(fit.entry(slope, test=test, scheme=scheme, quantity=name))
     return {"study": NAME, "runs": runs, "orders": orders}
 
 
@@ -122,9 +117,7 @@ def row(outcome: Outcome, fine: Outcome | None) -> dict:
 def errors_against(folder: Path, fine: Path) -> dict[str, float]:
     """L1 errors in one dimension against another run: means over the volume, its values interpolated between particles."""
     here, there = fluid(folder), fluid(fine)
-    if here is None or there is None:
-        return {}
-    return l1(here, there)
+    return {} if here is None or there is None else l1(here, there)
 
 
 def l1(here: dict, there: dict) -> dict[str, float]:
@@ -145,15 +138,14 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
              "dissipation comes from (artificial viscosity or Riemann problems).</p>",
              "<h2>At a glance</h2>", glance(measured, tests),
              "<h2>Convergence</h2>",
-             report.drawn(figures.convergence, measured, folder / "convergence.png",
+             report.drawn(figures.convergence(measured), folder / "convergence.png",
                           "Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. Lines: the fitted order.")]
     for test in tests:
         parts += [f"<h2>{escape(test)}: {escape(TESTS[test].about)}</h2>",
-                  report.drawn(lambda data, path, test=test: figures.state(data, test, path), outcomes, folder / f"{test}.png",
-                               figures.caption(outcomes, test)),
+                  report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
                   test_table([one for one in measured["runs"] if one["test"] == test], measured["orders"])]
     parts += ["<h2>What it costs</h2>",
-              report.drawn(figures.cost, measured, folder / "cost.png",
+              report.drawn(figures.cost(measured), folder / "cost.png",
                            "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one "
                            "thread; other work on the machine shows in it.")]
     return parts
@@ -180,7 +172,7 @@ def glance(measured: dict, tests: list[str]) -> str:
             else:
                 best = values[scheme] is not None and least is not None and values[scheme] <= max(1.001 * least, 1e-9)
                 cells += f"<td class=\"number{' good' if best else ''}\">{headline_text(one, name)}</td>"
-        rows.append(f"<tr><td class=\"name\">{escape(test)}</td><td class=\"number\">{finest}</td><td>{headline_name(name)}</td>{cells}</tr>")
+        rows.append(f"<tr>{pages.name(test)}{pages.numbers(finest)}<td>{headline_name(name)}</td>{cells}</tr>")
     return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows,
                         numbers=frozenset({1, *range(3, 3 + len(schemes))})) + \
         "<p class=\"small\">Green: the least error. A run that stopped says why below its test.</p>"
@@ -227,22 +219,18 @@ def test_table(runs: list[dict], orders: list[dict]) -> str:
     for one in sorted(runs, key=lambda r: (SCHEMES.index(r["scheme"]), r["n"])):
         label, colour = SCHEME[one["scheme"]]
         first = " class=\"first\"" if one["n"] == min(r["n"] for r in runs) else ""
-        bad = "good" if one["outcome"] == COMPLETED else "bad" if one["outcome"] == "crashed" else "stop"
         said = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
-        cells = "".join(f"<td class=\"number\">{scientific(one['errors'].get(name))}</td>" for name in errors)
-        slope = next((fit.said(fit.Slope(o["order"], o["standard_error"], 0.0, o["points"])) for o in orders
-                      if o["test"] == one["test"] and o["scheme"] == one["scheme"]), "–")
+        values = [scientific(one["errors"].get(name)) for name in errors]
+        slope = fit.of_entry(next((o for o in orders if (o["test"], o["scheme"]) == (one["test"], one["scheme"])), None))
         last = one["n"] == max(r["n"] for r in runs)
         if errors:
-            cells += f"<td class=\"number\">{slope if last else ''}</td>"
+            values.append(slope if last else "")
         for name in metrics:
             value = one["metrics"].get(name)
-            text = "–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else "")
-            cells += f"<td class=\"number\">{text}</td>"
-        rows.append(f"<tr{first}><td class=\"name\"><span class=\"key\" style=\"background:{colour}\"></span>{label}</td>"
-                    f"<td class=\"number\">{one['n']}</td><td class=\"{bad}\">{escape(said)}</td>{cells}"
-                    f"<td class=\"number\">{scientific(one['energy_drift'])}</td>"
-                    f"<td class=\"number\">{count(one['right_hand_sides'])}</td><td class=\"number\">{seconds(one['seconds'])}</td></tr>")
+            values.append("–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else ""))
+        values += [scientific(one["energy_drift"]), count(one["right_hand_sides"]), seconds(one["seconds"])]
+        rows.append(f"<tr{first}>{pages.name(label, colour)}{pages.numbers(one['n'])}<td class=\"{report.state_class(one['outcome'])}\">{escape(said)}</td>"
+                    f"{pages.numbers(*values)}</tr>")
     names = {"density_l1": "L1 of ρ", "velocity_l1": "L1 of v", "pressure_l1": "L1 of p"}
     head = ["Scheme", "n", "Outcome", *(names[name] for name in errors), *(["order"] if errors else []),
             *(METRICS[name][0] for name in metrics), "energy drift", "right-hand sides", "seconds"]
@@ -261,4 +249,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
             cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
                             for s in SCHEMES)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
-    return "\n".join(lines)
+    return "\n".join(lines + report.crash_lines(outcomes))

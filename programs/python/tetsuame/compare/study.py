@@ -1,57 +1,81 @@
-"""The other comparisons: convection, shocks, metal over silicate. Each subject is a module with
+"""The comparisons: programs A to F, convection, shocks, metal over silicate. Each subject is a module with
 
-    NAME, TITLE, ABOUT
+    NAME, TITLE, PAGE_TITLE, ABOUT, INTRODUCTION, AGAIN    of the command line, the page's head and its end
     add_options(parser), plan(given, root, parser) -> [Run]
     measure(outcomes) -> dict            everything the page says, for results.json
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
     terminal(outcomes, measured) -> str
 """
 import argparse
+import hashlib
 import json
 import math
+from html import escape
 from pathlib import Path
 
-from .. import pages
-from . import convection, options, publish, report, rti, runner, shock
-from .cases import Run
+from .. import ROOT, pages
+from . import convection, hydrostatic, options, report, rti, runner, shock
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
 
 
-def main(name: str, arguments: list[str], root: Path) -> int:
-    subject = SUBJECTS[name]
-    parser = argparse.ArgumentParser(prog=f"./run compare {name}", description=subject.ABOUT,
+def main(arguments: list[str]) -> int:
+    name, arguments = (arguments[0], arguments[1:]) if arguments and arguments[0] in SUBJECTS else ("", arguments)
+    subject = SUBJECTS.get(name, hydrostatic)
+    command = f"./run compare {name}".strip()
+    parser = argparse.ArgumentParser(prog=command, description=subject.ABOUT,
                                      epilog="Exit status: 0 when every run ended as a calculation does (a divergence is a result), "
                                             "1 when a program crashed, 2 for a mistake on this command line.")
     subject.add_options(parser)
-    parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
-    options.add_common(parser, root, f"output/compare/{name}")
+    if name:
+        parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
+    options.add_common(parser, ROOT, f"output/compare/{name}".rstrip("/"))
     given = parser.parse_args(arguments)
-    options.check_common(given, parser)
-    runs: list[Run] = subject.plan(given, root, parser)
+    chosen = options.common(given, parser)
+    runs = subject.plan(given, ROOT, parser)
     if not runs:
         parser.error("nothing to run")
-    chosen = options.Common(**options.common(given))
     chosen.output.mkdir(parents=True, exist_ok=True)
     outcomes = runner.run_all(runs, chosen)
     measured = subject.measure(outcomes)
 
-    def write() -> str:
-        (chosen.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
-        for old in chosen.output.glob("*.png"):
-            old.unlink()
-        parts = [f"<h1>{subject.TITLE}</h1>\n{report.facts(outcomes, chosen.settings)}", report.crashes(outcomes),
-                 *subject.sections(outcomes, measured, chosen.output), report.reasons(outcomes),
-                 f"<h2>To see it again</h2>\n<pre><code>./run compare {name} "
-                 f"{report.escape(' '.join(arguments))}</code></pre>"]
-        return pages.document(subject.TITLE, parts)
-
-    unchanged = publish.page(outcomes, chosen.output, write)
+    # The page is written only when the runs that it shows, or what writes it, have changed.
+    mark, stamp, target = fingerprint(outcomes), chosen.output / "report.stamp", chosen.output / "report.html"
+    unchanged = all(outcome.reused for outcome in outcomes)
+    if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
+        stamp.unlink(missing_ok=True)
+        again = arguments if name else [word for setting in chosen.settings for word in ("--set", setting)]
+        target.write_text(page(subject, outcomes, measured, chosen, " ".join([command, *again])), encoding="utf-8")
+        stamp.write_text(mark)
     print(subject.terminal(outcomes, measured))
+    if unchanged:
+        print("Nothing has changed since these runs; --fresh runs them again.")
+    print(f"Report: {target}")
+    return 1 if any(outcome.kind == runner.CRASHED for outcome in outcomes) else 0  # a crash is none of the results
+
+
+def page(subject, outcomes: list[runner.Outcome], measured: dict | None, chosen: options.Common, again: str) -> str:
+    if measured is not None:
+        (chosen.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
+    for old in chosen.output.glob("*.png"):
+        old.unlink()
+    parts = [pages.head(subject.TITLE, report.facts(outcomes, chosen.settings), subject.INTRODUCTION), report.crashes(outcomes),
+             *subject.sections(outcomes, measured, chosen.output), report.reasons(outcomes),
+             f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{subject.AGAIN}</code></pre>"]
+    return pages.document(subject.PAGE_TITLE, parts)
+
+
+def fingerprint(outcomes: list[runner.Outcome]) -> str:
+    """Changes with the runs that the report shows and with what writes it."""
+    digest = hashlib.sha256()
     for outcome in outcomes:
-        if outcome.kind == runner.CRASHED:
-            print(f"CRASHED: {outcome.case.label} on {outcome.case.file}: {outcome.reason}")
-    return publish.close(outcomes, chosen.output, unchanged)
+        record = runner.record_of(outcome.folder)
+        digest.update(f"{outcome.case.folder} {outcome.kind}".encode())
+        digest.update(record.read_bytes() if record.is_file() else b"-")
+    for source in sorted(Path(__file__).parents[1].rglob("*")):
+        if source.suffix in (".py", ".css"):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()
 
 
 def finite(value):

@@ -1,6 +1,7 @@
 """The tables: what each run gave, for the terminal and as CSV."""
 import csv
 import re
+import sys
 from pathlib import Path
 
 from . import note
@@ -140,7 +141,7 @@ def cell(outcome: Outcome | None) -> str:
     return "completed" if value is None else f"{value:.1e}"
 
 
-def terminal(outcomes: list[Outcome], colour: bool) -> str:
+def terminal(outcomes: list[Outcome], _measured: None) -> str:
     """Programs down, files across, then every crash in full."""
     by_place = {(outcome.case.label, outcome.case.file): outcome for outcome in outcomes}
     columns = files(outcomes)
@@ -151,7 +152,7 @@ def terminal(outcomes: list[Outcome], colour: bool) -> str:
         for name in columns:
             outcome = by_place.get((label, name))
             text = f"{cell(outcome):>16}"
-            red = colour and outcome is not None and outcome.kind == CRASHED
+            red = sys.stdout.isatty() and outcome is not None and outcome.kind == CRASHED
             line += f"\033[31m{text}\033[0m" if red else text
         lines.append(line)
     lines.append("")

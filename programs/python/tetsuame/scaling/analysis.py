@@ -95,15 +95,14 @@ def amdahl(rows: list[dict]) -> list[Amdahl]:
         line = sorted((r for r in strong if r[other] == 1), key=lambda r: r[over])
         if len(line) < 2 or line[0][over] != 1:
             continue
-        one, more = line[0], line[1:]
-        cores = [r[over] for r in more]
+        cores = [r[over] for r in line[1:]]
         rounds = [fraction_of(cores, [u / one_u for u in us])
                   for one_u, *us in zip(*(r["updates_per_second_readings"] for r in line))]
         if len(rounds) >= 4:
             low, _, high = quantiles(rounds, n=4)
         else:
             low, high = min(rounds), max(rounds)
-        found.append(Amdahl(over, median(rounds), low, high, len(more)))
+        found.append(Amdahl(over, median(rounds), low, high, len(cores)))
     return found
 
 

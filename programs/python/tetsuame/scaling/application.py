@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from .. import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED, ROOT
+from .. import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED, ROOT, pages
 from ..reading import Unreadable
 from . import analysis, plan, runner
 
@@ -121,7 +121,7 @@ def study(given: argparse.Namespace) -> None:
 
 
 def report(folder: Path) -> None:
-    from . import figures, model, page  # matplotlib takes a second: not before the study, and not for a refusal
+    from . import page  # matplotlib takes a second: not before the study, and not for a refusal
 
     rows, exchanges = analysis.read(folder)
     print(analysis.as_text(rows))
@@ -130,10 +130,7 @@ def report(folder: Path) -> None:
               "show it; OMP_WAIT_POLICY=passive and OMPI_MCA_mpi_yield_when_idle=1 make it less bad")
     for fit in analysis.amdahl(rows):
         print(f"parallel fraction over {fit.over}: {fit.text}")
-    costs = model.costs_of(rows, exchanges)
-    target = folder / "report.html"
-    target.write_text(page.page(rows, exchanges, costs, figures.draw_all(rows, costs)), encoding="utf-8")
-    print(f"Report: {target}")
+    print(pages.write(folder, page.page(rows, exchanges)))
 
 
 def main(arguments: list[str]) -> int:
@@ -141,13 +138,12 @@ def main(arguments: list[str]) -> int:
     try:
         study(given)
         report(given.output)
+        return COMPLETED
     except (runner.Refused, Unreadable) as problem:
-        print(f"bench --scaling: {problem}", file=sys.stderr)
-        return BAD_INPUT
+        status, said = BAD_INPUT, problem
     except runner.Failed as problem:
-        print(f"bench --scaling: {problem}", file=sys.stderr)
-        return FAILED
+        status, said = FAILED, problem
     except OSError as problem:
-        print(f"bench --scaling: {problem.filename}: {problem.strerror}", file=sys.stderr)
-        return FILE_FAILED
-    return COMPLETED
+        status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
+    print(f"bench --scaling: {said}", file=sys.stderr)
+    return status

@@ -1,4 +1,4 @@
-"""The plots, each as PNG bytes. A plot without data is left out."""
+"""The plots."""
 from .. import style
 from . import model
 from .analysis import base_of
@@ -10,18 +10,27 @@ STAGES = ("lists", "halo", "volume", "walls", "pressure", "gradient", "rates", "
 RANKS = [1 << k for k in range(15)]
 
 
+def of_kind(rows: list[dict], kind: str) -> list[dict]:
+    """By the number of cores."""
+    return sorted((r for r in rows if r["kind"] == kind), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
+
+
+def named(row: dict) -> str:
+    return f"{row['ranks']}×{row['threads']}"
+
+
 def measured(rows: list[dict]):
     """Efficiency with its spread over the rounds, strong and weak."""
     figure, axes = style.panels(2, 2, 3.0)
     for ax, kind in zip(axes, ("strong", "weak")):
-        shown = sorted((r for r in rows if r["kind"] == kind), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
+        shown = of_kind(rows, kind)
         y = [r["efficiency"] for r in shown]
         ax.bar(range(len(shown)), y, width=0.6, color=COLOUR[kind])
         ax.errorbar(range(len(shown)), y, [[r["efficiency"] - r["efficiency_least"] for r in shown],
                                            [r["efficiency_largest"] - r["efficiency"] for r in shown]],
                     linestyle="", color=style.INK, linewidth=1, capsize=3)
         ax.axhline(1.0, color=style.GREY, linewidth=0.8)
-        ax.set_xticks(range(len(shown)), [f"{r['ranks']}×{r['threads']}" for r in shown])
+        ax.set_xticks(range(len(shown)), [named(r) for r in shown])
         ax.set_xlabel("ranks × threads")
         ax.set_title(f"{kind}: {base_of(shown)['particles']:,} particles {'in all' if kind == 'strong' else 'a core'}")
     axes[0].set_ylabel("efficiency")
@@ -30,18 +39,14 @@ def measured(rows: list[dict]):
 
 def stages(rows: list[dict]):
     """Core time of the first rank by stage, per particle: what grows with the cores does not scale. Start included."""
-    shown = sorted((r for r in rows if r["kind"] == "strong"), key=lambda r: (r["ranks"] * r["threads"], r["ranks"]))
-    figure, (ax,) = style.panels(1, 1, 0.5 * len(shown) + 1.2)
+    shown = of_kind(rows, "strong")
+    figure, ax = style.across([named(r) for r in shown], 0.5)
     left = [0.0] * len(shown)
     for name in STAGES:
         value = [1e9 * r["stages"].get(name, 0.0) * r["ranks"] * r["threads"] / (r["steps"] * r["particles"]) for r in shown]
-        ax.barh(range(len(shown)), value, left=left, height=0.68, color=style.STAGE[name], edgecolor="white", linewidth=0.6, label=name)
-        left = [a + b for a, b in zip(left, value)]
-    ax.set_yticks(range(len(shown)), [f"{r['ranks']}×{r['threads']}" for r in shown])
-    ax.invert_yaxis()
-    ax.grid(axis="y", visible=False)
+        left = style.stack(ax, value, left, style.STAGE[name], name)
     ax.set_xlabel("core time per particle and step (ns), lists made once")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    style.legend_beside(ax)
     return figure
 
 
@@ -68,10 +73,3 @@ def prediction(costs: model.Costs, network: model.Network = model.HDR, beside: d
         ax.set_xlabel("ranks, one thread each")
         ax.legend(fontsize=8, loc="lower left")
     return figure
-
-
-def draw_all(rows: list[dict], costs: model.Costs | None) -> dict[str, bytes]:
-    shown = {"measured": measured(rows), "stages": stages(rows)}
-    if costs is not None:
-        shown["prediction"] = prediction(costs)
-    return {name: style.png(figure) for name, figure in shown.items()}

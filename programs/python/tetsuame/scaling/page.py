@@ -1,9 +1,8 @@
 """The HTML page."""
-import time
 from html import escape
 
-from .. import pages
-from . import model
+from .. import pages, style
+from . import figures, model
 from .analysis import amdahl, of_the_machine, ratio
 
 CAPTIONS = {
@@ -14,22 +13,18 @@ CAPTIONS = {
 }
 
 
-def page(rows: list[dict], exchanges: list[dict], costs: model.Costs | None, drawn: dict[str, bytes]) -> str:
-    first = rows[0]
-    facts = [time.strftime("%Y-%m-%d %H:%M"), escape(first["processor"]), f"{first['cores_here']} cores where it was started",
-             f"version {escape(first['version'])}", f"load average {first['load_average']:.1f} at the start"]
-    parts = ["<h1>Scaling</h1>", f"<p class=\"facts\">{' · '.join(facts)}</p>",
-             f"<p>Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. What it means: "
-             "docs/scaling.md.</p>", numbers(rows)]
-    for fit in amdahl(rows):
-        parts.append(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>")
-    for name, png in drawn.items():
-        title, caption = CAPTIONS[name]
-        parts.append(f"<h2>{title}</h2>\n" + pages.figure(png, caption))
-    if costs is not None:
-        parts.append(cost_table(costs))
-    parts.append(exchange_table(exchanges))
-    return pages.document("scaling", parts)
+def page(rows: list[dict], exchanges: list[dict]) -> str:
+    first, costs = rows[0], model.costs_of(rows, exchanges)
+    facts = [escape(first["processor"]), f"{first['cores_here']} cores where it was started", f"version {escape(first['version'])}",
+             f"load average {first['load_average']:.1f} at the start"]
+    drawn = style.draw_all({"measured": figures.measured(rows), "stages": figures.stages(rows),
+                            "prediction": figures.prediction(costs) if costs else None})
+    return pages.document("scaling", [
+        pages.head("Scaling", facts, f"Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. "
+                                     "What it means: docs/scaling.md."), numbers(rows),
+        *(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>" for fit in amdahl(rows)),
+        *(pages.section(CAPTIONS[name][0], pages.figure(png, CAPTIONS[name][1])) for name, png in drawn.items()),
+        cost_table(costs) if costs else "", exchange_table(exchanges)])
 
 
 def numbers(rows: list[dict]) -> str:
@@ -46,13 +41,11 @@ def cost_table(c: model.Costs) -> str:
              [f"a particle of the halo ({c.halo_bytes:.0f} bytes a step)", f"{1e9 * c.halo:.2f} ns"],
              [f"a message; {c.messages:.1f} to each neighbour", f"{1e6 * c.latency:.2f} µs"],
              [f"a collective, for each doubling of the ranks; {c.collectives:.1f} a step", f"{1e6 * c.collective:.2f} µs"]]
-    return "<h2>Costs of the model</h2>\n" + pages.text_table(["What", "Measured"], lines, 1)
+    return pages.section("Costs of the model", pages.text_table(["What", "Measured"], lines, 1))
 
 
 def exchange_table(exchanges: list[dict]) -> str:
     lines = [[str(e["ranks"]), f"{x['particles']:,}", f"{1e6 * x['seconds']:.2f}", f"{1e6 * x['seconds_least']:.2f}"]
              for e in exchanges for x in e["exchanges"]]
-    if not lines:
-        return ""
-    return ("<h2>Exchange of ghosts without physics</h2>\n"
-            + pages.text_table(["Ranks", "Particles", "Median (µs)", "Least (µs)"], lines, 0))
+    made = pages.text_table(["Ranks", "Particles", "Median (µs)", "Least (µs)"], lines, 0)
+    return pages.section("Exchange of ghosts without physics", made) if lines else ""

@@ -15,15 +15,6 @@ from . import convergence as orders
 QUANTITY = {"nusselt_volume": ("Nu", "#D55E00"), "v_rms": ("v_rms", "#0072B2")}
 
 
-def finest(outcomes: list[Outcome]) -> list[Outcome]:
-    """Of each case the completed run with the most particles."""
-    best: dict[str, Outcome] = {}
-    for outcome in outcomes:
-        if outcome.kind == COMPLETED and outcome.case.n >= getattr(best.get(outcome.case.file), "case", outcome.case).n:
-            best[outcome.case.file] = outcome
-    return list(best.values())
-
-
 def by_case(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
     cases: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
@@ -44,6 +35,11 @@ def state(folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray,
         1 / resolved(folder, "domain", "particles_y")
 
 
+def width_of(outcome: Outcome) -> float:
+    """Of the box, over its height."""
+    return resolved(outcome.folder, "domain", "length_x") / resolved(outcome.folder, "domain", "length_y")
+
+
 def with_walls(x, y, T, dx, width):
     """The particles, and points on the walls: fixed temperature below and above, that of the neighbour at the sides."""
     near = {"left": x < 1.1 * dx, "right": x > width - 1.1 * dx, "bottom": y < 1.1 * dx, "top": y > 1 - 1.1 * dx}
@@ -53,11 +49,11 @@ def with_walls(x, y, T, dx, width):
     return np.concatenate(xs), np.concatenate(ys), np.concatenate(Ts)
 
 
-def fields(outcomes: list[Outcome], path: Path) -> bool:
-    states = [(o.case, s, resolved(o.folder, "domain", "length_x") / resolved(o.folder, "domain", "length_y"))
-              for o in finest(outcomes) if (s := state(o.folder)) is not None]
+def fields(outcomes: list[Outcome]):
+    finest = (max(runs, key=lambda o: o.case.n) for runs in by_case(outcomes).values())
+    states = [(o.case, s, width_of(o)) for o in finest if (s := state(o.folder)) is not None]
     if not states:
-        return False
+        return None
     columns = min(3, len(states))
     widest = max(width for *_, width in states)
     figure, axes = style.panels(len(states), columns, 3.5 / max(1.0, 0.75 * widest))
@@ -69,18 +65,12 @@ def fields(outcomes: list[Outcome], path: Path) -> bool:
         ax.tricontour(mesh, pT, levels=np.arange(0.1, 0.95, 0.1), colors="white", linewidths=0.7, alpha=0.85)
         draw_arrows(ax, x, y, v, width)
         ax.set_title(f"{case.file}, n = {case.n}")
-        ax.set_aspect("equal")
-        ax.set_xlim(0, width)
-        ax.set_ylim(0, 1)
-        ax.grid(False)
+        style.as_map(ax, (0, width), (0, 1))
         ax.set_xticks([0, width], ["0", f"{width:g}"])
         ax.set_yticks([0, 1])
         ax.spines[["top", "right"]].set_visible(True)
-    bar = figure.colorbar(image, ax=axes, shrink=0.7, aspect=30, pad=0.015)
-    bar.set_label("(T − T_top)/(T_bottom − T_top)")
-    bar.outline.set_visible(False)
-    style.save(figure, path)
-    return True
+    style.colour_bar(figure, image, axes, "(T − T_top)/(T_bottom − T_top)", shrink=0.7, aspect=30, pad=0.015)
+    return figure
 
 
 def draw_arrows(ax, x, y, v, width, across: int = 11) -> None:
@@ -106,10 +96,10 @@ def level_means(x, y, values, width: float, heights) -> tuple[np.ndarray, np.nda
     return np.asarray(heights), np.ma.mean(there, axis=1)
 
 
-def profiles(outcomes: list[Outcome], path: Path) -> bool:
+def profiles(outcomes: list[Outcome]):
     cases = by_case(outcomes)
     if not cases:
-        return False
+        return None
     figure, axes = style.panels(2 * len(cases), len(cases), 2.7, sharey=True)
     for column, (name, runs) in enumerate(cases.items()):
         above, below = axes[column], axes[column + len(cases)]
@@ -118,7 +108,7 @@ def profiles(outcomes: list[Outcome], path: Path) -> bool:
             if got is None:
                 continue
             x, y, T, v, dx = got
-            width = resolved(outcome.folder, "domain", "length_x") / resolved(outcome.folder, "domain", "length_y")
+            width = width_of(outcome)
             colour = shade(index, len(runs))
             px, py, pT = with_walls(x, y, T, dx, width)
             height, mean = level_means(px, py, pT, width, np.linspace(0, 1, 2 * round(1 / dx) + 1))
@@ -137,14 +127,13 @@ def profiles(outcomes: list[Outcome], path: Path) -> bool:
             if column == 0:
                 ax.set_ylabel("height/L")
         above.legend(fontsize=8, loc="lower left")
-    style.save(figure, path)
-    return True
+    return figure
 
 
-def course(outcomes: list[Outcome], path: Path) -> bool:
+def course(outcomes: list[Outcome]):
     cases = by_case(outcomes)
     if not cases:
-        return False
+        return None
     figure, axes = style.panels(len(cases), 3, 2.5)
     for ax, (name, runs) in zip(axes, cases.items()):
         highest = 1.0
@@ -166,11 +155,10 @@ def course(outcomes: list[Outcome], path: Path) -> bool:
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel("Nu")
         ax.legend(fontsize=8, loc="lower right")
-    style.save(figure, path)
-    return True
+    return figure
 
 
-def convergence(measured: dict, path: Path) -> bool:
+def convergence(measured: dict):
     panels = []
     for case in dict.fromkeys(one["case"] for one in measured["runs"]):
         curves = []
@@ -180,24 +168,21 @@ def convergence(measured: dict, path: Path) -> bool:
             curves.append(orders.Curve(label, colour, [n for n, _ in seen], [abs(v["error"]) for _, v in seen],
                                        [(v["uncertainty"] or 0.0) / v["reference"] for _, v in seen]))
         panels.append((case, curves))
-    return orders.draw(panels, "|measured/known − 1|", path)
+    return orders.draw(panels, "|measured/known − 1|")
 
 
-def cost(measured: dict, path: Path) -> bool:
+def cost(measured: dict):
+    if not any(one["outcome"] == COMPLETED and (one["right_hand_sides"] or one["seconds"]) for one in measured["runs"]):
+        return None
     cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
     figure, axes = style.panels(2, 2, 3.0)
-    drawn = False
     for index, case in enumerate(cases):
         runs = [one for one in measured["runs"] if one["case"] == case and one["outcome"] == COMPLETED]
         colour = list(style.COLOUR.values())[index % len(style.COLOUR)]
         for ax, key in zip(axes, ("right_hand_sides", "seconds")):
             seen = [(one["n"], one[key]) for one in runs if one[key]]
             if seen:
-                drawn = True
                 ax.plot(*zip(*seen), "o-", color=colour, markersize=4, label=case)
-    if not drawn:
-        style.discard(figure)
-        return False
     every = sorted({one["n"] for one in measured["runs"]})
     for ax, label in zip(axes, ("right-hand sides", "seconds, one thread")):
         ax.set_xscale("log")
@@ -207,5 +192,4 @@ def cost(measured: dict, path: Path) -> bool:
         ax.set_xlabel("n")
         ax.set_ylabel(label)
     axes[0].legend(fontsize=8)
-    style.save(figure, path)
-    return True
+    return figure

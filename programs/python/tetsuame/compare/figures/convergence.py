@@ -1,6 +1,5 @@
 """Errors over resolution, with their bars and the fitted order: one panel a quantity or a case."""
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
@@ -18,11 +17,11 @@ class Curve:
     bar: list[float]                   # of each, 0 where there is none
 
 
-def draw(panels: list[tuple[str, list[Curve]]], ylabel: str, path: Path) -> bool:
+def draw(panels: list[tuple[str, list[Curve]]], ylabel: str):
     panels = [(title, [curve for curve in curves if curve.n]) for title, curves in panels]
     panels = [(title, curves) for title, curves in panels if curves]
     if not panels:
-        return False
+        return None
     columns = min(4, len(panels))
     lines = max(len(curves) for _, curves in panels)
     figure, axes = style.panels(len(panels), columns, 2.7 + 0.19 * lines, sharey=len(panels) <= columns)
@@ -47,8 +46,7 @@ def draw(panels: list[tuple[str, list[Curve]]], ylabel: str, path: Path) -> bool
         ax.yaxis.set_minor_formatter(plain if high < 4 * low else some if high < 100 * low else NullFormatter())
         ax.tick_params(axis="y", which="minor", labelsize=7.5)
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(-0.02, -0.2), handlelength=1.2, borderaxespad=0)
-    style.save(figure, path)
-    return True
+    return figure
 
 
 def draw_curve(ax, curve: Curve) -> None:

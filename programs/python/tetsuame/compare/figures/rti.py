@@ -1,6 +1,4 @@
 """The figures of the comparison of schemes on metal over silicate."""
-from pathlib import Path
-
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -49,10 +47,10 @@ def nearest(x, y, values, points: int = 160) -> np.ndarray:
     return np.array(rows, float)
 
 
-def states(outcomes: list[Outcome], path: Path) -> bool:
+def states(outcomes: list[Outcome]):
     runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Metal" in fields]
     if not runs:
-        return False
+        return None
     columns = min(5, len(runs))
     figure, axes = style.panels(len(runs), columns, style.WIDTH / columns * 1.24, sharex=True, sharey=True)
     for ax, (o, fields) in zip(axes, runs):
@@ -65,21 +63,17 @@ def states(outcomes: list[Outcome], path: Path) -> bool:
         said = "complete" if o.kind == COMPLETED else "stopped" if until is None else f"stopped at {until:.0f} s"
         ax.text(0, 1.02, f"t = {last_time(o.folder):.0f} s, {said}", transform=ax.transAxes, fontsize=8,
                 color=style.GREY if o.kind == COMPLETED else "#a1160a")
-        ax.set_aspect("equal")
-        ax.set_xlim(0, 1)
-        ax.set_ylim(0, 1)
+        style.as_map(ax, (0, 1), (0, 1))
         ax.set_xticks([])
         ax.set_yticks([])
-        ax.grid(False)
         ax.spines[["top", "right"]].set_visible(True)
-    style.save(figure, path)
-    return True
+    return figure
 
 
-def courses(outcomes: list[Outcome], path: Path) -> bool:
+def courses(outcomes: list[Outcome]):
     runs = [(o, columns) for o in outcomes if o.case.file == "overturn" and (columns := history(o.folder))]
     if not runs:
-        return False
+        return None
     figure, axes = style.panels(3, 3, 3.6, gridspec_kw=TWO_AND_LEGEND)
     for o, columns in runs:
         t = columns["time"]
@@ -97,15 +91,14 @@ def courses(outcomes: list[Outcome], path: Path) -> bool:
             for ax, quantity in ((axes[0], "centroid"), (axes[1], "density_ratio_max")):
                 cross(ax, stop_of(o, columns["time"][-1]), columns[quantity][-1], o.case.variant)
     legend(axes, "Scheme")
-    style.save(figure, path)
-    return True
+    return figure
 
 
-def growth(outcomes: list[Outcome], path: Path) -> bool:
+def growth(outcomes: list[Outcome]):
     finest = max((o.case.n for o in outcomes if o.case.file == "growth"), default=0)
     runs = [(o, columns) for o in outcomes if o.case.file == "growth" and o.case.n == finest and (columns := history(o.folder))]
     if not runs:
-        return False
+        return None
     figure, axes = style.panels(3, 3, 3.4, gridspec_kw=TWO_AND_LEGEND)
     rates = [rate for o, _ in runs if (rate := number(o.summary, "metrics", "growth_rate_theory"))]
     end = max(columns["time"][-1] for _, columns in runs)
@@ -137,15 +130,14 @@ def growth(outcomes: list[Outcome], path: Path) -> bool:
     for stop in stops:
         cross(axes[0], *stop)
     legend(axes, f"Scheme, n = {finest}")
-    style.save(figure, path)
-    return True
+    return figure
 
 
-def convergence(measured: dict, path: Path) -> bool:
+def convergence(measured: dict):
     panels: dict[str, list] = {}
     for name in dict.fromkeys(one["variant"] for one in measured["runs"]):
         seen = [one for one in measured["runs"] if one["variant"] == name and one["case"] == "growth" and one["growth_error"] is not None]
         if len(seen) > 1:
             panels[name] = [orders.Curve(name, colour(name), [one["n"] for one in seen], [abs(one["growth_error"]) for one in seen],
                                          [one["growth_uncertainty"] / one["growth_theory"] for one in seen])]
-    return orders.draw(list(panels.items()), "|growth rate/theory − 1|", path)
+    return orders.draw(list(panels.items()), "|growth rate/theory − 1|")

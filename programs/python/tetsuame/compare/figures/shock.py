@@ -1,6 +1,4 @@
 """The figures of the comparison of schemes on contacts and shocks."""
-from pathlib import Path
-
 import numpy as np
 from matplotlib import colormaps
 
@@ -21,12 +19,9 @@ def judged_by(test: str) -> str:
 
 def chosen(outcomes: list[Outcome], test: str) -> list[Outcome]:
     """Of each scheme the completed run with the most particles."""
-    best: dict[str, Outcome] = {}
-    for o in outcomes:
-        if o.case.file == test and o.case.variant in ORDER and o.kind == COMPLETED:
-            if o.case.variant not in best or o.case.n > best[o.case.variant].case.n:
-                best[o.case.variant] = o
-    return [best[name] for name in ORDER if name in best]
+    done = [o for o in outcomes if o.case.file == test and o.kind == COMPLETED]
+    by_scheme = ([o for o in done if o.case.variant == name] for name in ORDER)
+    return [max(runs, key=lambda o: o.case.n) for runs in by_scheme if runs]
 
 
 def caption(outcomes: list[Outcome], test: str) -> str:
@@ -37,17 +32,17 @@ def caption(outcomes: list[Outcome], test: str) -> str:
     return f"Every particle at the end, n = {n}; {exact}"
 
 
-def state(outcomes: list[Outcome], test: str, path: Path) -> bool:
+def state(outcomes: list[Outcome], test: str):
     runs = [(o, fields) for o in chosen(outcomes, test) if (fields := fluid(o.folder)) is not None]
     if not runs:
-        return False
+        return None
     if test in MAPS:
-        return maps(runs, path)
+        return maps(runs)
     fine = next((fluid(o.folder) for o in outcomes if o.case.file == test and o.case.variant == "reference" and o.kind == COMPLETED), None)
-    return scatter(runs, fine, test, path)
+    return scatter(runs, fine, test)
 
 
-def maps(runs, path: Path) -> bool:
+def maps(runs):
     every = np.concatenate([fields["Density"] for _, fields in runs])
     low, high = np.quantile(every, [0.005, 0.995])
     if high - low < 1e-6 * high:
@@ -60,17 +55,11 @@ def maps(runs, path: Path) -> bool:
         size = (0.86 * 72 * style.WIDTH / 4 * 0.88 / o.case.n) ** 2
         points = ax.scatter(x, y, c=fields["Density"], s=size * 1.1, vmin=low, vmax=high, cmap=colormaps["cividis"], linewidths=0)
         ax.set_title(style.SCHEME[o.case.variant][0])
-        ax.set_aspect("equal")
-        ax.set_xlim(0, length)
-        ax.set_ylim(0, length)
+        style.as_map(ax, (0, length), (0, length))
         ax.set_xticks([0, length])
         ax.set_yticks([0, length])
-        ax.grid(False)
-    bar = figure.colorbar(points, ax=axes, shrink=0.8, pad=0.01, aspect=22)
-    bar.set_label("density")
-    bar.outline.set_visible(False)
-    style.save(figure, path)
-    return True
+    style.colour_bar(figure, points, axes, "density", shrink=0.8, pad=0.01, aspect=22)
+    return figure
 
 
 def along(fields: dict, centre: np.ndarray | None, swirl: bool, velocities: str = "Velocities") -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +75,7 @@ def along(fields: dict, centre: np.ndarray | None, swirl: bool, velocities: str 
     return r, (unit * v).sum(axis=1)
 
 
-def scatter(runs, fine, test: str, path: Path) -> bool:
+def scatter(runs, fine, test: str):
     figure, axes = style.panels(3 * len(runs), len(runs), 1.95, sharex=True, sharey="row")
     for column, (o, fields) in enumerate(runs):
         dimension = int(resolved(o.folder, "domain", "dimension"))
@@ -121,8 +110,7 @@ def scatter(runs, fine, test: str, path: Path) -> bool:
     for row in range(3):
         frame(axes[row * len(runs):(row + 1) * len(runs)])
     figure.align_ylabels()
-    style.save(figure, path)
-    return True
+    return figure
 
 
 def frame(row) -> None:
@@ -139,7 +127,7 @@ def frame(row) -> None:
             ax.text(0.98, 0.96, f"{outside} outside", transform=ax.transAxes, ha="right", va="top", fontsize=7.5, color=style.GREY)
 
 
-def convergence(measured: dict, path: Path) -> bool:
+def convergence(measured: dict):
     panels = []
     for test in dict.fromkeys(one["test"] for one in measured["runs"]):
         curves, name = [], judged_by(test)
@@ -149,10 +137,10 @@ def convergence(measured: dict, path: Path) -> bool:
                                        [0.0] * len(seen)))
         if any(len(curve.n) > 1 for curve in curves):
             panels.append((test, curves))
-    return orders.draw(panels, "L1 error", path)
+    return orders.draw(panels, "L1 error")
 
 
-def cost(measured: dict, path: Path) -> bool:
+def cost(measured: dict):
     rates: dict[str, dict[str, float]] = {}
     for one in measured["runs"]:
         if one["outcome"] == COMPLETED and one["updates_per_second"]:
@@ -160,19 +148,14 @@ def cost(measured: dict, path: Path) -> bool:
             if one["n"] == finest:
                 rates.setdefault(one["test"], {})[one["scheme"]] = one["updates_per_second"]
     if not rates:
-        return False
-    figure, (ax,) = style.panels(1, 1, 0.3 + 0.42 * len(rates))
+        return None
+    figure, ax = style.across(list(rates), margin=0.3)
     width = 0.8 / len(ORDER)
     for k, (scheme, (label, colour)) in enumerate(style.SCHEME.items()):
         seen = [(row + (k - 0.5 * (len(ORDER) - 1)) * width, found[scheme]) for row, found in enumerate(rates.values()) if scheme in found]
         if seen:
             y, values = zip(*seen)
             ax.barh(y, [value / 1e6 for value in values], height=0.92 * width, color=colour, label=label)
-    ax.set_yticks(range(len(rates)), list(rates))
-    ax.invert_yaxis()
-    ax.grid(axis="y", visible=False)
-    ax.set_axisbelow(True)
     ax.set_xlabel("million particle updates a second")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
-    style.save(figure, path)
-    return True
+    style.legend_beside(ax)
+    return figure

@@ -1,12 +1,38 @@
-"""The pictures. In 3-D the cells are those of the columns along z: their mean time is shown."""
-import matplotlib.pyplot as plt
+"""Pictures of a run of `balance`: the cuts and the ranks' times, and their course. In 3-D the cells are those of the columns along z:
+their mean time is shown."""
+from dataclasses import dataclass
+from pathlib import Path
+
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from .. import style
-from .results import Run
+from . import style
+from .reading import Unreadable, read_columns, read_json
 
 OURS, OTHERS = "#0072B2", {"rcb": "#E69F00", "hsfc": "#CC79A7"}
+
+
+@dataclass
+class Run:
+    history: dict[str, np.ndarray]  # by column, without the unit
+    times: dict[int, np.ndarray]  # s of each rank, by decision
+    cuts: dict[int, list[np.ndarray]]  # by decision: of each axis, groups x (counts + 1), m
+
+
+def read(folder: Path) -> Run:
+    try:
+        summary = read_json(folder / "summary.json", "balance")
+        history, times, cuts = (read_columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
+        total = times["computing"] + times["communication"]
+        decisions = np.unique(times["decision"]).astype(int)
+        by_axis = {}
+        for d in decisions:
+            here = cuts["decision"] == d
+            by_axis[d] = [cuts["position"][here & (cuts["axis"] == a)].reshape(-1, n + 1)
+                          for a, n in enumerate(summary["counts"])]
+        return Run(history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
+    except (OSError, ValueError, KeyError, IndexError) as problem:
+        raise Unreadable(f"{folder}: not the results of a run of balance: {problem}") from problem
 
 
 def cells(run: Run, decision: int) -> tuple[np.ndarray, np.ndarray]:
@@ -30,10 +56,7 @@ def cuts(run: Run):
                                linewidths=min(0.5, 8.0 / np.sqrt(len(corners))))
         drawn.set_clim(0, 2)
         ax.add_collection(drawn)
-        ax.set_xlim(corners[..., 0].min(), corners[..., 0].max())
-        ax.set_ylim(corners[..., 1].min(), corners[..., 1].max())
-        ax.set_aspect("equal")
-        ax.grid(visible=False)
+        style.as_map(ax, *((corners[..., a].min(), corners[..., a].max()) for a in (0, 1)))
         ax.set_xticks([])
         ax.set_yticks([])
         spread = 100 * run.history["spread"][decision]
@@ -61,10 +84,10 @@ def course(run: Run):
     return figure
 
 
-def draw(run: Run, folder) -> list[str]:
-    written = []
-    for name, figure in (("cuts.png", cuts(run)), ("course.png", course(run))):
-        figure.savefig(folder / name, dpi=110)
-        plt.close(figure)
-        written.append(name)
-    return written
+def make(folder: Path) -> str:
+    """Draws; what is said of it."""
+    run = read(folder)
+    paths = {folder / "cuts.png": cuts(run), folder / "course.png": course(run)}
+    for path, figure in paths.items():
+        style.save(figure, path, dpi=110)
+    return " ".join(["Pictures:", *map(str, paths)])

@@ -1,1 +1,0 @@
-"""Pictures of a run of `balance`: the cuts and the ranks' times, and their course."""

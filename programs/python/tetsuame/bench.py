@@ -1,0 +1,232 @@
+"""The page of `./run bench`: reads bench.json, writes report.html beside it."""
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from . import pages, style
+from .reading import Unreadable, read_json
+
+CASES = {"program_c": "program C", "program_f": "program F", "number_density": "number density",
+         "transport": "C with conduction and own viscosities", "ssph": "gas, SSPH", "disph": "gas, DISPH",
+         "gsph": "gas, GSPH", "gdisph": "gas, Godunov DISPH", "remix": "gas, REMIX"}
+
+# In the order of a step; whatever else bench names comes after them.
+STAGES = ("lists", "halo", "volume", "walls", "pressure", "densities", "corrections", "gradient",
+          "gradients", "forces", "rates", "integration", "rest")
+
+COLOUR = {"program_c": "#0072B2", "program_f": "#009E73", "number_density": "#E69F00", "transport": "#CC79A7",
+          "ssph": "#8C8C6E", "disph": "#56B4E9", "gsph": "#A0522D", "gdisph": "#D55E00", "remix": "#6A3D9A"}
+
+
+# Rates of other codes, measured once by the makers of this one on a machine of the same kind: one core, double precision, 2-D with
+# about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler than program C's: the comparison is of
+# orders, not of percents.
+@dataclass(frozen=True)
+class Rate:
+    name: str
+    remark: str
+    low: float    # million particle updates a second and core
+    high: float
+
+
+RATES = (
+    Rate("Fortran convection code", "of the notes' author; gfortran -O3 -march=native, n = 100², about 66 neighbours",
+         0.063, 0.063),
+    Rate("sphcode", "DISPH", 0.126, 0.126),
+    Rate("SWIFT", "pressure–energy SPH, quintic spline, adaptive h", 0.50, 0.50),
+    Rate("LAMMPS", "SPH package, half lists, the simplest physics of these", 2.4, 2.6),
+    Rate("plain loops", "full list, density and force, vectorised by the compiler, no walls", 2.2, 2.2),
+)
+
+
+def read(path: Path) -> list[dict]:
+    measured = read_json(path, "bench")
+    if not isinstance(measured, list) or not measured or not all(isinstance(r, dict) and "name" in r for r in measured):
+        raise Unreadable(f"{path}: holds no measurements; run bench again")
+    return measured
+
+
+def label(result: dict) -> str:
+    return f"{CASES.get(result['name'], result['name'])}, {result['dimension']}-D"
+
+
+def kinds(measured: list[dict]) -> list[tuple[str, int]]:
+    """Name and dimension of every case, in the order measured."""
+    return list(dict.fromkeys((r["name"], r["dimension"]) for r in measured))
+
+
+def choose(measured: list[dict], kind: tuple[str, int], threads: int | None = None) -> list[dict]:
+    """The results of a case by number of particles; all numbers of threads unless one is given."""
+    found = [r for r in measured if (r["name"], r["dimension"]) == kind and threads in (None, r["threads"])]
+    return sorted(found, key=lambda r: (r["particles"], r["threads"]))
+
+
+def fewest_threads(measured: list[dict]) -> int:
+    return min(r["threads"] for r in measured)
+
+
+def typical(measured: list[dict], kind: tuple[str, int], threads: int) -> dict | None:
+    """The result whose number of particles is nearest to 400²: too large for the caches, as runs are."""
+    found = choose(measured, kind, threads)
+    return min(found, key=lambda r: abs(r["particles"] - 160_000)) if found else None
+
+
+def over_particles(measured: list[dict], value, text: str):
+    """One line a case over the number of particles, 2-D left and 3-D right, one thread."""
+    few = fewest_threads(measured)
+    dimensions = sorted({r["dimension"] for r in measured})
+    figure, axes = style.panels(len(dimensions), 2, 3.2)
+    for ax, dimension in zip(axes, dimensions):
+        for kind in kinds(measured):
+            if kind[1] != dimension:
+                continue
+            found = choose(measured, kind, few)
+            ax.plot([r["particles"] for r in found], [value(r) for r in found], marker="o", markersize=4,
+                    color=COLOUR.get(kind[0], style.INK), label=label(found[0]))
+        ax.set_xscale("log")
+        ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
+        ax.set_xlabel("particles")
+        ax.set_title(f"{dimension}-D, {count(few)}")
+        ax.legend(fontsize=8, loc="lower right")
+    axes[0].set_ylabel(text)
+    return figure
+
+
+def count(threads: int) -> str:
+    return "1 thread" if threads == 1 else f"{threads} threads"
+
+
+def rate(measured: list[dict]):
+    return over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"],
+                          "million updates a second and core")
+
+
+def pair(measured: list[dict]):
+    return over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)")
+
+
+def stages(measured: list[dict]):
+    few = fewest_threads(measured)
+    shown = [r for r in (typical(measured, kind, few) for kind in kinds(measured)) if r]
+    names = [*STAGES, *sorted({name for r in shown for name in r["stages"]} - set(STAGES))]
+    figure, ax = style.across([f"{label(r)}, {r['particles']:,}" for r in shown])
+    left = [0.0] * len(shown)
+    for name in names:
+        shares = [100.0 * r["stages"].get(name, 0.0) for r in shown]
+        if not any(shares):
+            continue
+        left = style.stack(ax, shares, left, style.STAGE.get(name, style.GREY), name)
+    ax.set_xlabel(f"share of a step (%), {count(few)}")
+    ax.set_xlim(0, 100)
+    style.legend_beside(ax)
+    return figure
+
+
+def beside_others(measured: list[dict]):
+    ours = typical(measured, ("program_c", 2), fewest_threads(measured))
+    if ours is None:
+        return None
+    names = [rate.name for rate in RATES] + [f"Tetsuame, program C, {ours['particles']:,}"]
+    values = [0.5 * (rate.low + rate.high) for rate in RATES] + [1e-6 * ours["updates_per_second_per_core"]]
+    figure, ax = style.across(names)
+    ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [COLOUR["program_c"]])
+    style.say_at_ends(ax, values, [f"{value:.3g}" for value in values])
+    ax.set_xlabel("million particle updates a second and core, 2-D")
+    return figure
+
+
+def scalar(measured: list[dict]):
+    compared = [r for r in measured if "speedup_over_scalar" in r]
+    if not compared:
+        return None
+    compared.sort(key=lambda r: (r["dimension"], r["particles"], r["threads"]))
+    figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}" for r in compared], 0.3)
+    ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=COLOUR["program_c"])
+    ax.axvline(1.0, color=style.INK, linewidth=0.8)
+    ax.set_xlabel("program C's two sums: time of the scalar loop / time of the pair engine")
+    return figure
+
+
+def threads(measured: list[dict]):
+    few, many = fewest_threads(measured), max(r["threads"] for r in measured)
+    if few == many:
+        return None
+    figure, (ax,) = style.panels(1, 1, 3.4)
+    for kind in kinds(measured):
+        one = {r["particles"]: r for r in choose(measured, kind, few)}
+        largest = max(one, default=None)
+        found = [r for r in choose(measured, kind) if r["particles"] == largest]
+        if len(found) < 2:
+            continue
+        ax.plot([r["threads"] for r in found],
+                [r["updates_per_second"] / one[largest]["updates_per_second"] for r in found], marker="o", markersize=4,
+                color=COLOUR.get(kind[0], style.INK), linestyle="-" if kind[1] == 2 else (0, (4, 2)),
+                label=f"{label(found[0])}, {largest:,}")
+    ax.plot([few, many], [1, many / few], color=style.GREY, linewidth=0.8, label="ideal")
+    ax.set_xticks(sorted({r["threads"] for r in measured}))
+    ax.set_xlabel("threads")
+    ax.set_ylabel(f"speed-up over {count(few)}")
+    style.legend_beside(ax)
+    return figure
+
+
+CAPTIONS = {
+    "others": ("Beside other codes", "Program C with wall correction, lists and integration included, beside the rates "
+               "in the table below. They are not measured in this run."),
+    "rate": ("Rate over size", "A flat line: time per particle does not grow when the arrays no longer fit into caches."),
+    "pair": ("Time per pair", "All of a step's time, divided by the pairs within the kernel's support. Cases with two "
+             "passes over the lists visit each pair twice; it counts once."),
+    "stages": ("Where the time goes", "Shares of a step at the size nearest to 400² particles. Lists: their making, "
+               "spread over {steps} steps. Integration: the integrator's own work on the state."),
+    "scalar": ("Against a scalar loop", "The same two sums over the same list, in turn in the same run; medians of the "
+               "ratios. Both agree to round-off, or bench would have failed."),
+    "threads": ("Threads", "At the largest number of particles of each case; dashed: 3-D."),
+}
+
+
+def other_codes() -> str:
+    rows = [[r.name, r.remark, f"{r.low:g}" if r.low == r.high else f"{r.low:g}–{r.high:g}"] for r in RATES]
+    return (pages.text_table(["Code", "What", "million updates/s per core"], rows, 2)
+            + "\n<p class=\"small\">Measured once by the makers of this code on a machine of the same kind: one core, double "
+            "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler.</p>")
+
+
+def numbers(measured: list[dict]) -> str:
+    rows = []
+    for r in measured:
+        walls = 100.0 * r["stages"].get("walls", 0.0)
+        speedup = r.get("speedup_over_scalar")
+        rows.append([CASES.get(r["name"], r["name"]), f"{r['dimension']}", f"{r['particles']:,}", f"{r['threads']}",
+                     f"{r['neighbours']:.1f}", f"{1e-6 * r['updates_per_second_per_core']:.3g}",
+                     f"{1e-6 * r['pairs_per_second_per_core']:.4g}", f"{r['ns_per_pair']:.2f}",
+                     "" if speedup is None else f"{speedup:.2f}", f"{walls:.1f} %", f"{r['bytes_per_particle']:.0f}",
+                     f"{r['list_bytes_per_particle']:.0f}", f"{r['load_average']:.1f}"])
+    return ("<h2>All numbers</h2>\n"
+            + pages.text_table(["Case", "D", "Particles", "Threads", "Neighbours", "M updates/s per core", "M pairs/s per core",
+                     "ns per pair", "Over scalar", "Walls", "Bytes/particle", "List bytes", "Load"], rows, 1, "wide")
+            + "\n<p class=\"small\">Neighbours: within the kernel's support, a particle. Bytes: all memory in use but the "
+            "lists; ghosts and walls make it large for small boxes. Everything is in bench.json beside this page.</p>")
+
+
+def page(measured: list[dict]) -> str:
+    first = measured[0]
+    load = max(r["load_average"] for r in measured)
+    facts = [escape(str(first["processor"])), f"{first['simd_lanes']} lanes of double", f"version {escape(str(first['version']))}",
+             f"load average up to {load:.1f}"]
+    drawn = style.draw_all({"others": beside_others(measured), "rate": rate(measured), "pair": pair(measured), "stages": stages(measured),
+                            "scalar": scalar(measured), "threads": threads(measured)})
+    parts = [pages.head("Speed of the right-hand side", facts,
+                        "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
+                        "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What "
+                        "bounds the speed: docs/performance.md.")]
+    for name, png in drawn.items():
+        title, caption = CAPTIONS[name]
+        parts.append(pages.section(title, pages.figure(png, caption.format(steps=first["steps_per_list"]))))
+        if name == "others":
+            parts.append(other_codes())
+    return pages.document("speed", [*parts, numbers(measured)])
+
+
+def make(folder: Path) -> str:
+    """Writes report.html; what is said of it."""
+    return pages.write(folder, page(read(folder / "bench.json")))

@@ -1,0 +1,231 @@
+"""The figures of programs A to F. A figure without data to show is none."""
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from ... import style
+from ..results import Residuals, cost_per_step, fluid, lattice, number, representatives, residuals, stages
+from ..runner import COMPLETED, Outcome
+
+# ---- pressure error against depth, from the last snapshots: one panel for each input ----------------------------------
+
+ROUND_OFF = 1e-16  # smaller errors, zero too, are drawn here
+
+
+def by_row(fields: dict, height: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Depth (km) of each row of the start lattice, and the mean relative pressure error in it."""
+    y, reference = fields["Coordinates"][:, 1], fields["PressureReference"]
+    rows = round(height / spacing)
+    row = np.clip(np.floor(y / spacing).astype(int), 0, rows - 1)
+    relative = np.abs(fields["Pressure"] - reference) / np.abs(reference)
+    count = np.bincount(row, minlength=rows)
+    full = count > 0
+    mean = np.bincount(row, relative, minlength=rows)[full] / count[full]
+    depth = height - np.bincount(row, y, minlength=rows)[full] / count[full]
+    return depth / 1e3, np.maximum(mean, ROUND_OFF)
+
+
+def pressure(outcomes: list[Outcome], files: list[str]):
+    curves = {}
+    for file in files:
+        for outcome in representatives(outcomes, file):
+            fields = fluid(outcome.folder)
+            if fields is not None and "PressureReference" in fields:
+                (_, height), spacing = lattice(outcome.folder)
+                curves.setdefault(file, []).append((outcome.case, by_row(fields, height, spacing)))
+    if not curves:
+        return None
+    # One panel more than there are inputs holds the legend.
+    figure, axes = style.panels(len(curves) + 1, 3, 3.1, sharex=True, sharey=True)
+    handles = {}
+    for ax, (file, lines) in zip(axes, curves.items()):
+        for case, (depth, error) in lines:
+            label = f"{case.program} (cured)" if case.variant else case.program
+            handles[label], = ax.plot(error, depth, **style.line(case.program), label=label)
+        ax.set_title(f"File {file}")
+    axes[0].set_xscale("log")
+    axes[0].set_xlim(ROUND_OFF / 3, 1)
+    axes[0].set_ylim(bottom=0)
+    axes[0].invert_yaxis()
+    for ax in axes[:-1]:
+        ax.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1], ["≤ 1e-16", "1e-12", "1e-8", "1e-4", ""])
+        ax.tick_params(labelbottom=True)
+        ax.set_xlabel("mean |p − p_ref| / p_ref in a row")
+        if ax.get_subplotspec().is_first_col():
+            ax.set_ylabel("depth (km)")
+    axes[-1].set_axis_off()
+    axes[-1].legend(handles=[handles[label] for label in sorted(handles)], loc="center left", title="Program",
+                    alignment="left", fontsize=10, labelspacing=0.7)
+    return figure
+
+
+# ---- how far the particles have moved, where nothing should: one map for each program on one input -------------------
+
+SMALLEST, LARGEST = 1e-9, 1e-1  # of the spacing: the range of the colours
+ARROW = 0.85                    # length of the longest arrow, in spacings
+# The darkest part is left out: the arrows are drawn over the colours.
+COLOURS = ListedColormap(colormaps["YlOrBr"](np.linspace(0.1, 0.72, 256)))
+
+
+def displacement(outcomes: list[Outcome], file: str):
+    states = [(outcome, fields) for outcome in representatives(outcomes, file)
+              if (fields := fluid(outcome.folder)) is not None and "Displacement" in fields]
+    if not states:
+        return None
+    figure, axes = style.panels(len(states), 3 if len(states) != 4 else 2, 3.6 if len(states) != 4 else 4.4,
+                                sharex=True, sharey=True)
+    norm = LogNorm(SMALLEST, LARGEST, clip=True)
+    points = None
+    for ax, (outcome, fields) in zip(axes, states):
+        points = draw_map(ax, outcome, fields, norm)
+        if ax.get_subplotspec().is_first_col():
+            ax.set_ylabel("y (km)")
+        if ax.get_subplotspec().is_last_row():
+            ax.set_xlabel("x (km)")
+    style.colour_bar(figure, points, axes, "|displacement| / spacing", shrink=0.75, aspect=30, pad=0.015, extend="both")
+    return figure
+
+
+def draw_map(ax, outcome: Outcome, fields: dict, norm):
+    lengths, spacing = lattice(outcome.folder)
+    position, moved = fields["Coordinates"][:, :2] / 1e3, fields["Displacement"][:, :2]
+    distance = np.hypot(*moved.T) / spacing
+    largest = distance.max()
+    # Tiles that nearly touch, in points squared: the panel is about 2.6 inches for the box and its walls.
+    size = (0.8 * 72 * ax.get_position().width * style.WIDTH * 0.86 / (lengths[0] / spacing + 6.4)) ** 2
+    if (walls := fluid(outcome.folder, "PartType1")) is not None:
+        ax.scatter(*walls["Coordinates"][:, :2].T / 1e3, s=size / 6, marker="s", color="#bdbdbd", linewidths=0)
+    points = ax.scatter(*position.T, s=size, marker="s", c=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS,
+                        linewidths=0)
+    # Below the colours' range the directions are those of round-off.
+    if largest > SMALLEST:
+        arrows = moved / spacing / largest * ARROW * spacing / 1e3
+        longer = distance > 0.05 * largest
+        ax.quiver(*position[longer].T, *arrows[longer].T, angles="xy", scale_units="xy", scale=1,
+                  pivot="mid", color=style.INK, width=0.0035, headwidth=4, headlength=4, headaxislength=3.5)
+    ax.set_title(f"{outcome.case.label}\n", pad=2)
+    said = f"largest: {largest:.1e} spacings" if largest > 0 else "none moved"
+    ax.text(0, 1.015, said, transform=ax.transAxes, fontsize=8.5, color=style.GREY)
+    margin = 3.2 * spacing / 1e3
+    style.as_map(ax, *((-margin, length / 1e3 + margin) for length in lengths))
+    return points
+
+
+# ---- the residual of the Hosono iteration by pass, A and B, beside the growth that theory predicts -------------------
+
+DASHES = {"": "-", "anderson": (0, (5, 2)), "newton": (0, (1, 1.2)), "under_relaxed": (0, (5, 1.5, 1, 1.5))}
+NAMES = {"": "solver as in the input", "anderson": "Anderson", "newton": "Newton", "under_relaxed": "under-relaxed"}
+
+
+def shown(outcome: Outcome) -> Residuals | None:
+    """The evaluation to show: the last one of a run that stopped, else the one with most passes."""
+    histories = residuals(outcome.folder)
+    if not histories:
+        return None
+    return histories[-1] if outcome.kind != COMPLETED else max(histories, key=lambda one: len(one.iteration))
+
+
+def residual(outcomes: list[Outcome], files: list[str]):
+    curves = [(outcome, history) for outcome in outcomes if (history := shown(outcome)) is not None]
+    if not curves:
+        return None
+    shown_files = [file for file in files if any(outcome.case.file == file for outcome, _ in curves)]
+    # One panel more than there are inputs holds the legend.
+    figure, axes = style.panels(len(shown_files) + 1, 3, 2.9)
+    for ax, file in zip(axes, shown_files):
+        for outcome, history in curves:
+            if outcome.case.file == file:
+                draw_line(ax, outcome, history)
+        ax.set_yscale("log")
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+        ax.set_title(f"File {file}")
+        ax.set_xlabel("pass")
+        if ax.get_subplotspec().is_first_col():
+            ax.set_ylabel("largest |ln(Y_new/Y)|")
+    draw_legend(axes[-1], curves)
+    return figure
+
+
+def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
+    variant, stopped = outcome.case.variant, outcome.kind != COMPLETED
+    good = (history.residual > 0) & np.isfinite(history.residual)
+    passes, values = history.iteration[good], history.residual[good]
+    colour = style.COLOUR[outcome.case.program]
+    if stopped and not good[-1]:
+        # p^ <= 0: the logarithm has no value. The mark stands at the upper edge, B's below A's.
+        ax.plot(history.iteration[-1], 0.96 if outcome.case.program == "A" else 0.88, color=colour, marker="x", markersize=7, markeredgewidth=2,
+                transform=ax.get_xaxis_transform())
+    if len(passes) == 0:
+        return
+    # A single value makes no line.
+    ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"),
+            marker="o" if len(passes) == 1 else None, markersize=3.5)
+    if stopped and good[-1]:
+        ax.plot(passes[-1], values[-1], color=colour, marker="x", markersize=7, markeredgewidth=2)
+    growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
+    if not variant and growth is not None and growth > 1:
+        # From the first residual, as many passes as were made, at least two so that the slope is seen.
+        line = np.arange(passes[0], passes[0] + max(len(passes), 2))
+        ax.plot(line, values[0] * growth ** (line - line[0]), color=style.GREY, linewidth=4, alpha=0.35, zorder=1)
+
+
+def draw_legend(ax, curves: list) -> None:
+    ax.set_axis_off()
+    programs = sorted({outcome.case.program for outcome, _ in curves})
+    solvers = list(dict.fromkeys(outcome.case.variant.split(",")[0] for outcome, _ in curves))
+    handles = [Line2D([], [], color=style.COLOUR[name], linewidth=3, label=f"program {name}") for name in programs]
+    handles += [Line2D([], [], color=style.INK, linestyle=DASHES.get(name, "-"), label=NAMES.get(name, name))
+                for name in solvers]
+    handles += [Line2D([], [], color=style.INK, marker="x", linestyle="", markersize=7, markeredgewidth=2,
+                       label="stopped here (upper edge: p̂ ≤ 0)"),
+                Line2D([], [], color=style.GREY, linewidth=4, alpha=0.35, label="theory, × |G| a pass")]
+    ax.legend(handles=handles, loc="center left", fontsize=9.5, labelspacing=0.6, handlelength=2.8)
+
+
+# ---- time a step by stage, for the runs of one input; what treats walls stands out ------------------------------------
+
+WALL = "#CC3311"
+OTHERS = ("#4477AA", "#66A5CC", "#99C7DB", "#8C8C6E", "#B8B38F", "#DDD8B8")
+REST = "#e4e4e4"
+SMALL = 0.01  # of the time of all runs: stages below are not told apart
+
+
+def input_shown(outcomes: list[Outcome], files: list[str]) -> str | None:
+    """The input with most completed runs, the last of equals: cost depends little on the input."""
+    timed = [o.case.file for o in outcomes if o.kind == COMPLETED and cost_per_step(o)]
+    return max(reversed(files), key=timed.count) if timed else None
+
+
+def cost(outcomes: list[Outcome], files: list[str]):
+    file = input_shown(outcomes, files)
+    if file is None:
+        return None
+    runs = [o for o in representatives(outcomes, file) if cost_per_step(o)]
+    total: dict[str, float] = {}
+    for outcome in runs:
+        for name, seconds in stages(outcome).items():
+            total[name] = total.get(name, 0.0) + seconds
+    walls = [name for name in total if name.startswith("wall")]
+    seen = [name for name in total if name not in walls and total[name] > SMALL * sum(total.values())]
+    others = sorted(seen, key=total.get, reverse=True)[:len(OTHERS)]
+
+    figure, ax = style.across([outcome.case.label for outcome in runs], margin=1.3)
+    left = [0.0] * len(runs)
+
+    def segment(name, colour, seconds):
+        """Milliseconds a step, stacked on what stands there."""
+        left[:] = style.stack(ax, [1e3 * value / o.summary["steps"] for value, o in zip(seconds, runs)], left, colour, name)
+
+    if walls:
+        segment("wall correction", WALL, [sum(stages(o).get(name, 0.0) for name in walls) for o in runs])
+    for name, colour in zip(others, OTHERS):
+        segment(name.replace("_", " "), colour, [stages(o).get(name, 0.0) for o in runs])
+    shown = {*walls, *others}
+    segment("everything else", REST, [sum(value for name, value in stages(o).items() if name not in shown) for o in runs])
+    style.say_at_ends(ax, left, [f"{end:.2g} ms" for end in left])
+    ax.set_xlabel("time a step without output (ms), one thread")
+    ax.set_title(f"File {file}")
+    style.legend_beside(ax)
+    return figure

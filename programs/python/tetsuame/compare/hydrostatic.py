@@ -1,0 +1,169 @@
+"""Programs A to F on the note's hydrostatic states: a table, figures and a page that explains them."""
+import argparse
+from html import escape
+from pathlib import Path
+
+from .. import pages, style
+from . import cases, note, prose, report, table
+from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Run
+from .figures import hydrostatic as figures
+from .options import chosen, find_inputs
+from .results import cost_per_step, resolved_text, wall_share
+from .runner import COMPLETED, Outcome
+from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, verdict
+
+NAME = ""
+TITLE = "Programs A to F on hydrostatic states"
+PAGE_TITLE = "programs A to F compared"
+ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
+        "Other comparisons: ./run compare convection, shock, rti (each with --help)."
+terminal = table.terminal
+INTRODUCTION = "Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should " \
+               "move. What moves, or departs from the known pressure, is error."
+AGAIN = "\nbuild/programs/disph_a inputs/hydrostatic_13.nml --set hosono.solver=newton --output output/a_newton"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--programs", default=",".join(PROGRAMS), metavar="A,C,F", help="programs to run (default: all six)")
+    parser.add_argument("--inputs", default=",".join(SHIPPED_INPUTS), metavar="NAME,…",
+                        help="11, 12, 13, 13_linear, column, or paths of namelists (default: %(default)s)")
+
+
+def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
+    programs = chosen("--programs", "program", given.programs.upper(), ",", PROGRAMS, parser)
+    inputs = find_inputs(given.inputs, root, parser, "hydrostatic_")
+    if not programs or not inputs:
+        parser.error("nothing to run: --programs and --inputs need at least one name each")
+    return cases.plan(programs, tuple(inputs), tuple(given.settings))
+
+
+def measure(outcomes: list[Outcome]) -> None:
+    """Its numbers are in table.csv."""
+
+
+def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str]:
+    table.write_csv(outcomes, folder / "table.csv")
+    shown = files(outcomes)
+    return [overview(outcomes), beside_the_note(outcomes),
+            section("Why the plain iteration diverges", prose.iteration(outcomes)),
+            report.drawn(figures.residual(outcomes, shown), folder / "residual.png",
+                         "Residual of the iteration by pass. Plain runs are shown in the evaluation that diverged (×: last value), the others "
+                         "in the one with most passes. Broad grey: the growth |G| = (κ − 1)(1 − S_min) from the first residual."),
+            section("A limit that no solver removes", prose.limit(outcomes)),
+            section("What the walls do", prose.walls(outcomes)),
+            report.drawn(figures.pressure(outcomes, shown), folder / "pressure.png",
+                         "Relative pressure error of the last snapshot, mean over each row of particles. Runs that stopped are not shown; A and B "
+                         "are shown with the first solver that completes."),
+            displacements(outcomes, folder),
+            section("What it costs", prose.cost(outcomes)),
+            report.drawn(figures.cost(outcomes, shown), folder / "cost.png",
+                         "Time a step by stage; A and B with the first solver that completes."),
+            all_runs(outcomes)]
+
+
+def section(title: str, paragraphs: list[str]) -> str:
+    return f"<h2>{title}</h2>\n" + "\n".join(f"<p>{text}</p>" for text in paragraphs)
+
+
+# Displacement maps that show what file 13's show, only smaller or alike: folded when others are there.
+FOLDED = {"11", "12", "13_linear"}
+
+
+def displacements(outcomes: list[Outcome], folder: Path) -> str:
+    text = "File {}: displacement from the start, which should be zero. Colour: its size on one scale for all; arrows: its direction, " \
+           "the longest of each map drawn equally long, none where it is round-off; grey: wall particles."
+    blocks = {file: report.drawn(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
+              for file in files(outcomes)}
+    fold = any(block and file not in FOLDED for file, block in blocks.items())
+    return "\n".join(f"<details><summary>Displacement, file {escape(file)}</summary>\n{block}</details>" if fold and file in FOLDED else block
+                     for file, block in blocks.items() if block)
+
+
+def program_cell(label: str) -> str:
+    return pages.name(label, style.COLOUR[label[0]])
+
+
+def overview(outcomes: list[Outcome]) -> str:
+    by_place = {(o.case.label, o.case.file): o for o in outcomes}
+    columns, rows = files(outcomes), []
+    for label in labels(outcomes):
+        described = note.TABLE_1[label[0]]
+        method = "" if "(" in label else ", ".join(
+            part for part in (described.volume, f"walls {described.wall}", described.gradient, described.remark) if part)
+        row = program_cell(label) + f"<td>{method}</td>"
+        for name in columns:
+            outcome = by_place.get((label, name))
+            kind = f" {report.state_class(outcome.kind)}" if outcome else ""
+            row += f"<td class=\"number{kind}\">{escape(cell(outcome))}</td>"
+        rows.append(f"<tr>{row}</tr>")
+    return ("<h2>At a glance</h2>\n"
+            + pages.table(["Program", "Method", *(f"File {escape(name)}" for name in columns)], rows,
+                    numbers=frozenset(range(2, 2 + len(columns))))
+            + "\n<p class=\"small\">Green: completed, with the mean of |p − p_ref|/p_ref at the end. Yellow: stopped by the program's "
+            "own checks, with step/iteration. Red: the program crashed.</p>")
+
+
+def beside_the_note(outcomes: list[Outcome]) -> str:
+    ours = [outcome for outcome in outcomes if entry_of(outcome) is not None]
+    if not ours:
+        return ""
+    rows, last_file = [], None
+    for outcome in ours:
+        rows.append(row_beside_the_note(outcome, outcome.case.file != last_file))
+        last_file = outcome.case.file
+    return ("<h2>Table 2 of the note, beside ours</h2>\n"
+            + pages.table(["Program", "File", "Δt (s)", "p (Pa)", "Iteration", "The note", "These runs", "same outcome",
+                           "same step and iteration", "mean pressure error", "max displacement/Δx"], rows, "wide",
+                          numbers=frozenset({2, 3, 9, 10}))
+            + f"\n<p class=\"small\">Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
+            "The note gives no figures for the errors but “1 % without boundary correction, 0.1 % or less with it”. The files' "
+            "names are the note's. Iteration: the solver and the tolerance of these runs.</p>\n"
+            + "\n".join(f"<p>{text}</p>" for text in prose.beside_the_note(ours)))
+
+
+def row_beside_the_note(outcome: Outcome, first_of_file: bool) -> str:
+    entry = entry_of(outcome)
+    said = verdict(outcome)
+    ours = "completes" if outcome.kind == COMPLETED else \
+        f"{'diverges' if said == 'diverged' else said}{', ' + place(outcome) if place(outcome) else ''}"
+    return (f"<tr{' class=' + chr(34) + 'first' + chr(34) if first_of_file else ''}>{program_cell(outcome.case.program)}"
+            f"<td>{escape(outcome.case.file)}</td>"
+            f"{pages.numbers(entry.dt, entry.pressure)}<td>{escape(iteration_of(outcome))}</td>"
+            f"<td>{note_says(outcome)}</td><td class=\"{report.state_class(outcome.kind)}\">{escape(ours)}</td>"
+            f"<td>{agreement(outcome)}</td><td>{agreement_in_place(outcome) or ''}</td>"
+            f"{pages.numbers(*(scientific(error(outcome, what)) for what in ('pressure_mean', 'displacement_max_over_dx')))}</tr>")
+
+
+def iteration_of(outcome: Outcome) -> str:
+    """'plain, 1e-12' of a program that iterates."""
+    if outcome.case.program not in ITERATING:
+        return ""
+    try:
+        return ", ".join(resolved_text(outcome.folder, "hosono", key) for key in ("solver", "tolerance"))
+    except (OSError, KeyError):  # a program that crashed may have left nothing
+        return ""
+
+
+def scientific(value: float | None) -> str:
+    return "" if value is None else "0" if value == 0 else f"{value:.1e}"
+
+
+def all_runs(outcomes: list[Outcome]) -> str:
+    rows, last_file = [], None
+    for o in outcomes:
+        # The time of a step and its shares mean something only over many steps.
+        share, cost = (wall_share(o), cost_per_step(o)) if o.kind == COMPLETED else (None, None)
+        values = [*(scientific(error(o, name)) for name in
+                    ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
+                  "" if cost is None else f"{1e3 * cost:.2g}", "" if share is None else f"{100 * share:.0f} %"]
+        where = f", {place(o)}" if place(o) else ""
+        first = " class=\"first\"" if o.case.file != last_file else ""
+        last_file = o.case.file
+        rows.append(f"<tr{first}><td>{escape(o.case.file)}</td>{program_cell(o.case.label)}"
+                    f"<td class=\"{report.state_class(o.kind)}\">{escape(verdict(o) + where)}</td>"
+                    f"{pages.numbers(*values)}</tr>")
+    return ("<h2>All runs</h2>\n"
+            + pages.table(["File", "Program", "Outcome", "p error, mean", "p error, max", "ρ error, max",
+                     "moved/Δx, max", "ms/step", "walls"], rows, "wide", frozenset(range(3, 9)))
+            + "\n<p class=\"small\">Errors are relative; walls: their share of the time. With more columns: table.csv "
+            "beside this page; every run's output: the folder runs.</p>" )
