@@ -23,7 +23,7 @@ void declare(namelist::schema& schema, material_options& o) {
   schema.add("material", "bulk_modulus", o.bulk_modulus, positive("Pa", "K_0; sound runs at sqrt(K_0/rho_0)"));
 }
 
-void declare(namelist::schema& schema, relaxation_options& o) {
+void declare(namelist::schema& schema, choice& o) {
   schema.group("relaxation", "slowed sound (RSST) and inertia (VIM)");
   schema.add("relaxation", "method", o.method,
              {.choices = {"auto", "none", "rsst", "vim", "rsst_vim"},
@@ -76,21 +76,6 @@ fluid_layer layer(const namelist::schema& schema, const options& o, double heigh
           o.g,
           m.expansivity,
           m.bulk_modulus};
-}
-
-choice wanted(const relaxation_options& o) {
-  choice c;
-  if (o.method == "none") c.how = method::none;
-  if (o.method == "rsst") c.how = method::rsst;
-  if (o.method == "vim") c.how = method::vim;
-  if (o.method == "rsst_vim") c.how = method::rsst_vim;
-  c.boundary_layers = o.boundary_layers;
-  c.later_rule = o.rule == "later";
-  c.mach = o.mach;
-  c.phi_xi = o.phi_xi;
-  c.zeta = o.zeta;
-  c.xi = o.xi;
-  return c;
 }
 
 }  // namespace tetsuame::relaxation

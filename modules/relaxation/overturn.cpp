@@ -2,7 +2,6 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <relaxation/overturn.hpp>
-#include <relaxation/search.hpp>
 
 namespace tetsuame::relaxation {
 

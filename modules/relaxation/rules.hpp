@@ -25,19 +25,16 @@ struct rule {
 // Every rule of the note and the later one, in the note's order. phi_xi as in choice.
 std::vector<rule> all_rules(const fluid_layer& f, double phi_xi);
 
-enum class method { none, rsst, vim, rsst_vim };
-
 struct choice {
-  std::optional<method> how = std::nullopt;  // not given: rsst_vim where the Stokes speed is the slower one, else rsst
-  bool boundary_layers = true;               // the wider bounds
-  bool later_rule = false;                   // [S1b] instead of [S1]
-  double mach = 0.1;                         // V/c_eff, the factor below the bound
-  double phi_xi = 0.5;                       // xi below its bound
+  std::string method = "auto";        // rsst_vim where the Stokes speed is the slower one, else rsst; or one of these
+  std::string rule = "slower_speed";  // of [S1]; "later": of [S1b]
+  bool boundary_layers = true;        // the wider bounds
+  double mach = 0.1, phi_xi = 0.5;    // V/c_eff, the factor below the bound; xi below its bound
   std::optional<double> zeta = std::nullopt, xi = std::nullopt;  // given: taken as they are
 };
 
 struct recommendation {
-  method how;
+  std::string how;  // none, rsst, vim, rsst_vim
   double zeta, xi;
   std::string zeta_rule, xi_rule;  // source of the rule that set it, or "given", "not slowed", "at least 1"
   bool layers;                     // boundary layers were counted on
@@ -52,7 +49,5 @@ struct recommendation {
 
 // zeta and xi are never below 1: slowed is what they are for. fail_input if one given is below 1.
 recommendation recommend(const fluid_layer& f, const choice& wanted);
-
-const char* name(method m);
 
 }  // namespace tetsuame::relaxation

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <relaxation/search.hpp>
 #include <relaxation/steps.hpp>
 
 namespace tetsuame::relaxation {

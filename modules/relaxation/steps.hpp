@@ -45,4 +45,16 @@ std::int64_t largest_n_in_steps(const fluid_layer& f, const recommendation& r, d
 std::int64_t largest_n_in_seconds(const fluid_layer& f, const recommendation& r, int dimension, double volume_ratio,
                                   double fraction, const cost& c, double seconds);
 
+// The largest n in 1 … 10^9 that is affordable, where affordable(n) is true up to some n and false
+// beyond it; 0 if none is.
+template <class Test>
+std::int64_t largest_that(Test affordable) {
+  std::int64_t below = 0, above = 1'000'000'001;
+  while (above - below > 1) {
+    const std::int64_t middle = below + (above - below) / 2;
+    (affordable(middle) ? below : above) = middle;
+  }
+  return below;
+}
+
 }  // namespace tetsuame::relaxation
