@@ -27,57 +27,59 @@ double spacing_of(const options& o, double rho, double rho_lattice) {
 }
 
 // Two half boxes; as many particles in all as the lattice has.
-setup riemann_tube(const options& o) {
+setup two_halves(const options& o, std::function<state(const point&, double t)> exact, numbers known) {
   const auto& s = o.shock;
   const point end = o.domain.length;
   const double middle = 0.5 * end[0], mean = 0.5 * (s.rho_l + s.rho_r);
   setup t;
   t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.rho_l, mean)),
               lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.rho_r, mean))};
-  if (o.any_eos()) {
-    struct materials {
-      eos::caloric l, r;
-      riemann::general_tube tube;
-      explicit materials(const shock_options& q)
-          : l(eos_of(q.eos_l)),
-            r(eos_of(q.eos_r)),
-            tube({&l, q.rho_l, q.u_l, *q.temperature_l}, {&r, q.rho_r, q.u_r, *q.temperature_r}) {}
-    };
-    const auto both = std::make_shared<const materials>(s);
-    const auto& tube = both->tube;
-    t.exact = [both, s, middle](const point& x, double time) {
-      const double xi = (x[0] - middle) / time;
-      const bool left = time > 0.0 ? both->tube.on_left(xi) : x[0] < middle;
-      if (!(time > 0.0)) return left ? state{s.rho_l, s.p_l, {s.u_l}, 0} : state{s.rho_r, s.p_r, {s.u_r}, 1};
-      const auto w = both->tube.at(xi);
-      return state{w.rho, w.p, {w.v}, left ? 0 : 1};
-    };
-    t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
-    t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
-      return std::abs(x[0] - middle) <= width;
-    };
-    const auto &l = tube.star_l(), &r = tube.star_r();
-    t.known = {{"p_star", l.p},
-               {"u_star", l.v},
-               {"rho_star_l", l.rho},
-               {"rho_star_r", r.rho},
-               {"temperature_star_l", both->l.temperature(l.rho, l.u)},
-               {"temperature_star_r", both->r.temperature(r.rho, r.u)}};
-    return t;
-  }
-  const exact::shock_tube tube({s.rho_l, s.u_l, s.p_l, *s.gamma_l, s.p_infinity_l},
-                               {s.rho_r, s.u_r, s.p_r, *s.gamma_r, s.p_infinity_r});
-  t.exact = [=](const point& x, double time) {
-    const auto w = tube.at(x[0] - middle, time);
-    return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
-  };
-  t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
+  t.start = [exact](const point& x) { return exact(x, 0.0); };
   t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
     return std::abs(x[0] - middle) <= width;
   };
-  const auto& b = tube.between();
-  t.known = {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}};
+  t.exact = std::move(exact);
+  t.known = std::move(known);
   return t;
+}
+
+setup tube_of_gases(const options& o) {
+  const auto& s = o.shock;
+  const exact::shock_tube tube({s.rho_l, s.u_l, s.p_l, *s.gamma_l, s.p_infinity_l},
+                               {s.rho_r, s.u_r, s.p_r, *s.gamma_r, s.p_infinity_r});
+  const auto at = [=, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+    const auto w = tube.at(x[0] - middle, time);
+    return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
+  };
+  const auto& b = tube.between();
+  return two_halves(o, at, {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}});
+}
+
+// With equations of state.
+setup tube_of_materials(const options& o) {
+  struct materials {
+    eos::caloric l, r;
+    riemann::general_tube tube;
+    explicit materials(const shock_options& q)
+        : l(eos_of(q.eos_l)),
+          r(eos_of(q.eos_r)),
+          tube({&l, q.rho_l, q.u_l, *q.temperature_l}, {&r, q.rho_r, q.u_r, *q.temperature_r}) {}
+  };
+  const auto both = std::make_shared<const materials>(o.shock);
+  const auto at = [both, s = o.shock, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+    if (!(time > 0.0)) return x[0] < middle ? state{s.rho_l, s.p_l, {s.u_l}, 0} : state{s.rho_r, s.p_r, {s.u_r}, 1};
+    const double xi = (x[0] - middle) / time;
+    const auto w = both->tube.at(xi);
+    return state{w.rho, w.p, {w.v}, both->tube.on_left(xi) ? 0 : 1};
+  };
+  const auto &l = both->tube.star_l(), &r = both->tube.star_r();
+  return two_halves(o, at,
+                    {{"p_star", l.p},
+                     {"u_star", l.v},
+                     {"rho_star_l", l.rho},
+                     {"rho_star_r", r.rho},
+                     {"temperature_star_l", both->l.temperature(l.rho, l.u)},
+                     {"temperature_star_r", both->r.temperature(r.rho, r.u)}});
 }
 
 double distance(const point& a, const point& b) {
@@ -342,15 +344,13 @@ trace wave_amplitude(double k, std::vector<double> heights) {
 
 // Least squares of ln amplitude between one and two growth times, when what else was in the start has died away.
 std::optional<double> measured_growth(const samples& all, double expected) {
-  double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
-  for (const auto& line : all) {
-    if (line[0] < 1.0 / expected || line[0] > 2.0 / expected) continue;
-    if (!(line[1] > 0.0)) return std::nullopt;
-    const double a = std::log(line[1]);
-    n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
+  fitted_line line;
+  for (const auto& sample : all) {
+    if (sample[0] < 1.0 / expected || sample[0] > 2.0 / expected) continue;
+    if (!(sample[1] > 0.0)) return std::nullopt;
+    line.add(sample[0], std::log(sample[1]));
   }
-  if (n <= 2.0) return std::nullopt;
-  return (n * ta - t1 * a1) / (n * tt - t1 * t1);
+  return line.n > 2.0 ? std::optional(line.slope()) : std::nullopt;
 }
 
 // A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.
@@ -432,7 +432,7 @@ setup make_setup(const options& o) {
   if (test == "blasts") return blasts(o);
   if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
   if (test == "rayleigh_taylor") return rayleigh_taylor(o);
-  return riemann_tube(o);
+  return o.any_eos() ? tube_of_materials(o) : tube_of_gases(o);
 }
 
 }  // namespace tetsuame::gas

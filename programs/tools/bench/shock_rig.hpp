@@ -8,7 +8,6 @@
 #include <bench/turns.hpp>
 #include <gas/rates.hpp>
 #include <gas/start.hpp>
-#include <gas/steps.hpp>
 #include <integrators/explicit_integrator.hpp>
 
 namespace tetsuame::bench {
