@@ -36,11 +36,8 @@ struct layered_flow {
   std::vector<double> jumps;
 };
 
-// Displacement eta and pressure of the moving fluid P (Lagrangian) of a wave exp[ik(x - ct)] obey
-// (derived here; adiabatic, linear)
-//   eta' = g eta/(U-c)^2 + P {1/[rho (U-c)^2] - 1/(gamma p)}
-//   P'   = rho [k^2 (U-c)^2 - g^2/(U-c)^2] eta - g P/(U-c)^2,
-// both continuous where rho and U jump. With g = 0, gamma infinite this is Rayleigh's equation.
+// Displacement and pressure of the moving fluid of a wave exp[ik(x - ct)] obey the two equations of
+// docs/theory/riemann.md, "Waves on layers".
 // The fastest growing mode, c with the largest Im c that searches from a net of guesses find
 // (Howard's semicircle, widened by sqrt(g/k)); 0 if none grows faster than 1e-6 of the net's
 // width. Growth rate: k Im c.

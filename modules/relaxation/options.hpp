@@ -1,9 +1,5 @@
-// The input of a convection problem, for programs that plan it and programs that run it:
-//   &material    density, expansivity, heat_capacity, conductivity, viscosity, bulk_modulus
-//   &gravity     g
-//   &walls       temperature_bottom, temperature_top and the rest: declared by module walls
-//   &relaxation  method, zeta, xi, rule, boundary_layers, mach, phi_xi
-// The diffusivities are kappa = k/(rho c_p) and nu = eta/rho.
+// The input of a convection problem, for programs that plan it and programs that run it: &material, &gravity,
+// &relaxation. The diffusivities are kappa = k/(rho c_p) and nu = eta/rho.
 #pragma once
 
 #include <namelist/schema.hpp>

@@ -1,8 +1,5 @@
-// How many steps a metal layer takes to sink through silicate, if sound is not slowed but damped by an
-// artificial viscosity [S0, section 2: K. Shobuzako, note of 17 May 2022 (in Japanese)]:
-//   dt_CFL = dx/c (9),  dt_mom = rho_min dx^2/eta (10),  dt_heat = rho_min c_p dx^2/k (11)
-//   dt_CFL = dt_mom, so that sound dies at once:  eta = c rho_min dx (18)
-//   V = dx^2 Delta_rho g/(2 eta) (16),  tau = L/V (17),  N = tau/dt_CFL = 2 c^2 rho_min n^2/(L Delta_rho g) (20)
+// How many steps a metal layer takes to sink through silicate, if sound is not slowed but damped by an artificial
+// viscosity; numbers are those of [S0], docs/theory/relaxation.md.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,5 @@
-// Time steps of slowed convection and how many of them show it:
-//   dt <= C min( zeta xi dx/c_0, xi^2 dx^2/(2 nu), dx^2/(2 kappa) )          [S1 (70)-(72), (81), (106)]
-//   tau = L/V, N = tau/dt                                                     [S1 (79), (104)]
-// which for RSST at Mach M is N = n/(C M), (80), and for RSST-VIM bound by momentum without layers
-// 2 n^2/(C phi_xi^2), (105).
+// Time steps of slowed convection and how many of them show it (docs/theory/relaxation.md):
+//   dt <= C min( zeta xi dx/c_0, xi^2 dx^2/(2 nu), dx^2/(2 kappa) ),  tau = L/V,  N = tau/dt
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,7 @@
 // The two sides of a Riemann problem. Each is a stiffened gas of its own,
 //   p = (gamma - 1) rho e - p_inf,   K_S = rho c^2 = gamma (p + p_inf),
-// which holds the ideal gas (p_inf = 0) and, by a local fit, any equation of state: on the
-// stiffened gas's isentrope K_S is linear in p with the slope gamma, so with
-//   gamma = K' = (dK/dp),   p_inf = K/K' - p
-// its isentrope through (rho, p) is Murnaghan's and touches the material's own to third order
-// in the compression [F. D. Murnaghan, Proc. Natl. Acad. Sci. 30, 244 (1944)]. The fit with
-// K_S is for waves without heat exchange; with K_T for waves at fixed temperature.
+// which holds the ideal gas (p_inf = 0) and, with gamma = dK_S/dp and p_inf = K_S/gamma - p at a state, any equation of
+// state near it (docs/theory/riemann.md).
 // R: double, or lanes of it.
 #pragma once
 

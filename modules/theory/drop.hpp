@@ -16,16 +16,12 @@ struct drop {
 // [J. Hadamard, C. R. Acad. Sci. 152, 1735 (1911); W. Rybczynski, Bull. Acad. Sci. Cracovie A, 40 (1911)].
 double hadamard_rybczynski(const drop& d);
 
-// Factor on the terminal velocity in a simple cubic array of volume fraction c in [0, 0.1], zero mean flow of drops and
-// surroundings together: 1 - 1.7601 F c^(1/3) + [kappa/(1 + kappa)] c, F = (2 + 3 kappa)/(3 + 3 kappa), error of order
-// c^2; kappa, drop viscosity over outer viscosity, may be infinite here and below
-// [rigid: H. Hasimoto, J. Fluid Mech. 5, 317 (1959); the drop's terms: docs/theory/drop.md].
+// Factor on it in a simple cubic array of volume fraction c in [0, 0.1], zero mean flow of drops and surroundings
+// together, error of order c^2. Drop viscosity over outer viscosity may be infinite here and below.
 double cubic_array_factor(double c, double viscosity_ratio);
 
-// Two dimensions: V eta/(drho g a^2) of a circular drop in a square array of area fraction c in
-// (0, 0.1], zero mean flow: (1/4)[-(1/2) ln c - 0.7381 + 1/(2 + 2 kappa) + c kappa/(1 + kappa)], error of order c^2
-// [rigid: A. S. Sangani and A. Acrivos, Int. J. Multiphase Flow 8, 193 (1982); the drop's terms: docs/theory/drop.md].
-// In any other box: stokes_box.hpp.
+// Two dimensions: V eta/(drho g a^2) of a circular drop in a square array of area fraction c in (0, 0.1], zero mean
+// flow, error of order c^2. In any other box: stokes_box.hpp.
 double square_array_velocity(double c, double viscosity_ratio);
 
 // Largest drop that outlives Rayleigh-Taylor waves on its front: 2 capillary lengths sqrt(sigma/(|drho| g)) in radius
@@ -33,8 +29,7 @@ double square_array_velocity(double c, double viscosity_ratio);
 double largest_radius(double surface_tension, double density_difference, double gravity);
 
 // Angular frequency, 1/s, of the small oscillation r = R (1 + e cos(n theta)) of a drop, n >= 2, or of a sphere in the
-// n-th Legendre polynomial; without viscosity, in an unbounded liquid. dimension 2, 3:
-//   omega^2 = sigma n (n^2 - 1)/[(rho + rho_o) R^3],   sigma n (n^2 - 1)(n + 2)/{[(n + 1) rho + n rho_o] R^3}
+// n-th Legendre polynomial (dimension 2, 3); without viscosity, in an unbounded liquid
 // [Lord Rayleigh, Proc. R. Soc. London 29, 71 (1879); H. Lamb, Hydrodynamics, sects. 273, 275].
 double oscillation_frequency(int n, int dimension, double surface_tension, double radius, double density,
                              double density_outside);

@@ -7,12 +7,10 @@
 #include <theory/stokes_box.hpp>
 #include <vector>
 
-// The marker-and-cell scheme in its stream function: psi at the corners of the cells, u = dpsi/dy and
-// v = -dpsi/dx on the faces, free of divergence by construction. The flow minimises
+// The marker-and-cell scheme in its stream function (docs/theory/drop.md): psi at the corners of the cells, u = dpsi/dy
+// and v = -dpsi/dx on the faces. The flow minimises
 //   1/2 int [4 eta psi_xy^2 + eta (psi_yy - psi_xx)^2] - int f v,
-// with psi_xy at the cells' centres and psi_yy - psi_xx at their corners, which gives a symmetric
-// positive definite matrix. A free-slip wall needs nothing but psi = 0; behind a no-slip wall
-// psi is mirrored.
+// with psi_xy at the cells' centres and psi_yy - psi_xx at their corners. Behind a no-slip wall psi is mirrored.
 namespace tetsuame::theory {
 
 namespace {

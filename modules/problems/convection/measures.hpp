@@ -1,13 +1,114 @@
-// Means over the box, and heat through its walls.
+// Fields between the particles, means over the box, and heat through its walls.
 #pragma once
 
-#include <convection/interpolation.hpp>
-#include <convection/wall_gradient.hpp>
+#include <algorithm>
+#include <cells/grid.hpp>
+#include <convection/options.hpp>
 #include <foundation/exact_sum.hpp>
 #include <limits>
+#include <operators/symmetric.hpp>
+#include <optional>
 #include <run/lists.hpp>
+#include <walls/interpolation.hpp>
 
 namespace tetsuame::convection {
+
+// Fields of particles at other places: least squares of a polynomial of second degree about the place,
+//   f(x) = a + b·(x - place) + (x - place)·c (x - place),  weights (1 - r²/radius²)²;  a is the value
+// Ghosts and images take part, with the values that they have: what a wall asks of a field the interpolated one has
+// too. Sums run in the order of cells and IDs, so that the result does not depend on ranks.
+template <int D>
+class interpolation {
+ public:
+  // radius: m; no more than the width in which ghosts and images stand.
+  interpolation(const particles::particles<D>& s, double radius)
+      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(radius))) {}
+
+  // Values of the fields f, which reach over fluid, ghosts and images, at the place; none where too few particles are
+  // near.
+  template <std::size_t K>
+  std::optional<std::array<double, K>> operator()(const std::array<double, D>& place,
+                                                  const std::array<const double*, K>& f) const {
+    std::array<std::array<double, terms>, terms> A{};
+    std::array<std::array<double, terms>, K> b{};
+    std::vector<std::int32_t> near;
+    std::size_t count = 0;
+    cells::append_near<D>(grid_, place, radius_, near, count);
+    for (std::size_t at = 0; at < count; ++at) {
+      const auto j = static_cast<std::size_t>(near[at]);
+      walls::vec<double, D> r;
+      double left = 1.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        r[a] = (s_.x[a][j] - place[a]) / radius_;
+        left -= r[a] * r[a];
+      }
+      if (left <= 0.0) continue;
+      const auto P = walls::polynomial<D>(r);
+      for (std::size_t k = 0; k < terms; ++k) {
+        const double weighted = left * left * P[k];
+        for (std::size_t l = 0; l <= k; ++l) A[k][l] += weighted * P[l];
+        for (std::size_t m = 0; m < K; ++m) b[m][k] += weighted * f[m][j];
+      }
+    }
+    if (!operators::factorise(A)) return std::nullopt;
+    std::array<double, K> values;
+    for (std::size_t m = 0; m < K; ++m) values[m] = operators::solve(A, b[m])[0];
+    return values;
+  }
+
+ private:
+  static constexpr std::size_t terms = walls::terms(2, D);
+
+  const particles::particles<D>& s_;
+  double radius_;
+  cells::grid<D> grid_;
+};
+
+// The gradient of temperature at a wall of fixed temperature, from the particles near a place of it: least squares of
+//   T - T_w = y (a + b·t + t·c t) + y³ (d + e·t) + y⁵ f
+// with y the distance from the wall and t the way along it from the place; a is the gradient. Only odd powers of y: the
+// temperature less the wall's is odd about it as far as ∇²T = 0 there.
+struct near_wall {
+  double y;                 // m, from the wall
+  std::array<double, 2> t;  // m, coordinates along it (2-D: the second is 0)
+  double excess;            // K, T - T_w
+  std::int64_t id;
+};
+
+// Sorts the samples; the result then depends on neither their order nor on ranks.
+inline void sort(std::vector<near_wall>& samples) {
+  std::sort(samples.begin(), samples.end(),
+            [](const near_wall& a, const near_wall& b) { return a.t[0] != b.t[0] ? a.t[0] < b.t[0] : a.id < b.id; });
+}
+
+// K/m, at `place` along the wall, from samples (sorted) within `radius` of it, weighted by (1 - r²/radius²)². Not a
+// number where too few are near.
+template <int D>
+double wall_gradient(const std::vector<near_wall>& samples, const std::array<double, 2>& place, double radius) {
+  constexpr std::size_t N = D == 2 ? 6 : 10;
+  std::array<std::array<double, N>, N> A{};
+  std::array<double, N> b{};
+  const auto first = std::lower_bound(samples.begin(), samples.end(), place[0] - radius,
+                                      [](const near_wall& s, double t) { return s.t[0] < t; });
+  for (auto s = first; s != samples.end() && s->t[0] <= place[0] + radius; ++s) {
+    const double y = s->y / radius, t = (s->t[0] - place[0]) / radius, z = (s->t[1] - place[1]) / radius;
+    const double left = 1.0 - (y * y + t * t + z * z);
+    if (left <= 0.0) continue;
+    const double y3 = y * y * y;
+    std::array<double, N> P;
+    if constexpr (N == 6)
+      P = {y, y * t, y * t * t, y3, y3 * t, y3 * y * y};
+    else
+      P = {y, y * t, y * t * t, y3, y3 * t, y3 * y * y, y * z, y * z * z, y * t * z, y3 * z};
+    for (std::size_t k = 0; k < N; ++k) {
+      const double weighted = left * left * P[k];
+      for (std::size_t l = 0; l <= k; ++l) A[k][l] += weighted * P[l];
+      b[k] += weighted * s->excess;
+    }
+  }
+  if (!operators::factorise(A)) return std::numeric_limits<double>::quiet_NaN();
+  return operators::solve(A, b)[0] / radius;
+}
 
 // visit(number, place) for those of a lattice of n places, dx apart, that are in this rank's cell, by ascending number.
 template <int D>
@@ -85,12 +186,12 @@ std::array<double, 3> wall_gradients(const run::state<D>& scene, const walls::si
     for (std::int64_t l = 0; l < depth; ++l) {
       const double x = (static_cast<double>(k) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
       ++places;
-      if (here(x, z)) sum.add(unit * wall_gradient(near, {x, z}, radius, D));
+      if (here(x, z)) sum.add(unit * wall_gradient<D>(near, {x, z}, radius));
     }
   const auto corner = [&](double x) {
     const double lowest = std::numeric_limits<double>::lowest();
     const double inside = std::min(std::max(x, 1e-6 * dx), length - 1e-6 * dx);
-    return ranks.maximum(here(inside, 0.0) ? unit * wall_gradient(near, {x, 0.0}, radius, D) : lowest);
+    return ranks.maximum(here(inside, 0.0) ? unit * wall_gradient<D>(near, {x, 0.0}, radius) : lowest);
   };
   return {ranks.exact(sum) / static_cast<double>(places), corner(0.0), corner(length)};
 }

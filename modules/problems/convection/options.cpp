@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <convection/resolve.hpp>
-#include <convection/wall_gradient.hpp>
+#include <convection/options.hpp>
 #include <foundation/error.hpp>
 
 namespace tetsuame::convection {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <convection/resolve.hpp>
+#include <convection/options.hpp>
 #include <numbers>
 
 namespace tetsuame::convection {

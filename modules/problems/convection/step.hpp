@@ -1,7 +1,5 @@
-// What a step begins with: what its sums lag behind, how fast particles are, how long it may be.
-//
-// The deferred correction, the tensor B, the noise's gradients and curvatures at walls lag behind: they are those of
-// the state at the start of the step, M_n; with 'rkl2' and 'rkc2' M_n + (M_n - M_(n-1))/2, the middle of the step.
+// What a step begins with: what its sums lag behind (docs/theory/convection.md, "What lags"), how fast particles are,
+// how long it may be.
 #pragma once
 
 #include <convection/mirror.hpp>
