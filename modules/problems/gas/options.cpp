@@ -45,46 +45,38 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
            "the pressure at a particle is its neighbours'"});
 }
 
-void declare_side(namelist::schema& schema, const std::string& end, const char* where, double& rho, double& u,
-                  double& p) {
-  schema.add("shock", "rho_" + end, rho, positive("kg/m^3", std::string("density ") + where));
-  schema.add("shock", "u_" + end, u, {.unit = "m/s", .meaning = std::string("velocity along x ") + where});
-  schema.add("shock", "p_" + end, p, positive("Pa", std::string("pressure ") + where));
-}
-
-void declare_gas(namelist::schema& schema, const std::string& end, const char* where, std::optional<double>& gamma,
-                 double& p) {
-  schema.add("shock", "gamma_" + end, gamma,
-             {.minimum = 1.0,
-              .exclusive_minimum = true,
-              .meaning = std::string("riemann, square: of the gas ") + where + "; empty: gamma"});
-  schema.add("shock", "p_infinity_" + end, p,
-             {.unit = "Pa",
-              .minimum = 0.0,
-              .meaning = std::string("riemann, square: of the stiffened gas ") + where + "; 0: an ideal gas"});
-}
-
-void declare_material(namelist::schema& schema, const std::string& end, const char* where, std::string& name,
-                      std::optional<double>& T) {
+void declare_states(namelist::schema& schema, shock_options& s) {
+  struct end {
+    std::string name, where;
+    side_options& of;
+  };
+  const std::array<end, 2> ends{{{"l", " on the left", s.l}, {"r", " on the right", s.r}}};
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "rho_" + name, of.rho, positive("kg/m^3", "density" + where));
+    schema.add("shock", "u_" + name, of.u, {.unit = "m/s", .meaning = "velocity along x" + where});
+    schema.add("shock", "p_" + name, of.p, positive("Pa", "pressure" + where));
+  }
+  const auto above_one = [](std::string meaning) {
+    return namelist::key_info{.minimum = 1.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+  };
+  schema.add("shock", "gamma", s.gamma, above_one("adiabatic exponent of the gas"));
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "gamma_" + name, of.gamma, above_one("riemann, square: of the gas" + where + "; empty: gamma"));
+    schema.add("shock", "p_infinity_" + name, of.p_infinity,
+               {.unit = "Pa",
+                .minimum = 0.0,
+                .meaning = "riemann, square: of the stiffened gas" + where + "; 0: an ideal gas"});
+  }
   std::vector<std::string> equations{""};
   for (const auto known : eos::names()) equations.emplace_back(known);
-  schema.add("shock", "eos_" + end, name,
-             {.choices = equations,
-              .meaning = std::string("riemann, square: equation of state ") + where +
-                         ", with its own parameters; '': the gas of gamma and p_infinity"});
-  schema.add("shock", "temperature_" + end, T,
-             positive("K", std::string("with an equation of state: ") + where + "; the density follows from it and p"));
-}
-
-void declare_states(namelist::schema& schema, shock_options& s) {
-  declare_side(schema, "l", "on the left", s.rho_l, s.u_l, s.p_l);
-  declare_side(schema, "r", "on the right", s.rho_r, s.u_r, s.p_r);
-  schema.add("shock", "gamma", s.gamma,
-             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the gas"});
-  declare_gas(schema, "l", "on the left", s.gamma_l, s.p_infinity_l);
-  declare_gas(schema, "r", "on the right", s.gamma_r, s.p_infinity_r);
-  declare_material(schema, "l", "on the left", s.eos_l, s.temperature_l);
-  declare_material(schema, "r", "on the right", s.eos_r, s.temperature_r);
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "eos_" + name, of.eos,
+               {.choices = equations,
+                .meaning = "riemann, square: equation of state" + where +
+                           ", with its own parameters; '': the gas of gamma and p_infinity"});
+    schema.add("shock", "temperature_" + name, of.temperature,
+               positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
+  }
 }
 
 void declare_test(namelist::schema& schema, shock_options& s) {
@@ -156,7 +148,7 @@ double expected_particles(const options& o) {
   const double lattice = o.domain.lattice_particles();
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
-  return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
+  return lattice * (1.0 - inside + inside * o.shock.l.rho / o.shock.r.rho);
 }
 
 namespace {
@@ -176,46 +168,44 @@ void resolve_box(const namelist::schema& schema, options& o) {
 }
 
 // Of one side: with an equation of state the density follows.
-void resolve_material(const namelist::schema& schema, shock_options& s, bool left) {
-  const std::string end = left ? "l" : "r";
-  const std::string& name = left ? s.eos_l : s.eos_r;
-  const auto& T = left ? s.temperature_l : s.temperature_r;
-  if (T && name.empty()) schema.fail("shock", "temperature_" + end, "a temperature needs an equation of state");
-  if (name.empty()) return;
-  if (s.test != "riemann" && s.test != "square")
-    schema.fail("shock", "eos_" + end, "the test '" + s.test + "' is of an ideal gas");
-  if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
-  if (left ? s.gamma_l : s.gamma_r)
-    schema.fail("shock", "gamma_" + end, "is of a gas, and there is an equation of state");
-  if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
-    schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
-  double& rho = left ? s.rho_l : s.rho_r;
+void resolve_material(const namelist::schema& schema, const std::string& test, const std::string& end,
+                      side_options& side) {
+  const auto fail = [&](const char* key, const std::string& why) { schema.fail("shock", key + end, why); };
+  if (side.temperature && side.eos.empty()) fail("temperature_", "a temperature needs an equation of state");
+  if (side.eos.empty()) return;
+  if (test != "riemann" && test != "square") fail("eos_", "the test '" + test + "' is of an ideal gas");
+  if (!side.temperature) fail("eos_", "an equation of state needs temperature_" + end);
+  if (side.gamma) fail("gamma_", "is of a gas, and there is an equation of state");
+  if (side.p_infinity != 0.0) fail("p_infinity_", "is of a gas, and there is an equation of state");
   const double follows =
-      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(name), left ? s.p_l : s.p_r, *T); });
-  if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
-    schema.fail("shock", "rho_" + end,
-                fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
-  rho = follows;
+      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(side.eos), side.p, *side.temperature); });
+  if (schema.given("shock", "rho_" + end) && std::abs(side.rho / follows - 1.0) > 1e-9)
+    fail("rho_",
+         fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", side.eos, follows));
+  side.rho = follows;
 }
 
 void resolve_materials(const namelist::schema& schema, options& o) {
   auto& s = o.shock;
-  for (const bool left : {true, false}) resolve_material(schema, s, left);
-  if (s.eos_l.empty() != s.eos_r.empty())
-    schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
-  if (o.any_eos() && o.weighs_energy())
-    schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
-  if (!o.any_eos()) {
-    if (!s.gamma_l) s.gamma_l = s.gamma;
-    if (!s.gamma_r) s.gamma_r = s.gamma;
-  }
-  if (!o.any_eos() &&
-      (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma)) {
-    if (s.test != "riemann" && s.test != "square")
-      schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
+  resolve_material(schema, s.test, "l", s.l);
+  resolve_material(schema, s.test, "r", s.r);
+  if (s.l.eos.empty() != s.r.eos.empty())
+    schema.fail("shock", s.l.eos.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
+  if (o.any_eos()) {
     if (o.weighs_energy())
-      schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
+      schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
+    return;
   }
+  bool one_gas = true;
+  for (side_options* side : {&s.l, &s.r}) {
+    if (!side->gamma) side->gamma = s.gamma;
+    one_gas = one_gas && side->p_infinity == 0.0 && *side->gamma == s.gamma;
+  }
+  if (one_gas) return;
+  if (s.test != "riemann" && s.test != "square")
+    schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
+  if (o.weighs_energy())
+    schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
 }
 
 void check_test(const namelist::schema& schema, const options& o) {

@@ -16,7 +16,7 @@ start_state start_of(const world<D>& g, const state& now) {
   if (g.o.any_eos()) {
     const bool left = now.material == g.test.material_l;
     const eos::caloric& m = g.materials[left ? 0 : 1];
-    const double u = m.internal_energy(now.rho, left ? *g.o.shock.temperature_l : *g.o.shock.temperature_r);
+    const double u = m.internal_energy(now.rho, *(left ? g.o.shock.l : g.o.shock.r).temperature);
     return {u, m.at(now.rho, u).c};
   }
   const auto [gamma, stiffness] = gas_of(g, now.material);
@@ -26,11 +26,9 @@ start_state start_of(const world<D>& g, const state& now) {
 template <int D>
 void make_materials(world<D>& g) {
   if (!g.o.any_eos()) return;
-  const auto& q = g.o.shock;
-  for (const bool left : {true, false}) {
-    const eos::caloric& m = g.materials.emplace_back(eos_of(left ? q.eos_l : q.eos_r));
-    const double rho = left ? q.rho_l : q.rho_r;
-    g.stiffening.push_back(m.stiffening(rho, m.internal_energy(rho, left ? *q.temperature_l : *q.temperature_r)));
+  for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
+    const eos::caloric& m = g.materials.emplace_back(eos_of(side->eos));
+    g.stiffening.push_back(m.stiffening(side->rho, m.internal_energy(side->rho, *side->temperature)));
   }
 }
 

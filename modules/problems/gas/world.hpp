@@ -88,7 +88,8 @@ std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
   const auto& q = g.o.shock;
   const bool left = material == g.test.material_l;
   if (g.o.any_eos()) return {g.stiffening[left ? 0 : 1], 0.0};
-  return left ? std::pair{*q.gamma_l, q.p_infinity_l} : std::pair{*q.gamma_r, q.p_infinity_r};
+  const auto& side = left ? q.l : q.r;
+  return {*side.gamma, side.p_infinity};
 }
 
 // The pair sums of the terms over the neighbours of these rows.
