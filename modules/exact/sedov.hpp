@@ -14,8 +14,6 @@ class sedov {
   // D = 1, 2, 3; gamma > 1, and in 3-D below 7, from where the centre is hollow; else fail_input.
   sedov(int dimension, double gamma);
 
-  int dimension() const { return dimension_; }
-  double gamma() const { return gamma_; }
   double alpha() const { return alpha_; }  // dimensionless; relative error below 1e-11
 
   double shock_radius(double energy, double rho0, double t) const;  // m

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <relaxation/rules.hpp>
 #include <string>
 
@@ -42,16 +44,51 @@ std::int64_t largest_n_in_steps(const fluid_layer& f, const recommendation& r, d
 std::int64_t largest_n_in_seconds(const fluid_layer& f, const recommendation& r, int dimension, double volume_ratio,
                                   double fraction, const cost& c, double seconds);
 
-// The largest n in 1 … 10^9 that is affordable, where affordable(n) is true up to some n and false
-// beyond it; 0 if none is.
-template <class Test>
-std::int64_t largest_that(Test affordable) {
-  std::int64_t below = 0, above = 1'000'000'001;
-  while (above - below > 1) {
-    const std::int64_t middle = below + (above - below) / 2;
-    (affordable(middle) ? below : above) = middle;
-  }
-  return below;
-}
+// How many steps a metal layer takes to sink through silicate, if sound is not slowed but damped by an artificial
+// viscosity; numbers are those of [S0].
+struct two_layers {
+  double L = 1.5e6;                          // m, edge of the box; defaults: the note's example
+  double c = 1e4;                            // m/s
+  double rho_min = 3e3;                      // kg/m3
+  double delta_rho = 7e3;                    // kg/m3
+  double g = 10.0;                           // m/s2
+  double heat_capacity = 1e3;                // J/(kg K)
+  double conductivity = 0.0;                 // W/(m K); 0: no limit
+  std::optional<double> eta = std::nullopt;  // Pa s; not given: (18)
+};
+
+struct overturn_plan {
+  std::int64_t n;
+  double dx;                              // m
+  double eta;                             // Pa s
+  double dt_sound, dt_momentum, dt_heat;  // s; infinite where there is no such limit
+  double dt;                              // s, the least
+  std::string binding;                    // "sound", "momentum" or "heat"
+  double V;                               // m/s, (16)
+  double tau;                             // s, (17)
+  double steps;                           // tau/dt, (13)
+  double particles;
+  double seconds;  // of computing; 0: the rate is not known
+};
+
+double steps_of_20(const two_layers& s, std::int64_t n);  // (20)
+
+overturn_plan plan_overturn(const two_layers& s, std::int64_t n, int dimension, const cost& c);
+
+// What at most `steps` steps or `seconds` of computing allow (infinite: no such wish).
+struct budget {
+  double steps = std::numeric_limits<double>::infinity();
+  double seconds = std::numeric_limits<double>::infinity();
+};
+
+struct affordable {
+  std::int64_t n;           // the largest at the given L, 0 if none
+  double L;                 // m, the smallest at the given n (the box is cheaper the larger it is); with eta by (18)
+  double eta;               // Pa s, at the given n and L: the largest
+  double eta_over_damping;  // eta / (18): below 1 sound outlives a step
+};
+
+// fail_input if seconds are asked for without a rate.
+affordable afford(const two_layers& s, std::int64_t n, int dimension, const cost& c, const budget& b);
 
 }  // namespace tetsuame::relaxation

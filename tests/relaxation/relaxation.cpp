@@ -5,7 +5,6 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <relaxation/overturn.hpp>
 #include <relaxation/rules.hpp>
 #include <relaxation/steps.hpp>
 

@@ -76,39 +76,12 @@ struct near_wall {
 };
 
 // Sorts the samples; the result then depends on neither their order nor on ranks.
-inline void sort(std::vector<near_wall>& samples) {
-  std::sort(samples.begin(), samples.end(),
-            [](const near_wall& a, const near_wall& b) { return a.t[0] != b.t[0] ? a.t[0] < b.t[0] : a.id < b.id; });
-}
+void sort(std::vector<near_wall>& samples);
 
-// K/m, at `place` along the wall, from samples (sorted) within `radius` of it, weighted by (1 - r²/radius²)². Not a
-// number where too few are near.
-template <int D>
-double wall_gradient(const std::vector<near_wall>& samples, const std::array<double, 2>& place, double radius) {
-  constexpr std::size_t N = D == 2 ? 6 : 10;
-  std::array<std::array<double, N>, N> A{};
-  std::array<double, N> b{};
-  const auto first = std::lower_bound(samples.begin(), samples.end(), place[0] - radius,
-                                      [](const near_wall& s, double t) { return s.t[0] < t; });
-  for (auto s = first; s != samples.end() && s->t[0] <= place[0] + radius; ++s) {
-    const double y = s->y / radius, t = (s->t[0] - place[0]) / radius, z = (s->t[1] - place[1]) / radius;
-    const double left = 1.0 - (y * y + t * t + z * z);
-    if (left <= 0.0) continue;
-    const double y3 = y * y * y;
-    std::array<double, N> P;
-    if constexpr (N == 6)
-      P = {y, y * t, y * t * t, y3, y3 * t, y3 * y * y};
-    else
-      P = {y, y * t, y * t * t, y3, y3 * t, y3 * y * y, y * z, y * z * z, y * t * z, y3 * z};
-    for (std::size_t k = 0; k < N; ++k) {
-      const double weighted = left * left * P[k];
-      for (std::size_t l = 0; l <= k; ++l) A[k][l] += weighted * P[l];
-      b[k] += weighted * s->excess;
-    }
-  }
-  if (!operators::factorise(A)) return std::numeric_limits<double>::quiet_NaN();
-  return operators::solve(A, b)[0] / radius;
-}
+// K/m, at `place` along the wall, from samples (sorted) within `radius` of it, weighted by (1 - r²/radius²)². dimension
+// 2 or 3. Not-a-number where too few are near.
+double wall_gradient(const std::vector<near_wall>& samples, const std::array<double, 2>& place, double radius,
+                     int dimension);
 
 // visit(number, place) for those of a lattice of n places, dx apart, that are in this rank's cell, by ascending number.
 template <int D>
@@ -186,12 +159,12 @@ std::array<double, 3> wall_gradients(const run::state<D>& scene, const walls::si
     for (std::int64_t l = 0; l < depth; ++l) {
       const double x = (static_cast<double>(k) + 0.5) * dx, z = D == 3 ? (static_cast<double>(l) + 0.5) * dx : 0.0;
       ++places;
-      if (here(x, z)) sum.add(unit * wall_gradient<D>(near, {x, z}, radius));
+      if (here(x, z)) sum.add(unit * wall_gradient(near, {x, z}, radius, D));
     }
   const auto corner = [&](double x) {
     const double lowest = std::numeric_limits<double>::lowest();
     const double inside = std::min(std::max(x, 1e-6 * dx), length - 1e-6 * dx);
-    return ranks.maximum(here(inside, 0.0) ? unit * wall_gradient<D>(near, {x, 0.0}, radius) : lowest);
+    return ranks.maximum(here(inside, 0.0) ? unit * wall_gradient(near, {x, 0.0}, radius, D) : lowest);
   };
   return {ranks.exact(sum) / static_cast<double>(places), corner(0.0), corner(length)};
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <plan/table.hpp>
-#include <relaxation/overturn.hpp>
+#include <relaxation/steps.hpp>
 #include <string>
 
 namespace tetsuame::plan {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <plan/measured.hpp>
 #include <plan/shared.hpp>
-#include <relaxation/overturn.hpp>
+#include <relaxation/steps.hpp>
 
 namespace tetsuame::plan {
 
