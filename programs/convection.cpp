@@ -1,5 +1,5 @@
 // Thermal convection of air and mantle, with slowed sound and inertia [S1].
-#include <convection/make.hpp>
+#include <convection/options.hpp>
 #include <run/problem.hpp>
 
 using namespace tetsuame;

@@ -1,5 +1,5 @@
 // Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
-#include <gas/make.hpp>
+#include <gas/convergence.hpp>
 #include <run/problem.hpp>
 
 using namespace tetsuame;

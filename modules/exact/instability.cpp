@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
@@ -75,6 +73,18 @@ mode carry(const layered_flow& flow, double k, complex c, mode m, double from, d
   return {size * complex(y[0], y[1]), size * pressure * complex(y[2], y[3])};
 }
 
+// The system integrated from both edges; in the middle it does not match but for a mode. Analytic for Im c > 0.
+complex mismatch(const layered_flow& flow, double k, complex c) {
+  if (flow.g != 0.0 && (flow.at_low == edge::decaying || flow.at_high == edge::decaying))
+    foundation::fail_input("growth of waves: an edge 'decaying' has no meaning under gravity; put a wall there");
+  const double middle = 0.5 * (flow.low + flow.high);
+  const mode below = carry(flow, k, c, begin(flow, k, c, flow.low, flow.at_low, 1.0), flow.low, middle);
+  const mode above = carry(flow, k, c, begin(flow, k, c, flow.high, flow.at_high, -1.0), flow.high, middle);
+  // Both grow towards the middle like exp(k y); the factor keeps the product a double.
+  return (below.eta * above.P - above.eta * below.P) * std::exp(-k * (flow.high - flow.low));
+}
+
+// The mode next to the guess (m/s), by the secant method.
 std::optional<complex> search(const layered_flow& flow, double k, complex guess, double width) {
   complex a = guess, b = guess + 1e-3 * width * complex(1.0, 1.0), f_a = mismatch(flow, k, a);
   for (int step = 0; step < 60; ++step) {
@@ -110,32 +120,9 @@ range speeds(const layered_flow& flow, double k) {
 
 }  // namespace
 
-double kelvin_helmholtz_growth(double k, double speed_difference, double rho1, double rho2) {
-  return k * std::abs(speed_difference) * std::sqrt(rho1 * rho2) / (rho1 + rho2);
-}
-
 double rayleigh_taylor_growth(double k, double g, double rho_upper, double rho_lower, double h_upper, double h_lower) {
   const double inertia = rho_upper / std::tanh(k * h_upper) + rho_lower / std::tanh(k * h_lower);
   return std::sqrt(std::max(g * k * (rho_upper - rho_lower) / inertia, 0.0));
-}
-
-complex mismatch(const layered_flow& flow, double k, complex c) {
-  if (flow.g != 0.0 && (flow.at_low == edge::decaying || flow.at_high == edge::decaying))
-    foundation::fail_input("growth of waves: an edge 'decaying' has no meaning under gravity; put a wall there");
-  const double middle = 0.5 * (flow.low + flow.high);
-  const mode below = carry(flow, k, c, begin(flow, k, c, flow.low, flow.at_low, 1.0), flow.low, middle);
-  const mode above = carry(flow, k, c, begin(flow, k, c, flow.high, flow.at_high, -1.0), flow.high, middle);
-  // Both grow towards the middle like exp(k y); the factor keeps the product a double.
-  return (below.eta * above.P - above.eta * below.P) * std::exp(-k * (flow.high - flow.low));
-}
-
-complex phase_speed(const layered_flow& flow, double k, complex guess) {
-  const std::optional<complex> c = search(flow, k, guess, speeds(flow, k).width);
-  if (!c)
-    foundation::fail_calculation(
-        fmt::format("growth of waves: no growing mode of wave number {:g} 1/m found from c = {:g} + {:g}i m/s", k,
-                    guess.real(), guess.imag()));
-  return *c;
 }
 
 complex fastest_mode(const layered_flow& flow, double k) {

@@ -8,12 +8,9 @@
 
 namespace tetsuame::exact {
 
-// Sharp and incompressible, of unbounded layers, 1/s [S. Chandrasekhar, Hydrodynamic and
-// Hydromagnetic Stability (1961), sections 92 and 101]; k > 0 in 1/m.
-//   Kelvin-Helmholtz: k |dU| sqrt(rho1 rho2)/(rho1 + rho2)
-//   Rayleigh-Taylor: sqrt[g k (rho_u - rho_l)/(rho_u coth(k h_u) + rho_l coth(k h_l))], layers of
-//   thickness h between walls; 0 where the lower one is the heavier.
-double kelvin_helmholtz_growth(double k, double speed_difference, double rho1, double rho2);
+// Rayleigh-Taylor growth of sharp incompressible layers of thickness h between walls, k > 0 in 1/m, 1/s
+// [S. Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), section 92]:
+//   sqrt[g k (rho_u - rho_l)/(rho_u coth(k h_u) + rho_l coth(k h_l))]; 0 where the lower one is the heavier.
 double rayleigh_taylor_growth(double k, double g, double rho_upper, double rho_lower,
                               double h_upper = std::numeric_limits<double>::infinity(),
                               double h_lower = std::numeric_limits<double>::infinity());
@@ -39,18 +36,8 @@ struct layered_flow {
   std::vector<double> jumps;
 };
 
-// Displacement eta and pressure of the moving fluid P (Lagrangian) of a wave exp[ik(x - ct)] obey
-// (derived here; adiabatic, linear)
-//   eta' = g eta/(U-c)^2 + P {1/[rho (U-c)^2] - 1/(gamma p)}
-//   P'   = rho [k^2 (U-c)^2 - g^2/(U-c)^2] eta - g P/(U-c)^2,
-// both continuous where rho and U jump. With g = 0, gamma infinite this is Rayleigh's equation.
-// The system is integrated from both edges; the mismatch in the middle, a function of c
-// that is analytic for Im c > 0, vanishes for a mode.
-std::complex<double> mismatch(const layered_flow& flow, double k, std::complex<double> c);
-
-// The mode next to the guess (m/s), by the secant method; fail_calculation without one.
-std::complex<double> phase_speed(const layered_flow& flow, double k, std::complex<double> guess);
-
+// Displacement and pressure of the moving fluid of a wave exp[ik(x - ct)] obey the two equations of
+// docs/theory/riemann.md, "Waves on layers".
 // The fastest growing mode, c with the largest Im c that searches from a net of guesses find
 // (Howard's semicircle, widened by sqrt(g/k)); 0 if none grows faster than 1e-6 of the net's
 // width. Growth rate: k Im c.

@@ -1,22 +1,7 @@
-// Sedov's and Taylor's point explosion: energy E released at r = 0 into cold ideal gas of density
-// rho0, in D = 1, 2, 3 dimensions [L. I. Sedov, Similarity and Dimensional Methods in Mechanics (1959),
-// chapter IV; J. R. Kamm, F. X. Timmes, LA-UR-07-2849 (2007) for numbers].
+// Sedov's and Taylor's point explosion: energy E released at r = 0 into cold ideal gas of density rho0, in D = 1, 2, 3
+// dimensions. Equations and sources: docs/theory/riemann.md.
 //   r_s = [E t^2/(alpha rho0)]^(1/(D+2)),  u_s = 2 r_s/((D+2) t)
-// E is all of the energy: per area for both sides in 1-D, per length in 2-D. (Tables for one
-// side of the plane have half our alpha.)
-//
-// With lambda = r/r_s, u = u_s lambda phi, rho = rho0 g, p = rho0 u_s^2 h, q = h/(g lambda^2), continuity,
-// momentum and entropy give with ' = d/d ln lambda (derived here)
-//   (ln g)' = (phi' + D phi)/(1 - phi)
-//   phi' [gamma q - (1-phi)^2] = D q (1 - gamma phi) + phi (1-phi) (D/2 + 1 - phi)
-// and no energy crosses a sphere that moves with the similarity flow [L. D. Landau, E. M. Lifshitz,
-// Fluid Mechanics, section 106]:
-//   q = (gamma-1) phi^2 (1-phi)/(2 (gamma phi - 1)).
-// Inwards phi -> 1/gamma, and errors of phi would grow as lambda^-D. So z = gamma phi - 1 is what is
-// integrated, as a logarithm and without differences of nearly equal terms: with
-// m = q z = (gamma-1) phi^2 (1-phi)/2,
-//   (ln z)' = gamma phi (1-phi) [D/2 + 1 - phi - D (gamma-1) phi/2] / [gamma m - z (1-phi)^2].
-// Towards the centre g ~ lambda^(D/(gamma-1)), h is constant and z ~ lambda^(2 + D/(gamma-1)).
+// E is all of the energy: per area for both sides in 1-D (tables for one side have half our alpha), per length in 2-D.
 #pragma once
 
 #include <riemann/exact.hpp>
@@ -29,8 +14,6 @@ class sedov {
   // D = 1, 2, 3; gamma > 1, and in 3-D below 7, from where the centre is hollow; else fail_input.
   sedov(int dimension, double gamma);
 
-  int dimension() const { return dimension_; }
-  double gamma() const { return gamma_; }
   double alpha() const { return alpha_; }  // dimensionless; relative error below 1e-11
 
   double shock_radius(double energy, double rho0, double t) const;  // m
@@ -40,7 +23,7 @@ class sedov {
   riemann::primitive at(double r, double t, double energy, double rho0) const;
 
   struct similarity {
-    double phi, g, h;
+    double phi, g, h;  // u = u_s lambda phi, rho = rho0 g, p = rho0 u_s^2 h; lambda = r/r_s
   };
   // At 0 < lambda <= 1; relative error below 1e-9.
   similarity profile(double lambda) const;

@@ -1,9 +1,5 @@
-// The input of a convection problem, for programs that plan it and programs that run it:
-//   &material    density, expansivity, heat_capacity, conductivity, viscosity, bulk_modulus
-//   &gravity     g
-//   &walls       temperature_bottom, temperature_top and the rest: declared by module walls
-//   &relaxation  method, zeta, xi, rule, boundary_layers, mach, phi_xi
-// The diffusivities are kappa = k/(rho c_p) and nu = eta/rho.
+// The input of a convection problem, for programs that plan it and programs that run it: &material, &gravity,
+// &relaxation. The diffusivities are kappa = k/(rho c_p) and nu = eta/rho.
 #pragma once
 
 #include <namelist/schema.hpp>
@@ -23,18 +19,10 @@ struct material_options {
   double bulk_modulus = 1e11;   // Pa
 };
 
-struct relaxation_options {
-  std::string method = "auto";
-  std::string rule = "slower_speed";
-  bool boundary_layers = true;
-  double mach = 0.1, phi_xi = 0.5;
-  std::optional<double> zeta, xi;
-};
-
 struct options {
   material_options material;
   double g = 10.0;  // m/s2
-  relaxation_options relaxation;
+  choice relaxation;
 };
 
 void declare(namelist::schema& schema, options& o);
@@ -42,6 +30,5 @@ void declare(namelist::schema& schema, options& o);
 // Checks what takes more than one key: bad_input with file and line. height: m; temperature_*: K, from &walls.
 fluid_layer layer(const namelist::schema& schema, const options& o, double height, double temperature_bottom,
                   double temperature_top);
-choice wanted(const relaxation_options& o);
 
 }  // namespace tetsuame::relaxation

@@ -7,6 +7,29 @@
 
 namespace tetsuame::relaxation {
 
+double sound_speed(const fluid_layer& f) { return std::sqrt(f.K / f.rho); }
+double rayleigh(const fluid_layer& f) { return f.alpha * f.g * f.dT * f.L * f.L * f.L / (f.kappa * f.nu); }
+double prandtl(const fluid_layer& f) { return f.nu / f.kappa; }
+double thermal_mach(const fluid_layer& f) { return f.kappa / (f.L * sound_speed(f)); }
+double thermal_strain(const fluid_layer& f) { return f.alpha * f.dT; }
+
+double stokes_speed(const fluid_layer& f, bool boundary_layers) {
+  return std::pow(rayleigh(f), boundary_layers ? 2.0 / 3.0 : 1.0) * f.kappa / f.L;
+}
+
+double free_fall_speed(const fluid_layer& f, bool boundary_layers) {
+  return std::pow(rayleigh(f) * prandtl(f), boundary_layers ? 0.4 : 0.5) * f.kappa / f.L;
+}
+
+balance reached_balance(const fluid_layer& f, bool boundary_layers) {
+  return stokes_speed(f, boundary_layers) <= free_fall_speed(f, boundary_layers) ? balance::viscous : balance::inertial;
+}
+
+double reached_speed(const fluid_layer& f, bool boundary_layers) {
+  return reached_balance(f, boundary_layers) == balance::viscous ? stokes_speed(f, boundary_layers)
+                                                                 : free_fall_speed(f, boundary_layers);
+}
+
 namespace {
 
 struct powers {
@@ -64,35 +87,22 @@ std::vector<rule> all_rules(const fluid_layer& f, double phi_xi) {
   };
 }
 
-const char* name(method m) {
-  switch (m) {
-    case method::none:
-      return "none";
-    case method::rsst:
-      return "rsst";
-    case method::vim:
-      return "vim";
-    default:
-      return "rsst_vim";
-  }
-}
-
 recommendation recommend(const fluid_layer& f, const choice& wanted) {
   require_slowing("zeta", wanted.zeta);
   require_slowing("xi", wanted.xi);
   const powers n(f);
-  const bool layers = wanted.boundary_layers || wanted.later_rule;
-  const bool viscous = wanted.later_rule ? n.later_viscous() : reached_balance(f, layers) == balance::viscous;
+  const bool later = wanted.rule == "later", layers = wanted.boundary_layers || later;
+  const bool viscous = later ? n.later_viscous() : reached_balance(f, layers) == balance::viscous;
   recommendation r{};
   r.layers = layers;
-  r.how = wanted.how.value_or(viscous ? method::rsst_vim : method::rsst);
+  r.how = wanted.method != "auto" ? wanted.method : viscous ? "rsst_vim" : "rsst";
 
   r.xi = 1.0;
   r.xi_rule = "not slowed";
-  if (r.how == method::rsst_vim || r.how == method::vim) {
+  if (r.how == "rsst_vim" || r.how == "vim") {
     bound xi{wanted.phi_xi * n.inertia(layers), layers ? "S1 (40)" : "S1 (39)"};
     const bound by_sound{wanted.mach * n.stokes(layers), layers ? "S1 (44)" : "S1 (43)"};
-    if (r.how == method::vim && by_sound.value < xi.value) xi = by_sound;
+    if (r.how == "vim" && by_sound.value < xi.value) xi = by_sound;
     r.xi = std::max(1.0, xi.value);
     r.xi_rule = r.xi > 1.0 ? xi.source : "at least 1";
   }
@@ -103,11 +113,11 @@ recommendation recommend(const fluid_layer& f, const choice& wanted) {
 
   r.zeta = 1.0;
   r.zeta_rule = "not slowed";
-  if (r.how == method::rsst || r.how == method::rsst_vim) {
+  if (r.how == "rsst" || r.how == "rsst_vim") {
     // zeta follows from the bound of zeta xi once xi is set: (53), (54) with any xi.
-    bound of_product = r.how == method::rsst_vim ? bound{n.stokes(layers), layers ? "S1 (54)" : "S1 (53)"}
-                       : wanted.later_rule       ? bound{n.later_rsst(), "S1b"}
-                                                 : rsst_bound(n, layers);
+    bound of_product = r.how == "rsst_vim" ? bound{n.stokes(layers), layers ? "S1 (54)" : "S1 (53)"}
+                       : later             ? bound{n.later_rsst(), "S1b"}
+                                           : rsst_bound(n, layers);
     r.zeta = std::max(1.0, wanted.mach * of_product.value / r.xi);
     r.zeta_rule = r.zeta > 1.0 ? of_product.source : "at least 1";
   }

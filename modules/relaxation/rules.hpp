@@ -1,18 +1,44 @@
-// How far sound and inertia may be slowed without changing the flow:
-//   RSST, the reduced speed of sound:  zeta^2 D rho/Dt = -rho div v, so c = c_0/zeta;
+// The non-dimensional numbers of thermal convection, the speeds it may reach, and how far sound and inertia may be
+// slowed without changing the flow:
+//   RSST, the reduced speed of sound:  zeta^2 D rho/Dt = -rho div v, so c = c_0/zeta, c_0 = sqrt(K_0/rho_0);
 //   VIM, the variable inertia method:  xi^2 Dv/Dt = …,               so Pr_eff = Pr/xi^2;
 //   both:                              c_eff = c_0/(zeta xi)
-// [S1 (1)-(5), (48); VIM: Takeyama, Saitoh & Makino, New Astron. 50, 82 (2017)]. Each rule bounds zeta, xi or zeta xi
-// from above; the note writes "much less than", and takes a tenth: the Mach number is then 0.1. [S1b]: the same author,
-// June 2023.
+// Each rule bounds zeta, xi or zeta xi from above; the notes [S1], [S1b], and what "much less than" is:
+// docs/theory/relaxation.md.
 #pragma once
 
 #include <optional>
-#include <relaxation/numbers.hpp>
 #include <string>
 #include <vector>
 
 namespace tetsuame::relaxation {
+
+struct fluid_layer {
+  double L;      // m, height
+  double dT;     // K, bottom less top
+  double rho;    // kg/m3
+  double kappa;  // m2/s, thermal diffusivity
+  double nu;     // m2/s, kinematic viscosity
+  double g;      // m/s2
+  double alpha;  // 1/K
+  double K;      // Pa, bulk modulus
+};
+
+double sound_speed(const fluid_layer& f);     // m/s
+double rayleigh(const fluid_layer& f);        // (19)
+double prandtl(const fluid_layer& f);         // (20)
+double thermal_mach(const fluid_layer& f);    // (21)
+double thermal_strain(const fluid_layer& f);  // epsilon = alpha DeltaT, (22)
+
+// Speeds (m/s) at which buoyancy is balanced by viscosity (Stokes) or by inertia (free fall); with
+// thermal boundary layers buoyancy acts on the layer's width sqrt(kappa L/V) only.
+double stokes_speed(const fluid_layer& f, bool boundary_layers);     // Ra M_th c_0, Ra^(2/3) M_th c_0: (23), (25)
+double free_fall_speed(const fluid_layer& f, bool boundary_layers);  // (Ra Pr)^(1/2), (Ra Pr)^(2/5): (24), (26)
+
+enum class balance { viscous, inertial };
+// The slower of the two is what the flow reaches [S1, appendix].
+balance reached_balance(const fluid_layer& f, bool boundary_layers);
+double reached_speed(const fluid_layer& f, bool boundary_layers);  // m/s
 
 struct rule {
   std::string limits;   // "zeta", "xi", "zeta xi"
@@ -25,19 +51,16 @@ struct rule {
 // Every rule of the note and the later one, in the note's order. phi_xi as in choice.
 std::vector<rule> all_rules(const fluid_layer& f, double phi_xi);
 
-enum class method { none, rsst, vim, rsst_vim };
-
 struct choice {
-  std::optional<method> how = std::nullopt;  // not given: rsst_vim where the Stokes speed is the slower one, else rsst
-  bool boundary_layers = true;               // the wider bounds
-  bool later_rule = false;                   // [S1b] instead of [S1]
-  double mach = 0.1;                         // V/c_eff, the factor below the bound
-  double phi_xi = 0.5;                       // xi below its bound
+  std::string method = "auto";        // rsst_vim where the Stokes speed is the slower one, else rsst; or one of these
+  std::string rule = "slower_speed";  // of [S1]; "later": of [S1b]
+  bool boundary_layers = true;        // the wider bounds
+  double mach = 0.1, phi_xi = 0.5;    // V/c_eff, the factor below the bound; xi below its bound
   std::optional<double> zeta = std::nullopt, xi = std::nullopt;  // given: taken as they are
 };
 
 struct recommendation {
-  method how;
+  std::string how;  // none, rsst, vim, rsst_vim
   double zeta, xi;
   std::string zeta_rule, xi_rule;  // source of the rule that set it, or "given", "not slowed", "at least 1"
   bool layers;                     // boundary layers were counted on
@@ -52,7 +75,5 @@ struct recommendation {
 
 // zeta and xi are never below 1: slowed is what they are for. fail_input if one given is below 1.
 recommendation recommend(const fluid_layer& f, const choice& wanted);
-
-const char* name(method m);
 
 }  // namespace tetsuame::relaxation

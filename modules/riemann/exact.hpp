@@ -6,11 +6,7 @@
 //   A = 2/((gamma+1) rho),  B = (gamma-1)/(gamma+1) P_K,
 // p* is the root of F(p) = f_l + f_r + u_r - u_l; then u* = u_l - f_l = u_r + f_r.
 //
-// The iteration needs no guard for want of convergence (derived here). F grows with p and is
-// concave. Where F(min(p_l, p_r)) <= 0 the root is above min(p_l, p_r): a Newton step from anywhere
-// ends below the root, so from the second iterate on they rise towards it, and cutting a first step
-// that is too long at min(p_l, p_r) keeps that. Else both waves are rarefactions; in
-// ln(p - p_least) F is convex, and Newton's method from min(p_l, p_r) falls towards the root.
+// The iteration needs no guard: why it converges stands in docs/theory/riemann.md.
 // p_least = -min(p_inf) is where the first of the sides has no sound; F(p_least) >= 0: vacuum.
 #pragma once
 
@@ -36,11 +32,9 @@ struct wave {
   R f, slope;  // m/s; m/(s Pa)
 };
 
-template <class R>
-R square_root(const R& x) {
-  using std::sqrt;
-  return sqrt(x);
-}
+// Unqualified: lanes find their own by their namespace.
+using std::exp, std::sqrt;
+
 template <class R>
 R power(const R& x, const R& y) {
   using std::pow;
@@ -50,11 +44,6 @@ R power(const R& x, const R& y) {
   else
 #endif
     return pow(x, y);
-}
-template <class R>
-R exponential(const R& x) {
-  using std::exp;
-  return exp(x);
 }
 template <class R>
 R greater(const R& a, const R& b) {
@@ -69,7 +58,7 @@ R smaller(const R& a, const R& b) {
 template <class R>
 R shock_slope(const side<R>& s, const R& p) {
   const R plus = s.gamma + 1.0, minus = s.gamma - 1.0;
-  return square_root(R(2.0 / (plus * s.rho * (p + s.p_infinity + minus / plus * (s.p + s.p_infinity)))));
+  return sqrt(R(2.0 / (plus * s.rho * (p + s.p_infinity + minus / plus * (s.p + s.p_infinity)))));
 }
 
 // f and df/dp of one side; c its sound speed.
@@ -124,7 +113,7 @@ struct problem {
     const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
     const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
     const R root = greater(R(closing), R(0.0)) /
-                   (square_root(R(2.0 / ((l.gamma + 1.0) * l.rho))) + square_root(R(2.0 / ((r.gamma + 1.0) * r.rho))));
+                   (sqrt(R(2.0 / ((l.gamma + 1.0) * l.rho))) + sqrt(R(2.0 / ((r.gamma + 1.0) * r.rho))));
     const R cold = root * root - greater(l.p_infinity, r.p_infinity);
     R p = greater(p_low, greater(acoustic, cold));
     for (int k = 0; k < 2; ++k) {
@@ -141,7 +130,7 @@ struct problem {
     R q = greater(p_low, R(p - step));
     if (any(rarefy)) {
       const R above = p - p_least;
-      q = select(rarefy, R(p_least + above * exponential(R(-step / above))), q);
+      q = select(rarefy, R(p_least + above * exp(R(-step / above))), q);
     }
     return q;
   }

@@ -1,17 +1,32 @@
 // The two sides of a Riemann problem. Each is a stiffened gas of its own,
 //   p = (gamma - 1) rho e - p_inf,   K_S = rho c^2 = gamma (p + p_inf),
-// which holds the ideal gas (p_inf = 0) and, by a local fit, any equation of state: on the
-// stiffened gas's isentrope K_S is linear in p with the slope gamma, so with
-//   gamma = K' = (dK/dp),   p_inf = K/K' - p
-// its isentrope through (rho, p) is Murnaghan's and touches the material's own to third order
-// in the compression [F. D. Murnaghan, Proc. Natl. Acad. Sci. 30, 244 (1944)]. The fit with
-// K_S is for waves without heat exchange; with K_T for waves at fixed temperature.
-// R: double, or lanes of it (lanes.hpp).
+// which holds the ideal gas (p_inf = 0) and, with gamma = dK_S/dp and p_inf = K_S/gamma - p at a state, any equation of
+// state near it (docs/theory/riemann.md).
+// R: double, or lanes of it.
 #pragma once
 
-#include <riemann/lanes.hpp>
+#include <cmath>
+#include <experimental/simd>
 
 namespace tetsuame::riemann {
+
+// A choice by mask, and whether a mask holds anywhere.
+template <class R>
+using mask_of = decltype(R() < R());
+
+inline double select(bool yes, double a, double b) { return yes ? a : b; }
+inline bool any(bool yes) { return yes; }
+
+template <class T, class Abi>
+std::experimental::simd<T, Abi> select(const std::experimental::simd_mask<T, Abi>& yes,
+                                       const std::experimental::simd<T, Abi>& a, std::experimental::simd<T, Abi> b) {
+  where(yes, b) = a;
+  return b;
+}
+template <class T, class Abi>
+bool any(const std::experimental::simd_mask<T, Abi>& yes) {
+  return any_of(yes);
+}
 
 template <class R>
 struct side {
@@ -22,12 +37,6 @@ struct side {
 template <class R>
 side<R> ideal_gas(const R& rho, const R& u, const R& p, const R& gamma) {
   return {rho, u, p, gamma, R(0.0)};
-}
-
-// K = rho (dp/drho) in Pa along the compression that the waves follow, K_prime = dK/dp > 1.
-template <class R>
-side<R> local_fit(const R& rho, const R& u, const R& p, const R& K, const R& K_prime) {
-  return {rho, u, p, K_prime, K / K_prime - p};
 }
 
 template <class R>

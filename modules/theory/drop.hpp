@@ -1,6 +1,6 @@
-// Terminal velocity of drops: alone, near walls, in tubes and arrays; their largest size; hindered
-// settling. SI units; lengths are radii, not diameters. Velocities have the sign of the density
-// difference (drop minus surroundings), downward positive. Equations: docs/theory/drop.md.
+// Terminal velocity of drops, alone and in arrays; their largest size and oscillation; hindered settling. SI units;
+// lengths are radii, not diameters. Velocities have the sign of the density difference (drop minus surroundings),
+// downward positive. Equations: docs/theory/drop.md.
 #pragma once
 
 namespace tetsuame::theory {
@@ -12,71 +12,31 @@ struct drop {
   double viscosity, drop_viscosity;  // Pa s, outside and inside; infinity inside: a rigid sphere
 };
 
-// Drop viscosity over outer viscosity may be infinite in all of the following.
-//
-// Drag of a fluid sphere over that of a rigid one, (2 + 3 kappa)/(3 + 3 kappa), 2/3 to 1.
-double mobility_factor(double viscosity_ratio);
-
 // Creeping sphere, unbounded: V = (2/3)(drho g a^2/eta)(1 + kappa)/(2 + 3 kappa)
 // [J. Hadamard, C. R. Acad. Sci. 152, 1735 (1911); W. Rybczynski, Bull. Acad. Sci. Cracovie A, 40 (1911)].
 double hadamard_rybczynski(const drop& d);
 
-// Factors on the terminal velocity in creeping flow. Each fails (fail_input) outside the range named.
-//
-// Fluid sphere on the axis of a closed tube, lambda = radius/tube radius in [0, 0.6]; approximate
-// [W. L. Haberman and R. M. Sayre, David Taylor Model Basin Report 1143 (1958)].
-double tube_factor(double lambda, double viscosity_ratio);
-// Midway between two parallel plates, along them; lambda = radius/half the gap in [0, 0.5]. The series is Faxen's
-// for a rigid sphere; only its first term is known here for a drop, so kappa must be infinite
-// [J. Happel and H. Brenner, Low Reynolds Number Hydrodynamics, eq. 7-4.29].
-double plates_factor_rigid(double lambda);
-// One plane wall at distance h of the centre, lambda = radius/h in [0, 0.3]: to first order in lambda,
-// 1 - (9/16) F lambda along and 1 - (9/8) F lambda towards it, F = mobility_factor.
-double wall_factor_along(double lambda, double viscosity_ratio);
-double wall_factor_towards(double lambda, double viscosity_ratio);
-// Simple cubic array of volume fraction c in [0, 0.1], zero mean flow of drops and surroundings together:
-// 1 - 1.7601 F c^(1/3) + [kappa/(1 + kappa)] c, error of order c^2
-// [rigid: H. Hasimoto, J. Fluid Mech. 5, 317 (1959); the drop's terms: docs/theory/drop.md].
+// Factor on it in a simple cubic array of volume fraction c in [0, 0.1], zero mean flow of drops and surroundings
+// together, error of order c^2. Drop viscosity over outer viscosity may be infinite here and below.
 double cubic_array_factor(double c, double viscosity_ratio);
 
-// Two dimensions: V eta/(drho g a^2) of a circular drop in a square array of area fraction c in
-// (0, 0.1], zero mean flow: (1/4)[-(1/2) ln c - 0.7381 + 1/(2 + 2 kappa) + c kappa/(1 + kappa)], error of order c^2
-// [rigid: A. S. Sangani and A. Acrivos, Int. J. Multiphase Flow 8, 193 (1982); the drop's terms: docs/theory/drop.md].
-// In any other box: stokes_box.hpp.
+// Two dimensions: V eta/(drho g a^2) of a circular drop in a square array of area fraction c in (0, 0.1], zero mean
+// flow, error of order c^2. In any other box: stokes_box.hpp.
 double square_array_velocity(double c, double viscosity_ratio);
 
-// Beyond creeping flow. Terminal velocity of a rigid sphere with the drag C_D = (24/Re)(1 + 0.15 Re^0.687),
-// C_D = 0.44 above Re = 1000, Re = 2 a rho V/eta [L. Schiller and A. Naumann, Z. Ver. Dtsch. Ing. 77, 318 (1933)].
-double rigid_terminal_velocity(const drop& d, double density_outside);
-
-// Size of drops.
-//
-// sqrt(sigma/(|drho| g)), m.
-double capillary_length(double surface_tension, double density_difference, double gravity);
-// Radius where the Weber number rho V^2 2a/sigma of the terminal velocity reaches `critical_weber`, at a constant
-// drag coefficient: a = sqrt[(3/16) We C_D sigma/(drho g)].
-double weber_radius(double surface_tension, double density_difference, double gravity, double critical_weber,
-                    double drag_coefficient);
-// Largest drop that outlives Rayleigh-Taylor waves on its front: 2 capillary lengths in radius
+// Largest drop that outlives Rayleigh-Taylor waves on its front: 2 capillary lengths sqrt(sigma/(|drho| g)) in radius
 // [R. Clift, J. R. Grace and M. E. Weber, Bubbles, Drops, and Particles (1978), sect. 12.III].
 double largest_radius(double surface_tension, double density_difference, double gravity);
 
 // Angular frequency, 1/s, of the small oscillation r = R (1 + e cos(n theta)) of a drop, n >= 2, or of a sphere in the
-// n-th Legendre polynomial; without viscosity, in an unbounded liquid. dimension 2, 3:
-//   omega^2 = sigma n (n^2 - 1)/[(rho + rho_o) R^3],   sigma n (n^2 - 1)(n + 2)/{[(n + 1) rho + n rho_o] R^3}
+// n-th Legendre polynomial (dimension 2, 3); without viscosity, in an unbounded liquid
 // [Lord Rayleigh, Proc. R. Soc. London 29, 71 (1879); H. Lamb, Hydrodynamics, sects. 273, 275].
 double oscillation_frequency(int n, int dimension, double surface_tension, double radius, double density,
                              double density_outside);
 
-// Times, s.
-double settling_time(double depth, double velocity);
-// Of a creeping sphere to reach its velocity: 2 (rho_d + rho/2) a^2/(9 eta F), the added mass included.
-double response_time(const drop& d, double drop_density, double density_outside);
-
 // Factor (1 - c)^n on the velocity in a cloud of volume fraction c in [0, 0.6], with n of the Reynolds number 2 a rho
 // V/eta of one particle alone: 4.65 below 0.2, 4.35 Re^-0.03 to 1, 4.45 Re^-0.1 to 500, 2.39 above (tube much wider
 // than the particle) [J. F. Richardson and W. N. Zaki, Trans. Inst. Chem. Eng. 32, 35 (1954)].
-double hindered_settling_exponent(double reynolds);
 double hindered_settling_factor(double c, double reynolds);
 
 }  // namespace tetsuame::theory

@@ -17,7 +17,8 @@ double form_factor(int dimension, double q) {
 }
 
 struct wave {
-  double k, weight;  // 1/m; with N_k
+  double k, weight;           // 1/m; N_k
+  std::vector<double> value;  // at the centres; of one drop its square is in the weight
 };
 
 bool around(const drop_among_free_slip& d, std::size_t a) { return d.periodic[a] && a != 1; }
@@ -34,9 +35,30 @@ std::vector<wave> waves(const drop_among_free_slip& d, std::size_t a) {
     const double phase = unit * m * d.centre[a];
     const double shape = a == 1 ? std::sin(phase) : std::cos(phase);
     const double square = around(d, a) ? 0.5 : shape * shape;  // the two waves of one length, each a half
-    all.push_back({unit * m, m == 0 ? (a == 1 ? 0.0 : 1.0) : (around(d, a) ? 4.0 : 2.0) * square});
+    all.push_back({unit * m, m == 0 ? (a == 1 ? 0.0 : 1.0) : (around(d, a) ? 4.0 : 2.0) * square, {1.0}});
   }
   return all;
+}
+
+// Over the wave numbers up to ka = most.
+double sum_of(const drop_among_free_slip& d, const std::array<std::vector<wave>, 3>& along, double most) {
+  double sum = 0.0;
+  std::vector<double> both(along[0][0].value.size());
+  for (const auto& x : along[0])
+    for (const auto& z : along[2]) {
+      const double across = x.k * x.k + z.k * z.k;
+      if (across == 0.0) continue;
+      for (std::size_t j = 0; j < both.size(); ++j) both[j] = x.value[j] * z.value[j];
+      for (const auto& y : along[1]) {
+        const double k2 = across + y.k * y.k, q = d.radius * std::sqrt(k2);
+        if (q > most) break;
+        double amplitude = 0.0;
+        for (std::size_t j = 0; j < both.size(); ++j) amplitude += both[j] * y.value[j];
+        const double s = form_factor(d.dimension, q) * amplitude;
+        sum += x.weight * y.weight * z.weight * across / (k2 * k2) * s * s;
+      }
+    }
+  return sum;
 }
 
 // Of several drops the series is shorter, in three dimensions.
@@ -64,21 +86,9 @@ double fall_velocity(const drop_among_free_slip& d) {
     if (!(d.radius > 0.0 && d.length[a] > 0.0) ||
         (!d.periodic[a] && (d.centre[a] < d.radius || d.centre[a] > d.length[a] - d.radius)))
       foundation::fail_input("drop in a free-slip box: the drop must lie inside the box");
-  const auto along_x = waves(d, 0), along_y = waves(d, 1);
-  const auto along_z = deep ? waves(d, 2) : std::vector<wave>{{0.0, 1.0}};
   const double a = d.radius;
-  double sum = 0.0;
-  for (const auto& x : along_x)
-    for (const auto& z : along_z) {
-      const double across = x.k * x.k + z.k * z.k;
-      if (across == 0.0) continue;
-      for (const auto& y : along_y) {
-        const double k2 = across + y.k * y.k, q = a * std::sqrt(k2);
-        if (q > largest_ka) break;
-        const double s = form_factor(d.dimension, q);
-        sum += x.weight * y.weight * z.weight * across / (k2 * k2) * s * s;
-      }
-    }
+  const double sum =
+      sum_of(d, {waves(d, 0), waves(d, 1), deep ? waves(d, 2) : std::vector<wave>{{0.0, 1.0, {1.0}}}}, largest_ka);
   const double volume = deep ? 4.0 / 3.0 * pi * a * a * a : pi * a * a;
   const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
   const double weight = d.density_difference * d.gravity, equal = weight * volume / (d.viscosity * box) * sum;
@@ -102,13 +112,9 @@ double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::ar
       if (!around(d, a) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius))
         foundation::fail_input("drops in a free-slip box: they must lie inside the box");
   // Along each axis: wave numbers and N_k, and the wave at every centre.
-  struct wave_at_centres {
-    double k, weight;
-    std::vector<double> value;
-  };
   const double most = largest_of_many(d);
   const auto along = [&](std::size_t a) {
-    std::vector<wave_at_centres> all;
+    std::vector<wave> all;
     if (a >= axes) {
       all.push_back({0.0, 1.0, std::vector<double>(centres.size(), 1.0)});
       return all;
@@ -118,30 +124,14 @@ double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::ar
     for (int m = 0; m * unit * d.radius <= most; ++m)
       for (const bool sine : {false, true}) {
         if (sine ? (m == 0 || !(a == 1 || periodic)) : a == 1) continue;
-        wave_at_centres w{m * unit, m == 0 ? 1.0 : 2.0, {}};
+        wave w{m * unit, m == 0 ? 1.0 : 2.0, {}};
         for (const auto& centre : centres)
           w.value.push_back(sine ? std::sin(w.k * centre[a]) : std::cos(w.k * centre[a]));
         all.push_back(std::move(w));
       }
     return all;
   };
-  const auto along_x = along(0), along_y = along(1), along_z = along(2);
-  double sum = 0.0;
-  std::vector<double> both(centres.size());
-  for (const auto& x : along_x)
-    for (const auto& z : along_z) {
-      const double across = x.k * x.k + z.k * z.k;
-      if (across == 0.0) continue;
-      for (std::size_t j = 0; j < both.size(); ++j) both[j] = x.value[j] * z.value[j];
-      for (const auto& y : along_y) {
-        const double k2 = across + y.k * y.k, q = d.radius * std::sqrt(k2);
-        if (q > most) break;
-        double amplitude = 0.0;
-        for (std::size_t j = 0; j < both.size(); ++j) amplitude += both[j] * y.value[j];
-        const double s = form_factor(d.dimension, q) * amplitude;
-        sum += x.weight * y.weight * z.weight * across / (k2 * k2) * s * s;
-      }
-    }
+  const double sum = sum_of(d, {along(0), along(1), along(2)}, most);
   const double volume = pi * d.radius * d.radius * (deep ? 4.0 / 3.0 * d.radius : 1.0);
   const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
   return d.density_difference * d.gravity * volume / (d.viscosity * box) * sum / static_cast<double>(centres.size());

@@ -389,16 +389,4 @@ mode_values at(const mode& m, double y) {
   return {u / m.growth_rate, v / m.growth_rate, u, v, value(side.pressure), value(side.density)};
 }
 
-double inviscid_growth_rate(double rho_lower, double rho_upper, double b_lower, double b_upper, double g, double k,
-                            double surface_tension) {
-  const double drive = ((rho_upper - rho_lower) * g - surface_tension * k * k) * k;
-  if (drive <= 0.0) return 0.0;
-  return std::sqrt(drive / (rho_upper / std::tanh(k * b_upper) + rho_lower / std::tanh(k * b_lower)));
-}
-
-double creeping_growth_rate(double density_difference, double eta, double b, double g, double k) {
-  const double kb = k * b, q = 1.0 / (std::sinh(kb) * std::cosh(kb));
-  return density_difference * g * b / (4.0 * eta) * (std::tanh(kb) / (kb * kb) - q) / (1.0 / kb + q);
-}
-
 }  // namespace tetsuame::theory

@@ -75,16 +75,4 @@ struct mode_values {
 };
 mode_values at(const mode& m, double y);
 
-// Limits in closed form, for two layers of uniform density.
-//
-// Inviscid: growth^2 = [(rho_u - rho_l) g k - sigma k^3]/[rho_u coth(k b_u) + rho_l coth(k b_l)]
-// [S. Chandrasekhar, Hydrodynamic and Hydromagnetic Stability, Oxford (1961), sect. 92, with walls]; 0 if stable.
-double inviscid_growth_rate(double rho_lower, double rho_upper, double b_lower, double b_upper, double g, double k,
-                            double surface_tension = 0.0);
-
-// Creeping, both layers of thickness b and viscosity eta between no-slip walls
-// [D. L. Turcotte and G. Schubert, Geodynamics, sect. 6.12]:
-// growth = (drho g b/4 eta) [tanh kb/(kb)^2 - 1/(sinh kb cosh kb)]/[1/kb + 1/(sinh kb cosh kb)].
-double creeping_growth_rate(double density_difference, double eta, double b, double g, double k);
-
 }  // namespace tetsuame::theory

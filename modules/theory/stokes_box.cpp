@@ -1,18 +1,16 @@
 #include <fmt/format.h>
 
 #include <Eigen/Sparse>
-#include <array>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <initializer_list>
 #include <theory/stokes_box.hpp>
 #include <vector>
 
-// The marker-and-cell scheme in its stream function: psi at the corners of the cells, u = dpsi/dy and
-// v = -dpsi/dx on the faces, free of divergence by construction. The flow minimises
+// The marker-and-cell scheme in its stream function (docs/theory/drop.md): psi at the corners of the cells, u = dpsi/dy
+// and v = -dpsi/dx on the faces. The flow minimises
 //   1/2 int [4 eta psi_xy^2 + eta (psi_yy - psi_xx)^2] - int f v,
-// with psi_xy at the cells' centres and psi_yy - psi_xx at their corners, which gives a symmetric
-// positive definite matrix. A free-slip wall needs nothing but psi = 0; behind a no-slip wall
-// psi is mirrored.
+// with psi_xy at the cells' centres and psi_yy - psi_xx at their corners. Behind a no-slip wall psi is mirrored.
 namespace tetsuame::theory {
 
 namespace {
@@ -25,6 +23,23 @@ struct axis {
   int corners() const { return periodic() ? cells : cells + 1; }
   bool on_wall(int i) const { return !periodic() && (i == 0 || i == cells); }
   int wrapped(int i) const { return periodic() ? (i + cells) % cells : i; }
+};
+
+// The corners of the cells, and the place of each among the unknowns; -1: psi = 0.
+struct corners {
+  axis X, Y;
+  std::vector<int> number;
+  int unknowns = 0;
+
+  corners(const axis& across, const axis& up) : X(across), Y(up) {
+    for (int j = 0; j < Y.corners(); ++j) {
+      for (int i = 0; i < X.corners(); ++i) {
+        const bool pinned = X.periodic() && Y.periodic() && i == 0 && j == 0;  // psi is known but for a constant
+        number.push_back(X.on_wall(i) || Y.on_wall(j) || pinned ? -1 : unknowns++);
+      }
+    }
+  }
+  int at(int i, int j) const { return number[static_cast<std::size_t>(Y.wrapped(j) * X.corners() + X.wrapped(i))]; }
 };
 
 // Part of a cell about (x, y) that the drop covers, by midpoints.
@@ -57,91 +72,76 @@ void check(const drop_in_box& box, int cells) {
   need(cells >= 8, "at least 8 cells are needed");
 }
 
-}  // namespace
-
-double fall_velocity(const drop_in_box& box, int cells) {
-  check(box, cells);
-  const axis X{cells, box.width / cells, box.left_right};
-  const int rows = std::max(8, static_cast<int>(std::lround(cells * box.height / box.width)));
-  const axis Y{rows, box.height / rows, box.floor_lid};
-  const double dx = X.spacing, dy = Y.spacing, area = dx * dy;
-
-  std::vector<int> number(static_cast<std::size_t>(X.corners() * Y.corners()), -1);  // -1: psi = 0
-  const auto at = [&](int i, int j) -> int& {
-    return number[static_cast<std::size_t>(Y.wrapped(j) * X.corners() + X.wrapped(i))];
-  };
-  int unknowns = 0;
-  for (int j = 0; j < Y.corners(); ++j) {
-    for (int i = 0; i < X.corners(); ++i) {
-      const bool pinned = X.periodic() && Y.periodic() && i == 0 && j == 0;  // psi is known but for a constant
-      if (!X.on_wall(i) && !Y.on_wall(j) && !pinned) at(i, j) = unknowns++;
-    }
-  }
+// The matrix of the dissipation.
+Eigen::SparseMatrix<double> dissipation(const drop_in_box& box, const corners& psi) {
+  const axis &X = psi.X, &Y = psi.Y;
+  const double dx = X.spacing, dy = Y.spacing, area = dx * dy, c = 1.0 / area;
+  const double cx = -1.0 / (dx * dx), cy = 1.0 / (dy * dy);
   const auto viscosity = [&](int i2, int j2) {  // at (i2/2, j2/2) spacings
-    const double x = 0.5 * i2 * dx, y = 0.5 * j2 * dy;
-    const double c = covered(box, x, y, dx, dy);
-    return std::pow(box.viscosity, 1.0 - c) * std::pow(box.drop_viscosity, c);
+    const double part = covered(box, 0.5 * i2 * dx, 0.5 * j2 * dy, dx, dy);
+    return std::pow(box.viscosity, 1.0 - part) * std::pow(box.drop_viscosity, part);
   };
-
-  std::vector<Eigen::Triplet<double>> entries;
   struct term {
     int unknown;
     double factor;
   };
-  const auto add = [&](double weight, const auto& terms) {
-    for (const term& a : terms) {
-      for (const term& b : terms) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](double weight, std::initializer_list<term> terms) {
+    for (const term& a : terms)
+      for (const term& b : terms)
         if (a.unknown >= 0 && b.unknown >= 0) entries.emplace_back(a.unknown, b.unknown, weight * a.factor * b.factor);
-      }
-    }
   };
-  for (int j = 0; j < Y.cells; ++j) {
-    for (int i = 0; i < X.cells; ++i) {
-      const double c = 1.0 / area;
+  const auto at = [&](int i, int j) { return psi.at(i, j); };
+  for (int j = 0; j < Y.cells; ++j)
+    for (int i = 0; i < X.cells; ++i)
       add(4.0 * viscosity(2 * i + 1, 2 * j + 1) * area,
-          std::array<term, 4>{{{at(i, j), c}, {at(i + 1, j), -c}, {at(i, j + 1), -c}, {at(i + 1, j + 1), c}}});
-    }
-  }
+          {{at(i, j), c}, {at(i + 1, j), -c}, {at(i, j + 1), -c}, {at(i + 1, j + 1), c}});
   for (int j = 0; j < Y.corners(); ++j) {
     for (int i = 0; i < X.corners(); ++i) {
       const bool wall_x = X.on_wall(i), wall_y = Y.on_wall(j);
       if (wall_x && wall_y) continue;
-      const double cx = -1.0 / (dx * dx), cy = 1.0 / (dy * dy);
       const double eta = viscosity(2 * i, 2 * j);
-      if (wall_x || wall_y) {
-        const axis& across = wall_x ? X : Y;
-        if (across.walls != sides::no_slip) continue;
+      if (!wall_x && !wall_y) {
+        add(eta * area, {{at(i, j), -2.0 * (cx + cy)},
+                         {at(i - 1, j), cx},
+                         {at(i + 1, j), cx},
+                         {at(i, j - 1), cy},
+                         {at(i, j + 1), cy}});
+      } else if ((wall_x ? X : Y).walls == sides::no_slip) {
         const int inner = wall_x ? at(i == 0 ? 1 : i - 1, j) : at(i, j == 0 ? 1 : j - 1);
-        add(0.5 * eta * area, std::array<term, 1>{{{inner, 2.0 * (wall_x ? cx : cy)}}});
-      } else {
-        add(eta * area, std::array<term, 5>{{{at(i, j), -2.0 * (cx + cy)},
-                                             {at(i - 1, j), cx},
-                                             {at(i + 1, j), cx},
-                                             {at(i, j - 1), cy},
-                                             {at(i, j + 1), cy}}});
+        add(0.5 * eta * area, {{inner, 2.0 * (wall_x ? cx : cy)}});
       }
     }
   }
+  Eigen::SparseMatrix<double> matrix(psi.unknowns, psi.unknowns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
 
+}  // namespace
+
+double fall_velocity(const drop_in_box& box, int cells) {
+  check(box, cells);
+  const int rows = std::max(8, static_cast<int>(std::lround(cells * box.height / box.width)));
+  const corners psi({cells, box.width / cells, box.left_right}, {rows, box.height / rows, box.floor_lid});
+  const double dx = psi.X.spacing, dy = psi.Y.spacing, area = dx * dy;
   // Weight of the faces that v stands on; v = -(psi(i + 1, j) - psi(i, j))/dx.
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(unknowns);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(psi.unknowns);
   double drop_area = 0.0;
-  for (int j = 0; j < Y.corners(); ++j) {
-    for (int i = 0; i < X.cells; ++i) {
+  for (int j = 0; j < psi.Y.corners(); ++j) {
+    for (int i = 0; i < cells; ++i) {
       const double c = covered(box, (i + 0.5) * dx, j * dy, dx, dy) * area;
       drop_area += c;
-      if (const int a = at(i, j); a >= 0) load[a] += c / dx;
-      if (const int b = at(i + 1, j); b >= 0) load[b] -= c / dx;
+      if (const int a = psi.at(i, j); a >= 0) load[a] += c / dx;
+      if (const int b = psi.at(i + 1, j); b >= 0) load[b] -= c / dx;
     }
   }
-  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(matrix);
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(dissipation(box, psi));
   if (factors.info() != Eigen::Success)
     foundation::fail_calculation("drop in a box: the matrix could not be factorised");
   // load . psi is the drop's volume flux upward; the force on it is -drho g.
-  const Eigen::VectorXd psi = factors.solve(load);
-  return box.density_difference * box.gravity * load.dot(psi) / drop_area;
+  const Eigen::VectorXd flow = factors.solve(load);
+  return box.density_difference * box.gravity * load.dot(flow) / drop_area;
 }
 
 double fall_velocity_extrapolated(const drop_in_box& box, int cells) {

@@ -88,7 +88,7 @@ std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
       s.thermal = thermal == "fixed" ? heat::fixed_temperature : heat::given_flux;
       s.temperature = given.temperature;
       s.flux = thermal == "flux" ? given.flux : 0.0;
-      s.velocity[axis == 0 ? 1 : 0] = given.velocity;
+      s.velocity[axis == 0 && D > 1 ? 1 : 0] = given.velocity;
       all.push_back(s);
     }
   }

@@ -1,5 +1,4 @@
 #include <convection/convection.hpp>
-#include <convection/make.hpp>
 #include <run/passes.hpp>
 
 std::unique_ptr<tetsuame::run::problem> tetsuame::convection::make_3d(const options& o, const parameters& p) {

@@ -1,5 +1,4 @@
 #include <gas/flow.hpp>
-#include <gas/make.hpp>
 #include <run/passes.hpp>
 
 std::unique_ptr<tetsuame::run::problem> tetsuame::gas::make_2d(const options& o, const std::vector<level>& coarser) {

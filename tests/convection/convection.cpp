@@ -2,12 +2,11 @@
 #define BOOST_TEST_MODULE boussinesq
 #include <boost/test/unit_test.hpp>
 #include <cmath>
-#include <convection/interpolation.hpp>
-#include <convection/line_viscosity.hpp>
+#include <convection/graded_viscosity.hpp>
+#include <convection/measures.hpp>
 #include <convection/options.hpp>
 #include <convection/steady.hpp>
 #include <convection/viscosity.hpp>
-#include <convection/wall_gradient.hpp>
 #include <filesystem>
 #include <foundation/error.hpp>
 #include <fstream>

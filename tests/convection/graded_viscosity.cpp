@@ -1,8 +1,8 @@
 // The viscous force where the viscosity varies, on the lattice and in disorder.
 #include <boost/test/unit_test.hpp>
 #include <cmath>
-#include <convection/contrast.hpp>
 #include <convection/graded_viscosity.hpp>
+#include <convection/pass.hpp>
 #include <functional>
 #include <run/lists.hpp>
 #include <run/start_lattice.hpp>

@@ -26,8 +26,7 @@ BOOST_AUTO_TEST_CASE(sharp_incompressible_layers) {
   const auto at = [](double y) {
     return y < 0.0 ? exact::layer_state{1.0, -0.5, 1.0} : exact::layer_state{2.0, 0.5, 1.0};
   };
-  const double k = 3.0, want = exact::kelvin_helmholtz_growth(k, 1.0, 1.0, 2.0);
-  BOOST_TEST(close(want, 3.0 * std::sqrt(2.0) / 3.0, 1e-15));
+  const double k = 3.0, want = k * std::sqrt(2.0) / 3.0;  // k |dU| sqrt(rho1 rho2)/(rho1 + rho2)
   BOOST_TEST(close(growth(unbounded(at, infinity, 1.0, {0.0}), k), want, 1e-9));
 }
 
@@ -119,7 +118,7 @@ BOOST_AUTO_TEST_CASE(edges_of_a_periodic_strip) {
 BOOST_AUTO_TEST_CASE(mistakes_are_refused) {
   namespace foundation = tetsuame::foundation;
   auto flow = unbounded([](double) { return exact::layer_state{1.0, 0.0, 1.0}; }, infinity, 1.0, {});
-  BOOST_CHECK_THROW(exact::phase_speed(flow, 1.0, {0.0, 1.0}), foundation::error);  // nothing grows
+  BOOST_TEST(growth(flow, 1.0) == 0.0);
   flow.g = 1.0;
   BOOST_CHECK_THROW(exact::fastest_mode(flow, 1.0), foundation::error);
 }

@@ -5,7 +5,6 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <relaxation/overturn.hpp>
 #include <relaxation/rules.hpp>
 #include <relaxation/steps.hpp>
 
@@ -70,7 +69,7 @@ BOOST_AUTO_TEST_CASE(table_2_air) {
     const fluid_layer f = air(r.dT);
     for (const bool layers : {false, true}) {
       const auto found = recommend(f, {.boundary_layers = layers});
-      BOOST_CHECK(found.how == method::rsst);
+      BOOST_CHECK(found.how == "rsst");
       BOOST_CHECK_EQUAL(found.zeta_rule, layers ? "S1 (34)" : "S1 (32)");
       BOOST_CHECK_EQUAL(found.xi, 1.0);
       BOOST_CHECK_CLOSE(found.mach, 0.1, 1e-9);
@@ -101,7 +100,7 @@ BOOST_AUTO_TEST_CASE(table_4_mantle) {
     const fluid_layer f = mantle(r.nu);
     for (const bool layers : {false, true}) {
       const auto found = recommend(f, {.boundary_layers = layers});
-      BOOST_CHECK(found.how == method::rsst_vim);
+      BOOST_CHECK(found.how == "rsst_vim");
       BOOST_CHECK_EQUAL(found.zeta_rule, layers ? "S1 (54)" : "S1 (53)");
       BOOST_CHECK_EQUAL(found.xi_rule, layers ? "S1 (40)" : "S1 (39)");
       BOOST_CHECK_CLOSE(found.mach, 0.1, 1e-9);
@@ -174,13 +173,13 @@ BOOST_AUTO_TEST_CASE(the_later_rule_switches_at_its_own_prandtl_number) {
   // Ra = 1e6: Ra^(2/3) = 1e4 and Ra^(5/6) = 1e5 lie either side of Pr = 3e4
   const fluid_layer f{1.0, 1.0, 1.0, 1.0, 3e4, 3e10, 1.0, 1e20};
   BOOST_CHECK_CLOSE(rayleigh(f), 1e6, 1e-9);
-  BOOST_CHECK(recommend(f, {}).how == method::rsst_vim);
-  const auto later = recommend(f, {.later_rule = true});
-  BOOST_CHECK(later.how == method::rsst);
+  BOOST_CHECK(recommend(f, {}).how == "rsst_vim");
+  const auto later = recommend(f, {.rule = "later"});
+  BOOST_CHECK(later.how == "rsst");
   BOOST_CHECK_EQUAL(later.zeta_rule, "S1b");
   BOOST_CHECK_CLOSE(later.zeta, 0.1 * 1e10 / (std::pow(1e6, 3.0 / 7.0) * std::pow(3e4, 2.0 / 7.0)), 1e-9);
   // far on the viscous side both rules are the same
-  const auto a = recommend(mantle(2.5e19), {}), b = recommend(mantle(2.5e19), {.later_rule = true});
+  const auto a = recommend(mantle(2.5e19), {}), b = recommend(mantle(2.5e19), {.rule = "later"});
   BOOST_CHECK_EQUAL(a.zeta, b.zeta);
   BOOST_CHECK_EQUAL(a.xi, b.xi);
 }
@@ -196,9 +195,9 @@ BOOST_AUTO_TEST_CASE(what_is_given_is_taken_and_never_below_one) {
   BOOST_CHECK_CLOSE(one.mach, 0.1, 1e-9);
   BOOST_CHECK_THROW(recommend(mantle(2.5e19), {.zeta = 0.5}), error);
   BOOST_CHECK_THROW(recommend(mantle(2.5e19), {.xi = std::nan("")}), error);
-  const auto none = recommend(mantle(2.5e19), {.how = method::none});
+  const auto none = recommend(mantle(2.5e19), {.method = "none"});
   BOOST_CHECK(none.zeta == 1.0 && none.xi == 1.0);
-  const auto vim = recommend(mantle(2.5e19), {.how = method::vim});
+  const auto vim = recommend(mantle(2.5e19), {.method = "vim"});
   BOOST_CHECK_EQUAL(vim.zeta, 1.0);
   CHECK_PRINTED(vim.xi, 1.1e11, 2);
   // A soft fluid: sound is hardly faster than the flow, nothing may be slowed.

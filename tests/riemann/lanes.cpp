@@ -28,7 +28,7 @@ BOOST_AUTO_TEST_CASE(lanes_equal_scalars) {
     const side<real> l{at(rho_l), at(u_l), at(p_l), real(1.4), at(p_inf)};
     const side<real> r{at(rho_r), at(u_r), at(p_r), real(5.0 / 3.0), at(p_inf)};
     const star<real> s = solve(l, r, 8);
-    const hllc_star<real> h = hllc(l, r);
+    const contact<real> h = hllc_contact(l, r, sound_speed(l), sound_speed(r));
     for (std::size_t k = 0; k < real::size(); ++k) {
       const side<double> a{l.rho[k], l.u[k], l.p[k], 1.4, l.p_infinity[k]};
       const side<double> b{r.rho[k], r.u[k], r.p[k], 5.0 / 3.0, r.p_infinity[k]};
@@ -40,9 +40,9 @@ BOOST_AUTO_TEST_CASE(lanes_equal_scalars) {
       BOOST_TEST(close(s.u_r[k], want.u_r, sound_speed(a) + sound_speed(b)));
       BOOST_TEST(close(s.rho_l[k], want.rho_l, want.rho_l));
       BOOST_TEST(close(s.rho_r[k], want.rho_r, want.rho_r));
-      const hllc_star<double> one = hllc(a, b);
+      const contact<double> one = hllc_contact(a, b, sound_speed(a), sound_speed(b));
       BOOST_TEST(close(h.p[k], one.p, std::abs(one.p) + a.p + b.p));
-      BOOST_TEST(close(h.s_r[k], one.s_r, std::abs(one.s_r) + std::abs(one.s_l)));
+      BOOST_TEST(close(h.u[k], one.u, sound_speed(a) + sound_speed(b)));
     }
   }
 }

@@ -1,16 +1,24 @@
 // Any equation of state through its local fit.
 #include <boost/test/unit_test.hpp>
+#include <eos/caloric.hpp>
 #include <riemann/exact.hpp>
-#include <riemann/material.hpp>
 
 namespace eos = tetsuame::eos;
 using namespace tetsuame::riemann;
 
 namespace {
 
-eos::any material(const char* name) {
+// The stiffened gas that touches the isentrope of u at rho and T: gamma = K_S', p_inf = K_S/K_S' - p.
+side<double> adiabatic_side(const eos::any& material, double rho, double u, double T) {
+  const eos::caloric energy(material);
+  const double e = energy.internal_energy(rho, T), slope = energy.stiffening(rho, e);
+  const eos::caloric_state s = energy.at(rho, e);
+  return {rho, u, s.p, slope, rho * s.c * s.c / slope - s.p};
+}
+
+eos::any liquid_iron_isentrope() {
   eos::material_options o;
-  o.name = name;
+  o.name = "liquid_iron_isentrope";
   return eos::make(o);
 }
 
@@ -43,27 +51,11 @@ std::pair<double, double> shock(const eos::any& iron, double rho0, double rho) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(moduli_of_gases_and_liquids) {
-  const moduli stiff = local_moduli(material("stiffened_gas"), 900.0, 400.0);
-  const auto gas = std::get<eos::stiffened_gas>(material("stiffened_gas"));
-  BOOST_TEST(std::abs(stiff.K_S_prime / gas.gamma - 1.0) < 1e-6);
-  const side<double> s = adiabatic_side(material("stiffened_gas"), 900.0, 1.0, 400.0);
-  BOOST_TEST(std::abs(s.p_infinity / gas.p_infinity - 1.0) < 1e-5);
-  // K_T' = 5.80 at 7030 kg/m^3, 1811 K [Kuwayama et al. 2020]
-  const moduli iron = local_moduli(material("liquid_iron"), 7030.0, 1811.0);
-  BOOST_TEST(std::abs(iron.K_T_prime / 5.80 - 1.0) < 1e-5);
-  BOOST_TEST(std::abs(isothermal_side(material("liquid_iron"), 7030.0, 0.0, 1811.0).gamma / 5.80 - 1.0) < 1e-5);
-  // K_S 109.7 GPa, K_S' = 4.66 on the reference isentrope [Anderson and Ahrens 1994]
-  const moduli isentrope = local_moduli(material("liquid_iron_isentrope"), 7019.0, 1811.0);
-  BOOST_TEST(std::abs(isentrope.K_S / 109.7e9 - 1.0) < 1e-6);
-  BOOST_TEST(std::abs(isentrope.K_S_prime / 4.66 - 1.0) < 1e-5);
-}
-
 // Two bodies of iron that meet or part: the star pressure of the fit against that of the equation of state itself. The
 // fit follows the wave curves to third order in the compression, so the error, as a part of p* - p,
 // falls as its square; at 1 km/s of closing speed (a compression by 10 %) it is below 1 %.
 BOOST_AUTO_TEST_CASE(liquids_in_collision) {
-  const eos::any iron = material("liquid_iron_isentrope");
+  const eos::any iron = liquid_iron_isentrope();
   const double rho0 = 8000.0, p0 = isentrope_p(iron, rho0);
   const auto error = [&](double compression) {
     const auto [u, p] = shock(iron, rho0, rho0 * (1.0 + compression));
@@ -78,7 +70,7 @@ BOOST_AUTO_TEST_CASE(liquids_in_collision) {
 }
 
 BOOST_AUTO_TEST_CASE(liquids_that_part) {
-  const eos::any iron = material("liquid_iron_isentrope");
+  const eos::any iron = liquid_iron_isentrope();
   const double rho0 = 9000.0, p0 = isentrope_p(iron, rho0);
   const auto error = [&](double expansion) {
     const double rho = rho0 * (1.0 - expansion), p = isentrope_p(iron, rho);

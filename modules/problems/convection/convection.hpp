@@ -1,6 +1,5 @@
 // Thermal convection as the time loop asks for it. state.hpp: what there is; mirror.hpp: walls; pass.hpp: sums;
-// rates.hpp: the equations; step.hpp: what lags behind, and how long a step may be; levels.hpp: coarser lattices
-// before; history.hpp: measures.
+// rates.hpp: the equations; step.hpp: what lags behind; levels.hpp: coarser lattices before; history.hpp: measures.
 #pragma once
 
 #include <convection/history.hpp>
@@ -51,14 +50,42 @@ class problem : public run::problem_in_a_box<D> {
     rates_of_change(state_, rate);
   }
 
-  integrators::step_limit largest_step() override { return convection::largest_step(state_); }
-  double diffusion_radius() override { return convection::diffusion_radius(state_); }
-  double longest_step() override { return convection::longest_step(state_); }
+  integrators::step_limit largest_step() override {
+    const auto& layer = state_.layer;
+    const auto& time = state_.input.common.time;
+    const double dx = state_.world.w.dx, fastest = std::max(largest_viscosity(state_), layer.fluid.kappa);
+    const double sound = *time.cfl * dx / std::hypot(layer.c_eff, layer.shear_speed);
+    const double diffusion = *time.diffusive * dx * dx / fastest;
+    return sound < diffusion ? integrators::step_limit{sound, "sound"}
+                             : integrators::step_limit{diffusion, "diffusion"};
+  }
+  double diffusion_radius() override {
+    const double dx = state_.world.w.dx, fastest = state_.start.viscous_contrast * largest_viscosity(state_);
+    return 4.0 * D * std::max(fastest, state_.layer.fluid.kappa) / (dx * dx);
+  }
+  // The fixed step of 'rk4' is bound by what lags behind; to its limit of stability there are factors of 2.7 (damping)
+  // and 3.8 (sound) with one viscosity, found from the eigenvalues of the rates.
+  double longest_step() override {
+    const double viscous = state_.start.viscous_contrast, sound = state_.start.sound_contrast;
+    const bool rk4 = state_.input.common.time.method == "rk4";
+    const double margin = rk4                          ? std::hypot(viscous / 2.7, sound / 3.8)
+                          : extrapolates(state_.input) ? sound
+                                                       : std::max(viscous, sound);
+    return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
+  }
 
   void expect_memory(bool expected) override { whole_ = expected; }
   void keep_memory() override { begin_step(state_); }
   bool asks_again() const override { return state_.before || lacks_rate_; }
-  bool set_time(double t) override { return convection::set_time(state_, t); }
+  // The viscosity at time t; slowed sound may follow it.
+  bool set_time(double t) override {
+    auto& layer = state_.layer;
+    const double before = layer.reached;
+    layer.reached = layer.ramp > 0.0 ? std::min(1.0, t / layer.ramp) : 1.0;
+    layer.nu = layer.fluid.nu * std::pow(layer.start, 1.0 - layer.reached);
+    follow(layer, state_.world.w.dx);
+    return layer.reached != before;
+  }
   bool complete_step(std::int64_t step) override {
     lacks_rate_ = false;
     return base::complete_step(step);

@@ -89,7 +89,7 @@ struct sums {
                                                     noise = make<unknown<D>::count_with_z>();
   particles::vector_field<D> uneven = make<D>();  // 1/m, how unevenly particles stand
   particles::array& W = own.emplace_back();       // Σ W, 1/m^D
-  // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.hpp.
+  // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.
   particles::vector_field<D> viscous = make<D>(), plain_viscous = make<D>(), log_slope = make<D>();
   particles::array &viscous_contrast = own.emplace_back(), &sound_contrast = own.emplace_back();
 

@@ -1,30 +1,25 @@
-// Viscous force where the viscosity varies: the divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i, from forces along the lines
-// between particles,
+// Viscous force where the viscosity varies, by forces along the lines between particles that take energy whatever the
+// contrast; why so: docs/theory/convection_viscosity.md. The divergence of ν (∇v + ∇vᵀ + ∇·v) over ν_i is
 //   A_i = (d + 2) (2d/m) V [Σ F s_ij (ν_ij/ν_i) (e·v_ij) e - G(v):Σ F s_ij e e r],  m = -V Σ F s_ij r²
-// [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. They take energy whatever the contrast, where ∇ν·∇v would not as
-// soon as ν changes severalfold from one particle to the next. ν_ij: line_viscosity.hpp. The second sum, zero on a
-// lattice, makes linear velocities exact.
+// [Español & Revenga, Phys. Rev. E 67, 026705 (2003)]. The second sum, zero on a lattice, makes linear velocities
+// exact. s_ij = 1, or isotropic, in 2-D: s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
+// line's angle φ, with a such that Σ F r² s_ij n(e) = 0; |a| is kept so small that s > 0.
 //
-// s_ij = 1, or isotropic: s_ij = 1 + ½ (a_i + a_j)·n(e), n = (cos 2φ, sin 2φ, cos 4φ, sin 4φ) of the
-// line's angle φ, in 2-D, with a such that
-//   Σ F r² s_ij n(e) = 0
-// then Σ F s e e e e r² is isotropic, as viscosity must be: with s = 1 shear along the rows of a square lattice feels
-// 0.83 ν, and 1.17 ν along its diagonals (Wendland C2, h = 1.3 Δx). |a| is kept so small that s > 0: every pair takes
-// energy.
-//
-// Where the stress τ is smooth the sum is ∇·τ + β ∇²(∇·τ), whatever the contrast, β = R/(4(d + 4)), of flows without
-// divergence, as ν_ij is that of the mean fluidity. With isotropic forces the deferred correction is A - β ∇²(ν A)/ν,
-// of an earlier A; with s = 1 there is none. (v - β P(v) in the place of v, right for one ν, would take the part β (∇ln
-// ν)² of the force away: all of it where ν grows by exp(3.6) within a spacing.)
-// ∇ln ν as the lines see it, for walls, is (2d/Σ F r²) Σ F (ν_ij/ν_i - 1) r: half the step of ln ν along a line is
-// ν_ij/ν_i - 1, and that has bounds (-1, 5). The chain rule's, ∂ln ν/∂T ∇T, has none: where a law is steep over less
-// than a spacing the pressure that a wall answers with becomes many times what the lines can bear.
+// Where the stress τ is smooth the sum is ∇·τ + β ∇²(∇·τ), β = R/(4(d + 4)), of flows without divergence. With
+// isotropic forces the deferred correction is A - β ∇²(ν A)/ν, of an earlier A; with s = 1 there is none. ∇ln ν as the
+// lines see it, for walls: (2d/Σ F r²) Σ F (ν_ij/ν_i - 1) r.
 #pragma once
 
-#include <convection/line_viscosity.hpp>
 #include <operators/consistent.hpp>
 
 namespace tetsuame::convection {
+
+// ν_ij/ν_i, of ν^½ of i and of j: 6/ν_ij = 1/ν_i + 4/(ν_i ν_j)^½ + 1/ν_j. Below 6.
+template <class real>
+inline real line_viscosity(const real& mine, const real& other) {
+  const real nu_j = other * other;
+  return 6.0 * nu_j / (mine * mine + 4.0 * mine * other + nu_j);
+}
 
 struct viscosity_root_tag {};
 inline constexpr viscosity_root_tag of_viscosity_root;

@@ -57,11 +57,16 @@ gravity_density::gravity_density(const eos::any& material, const layer& l) : l_(
       nodes_[k].above[m] = nodes_[k + 1].above[m] + 0.5 * l.L / nodes * (nodes_[k].series[m] + nodes_[k + 1].series[m]);
 }
 
-double gravity_density::heat_capacity_change(double y, double T) const {
+gravity_density::polynomial gravity_density::coefficients(polynomial node::*member, double y) const {
   const auto at = find(y, l_.L, nodes);
-  std::array<double, degree + 1> c{};
+  polynomial c{};
   for (std::size_t k = 0; k < 4; ++k)
-    for (std::size_t m = 0; m <= degree; ++m) c[m] += at.weight[k] * nodes_[at.first + k].above[m];
+    for (std::size_t m = 0; m <= degree; ++m) c[m] += at.weight[k] * (nodes_[at.first + k].*member)[m];
+  return c;
+}
+
+double gravity_density::heat_capacity_change(double y, double T) const {
+  const auto c = coefficients(&node::above, y);
   const double per_T = 2.0 / (high_ - low_);
   const double s = std::clamp((T - 0.5 * (low_ + high_)) * per_T, -1.0, 1.0);
   // d²T_m/ds² = m dU_(m-1)/ds, and dU_(n+1) = 2 U_n + 2 s dU_n - dU_(n-1).
@@ -82,10 +87,7 @@ double gravity_density::value(double node::*member, double y) const {
 }
 
 std::pair<double, double> gravity_density::series(double y, double T) const {
-  const auto at = find(y, l_.L, nodes);
-  std::array<double, degree + 1> c{};
-  for (std::size_t k = 0; k < 4; ++k)
-    for (std::size_t m = 0; m <= degree; ++m) c[m] += at.weight[k] * nodes_[at.first + k].series[m];
+  const auto c = coefficients(&node::series, y);
   // Polynomials of the first and second kind by their recurrences. Beyond the range the series goes on straight.
   const double per_T = 2.0 / (high_ - low_), wanted = (T - 0.5 * (low_ + high_)) * per_T;
   const double s = std::clamp(wanted, -1.0, 1.0);

@@ -3,12 +3,8 @@
 //   dp_r/dy = -ρ_r g, T_r on the adiabat through (p_top, T_top) at y = L    (two_fluids/column.hpp)
 //   b(y, T, p) = -g [ρ̂(p_r(y), T) - ρ̂(p_r(y), T_c(y))]/ρ_0 - g q p/K(y) ρ_r(y)/ρ_0,   T_c the conductive profile
 //
-// p is the pressure beyond what carries T_c, so that conduction is at rest. With the linear equation of state of
-// ρ_0, α and K_0 this is b = α g (T - T_c) - g q p/K_0, to the last digits [S1 (64)].
-//
-// Energy: friction takes the work of b, and what rises cools by T ∂b/∂T v_y. For their difference to be a flux of heat,
-// the heat capacity must follow ∂c_p/∂y = T ∂²b/∂T², which is (∂c_p/∂p)_T = -T (∂²(1/ρ)/∂T²)_p of thermodynamics in a
-// flow of constant ρ_0: enthalpy h(T, y), ∂h/∂T = c_p, ∂h/∂y = -(b - T ∂b/∂T), is then conserved.
+// p is the pressure beyond what carries T_c, so that conduction is at rest. The heat capacity follows ∂c_p/∂y = T
+// ∂²b/∂T², so that enthalpy is conserved (docs/theory/convection.md, "Gravity by an equation of state").
 #pragma once
 
 #include <eos/eos.hpp>
@@ -43,11 +39,12 @@ class gravity_density {
  private:
   static constexpr int degree = 10;  // in T, Chebyshev: ρ̂ at one pressure is smooth
   static constexpr int nodes = 256;  // over L, cubic between
+  using polynomial = std::array<double, degree + 1>;
   struct node {
     double p, rho, T, alpha, K;
-    std::array<double, degree + 1> series;  // of -g ρ̂/ρ_0 by s, -1 <= s <= 1
-    std::array<double, degree + 1> above;   // of its integral from y to L
+    polynomial series, above;  // of -g ρ̂/ρ_0 by s, -1 <= s <= 1; of its integral from y to L
   };
+  polynomial coefficients(polynomial node::*member, double y) const;
   double value(double node::*member, double y) const;
   std::pair<double, double> series(double y, double T) const;  // -g ρ̂/ρ_0 and its slope in T
 

@@ -1,13 +1,88 @@
-// Means over the box, and heat through its walls.
+// Fields between the particles, means over the box, and heat through its walls.
 #pragma once
 
-#include <convection/interpolation.hpp>
-#include <convection/wall_gradient.hpp>
+#include <algorithm>
+#include <cells/grid.hpp>
+#include <convection/options.hpp>
 #include <foundation/exact_sum.hpp>
 #include <limits>
+#include <operators/symmetric.hpp>
+#include <optional>
 #include <run/lists.hpp>
+#include <walls/interpolation.hpp>
 
 namespace tetsuame::convection {
+
+// Fields of particles at other places: least squares of a polynomial of second degree about the place,
+//   f(x) = a + b·(x - place) + (x - place)·c (x - place),  weights (1 - r²/radius²)²;  a is the value
+// Ghosts and images take part, with the values that they have: what a wall asks of a field the interpolated one has
+// too. Sums run in the order of cells and IDs, so that the result does not depend on ranks.
+template <int D>
+class interpolation {
+ public:
+  // radius: m; no more than the width in which ghosts and images stand.
+  interpolation(const particles::particles<D>& s, double radius)
+      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(radius))) {}
+
+  // Values of the fields f, which reach over fluid, ghosts and images, at the place; none where too few particles are
+  // near.
+  template <std::size_t K>
+  std::optional<std::array<double, K>> operator()(const std::array<double, D>& place,
+                                                  const std::array<const double*, K>& f) const {
+    std::array<std::array<double, terms>, terms> A{};
+    std::array<std::array<double, terms>, K> b{};
+    std::vector<std::uint32_t> near;
+    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t k, std::uint32_t bits) {
+      for (; bits != 0; bits &= bits - 1U)
+        near.push_back(grid_.members[k + static_cast<std::size_t>(std::countr_zero(bits))]);
+    });
+    for (const std::uint32_t j : near) {
+      walls::vec<double, D> r;
+      double left = 1.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        r[a] = (s_.x[a][j] - place[a]) / radius_;
+        left -= r[a] * r[a];
+      }
+      if (left <= 0.0) continue;
+      const auto P = walls::polynomial<D>(r);
+      for (std::size_t k = 0; k < terms; ++k) {
+        const double weighted = left * left * P[k];
+        for (std::size_t l = 0; l <= k; ++l) A[k][l] += weighted * P[l];
+        for (std::size_t m = 0; m < K; ++m) b[m][k] += weighted * f[m][j];
+      }
+    }
+    if (!operators::factorise(A)) return std::nullopt;
+    std::array<double, K> values;
+    for (std::size_t m = 0; m < K; ++m) values[m] = operators::solve(A, b[m])[0];
+    return values;
+  }
+
+ private:
+  static constexpr std::size_t terms = walls::terms(2, D);
+
+  const particles::particles<D>& s_;
+  double radius_;
+  cells::grid<D> grid_;
+};
+
+// The gradient of temperature at a wall of fixed temperature, from the particles near a place of it: least squares of
+//   T - T_w = y (a + b·t + t·c t) + y³ (d + e·t) + y⁵ f
+// with y the distance from the wall and t the way along it from the place; a is the gradient. Only odd powers of y: the
+// temperature less the wall's is odd about it as far as ∇²T = 0 there.
+struct near_wall {
+  double y;                 // m, from the wall
+  std::array<double, 2> t;  // m, coordinates along it (2-D: the second is 0)
+  double excess;            // K, T - T_w
+  std::int64_t id;
+};
+
+// Sorts the samples; the result then depends on neither their order nor on ranks.
+void sort(std::vector<near_wall>& samples);
+
+// K/m, at `place` along the wall, from samples (sorted) within `radius` of it, weighted by (1 - r²/radius²)². dimension
+// 2 or 3. Not-a-number where too few are near.
+double wall_gradient(const std::vector<near_wall>& samples, const std::array<double, 2>& place, double radius,
+                     int dimension);
 
 // visit(number, place) for those of a lattice of n places, dx apart, that are in this rank's cell, by ascending number.
 template <int D>

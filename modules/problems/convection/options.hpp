@@ -11,6 +11,7 @@
 #include <relaxation/options.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
+#include <run/problem.hpp>
 
 namespace tetsuame::convection {
 
@@ -39,6 +40,9 @@ struct convection_options {
   std::optional<double> pressure_diffusion;  // not given: chosen
   double remap_diffusion = 0.5, shifting = 1.5;
 };
+
+// Spacings, of the fit of the heat through a wall (measures.hpp).
+inline constexpr double fit_radius = 3.5;
 
 struct initial_options {
   double perturbation = 0.05;   // of the difference in temperature
@@ -88,10 +92,20 @@ struct parameters {
   std::vector<std::string> lines;  // what was chosen, and why
 };
 
+// Of each dimension, compiled by itself (programs/convection). Options and parameters outlive the problem.
+std::unique_ptr<run::problem> make_2d(const options& o, const parameters& p);
+std::unique_ptr<run::problem> make_3d(const options& o, const parameters& p);
+
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.
 parameters resolve(const namelist::schema& schema, options& o);
 
+// How that is chosen, each from what stands before it: the density that gravity weighs, if it is that of an equation of
+// state; the law of viscosity, and the top's viscosity where a table has it; target, slowed sound and inertia, viscous
+// response, and how the viscosity comes to its law.
+void resolve_gravity(const namelist::schema& schema, const options& o, parameters& p);
+void resolve_viscosity(const namelist::schema& schema, options& o, parameters& p);
+void resolve_slowing(options& o, parameters& p);
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
 // Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity while that is not

@@ -2,11 +2,107 @@
 // viscosity varies its force and how much stiffer that makes the rates.
 #pragma once
 
-#include <convection/contrast.hpp>
 #include <convection/state.hpp>
-#include <convection/terms.hpp>
 
 namespace tetsuame::convection {
+
+struct slopes_tag {};
+inline constexpr slopes_tag of_slopes;
+
+// Q(f) = Σ V F [2 (f_i - f_j) - (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)] of the K
+// fields of operators::consistent. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy
+// is p²/ξ²: so it falls, whatever the contrast.
+template <int D, int fields, bool graded>
+struct noise {
+  using real = pairs::real;
+  static constexpr std::size_t K = fields;
+  std::array<const double*, K * D> gradients;  // of each field
+  double V;                                    // m^D
+  std::array<double*, K> out;                  // of each field, over m^2
+
+  struct me {
+    std::array<real, K> sum;
+  };
+  auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
+  me begin(std::size_t) const {
+    me a;
+    a.sum.fill(real(0.0));
+    return a;
+  }
+  void add(me& a, const auto& ij) const {
+    const auto G = ij.own(of_slopes) + ij(of_slopes);
+    const auto f_ij = ij.difference(operators::of_fields);
+    for (std::size_t k = 0; k < K; ++k) {
+      real steps = 2.0 * f_ij[k];
+      for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
+      if constexpr (graded)
+        if (k == D + 1) {
+          const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
+          steps *= mine / foundation::greater(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
+        }
+      a.sum[k] += ij.F * steps;
+    }
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < K; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+  }
+};
+
+// Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
+template <int D>
+struct unevenness {
+  using real = pairs::real;
+  double V, W_self, per_W_dx;
+  std::array<double*, D> out;
+  double* W_sum;
+
+  struct me {
+    pairs::vec<real, D> sum;
+    real W;
+  };
+  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const real q = ij.W * per_W_dx, q2 = q * q;
+    a.sum += (ij.F * (1.0 + 0.2 * q2 * q2)) * ij.x_ij;
+    a.W += ij.W;
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+    W_sum[i] = W_self + pairs::sum(a.W);
+  }
+};
+
+struct own_viscosity_tag {};
+inline constexpr own_viscosity_tag of_own_viscosity;
+
+// How much stiffer the viscosity's contrast makes the rates than one viscosity would, where inertia goes with ν (ξ² =
+// ν/ν_eff): bounds by a row sum and by Schur's test (docs/theory/convection_viscosity.md),
+//   viscous_i = Σ F ν_ij/ν_i / Σ F      coupled_i = Σ F r ν_j/ν_i / Σ F r
+// the largest viscous_i and the square root of the largest coupled_i. Of the images' viscosity only lines know.
+struct contrast {
+  using real = pairs::real;
+  const double* root;  // ν^½, as that of graded_viscosity
+  const double* own;   // ν; an image has that of its particle
+  double* viscous;
+  double* coupled;  // of one viscosity: both 1
+
+  struct me {
+    real F, F_nu, F_r, F_r_nu;
+  };
+  auto reads() const { return std::tuple{pairs::read(of_viscosity_root, root), pairs::read(of_own_viscosity, own)}; }
+  me begin(std::size_t) const { return {real(0.0), real(0.0), real(0.0), real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    const real F_r = ij.F * ij.r;
+    a.F += ij.F;
+    a.F_nu += ij.F * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
+    a.F_r += F_r;
+    a.F_r_nu += F_r * ij(of_own_viscosity);
+  }
+  void end(std::size_t i, const me& a) const {
+    viscous[i] = pairs::sum(a.F_nu) / pairs::sum(a.F);
+    coupled[i] = pairs::sum(a.F_r_nu) / (pairs::sum(a.F_r) * own[i]);
+  }
+};
 
 template <int D>
 graded_viscosity<D> viscous_term(convection_state<D>& state) {

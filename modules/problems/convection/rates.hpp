@@ -5,16 +5,13 @@
 //   ŷ dp/dt = -ρ₀ (c₀/ζ)² D(v) + (w + v)·G(p) + δ h c_eff Q(p) dT/dt = κ L(T) + w·G(T) + ε h |w| Q(T) + H/c_p [+ 2 ν
 //   e:e/c_p, e the rate of strain] [- T ∂b/∂T v_y/c_p]
 //
-// G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: laws.hpp. p is the part of the pressure
+// G, D = tr G, L: operators/consistent.hpp; volumes are Δx^d throughout; b: state.hpp. p is the part of the pressure
 // beyond that which carries T_ref; its rate is that at a place: the steady state then does not know the speed of sound.
-// a = 1 (target steady): so is that of v. Inertia vanishes in the steady state then, as at Pr = ∞, whatever ξ, and ξ
-// follows the viscosity: ξ² = ν/ν_eff with one ν_eff. And where one viscosity is everywhere its force is ν L(z), of a
-// velocity that relaxes to v (a Jeffreys fluid), at a place
+// a = 1 (target steady): so is that of v, and ξ follows the viscosity, ξ² = ν/ν_eff. Where one viscosity is everywhere
+// its force is then ν L(z), of a velocity that relaxes to v (docs/theory/convection.md, "Relaxed viscous response"),
 //   ∂z/∂t = θ ∂v/∂t + (v - z)/λ      dz/dt = ∂z/∂t + (w + v)·G(z) + ε h |w| Q(z)
-// z = v where the flow is steady. Shear then travels in waves, s² + s (1/λ + θ ν_eff k²) + ν_eff k²/λ = 0, and only θ
-// ν_eff binds the step.
 // w spreads the particles evenly, w = -C h v_max Σ V F r [1 + 0.2 (W/W(Δx))⁴], |w| <= v_max/2 [after Lind et al., J.
-// Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q: terms.hpp.
+// Comput. Phys. 231, 1499 (2012)]; fields are moved back along their gradients. Q: pass.hpp.
 #pragma once
 
 #include <convection/state.hpp>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <convection/resolve.hpp>
+#include <convection/options.hpp>
 #include <numbers>
 
 namespace tetsuame::convection {
@@ -30,7 +30,7 @@ void slow_for_the_steady_state(const options& o, const relaxation::choice& wante
   p.sonic_share = p.law.varies ? sonic_share_varying : sonic_share;
   p.relaxed = !p.law.varies;
   p.slowing = relaxation::recommend(f, wanted);
-  p.slowing.how = relaxation::method::rsst_vim;
+  p.slowing.how = "rsst_vim";
   p.slowing.zeta_rule = p.slowing.xi_rule = "steady state";
   p.slowing.c_eff = p.c_eff;
   p.slowing.mach = p.slowing.speed / p.c_eff;
@@ -56,8 +56,8 @@ void slow_by_rules(const relaxation::choice& wanted, parameters& p) {
   p.lines.push_back(
       fmt::format("slowed by {}: zeta {:.4g} ({}), xi {:.4g} ({}): c_eff {:.4g} m/s ({:.4g} kappa/L), Pr_eff {:.4g}, "
                   "expected Mach number {:.3g}{}",
-                  relaxation::name(p.slowing.how), p.slowing.zeta, p.slowing.zeta_rule, p.slowing.xi, p.slowing.xi_rule,
-                  p.c_eff, p.c_eff * f.L / f.kappa, p.nu_eff / f.kappa, p.slowing.speed / p.c_eff,
+                  p.slowing.how, p.slowing.zeta, p.slowing.zeta_rule, p.slowing.xi, p.slowing.xi_rule, p.c_eff,
+                  p.c_eff * f.L / f.kappa, p.nu_eff / f.kappa, p.slowing.speed / p.c_eff,
                   p.steady ? "; inertia vanishes in the steady state: the way there is not a history" : ""));
 }
 
@@ -79,7 +79,7 @@ void choose_ramp(const convection_options& c, parameters& p) {
 
 void resolve_slowing(options& o, parameters& p) {
   auto& c = o.convection;
-  const auto wanted = relaxation::wanted(o.physics.relaxation);
+  const auto& wanted = o.physics.relaxation;
   const auto& f = p.fluid;
   const bool viscous = relaxation::reached_balance(f, wanted.boundary_layers) == relaxation::balance::viscous;
   p.steady = c.target == "steady" || (c.target == "auto" && viscous);

@@ -20,7 +20,6 @@ class record {
 
   void add(double t, const std::vector<double>& values);
   std::size_t size() const { return times_.size(); }
-  std::size_t measures() const { return values_.size(); }
   double last_time() const { return times_.back(); }
 
   // Of the samples later than the last one's time less `window` (s), at least the last. Uncertainty: standard error of

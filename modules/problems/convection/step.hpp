@@ -1,12 +1,8 @@
-// What a step begins with: what its sums lag behind, how fast particles are, how long it may be.
-//
-// The deferred correction, the tensor B, the noise's gradients and curvatures at walls lag behind: they are those of
-// the state at the start of the step, M_n; with 'rkl2' and 'rkc2' M_n + (M_n - M_(n-1))/2, the middle of the step.
+// What a step begins with: what its sums lag behind (docs/theory/convection.md, "What lags"), how fast particles are,
+// and the viscosity that binds it.
 #pragma once
 
 #include <convection/mirror.hpp>
-#include <integrators/explicit_integrator.hpp>
-#include <limits>
 
 namespace tetsuame::convection {
 
@@ -78,45 +74,6 @@ double largest_viscosity(const convection_state<D>& state) {
   double nu = 0.0;
   for (std::size_t i = 0; i < state.fluid().fluid; ++i) nu = std::max(nu, state.viscosity(i));
   return 3.0 * state.ranks().maximum(nu) / xi2;
-}
-
-template <int D>
-integrators::step_limit largest_step(const convection_state<D>& state) {
-  const auto& layer = state.layer;
-  const auto& time = state.input.common.time;
-  const double dx = state.world.w.dx, fastest = std::max(largest_viscosity(state), layer.fluid.kappa);
-  const double sound = *time.cfl * dx / std::hypot(layer.c_eff, layer.shear_speed);
-  const double diffusion = *time.diffusive * dx * dx / fastest;
-  return sound < diffusion ? integrators::step_limit{sound, "sound"} : integrators::step_limit{diffusion, "diffusion"};
-}
-
-template <int D>
-double diffusion_radius(const convection_state<D>& state) {  // 1/s
-  const double dx = state.world.w.dx, fastest = state.start.viscous_contrast * largest_viscosity(state);
-  return 4.0 * D * std::max(fastest, state.layer.fluid.kappa) / (dx * dx);
-}
-
-// The fixed step of 'rk4' is bound by what lags behind; to its limit of stability there are factors of 2.7 (damping)
-// and 3.8 (sound) with one viscosity, found from the eigenvalues of the rates.
-template <int D>
-double longest_step(const convection_state<D>& state) {  // s
-  const double viscous = state.start.viscous_contrast, sound = state.start.sound_contrast;
-  const bool rk4 = state.input.common.time.method == "rk4";
-  const double margin = rk4                         ? std::hypot(viscous / 2.7, sound / 3.8)
-                        : extrapolates(state.input) ? sound
-                                                    : std::max(viscous, sound);
-  return margin > 1.0 ? largest_step(state).dt / margin : std::numeric_limits<double>::infinity();
-}
-
-// The viscosity at time t; slowed sound may follow it. Returns whether it has changed.
-template <int D>
-bool set_time(convection_state<D>& state, double t) {
-  auto& layer = state.layer;
-  const double before = layer.reached;
-  layer.reached = layer.ramp > 0.0 ? std::min(1.0, t / layer.ramp) : 1.0;
-  layer.nu = layer.fluid.nu * std::pow(layer.start, 1.0 - layer.reached);
-  follow(layer, state.world.w.dx);
-  return layer.reached != before;
 }
 
 }  // namespace tetsuame::convection

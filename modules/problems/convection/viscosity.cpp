@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <convection/viscosity.hpp>
 #include <cstdlib>
 #include <foundation/error.hpp>
 #include <fstream>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 namespace tetsuame::convection {
@@ -38,16 +39,10 @@ struct row {
 };
 
 std::vector<std::string> words_of(std::string text) {
-  if (const auto comment = text.find('#'); comment != std::string::npos) text.resize(comment);
-  std::vector<std::string> words(1);
-  for (const char c : text)
-    if (c == ',' || std::isspace(static_cast<unsigned char>(c)) != 0) {
-      if (!words.back().empty()) words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  if (words.back().empty()) words.pop_back();
-  return words;
+  text.resize(std::min(text.find('#'), text.size()));
+  std::ranges::replace(text, ',', ' ');
+  std::istringstream words(text);
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 std::optional<double> number_of(const std::string& word) {

@@ -1,12 +1,6 @@
 // Viscosity by temperature and depth (m below the top) that no formula of two exponents gives: from a file, or by melt
-// fraction. ln ν is bilinear between the values of a rectangular grid,
-//   ln ν(T, z) = Σ_jk w_j(T) w_k(z) ln ν_jk,
-// exact where ν is exponential in T and z. Beyond the grid, where images of the fluid behind walls are and what
-// overshoots, it goes on straight for a tenth of the grid's extent, and is constant from there.
-//
-// File: text, a line for each value, three columns divided by blanks or commas: temperature (K), depth (m), dynamic
-// viscosity (Pa s). Temperatures ascend; at each the same depths ascend (depth changes fastest). '#' begins a comment;
-// the first line may name the columns.
+// fraction. ln ν is bilinear between the values of a rectangular grid; beyond it, and the file:
+// docs/theory/convection_viscosity.md, "Laws".
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <convection/wall_gradient.hpp>
+#include <convection/measures.hpp>
 #include <limits>
 #include <operators/symmetric.hpp>
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gas/convergence.hpp>
+#include <gas/setups.hpp>
 #include <output/directory.hpp>
 #include <run/problem.hpp>
 #include <sstream>
@@ -33,30 +34,21 @@ bool completed(const nlohmann::ordered_json& summary) {
   return summary.is_object() && summary.value("status", "") == "completed";
 }
 
-// On this rank.
-bool holds_checkpoint(const fs::path& folder) {
-  return fs::is_directory(folder) && !output::numbered_files(folder.string(), "checkpoint_", ".h5").empty();
-}
 // On all: what rank 0 sees.
+template <class Test>
+bool seen(const Test& test) {
+  const auto ranks = domain::communicator::world();
+  return ranks.broadcast(ranks.rank == 0 && test() ? "yes" : "") == "yes";
+}
+
 bool has_checkpoint(const fs::path& folder) {
-  const auto ranks = domain::communicator::world();
-  return ranks.broadcast(ranks.rank == 0 && holds_checkpoint(folder) ? "yes" : "") == "yes";
+  return seen([&] {
+    return fs::is_directory(folder) && !output::numbered_files(folder.string(), "checkpoint_", ".h5").empty();
+  });
 }
 
-enum class start_from { nothing, checkpoint, done };
-start_from where_it_is(const fs::path& folder, const std::string& resolved, const run::command_line& line) {
-  if (line.restart.empty()) return start_from::nothing;
-  const auto ranks = domain::communicator::world();
-  const bool done = ranks.rank == 0 && completed(summary_in(folder)) && text_of(folder / "resolved.nml") == resolved;
-  if (ranks.broadcast(done ? "yes" : "") == "yes") return start_from::done;
-  return has_checkpoint(folder) ? start_from::checkpoint : start_from::nothing;
-}
-
-run::command_line line_for(run::command_line line, const fs::path& folder, start_from found) {
-  line.output = folder.string();
-  line.restart = found == start_from::checkpoint ? "latest" : "";
-  line.force = found != start_from::checkpoint;
-  return line;
+bool is_done(const fs::path& folder, const std::string& resolved) {
+  return seen([&] { return completed(summary_in(folder)) && text_of(folder / "resolved.nml") == resolved; });
 }
 
 // The limit of the wall clock is that of all runs together.
@@ -95,15 +87,13 @@ void run_one(const coarser_input& in, const run::command_line& line, std::chrono
 }
 
 std::optional<double> order(const std::vector<const level*>& used, const char* name) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  fitted_line line;
   for (const level* l : used) {
     const auto& e = l->errors.at(name);
-    if (!e.is_number() || !(e.get<double>() > 0.0)) continue;
-    const double a = std::log(static_cast<double>(l->particles_x)), b = std::log(e.get<double>());
-    n += 1.0, x += a, y += b, xx += a * a, xy += a * b;
+    if (e.is_number() && e.get<double>() > 0.0)
+      line.add(std::log(static_cast<double>(l->particles_x)), std::log(e.get<double>()));
   }
-  if (n < 2.0) return {};
-  return -(n * xy - x * y) / (n * xx - x * x);
+  return line.n >= 2.0 ? std::optional(-line.slope()) : std::nullopt;
 }
 
 }  // namespace
@@ -137,8 +127,13 @@ void run_all(const options& o, const std::string& resolved, const std::vector<co
   std::vector<level> levels;
   for (std::size_t n = 0; n < coarser.size(); ++n) {
     const auto folder = fs::path(line.output) / fmt::format("coarser_{}", coarser.size() - n);
-    const auto found = where_it_is(folder, coarser[n].resolved, line);
-    if (found != start_from::done) run_one(coarser[n], line_for(line, folder, found), began, make);
+    if (line.restart.empty() || !is_done(folder, coarser[n].resolved)) {
+      auto coarse = line;
+      coarse.output = folder.string();
+      coarse.force = line.restart.empty() || !has_checkpoint(folder);
+      coarse.restart = coarse.force ? "" : "latest";
+      run_one(coarser[n], coarse, began, make);
+    }
     levels.push_back(level_in(folder, coarser[n].values));
   }
   // The directory is open, with the coarser runs in it; one that stopped among these has no checkpoint of its own yet.

@@ -35,6 +35,11 @@ using maker = std::function<std::unique_ptr<run::problem>(const options&, const 
 void run_all(const options& o, const std::string& resolved, const std::vector<coarser_input>& coarser,
              const run::command_line& line, const maker& make);
 
+// The problem in one, two and three dimensions, each compiled by itself (programs/shock).
+std::unique_ptr<run::problem> make_1d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::problem> make_2d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::problem> make_3d(const options& o, const std::vector<level>& coarser);
+
 // For summary.json: by level, and the orders. A level without errors, or at another time, is named and left out.
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest);
 

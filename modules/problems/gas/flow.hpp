@@ -8,7 +8,6 @@
 #include <gas/measures.hpp>
 #include <gas/rates.hpp>
 #include <gas/start.hpp>
-#include <gas/steps.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::gas {
@@ -35,7 +34,15 @@ class flow : public run::problem_in_a_box<D> {
   }
   void evaluate(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
 
-  integrators::step_limit largest_step() override { return gas::largest_step(g_); }
+  // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
+  integrators::step_limit largest_step() override {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < g_.w.s.fluid; ++i) {
+      const double spacing = g_.S[i] / g_.support_over_dx, signal = std::max(g_.signal[i], 2.0 * g_.sound_speed(i));
+      least = std::min(least, 2.0 * spacing / signal);
+    }
+    return {*g_.o.common.time.cfl * ranks().minimum(least), "sound"};
+  }
   double moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
 

@@ -11,7 +11,7 @@ void find_weights(world<D>& g, std::size_t first, std::size_t last) {
   const auto& s = g.w.s;
   foundation::for_all(last - first, [&](std::size_t k) {
     const std::size_t i = first + k;
-    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume()[i] : s.m[i];
+    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume[i] : s.m[i];
   });
 }
 
@@ -50,7 +50,7 @@ void refresh_constants(world<D>& g) {
   g.kind.assign(s.total() + 1, 0.0);
   const bool two = g.o.any_eos() || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
-  const std::array<double*, 5> fixed{s.m.data(), g.start_volume().data(), g.gamma.data(), g.stiffness.data(),
+  const std::array<double*, 5> fixed{s.m.data(), g.start_volume.data(), g.gamma.data(), g.stiffness.data(),
                                      g.kind.data()};
   domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(fixed));
   foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
@@ -78,14 +78,29 @@ void resize_arrays(world<D>& g) {
 template <int D>
 void make_lists(world<D>& g, bool as_they_were) {
   auto& s = g.w.s;
-  run::rebuild_with_supports(g, as_they_were, g.support(), g.list_support());
+  run::rebuild_with_supports(g, as_they_were, g.support, g.list_support);
   const foundation::stage timed(g.w.times, "lists");
   refresh_constants(g);
   resize_arrays(g);
-  std::copy_n(g.support().begin(), s.fluid, g.S.begin());
+  std::copy_n(g.support.begin(), s.fluid, g.S.begin());
   std::fill(g.signal.begin(), g.signal.end(), 0.0);
   begin_state(g);
   end_state(g);
+}
+
+// m, what the lists cover.
+template <int D>
+double allowance(const world<D>& g) {
+  return 0.5 * (g.skin - g.room_to_grow());
+}
+
+// Displacement, or the whole allowance where a support has no more room to grow.
+template <int D>
+double moved(world<D>& g) {
+  double growth = 0.0;
+  for (std::size_t i = 0; i < g.w.s.fluid; ++i) growth = std::max(growth, g.support[i] - g.list_support[i]);
+  const bool no_room = growth >= g.room_to_grow() * (1.0 - 1e-9);
+  return no_room ? std::max(run::moved_since_lists(g), allowance(g)) : run::moved_since_lists(g);
 }
 
 }  // namespace tetsuame::gas

@@ -101,7 +101,7 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
   if (g.o.any_eos()) scalar("Temperature", "K", "temperature", s.T);
   scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
-  if (g.has_alpha()) scalar("ArtificialViscosity", "1", "alpha", g.alpha());
+  if (g.has_alpha()) scalar("ArtificialViscosity", "1", "alpha", g.alpha);
   if (!g.test.exact) return group;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const state right = g.test.exact(g.place(i), t);

@@ -8,6 +8,8 @@ namespace tetsuame::gas {
 
 namespace {
 
+using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
+
 const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follows_x = true, .jitters = false};
 
 void declare_case(namelist::schema& schema, shock_options& s) {
@@ -43,85 +45,57 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
            "the pressure at a particle is its neighbours'"});
 }
 
-void declare_side(namelist::schema& schema, const std::string& end, const char* where, double& rho, double& u,
-                  double& p) {
-  schema.add("shock", "rho_" + end, rho,
-             {.unit = "kg/m^3", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("density ") + where});
-  schema.add("shock", "u_" + end, u, {.unit = "m/s", .meaning = std::string("velocity along x ") + where});
-  schema.add("shock", "p_" + end, p,
-             {.unit = "Pa", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("pressure ") + where});
-}
-
-void declare_gas(namelist::schema& schema, const std::string& end, const char* where, std::optional<double>& gamma,
-                 double& p) {
-  schema.add("shock", "gamma_" + end, gamma,
-             {.minimum = 1.0,
-              .exclusive_minimum = true,
-              .meaning = std::string("riemann, square: of the gas ") + where + "; empty: gamma"});
-  schema.add("shock", "p_infinity_" + end, p,
-             {.unit = "Pa",
-              .minimum = 0.0,
-              .meaning = std::string("riemann, square: of the stiffened gas ") + where + "; 0: an ideal gas"});
-}
-
-void declare_material(namelist::schema& schema, const std::string& end, const char* where, std::string& name,
-                      std::optional<double>& T) {
+void declare_states(namelist::schema& schema, shock_options& s) {
+  struct end {
+    std::string name, where;
+    side_options& of;
+  };
+  const std::array<end, 2> ends{{{"l", " on the left", s.l}, {"r", " on the right", s.r}}};
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "rho_" + name, of.rho, positive("kg/m^3", "density" + where));
+    schema.add("shock", "u_" + name, of.u, {.unit = "m/s", .meaning = "velocity along x" + where});
+    schema.add("shock", "p_" + name, of.p, positive("Pa", "pressure" + where));
+  }
+  const auto above_one = [](std::string meaning) {
+    return namelist::key_info{.minimum = 1.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+  };
+  schema.add("shock", "gamma", s.gamma, above_one("adiabatic exponent of the gas"));
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "gamma_" + name, of.gamma, above_one("riemann, square: of the gas" + where + "; empty: gamma"));
+    schema.add("shock", "p_infinity_" + name, of.p_infinity,
+               {.unit = "Pa",
+                .minimum = 0.0,
+                .meaning = "riemann, square: of the stiffened gas" + where + "; 0: an ideal gas"});
+  }
   std::vector<std::string> equations{""};
   for (const auto known : eos::names()) equations.emplace_back(known);
-  schema.add("shock", "eos_" + end, name,
-             {.choices = equations,
-              .meaning = std::string("riemann, square: equation of state ") + where +
-                         ", with its own parameters; '': the gas of gamma and p_infinity"});
-  schema.add("shock", "temperature_" + end, T,
-             {.unit = "K",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = std::string("with an equation of state: ") + where + "; the density follows from it and p"});
-}
-
-void declare_states(namelist::schema& schema, shock_options& s) {
-  declare_side(schema, "l", "on the left", s.rho_l, s.u_l, s.p_l);
-  declare_side(schema, "r", "on the right", s.rho_r, s.u_r, s.p_r);
-  schema.add("shock", "gamma", s.gamma,
-             {.minimum = 1.0, .exclusive_minimum = true, .meaning = "adiabatic exponent of the gas"});
-  declare_gas(schema, "l", "on the left", s.gamma_l, s.p_infinity_l);
-  declare_gas(schema, "r", "on the right", s.gamma_r, s.p_infinity_r);
-  declare_material(schema, "l", "on the left", s.eos_l, s.temperature_l);
-  declare_material(schema, "r", "on the right", s.eos_r, s.temperature_r);
+  for (const auto& [name, where, of] : ends) {
+    schema.add("shock", "eos_" + name, of.eos,
+               {.choices = equations,
+                .meaning = "riemann, square: equation of state" + where +
+                           ", with its own parameters; '': the gas of gamma and p_infinity"});
+    schema.add("shock", "temperature_" + name, of.temperature,
+               positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
+  }
 }
 
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .meaning = "errors are measured in this part of the box along x, about its middle"});
-  schema.add(
-      "shock", "coarser", s.coarser,
-      {.minimum = 0,
-       .maximum = 10,
-       .meaning = "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
-                  "then has the errors of all and their order of convergence"});
-  schema.add("shock", "energy", s.energy,
-             {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
+             for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
+  schema.add("shock", "coarser", s.coarser,
+             between(0, 10,
+                     "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
+                     "then has the errors of all and their order of convergence"));
+  schema.add("shock", "energy", s.energy, positive("J", "sedov: of the explosion"));
   schema.add("shock", "blast_radius", s.blast_radius,
-             {.minimum = 1.0,
-              .maximum = 100.0,
-              .expert = true,
-              .meaning = "sedov: within so many spacings the energy starts"});
+             for_expert(between(1.0, 100.0, "sedov: within so many spacings the energy starts")));
   schema.add("shock", "corner", s.corner,
              {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
                          "octant; the energy is that of the whole explosion"});
-  schema.add("shock", "layer", s.layer,
-             {.unit = "m",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "kelvin_helmholtz, rayleigh_taylor: width of the layers"});
+  schema.add("shock", "layer", s.layer, positive("m", "kelvin_helmholtz, rayleigh_taylor: width of the layers"));
   schema.add("shock", "perturbation", s.perturbation,
              {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
-  schema.add("shock", "waves", s.waves,
-             {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz, rayleigh_taylor: of that sine"});
+  schema.add("shock", "waves", s.waves, between(1, 1000, "kelvin_helmholtz, rayleigh_taylor: of that sine"));
   schema.add("shock", "gravity", s.gravity,
              {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
 }
@@ -139,13 +113,10 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
               .meaning = "gdisph: the Riemann problem's throughout, or in the part that Balsara's factor gives, and "
                          "the particles' own in the rest"});
   schema.add("shock", "alpha", s.alpha,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .meaning = "of the artificial viscosity (ssph, disph); time-dependent: the largest"});
+             between(0.0, 10.0, "of the artificial viscosity (ssph, disph); time-dependent: the largest"));
   schema.add("shock", "time_dependent_alpha", s.switch_of_alpha,
              {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
-  schema.add("shock", "alpha_min", s.alpha_min,
-             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "smallest alpha"});
+  schema.add("shock", "alpha_min", s.alpha_min, for_expert(between(0.0, 10.0, "smallest alpha")));
   schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
 }
 
@@ -177,7 +148,7 @@ double expected_particles(const options& o) {
   const double lattice = o.domain.lattice_particles();
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
-  return lattice * (1.0 - inside + inside * o.shock.rho_l / o.shock.rho_r);
+  return lattice * (1.0 - inside + inside * o.shock.l.rho / o.shock.r.rho);
 }
 
 namespace {
@@ -197,46 +168,44 @@ void resolve_box(const namelist::schema& schema, options& o) {
 }
 
 // Of one side: with an equation of state the density follows.
-void resolve_material(const namelist::schema& schema, shock_options& s, bool left) {
-  const std::string end = left ? "l" : "r";
-  const std::string& name = left ? s.eos_l : s.eos_r;
-  const auto& T = left ? s.temperature_l : s.temperature_r;
-  if (T && name.empty()) schema.fail("shock", "temperature_" + end, "a temperature needs an equation of state");
-  if (name.empty()) return;
-  if (s.test != "riemann" && s.test != "square")
-    schema.fail("shock", "eos_" + end, "the test '" + s.test + "' is of an ideal gas");
-  if (!T) schema.fail("shock", "eos_" + end, "an equation of state needs temperature_" + end);
-  if (left ? s.gamma_l : s.gamma_r)
-    schema.fail("shock", "gamma_" + end, "is of a gas, and there is an equation of state");
-  if ((left ? s.p_infinity_l : s.p_infinity_r) != 0.0)
-    schema.fail("shock", "p_infinity_" + end, "is of a gas, and there is an equation of state");
-  double& rho = left ? s.rho_l : s.rho_r;
+void resolve_material(const namelist::schema& schema, const std::string& test, const std::string& end,
+                      side_options& side) {
+  const auto fail = [&](const char* key, const std::string& why) { schema.fail("shock", key + end, why); };
+  if (side.temperature && side.eos.empty()) fail("temperature_", "a temperature needs an equation of state");
+  if (side.eos.empty()) return;
+  if (test != "riemann" && test != "square") fail("eos_", "the test '" + test + "' is of an ideal gas");
+  if (!side.temperature) fail("eos_", "an equation of state needs temperature_" + end);
+  if (side.gamma) fail("gamma_", "is of a gas, and there is an equation of state");
+  if (side.p_infinity != 0.0) fail("p_infinity_", "is of a gas, and there is an equation of state");
   const double follows =
-      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(name), left ? s.p_l : s.p_r, *T); });
-  if (schema.given("shock", "rho_" + end) && std::abs(rho / follows - 1.0) > 1e-9)
-    schema.fail("shock", "rho_" + end,
-                fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", name, follows));
-  rho = follows;
+      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(side.eos), side.p, *side.temperature); });
+  if (schema.given("shock", "rho_" + end) && std::abs(side.rho / follows - 1.0) > 1e-9)
+    fail("rho_",
+         fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", side.eos, follows));
+  side.rho = follows;
 }
 
 void resolve_materials(const namelist::schema& schema, options& o) {
   auto& s = o.shock;
-  for (const bool left : {true, false}) resolve_material(schema, s, left);
-  if (s.eos_l.empty() != s.eos_r.empty())
-    schema.fail("shock", s.eos_l.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
-  if (o.any_eos() && o.weighs_energy())
-    schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
-  if (!o.any_eos()) {
-    if (!s.gamma_l) s.gamma_l = s.gamma;
-    if (!s.gamma_r) s.gamma_r = s.gamma;
-  }
-  if (!o.any_eos() &&
-      (s.p_infinity_l != 0.0 || s.p_infinity_r != 0.0 || *s.gamma_l != s.gamma || *s.gamma_r != s.gamma)) {
-    if (s.test != "riemann" && s.test != "square")
-      schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
+  resolve_material(schema, s.test, "l", s.l);
+  resolve_material(schema, s.test, "r", s.r);
+  if (s.l.eos.empty() != s.r.eos.empty())
+    schema.fail("shock", s.l.eos.empty() ? "eos_l" : "eos_r", "both sides have an equation of state, or neither");
+  if (o.any_eos()) {
     if (o.weighs_energy())
-      schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
+      schema.fail("shock", "weight", "an equation of state needs weight = 'volume' in '" + s.scheme + "'");
+    return;
   }
+  bool one_gas = true;
+  for (side_options* side : {&s.l, &s.r}) {
+    if (!side->gamma) side->gamma = s.gamma;
+    one_gas = one_gas && side->p_infinity == 0.0 && *side->gamma == s.gamma;
+  }
+  if (one_gas) return;
+  if (s.test != "riemann" && s.test != "square")
+    schema.fail("shock", "gamma_l", "the test '" + s.test + "' is of an ideal gas with one gamma");
+  if (o.weighs_energy())
+    schema.fail("shock", "weight", "two gases, or a stiffened gas, need weight = 'volume' in '" + s.scheme + "'");
 }
 
 void check_test(const namelist::schema& schema, const options& o) {

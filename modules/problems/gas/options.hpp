@@ -12,17 +12,21 @@
 
 namespace tetsuame::gas {
 
+// The gas on the left or inside, or that on the right or outside.
+struct side_options {
+  double rho, u, p;                        // kg/m3, m/s, Pa
+  std::optional<double> gamma = {};        // none: that of all
+  double p_infinity = 0.0;                 // Pa; stiffened gas
+  std::string eos = "";                    // empty: the gas of gamma and p_infinity
+  std::optional<double> temperature = {};  // K
+};
+
 struct shock_options {
   std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
   std::string weight = "energy", support_terms = "number";
-  double rho_l = 1.0, u_l = 0.0, p_l = 1.0;  // kg/m3, m/s, Pa
-  double rho_r = 0.125, u_r = 0.0, p_r = 0.1;
+  side_options l{1.0, 0.0, 1.0}, r{0.125, 0.0, 0.1};
   double gamma = 1.4;
-  std::optional<double> gamma_l, gamma_r;              // none: gamma
-  double p_infinity_l = 0.0, p_infinity_r = 0.0;       // Pa; stiffened gas
-  std::string eos_l, eos_r;                            // empty: the gas of gamma and p_infinity
-  std::optional<double> temperature_l, temperature_r;  // K
-  std::int64_t coarser = 0;                            // runs at 1/2, 1/4, … of the resolution before this one
+  std::int64_t coarser = 0;                   // runs at 1/2, 1/4, … of the resolution before this one
   double window = 1.0;                        // of the box along x, about its middle: where errors are measured
   double energy = 1.0, blast_radius = 2.0;    // J; in spacings
   bool corner = false;                        // sedov: the centre is in a corner
@@ -44,7 +48,7 @@ struct options {
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
   bool evolves_density() const { return shock.scheme == "remix"; }
-  bool any_eos() const { return !shock.eos_l.empty(); }
+  bool any_eos() const { return !shock.l.eos.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
 };
 

@@ -35,6 +35,18 @@ void find_gradients(world<D>& g, const Kernel& unit) {
   });
 }
 
+// Where A, B and their gradients are, for what finds and for what reads them.
+template <int D, class Fields>
+void place_corrections(world<D>& g, Fields& to) {
+  const auto at = [&](std::size_t k) { return g.reproducing[k].data(); };
+  to.A = at(1);
+  for (std::size_t a = 0; a < D; ++a) {
+    to.B[a] = at(2 + a);
+    to.grad_A[a] = at(2 + D + a);
+  }
+  for (std::size_t k = 0; k < to.grad_B.size(); ++k) to.grad_B[k] = at(2 + 2 * D + k);
+}
+
 template <int D, class Kernel>
 void find_corrections(world<D>& g, const Kernel& unit) {
   const foundation::stage timed(g.w.times, "corrections");
@@ -42,12 +54,7 @@ void find_corrections(world<D>& g, const Kernel& unit) {
   std::array<double*, world<D>::R> all;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = g.reproducing[k].data();
   term.out.m0 = all[0];
-  term.out.A = all[1];
-  for (std::size_t a = 0; a < D; ++a) {
-    term.out.B[a] = all[2 + a];
-    term.out.grad_A[a] = all[2 + D + a];
-  }
-  for (std::size_t k = 0; k < term.out.grad_B.size(); ++k) term.out.grad_B[k] = all[2 + 2 * D + k];
+  place_corrections(g, term.out);
   sum(g, g.w.fluid(), term);
   domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
   for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
@@ -91,19 +98,6 @@ schemes::gas<D> fields_of(world<D>& g) {
   return gas;
 }
 
-template <int D>
-schemes::reproducing_fields<D> corrections_of(const world<D>& g) {
-  const auto at = [&](std::size_t k) { return static_cast<const double*>(g.reproducing[k].data()); };
-  schemes::reproducing_fields<D> kernel;
-  kernel.A = at(1);
-  for (std::size_t a = 0; a < D; ++a) {
-    kernel.B[a] = at(2 + a);
-    kernel.grad_A[a] = at(2 + D + a);
-  }
-  for (std::size_t k = 0; k < kernel.grad_B.size(); ++k) kernel.grad_B[k] = at(2 + 2 * D + k);
-  return kernel;
-}
-
 template <int D, class Kernel>
 void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   const foundation::stage timed(g.w.times, "forces");
@@ -113,11 +107,13 @@ void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   for (std::size_t a = 0; a < D; ++a) out.force[a] = g.force[a].data();
   if (scheme == "ssph") return sum(g, rows, schemes::ssph<D, Kernel>{unit, gas, out});
   if (scheme == "disph") return sum(g, rows, schemes::disph<D, Kernel>{unit, gas, out});
+  schemes::reproducing_fields<D> corrections;
+  place_corrections(g, corrections);
   if (scheme == "remix")
-    return sum(g, rows,
-               schemes::remix<D, Kernel>{unit, gas, corrections_of(g), g.w.s.dV.data(), g.w.s.u.data(),
-                                         g.reproducing[0].data(), g.kind.data(), g.support_over_dx, out,
-                                         g.density_rate.data()});
+    return sum(
+        g, rows,
+        schemes::remix<D, Kernel>{unit, gas, corrections, g.w.s.dV.data(), g.w.s.u.data(), g.reproducing[0].data(),
+                                  g.kind.data(), g.support_over_dx, out, g.density_rate.data()});
   const bool second = g.o.second_order();
   if (scheme == "gsph")
     return second ? sum(g, rows, schemes::gsph<D, Kernel, true>{unit, gas, out})
@@ -135,8 +131,8 @@ std::vector<integrators::field> integrated_fields(world<D>& g) {
   for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g.w.dx});
   for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
   all.push_back({"u", s.u.data(), 0.0, speed * speed});
-  if (g.has_alpha()) all.push_back({"alpha", g.alpha().data(), 0.0, 1.0});
-  if (g.o.evolves_density()) all.push_back({"density", g.evolved().data(), 0.0, g.density_scale});
+  if (g.has_alpha()) all.push_back({"alpha", g.alpha.data(), 0.0, 1.0});
+  if (g.o.evolves_density()) all.push_back({"density", g.evolved.data(), 0.0, g.density_scale});
   return all;
 }
 
@@ -155,7 +151,7 @@ void combine(world<D>& g, std::span<double* const> rate) {
     if (g.o.evolves_density()) rate[2 * D + 1][i] = g.density_rate[i];
     if (g.has_alpha())
       rate[2 * D + 1][i] =
-          schemes::alpha_rate(g.alpha()[i], q.alpha_min, q.alpha, g.divergence[i], s.c[i], g.S[i] / g.support_over_h);
+          schemes::alpha_rate(g.alpha[i], q.alpha_min, q.alpha, g.divergence[i], s.c[i], g.S[i] / g.support_over_h);
   });
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!std::isfinite(rate[D][i] + rate[2 * D][i])) {

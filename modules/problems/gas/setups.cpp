@@ -27,57 +27,59 @@ double spacing_of(const options& o, double rho, double rho_lattice) {
 }
 
 // Two half boxes; as many particles in all as the lattice has.
-setup riemann_tube(const options& o) {
+setup two_halves(const options& o, std::function<state(const point&, double t)> exact, numbers known) {
   const auto& s = o.shock;
   const point end = o.domain.length;
-  const double middle = 0.5 * end[0], mean = 0.5 * (s.rho_l + s.rho_r);
+  const double middle = 0.5 * end[0], mean = 0.5 * (s.l.rho + s.r.rho);
   setup t;
-  t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.rho_l, mean)),
-              lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.rho_r, mean))};
-  if (o.any_eos()) {
-    struct materials {
-      eos::caloric l, r;
-      riemann::general_tube tube;
-      explicit materials(const shock_options& q)
-          : l(eos_of(q.eos_l)),
-            r(eos_of(q.eos_r)),
-            tube({&l, q.rho_l, q.u_l, *q.temperature_l}, {&r, q.rho_r, q.u_r, *q.temperature_r}) {}
-    };
-    const auto both = std::make_shared<const materials>(s);
-    const auto& tube = both->tube;
-    t.exact = [both, s, middle](const point& x, double time) {
-      const double xi = (x[0] - middle) / time;
-      const bool left = time > 0.0 ? both->tube.on_left(xi) : x[0] < middle;
-      if (!(time > 0.0)) return left ? state{s.rho_l, s.p_l, {s.u_l}, 0} : state{s.rho_r, s.p_r, {s.u_r}, 1};
-      const auto w = both->tube.at(xi);
-      return state{w.rho, w.p, {w.v}, left ? 0 : 1};
-    };
-    t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
-    t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
-      return std::abs(x[0] - middle) <= width;
-    };
-    const auto &l = tube.star_l(), &r = tube.star_r();
-    t.known = {{"p_star", l.p},
-               {"u_star", l.v},
-               {"rho_star_l", l.rho},
-               {"rho_star_r", r.rho},
-               {"temperature_star_l", both->l.temperature(l.rho, l.u)},
-               {"temperature_star_r", both->r.temperature(r.rho, r.u)}};
-    return t;
-  }
-  const exact::shock_tube tube({s.rho_l, s.u_l, s.p_l, *s.gamma_l, s.p_infinity_l},
-                               {s.rho_r, s.u_r, s.p_r, *s.gamma_r, s.p_infinity_r});
-  t.exact = [=](const point& x, double time) {
-    const auto w = tube.at(x[0] - middle, time);
-    return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
-  };
-  t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
+  t.blocks = {lattice(o, {0.0, 0.0, 0.0}, {middle, end[1], end[2]}, spacing_of(o, s.l.rho, mean)),
+              lattice(o, {middle, 0.0, 0.0}, end, spacing_of(o, s.r.rho, mean))};
+  t.start = [exact](const point& x) { return exact(x, 0.0); };
   t.measured = [=, width = 0.5 * s.window * end[0]](const point& x, double) {
     return std::abs(x[0] - middle) <= width;
   };
-  const auto& b = tube.between();
-  t.known = {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}};
+  t.exact = std::move(exact);
+  t.known = std::move(known);
   return t;
+}
+
+setup tube_of_gases(const options& o) {
+  const auto& s = o.shock;
+  const exact::shock_tube tube({s.l.rho, s.l.u, s.l.p, *s.l.gamma, s.l.p_infinity},
+                               {s.r.rho, s.r.u, s.r.p, *s.r.gamma, s.r.p_infinity});
+  const auto at = [=, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+    const auto w = tube.at(x[0] - middle, time);
+    return state{w.rho, w.p, {w.u, 0.0, 0.0}, x[0] < middle ? 0 : 1};
+  };
+  const auto& b = tube.between();
+  return two_halves(o, at, {{"p_star", b.p}, {"u_star", b.u}, {"rho_star_l", b.rho_l}, {"rho_star_r", b.rho_r}});
+}
+
+// With equations of state.
+setup tube_of_materials(const options& o) {
+  struct materials {
+    eos::caloric l, r;
+    riemann::general_tube tube;
+    explicit materials(const shock_options& q)
+        : l(eos_of(q.l.eos)),
+          r(eos_of(q.r.eos)),
+          tube({&l, q.l.rho, q.l.u, *q.l.temperature}, {&r, q.r.rho, q.r.u, *q.r.temperature}) {}
+  };
+  const auto both = std::make_shared<const materials>(o.shock);
+  const auto at = [both, s = o.shock, middle = 0.5 * o.domain.length[0]](const point& x, double time) {
+    if (!(time > 0.0)) return x[0] < middle ? state{s.l.rho, s.l.p, {s.l.u}, 0} : state{s.r.rho, s.r.p, {s.r.u}, 1};
+    const double xi = (x[0] - middle) / time;
+    const auto w = both->tube.at(xi);
+    return state{w.rho, w.p, {w.v}, both->tube.on_left(xi) ? 0 : 1};
+  };
+  const auto &l = both->tube.star_l(), &r = both->tube.star_r();
+  return two_halves(o, at,
+                    {{"p_star", l.p},
+                     {"u_star", l.v},
+                     {"rho_star_l", l.rho},
+                     {"rho_star_r", r.rho},
+                     {"temperature_star_l", both->l.temperature(l.rho, l.u)},
+                     {"temperature_star_r", both->r.temperature(r.rho, r.u)}});
 }
 
 double distance(const point& a, const point& b) {
@@ -110,10 +112,10 @@ setup square(const options& o) {
     low[a] = 0.25 * end[a];
     high[a] = 0.75 * end[a];
   }
-  t.blocks = {whole_box(o), lattice(o, low, high, spacing_of(o, s.rho_l, s.rho_r))};
+  t.blocks = {whole_box(o), lattice(o, low, high, spacing_of(o, s.l.rho, s.r.rho))};
   t.blocks[0].holds = [=](const point& x) { return !inside(x); };
   t.start = [=](const point& x) {
-    return inside(x) ? state{s.rho_l, s.p_l, {s.u_l, 0.0, 0.0}, 1} : state{s.rho_r, s.p_r, {s.u_r, 0.0, 0.0}, 0};
+    return inside(x) ? state{s.l.rho, s.l.p, {s.l.u, 0.0, 0.0}, 1} : state{s.r.rho, s.r.p, {s.r.u, 0.0, 0.0}, 0};
   };
   t.traces = {{"square_area", D == 2 ? "m^2" : "m^3",
                [](const view& w) {
@@ -230,19 +232,19 @@ setup sedov(const options& o) {
   const double per_volume = std::pow(o.domain.dx(), static_cast<double>(o.domain.dimension));
   const double shares = sum_of_shares(o, share) / in_box;
   t.start = [=](const point& x) {
-    return state{s.rho_l, s.p_l + (s.gamma - 1.0) * s.energy * share(x) / (shares * per_volume), {}, 0};
+    return state{s.l.rho, s.l.p + (s.gamma - 1.0) * s.energy * share(x) / (shares * per_volume), {}, 0};
   };
   const exact::sedov blast(static_cast<int>(o.domain.dimension), s.gamma);
   t.exact = [=](const point& x, double time) {
     const double r = distance(x, c);
-    if (!(time > 0.0)) return state{s.rho_l, s.p_l, {}, 0};
-    const auto w = blast.at(r, time, s.energy, s.rho_l);
+    if (!(time > 0.0)) return state{s.l.rho, s.l.p, {}, 0};
+    const auto w = blast.at(r, time, s.energy, s.l.rho);
     state e{w.rho, w.p, {}, 0};
     for (std::size_t a = 0; a < 3; ++a) e.v[a] = r > 0.0 ? w.u * (x[a] - c[a]) / r : 0.0;
     return e;
   };
   const double end = *o.common.time.t_end;
-  if (end > 0.0) t.known = {{"shock_radius_exact", blast.shock_radius(s.energy, s.rho_l, end)}};
+  if (end > 0.0) t.known = {{"shock_radius_exact", blast.shock_radius(s.energy, s.l.rho, end)}};
   // Two measures of the radius: by the density, and by the momentum along r, which smoothing at the shock does not
   // change:
   //   ∫ρ u dV = Ω ρ0 u_s r_s^D ∫ g φ λ^D dλ,   u_s = 2 r_s/((D+2) t)
@@ -255,9 +257,9 @@ setup sedov(const options& o) {
       const double r = distance(x, c);
       for (std::size_t a = 0; a < 3 && r > 0.0; ++a) momentum.add(w.m[i] * v[a] * (x[a] - c[a]) / r);
     }
-    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (in_box * shape * s.rho_l);
+    const double power = 0.5 * (D + 2.0) * all.back()[0] * w.ranks.exact(momentum) / (in_box * shape * s.l.rho);
     return numbers{{"shock_radius", std::pow(std::max(power, 0.0), 1.0 / (D + 1.0))},
-                   {"shock_radius_density", shock_radius(w, c, dx, half, [&](double) { return s.rho_l; })}};
+                   {"shock_radius_density", shock_radius(w, c, dx, half, [&](double) { return s.l.rho; })}};
   };
   return t;
 }
@@ -266,13 +268,13 @@ setup sedov(const options& o) {
 setup noh(const options& o) {
   const auto& s = o.shock;
   const point c = middle_of(o);
-  const exact::noh flow{static_cast<int>(o.domain.dimension), s.gamma, s.rho_l, s.u_l};
+  const exact::noh flow{static_cast<int>(o.domain.dimension), s.gamma, s.l.rho, s.l.u};
   setup t;
   t.blocks = {whole_box(o)};
   t.exact = [=](const point& x, double time) {
     const double r = std::max(distance(x, c), 1e-12 * c[0]);
     const auto w = flow.at(r, time);
-    state e{w.rho, std::max(w.p, s.p_l), {}, 0};
+    state e{w.rho, std::max(w.p, s.l.p), {}, 0};
     for (std::size_t a = 0; a < 3; ++a) e.v[a] = w.u * (x[a] - c[a]) / r;
     return e;
   };
@@ -291,13 +293,13 @@ setup noh(const options& o) {
 setup gresho(const options& o) {
   const auto& s = o.shock;
   const point c = middle_of(o);
-  const exact::gresho vortex{0.2 * o.domain.length[0], s.u_l, s.rho_l, s.p_l};
+  const exact::gresho vortex{0.2 * o.domain.length[0], s.l.u, s.l.rho, s.l.p};
   setup t;
   t.blocks = {whole_box(o)};
   t.start = [=](const point& x) {
     const double dx = x[0] - c[0], dy = x[1] - c[1], r = std::sqrt(dx * dx + dy * dy);
     const double v = r > 0.0 ? vortex.velocity(r) / r : 0.0;
-    return state{s.rho_l, vortex.pressure(r), {-v * dy, v * dx, 0.0}, 0};
+    return state{s.l.rho, vortex.pressure(r), {-v * dy, v * dx, 0.0}, 0};
   };
   t.exact = [start = t.start](const point& x, double) { return start(x); };
   return t;
@@ -310,7 +312,7 @@ setup blasts(const options& o) {
   setup t;
   t.blocks = {whole_box(o)};
   t.start = [=, L = o.domain.length[0]](const point& x) {
-    return state{s.rho_l, x[0] < 0.1 * L ? s.p_l : x[0] < 0.9 * L ? 0.01 : s.p_r, {}, 0};
+    return state{s.l.rho, x[0] < 0.1 * L ? s.l.p : x[0] < 0.9 * L ? 0.01 : s.r.p, {}, 0};
   };
   t.measures = [](const view& w, const samples&) {
     double densest = 0.0;
@@ -342,15 +344,13 @@ trace wave_amplitude(double k, std::vector<double> heights) {
 
 // Least squares of ln amplitude between one and two growth times, when what else was in the start has died away.
 std::optional<double> measured_growth(const samples& all, double expected) {
-  double n = 0.0, t1 = 0.0, a1 = 0.0, tt = 0.0, ta = 0.0;
-  for (const auto& line : all) {
-    if (line[0] < 1.0 / expected || line[0] > 2.0 / expected) continue;
-    if (!(line[1] > 0.0)) return std::nullopt;
-    const double a = std::log(line[1]);
-    n += 1.0, t1 += line[0], a1 += a, tt += line[0] * line[0], ta += line[0] * a;
+  fitted_line line;
+  for (const auto& sample : all) {
+    if (sample[0] < 1.0 / expected || sample[0] > 2.0 / expected) continue;
+    if (!(sample[1] > 0.0)) return std::nullopt;
+    line.add(sample[0], std::log(sample[1]));
   }
-  if (n <= 2.0) return std::nullopt;
-  return (n * ta - t1 * a1) / (n * tt - t1 * t1);
+  return line.n > 2.0 ? std::optional(line.slope()) : std::nullopt;
 }
 
 // A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.
@@ -366,14 +366,14 @@ setup kelvin_helmholtz(const options& o) {
   setup t;
   t.blocks = {whole_box(o)};
   t.start = [=](const point& x) {
-    return state{profile(x[1], s.rho_l, s.rho_r),
-                 s.p_l,
-                 {profile(x[1], s.u_l, s.u_r), s.perturbation * std::sin(k * x[0]), 0.0},
+    return state{profile(x[1], s.l.rho, s.r.rho),
+                 s.l.p,
+                 {profile(x[1], s.l.u, s.r.u), s.perturbation * std::sin(k * x[0]), 0.0},
                  x[1] > 0.25 * H && x[1] < 0.75 * H};
   };
   const exact::layered_flow layers{
       [=](double y) {
-        return exact::layer_state{profile(y, s.rho_l, s.rho_r), profile(y, s.u_l, s.u_r), s.p_l};
+        return exact::layer_state{profile(y, s.l.rho, s.r.rho), profile(y, s.l.u, s.r.u), s.l.p};
       },
       s.gamma,
       0.0,
@@ -397,17 +397,17 @@ setup rayleigh_taylor(const options& o) {
   const auto& s = o.shock;
   const double H = o.domain.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.domain.length[0];
   const auto profile = [=](double y) {
-    const double d = 2.0 * (y - 0.5 * H) / s.layer, jump = s.rho_r - s.rho_l;
+    const double d = 2.0 * (y - 0.5 * H) / s.layer, jump = s.r.rho - s.l.rho;
     // ln(1 + e^d) without overflow
     const double log = std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
-    const double column = s.rho_l * (y - 0.5 * H) + 0.5 * s.layer * jump * (log - std::numbers::ln2);
-    return exact::layer_state{s.rho_l + jump / (1.0 + std::exp(-d)), 0.0, s.p_l - s.gravity * column};
+    const double column = s.l.rho * (y - 0.5 * H) + 0.5 * s.layer * jump * (log - std::numbers::ln2);
+    return exact::layer_state{s.l.rho + jump / (1.0 + std::exp(-d)), 0.0, s.l.p - s.gravity * column};
   };
   const exact::layered_flow layers{profile, s.gamma, s.gravity, 0.0, H, exact::edge::wall, exact::edge::wall, {}};
   const double growth = k * exact::fastest_mode(layers, k).imag();
   setup t;
   t.known = {{"growth_rate_theory", growth},
-             {"growth_rate_sharp", exact::rayleigh_taylor_growth(k, s.gravity, s.rho_r, s.rho_l, 0.5 * H, 0.5 * H)}};
+             {"growth_rate_sharp", exact::rayleigh_taylor_growth(k, s.gravity, s.r.rho, s.l.rho, 0.5 * H, 0.5 * H)}};
   t.blocks = {whole_box(o)};
   t.start = [=](const point& x) {
     const double d = x[1] - 0.5 * H, left = k * (0.5 * H - std::abs(d)), size = s.perturbation / std::sinh(0.5 * k * H);
@@ -432,7 +432,7 @@ setup make_setup(const options& o) {
   if (test == "blasts") return blasts(o);
   if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
   if (test == "rayleigh_taylor") return rayleigh_taylor(o);
-  return riemann_tube(o);
+  return o.any_eos() ? tube_of_materials(o) : tube_of_gases(o);
 }
 
 }  // namespace tetsuame::gas

@@ -64,4 +64,11 @@ struct setup {
 
 setup make_setup(const options& o);
 
+// The slope of y by x, by least squares.
+struct fitted_line {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  void add(double at, double value) { n += 1.0, x += at, y += value, xx += at * at, xy += at * value; }
+  double slope() const { return (n * xy - x * y) / (n * xx - x * x); }
+};
+
 }  // namespace tetsuame::gas

@@ -16,7 +16,7 @@ start_state start_of(const world<D>& g, const state& now) {
   if (g.o.any_eos()) {
     const bool left = now.material == g.test.material_l;
     const eos::caloric& m = g.materials[left ? 0 : 1];
-    const double u = m.internal_energy(now.rho, left ? *g.o.shock.temperature_l : *g.o.shock.temperature_r);
+    const double u = m.internal_energy(now.rho, *(left ? g.o.shock.l : g.o.shock.r).temperature);
     return {u, m.at(now.rho, u).c};
   }
   const auto [gamma, stiffness] = gas_of(g, now.material);
@@ -26,41 +26,18 @@ start_state start_of(const world<D>& g, const state& now) {
 template <int D>
 void make_materials(world<D>& g) {
   if (!g.o.any_eos()) return;
-  const auto& q = g.o.shock;
-  for (const bool left : {true, false}) {
-    const eos::caloric& m = g.materials.emplace_back(eos_of(left ? q.eos_l : q.eos_r));
-    const double rho = left ? q.rho_l : q.rho_r;
-    g.stiffening.push_back(m.stiffening(rho, m.internal_energy(rho, left ? *q.temperature_l : *q.temperature_r)));
+  for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
+    const eos::caloric& m = g.materials.emplace_back(eos_of(side->eos));
+    g.stiffening.push_back(m.stiffening(side->rho, m.internal_energy(side->rho, *side->temperature)));
   }
-}
-
-template <int D>
-void add_fields(world<D>& g) {
-  using particles::role;
-  auto& extras = g.w.s.extras;
-  extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
-  extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
-  extras.push_back({"Alpha", "1", "of the artificial viscosity", role::integrated, {}});
-  extras.push_back({"StartVolume", "m^D", "mass over density at the start", role::memory, {}});
-  extras.push_back({"StartSum", "1", "sum of StartVolume W at the start", role::memory, {}});
-  extras.push_back({"EvolvedDensity", "kg/m^D", "density by continuity", role::integrated, {}});
 }
 
 template <int D>
 void choose_kernel(world<D>& g) {
   const auto& kernel = g.o.common.kernel;
-  const auto& line = kernels::find(kernel.name);
-  g.support_over_dx = line.support_over_h * kernel.h_over_dx;
-  g.support_over_h = line.support_over_h;
-  bool found = false;
-  [&]<std::size_t... k>(std::index_sequence<k...>) {
-    ((std::variant_alternative_t<k, kernel_choice<D>>::name == kernel.name
-          ? (g.unit.template emplace<k>(1.0), found = true)
-          : false),
-     ...);
-  }
-  (std::make_index_sequence<std::variant_size_v<kernel_choice<D>>>{});
-  if (!found) throw std::logic_error("no kernel " + kernel.name + " among those that options.cpp offers");
+  g.support_over_h = kernels::find(kernel.name).support_over_h;
+  g.support_over_dx = g.support_over_h * kernel.h_over_dx;
+  if (kernel.name == kernels::wendland_c4<D>::name) g.unit = kernels::wendland_c4<D>(1.0);
 }
 
 template <int D>
@@ -74,7 +51,33 @@ void make_box(world<D>& g) {
   g.skin = g.o.common.kernel.skin * g.w.dx;
   g.w.d = domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin,
                                g.o.domain.ranks_x);
-  g.walls.sides = reflecting_walls<D>(region);
+  walls::options without_friction;
+  without_friction.slip = "free_slip";
+  g.walls.sides = walls::make_sides<D>(without_friction, region);
+}
+
+// f(x, mass over density: m^D, spacing) for every particle of the blocks, in the order of their IDs.
+template <int D, class F>
+void for_each_start(const setup& t, F&& f) {
+  for (const block& b : t.blocks) {
+    std::array<double, 3> step{};
+    double volume = 1.0;
+    std::int64_t count = 1;
+    for (std::size_t a = 0; a < D; ++a) {
+      step[a] = (b.high[a] - b.low[a]) / static_cast<double>(b.n[a]);
+      volume *= step[a];
+      count *= b.n[a];
+    }
+    for (std::int64_t k = 0; k < count; ++k) {
+      point x{};
+      std::int64_t rest = k;
+      for (std::size_t a = 0; a < D; ++a) {
+        x[a] = b.low[a] + (static_cast<double>(rest % b.n[a]) + 0.5) * step[a];
+        rest /= b.n[a];
+      }
+      if (!b.holds || b.holds(x)) f(x, volume);
+    }
+  }
 }
 
 template <int D>
@@ -110,22 +113,21 @@ void place_particles(world<D>& g) {
     s.material[i] = now.material;
     s.m[i] = now.rho * p.volume;
     s.u[i] = start_of(g, now).u;
-    s.rho[i] = g.evolved()[i] = now.rho;
-    g.start_volume()[i] = p.volume;
-    g.start_sum()[i] = 1.0;
+    s.rho[i] = g.evolved[i] = now.rho;
+    g.start_volume[i] = p.volume;
+    g.start_sum[i] = 1.0;
     for (std::size_t a = 0; a < D; ++a) {
       s.x[a][i] = p.x[a];
       s.v[a][i] = now.v[a];
     }
-    g.support()[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
-    g.alpha()[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
+    g.support[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
+    g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
   }
 }
 
 template <int D>
 void set_up(world<D>& g) {
   make_materials(g);
-  add_fields(g);
   choose_kernel(g);
   make_box(g);
   place_particles(g);
@@ -144,7 +146,7 @@ void settle(world<D>& g) {
   std::visit([&](const auto& unit) { sum_densities(g, unit, g.w.fluid()); }, g.unit);
   begin_found(g);
   end_found(g);
-  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum().begin());
+  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
 }
 
 }  // namespace tetsuame::gas

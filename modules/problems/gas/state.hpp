@@ -15,15 +15,15 @@ template <int D>
 void next_supports(world<D>& g) {
   const double target = std::pow(g.support_over_dx, D);
   foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
-    const double S = g.support()[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
-    g.support()[i] = std::min(next, g.list_support()[i] + g.room_to_grow());
-    g.S[i] = g.support()[i];
+    const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
+    g.support[i] = std::min(next, g.list_support[i] + g.room_to_grow());
+    g.S[i] = g.support[i];
   });
 }
 
 template <int D, class Kernel>
 void find_supports(world<D>& g, const Kernel& unit) {
-  sum(g, g.w.fluid(), schemes::number_density<Kernel>{unit, g.support().data(), g.count.data(), g.count_slope.data()});
+  sum(g, g.w.fluid(), schemes::number_density<Kernel>{unit, g.support.data(), g.count.data(), g.count_slope.data()});
   next_supports(g);
 }
 
@@ -45,7 +45,7 @@ template <int D>
 void check_sums(world<D>& g) {
   const auto& s = g.w.s;
   for (std::size_t i = 0; i < s.fluid; ++i)
-    if (g.o.evolves_density() && !(g.evolved()[i] > 0.0)) {
+    if (g.o.evolves_density() && !(g.evolved[i] > 0.0)) {
       g.w.first_fault.report(s.id[i], fmt::format("the density of particle {} is not above 0", s.id[i]));
       break;
     } else if (!((s.u[i] > 0.0 || g.o.any_eos()) && g.y[i] > 0.0 && std::isfinite(g.y[i]))) {
@@ -72,7 +72,7 @@ template <int D>
 void find_pressure(world<D>& g, std::size_t i, double k) {
   auto& s = g.w.s;
   const bool energy = g.o.weighs_energy();
-  s.rho[i] = g.o.evolves_density() ? g.evolved()[i]
+  s.rho[i] = g.o.evolves_density() ? g.evolved[i]
              : energy              ? g.y[i] / s.u[i]
              : g.o.weighs_volume() ? s.m[i] * g.y[i] / (k * g.weight[i])
                                    : g.y[i];
@@ -97,7 +97,7 @@ double dissipation_of(world<D>& g, std::size_t i) {
   const bool switched = o.shock.balsara || part_of_star || o.evolves_density();
   const double balsara =
       switched ? schemes::balsara_factor(g.divergence[i], g.curl[i], g.w.s.c[i], g.S[i] / g.support_over_h) : 1.0;
-  return o.evolves_density() ? balsara : own_pressure ? g.alpha()[i] * balsara : part_of_star ? balsara : 1.0;
+  return o.evolves_density() ? balsara : own_pressure ? g.alpha[i] * balsara : part_of_star ? balsara : 1.0;
 }
 
 // Fields that ghosts and images have of what was found.
@@ -119,7 +119,7 @@ void begin_found(world<D>& g) {
   const bool none = o.shock.scheme == "gsph" || o.shock.support_terms == "none";
   const bool with_z = number, with_f = !number && !none;
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    const double k = o.weighs_volume() ? g.start_sum()[i] : 1.0;
+    const double k = o.weighs_volume() ? g.start_sum[i] : 1.0;
     find_pressure(g, i, k);
     g.number_volume[i] = 1.0 / g.number[i];
     s.dV[i] = o.evolves_density() ? s.m[i] / s.rho[i] : g.number_volume[i];

@@ -1,10 +1,11 @@
 // Gas with contacts and shocks in a box: the options, the test, the particles with their lists, and an array for every
-// quantity that is summed or derived. What is done with them: start.hpp, lists.hpp, state.hpp, rates.hpp, steps.hpp,
-// measures.hpp.
+// quantity that is summed or derived. What is done with them: start.hpp, lists.hpp, state.hpp, rates.hpp, measures.hpp.
 #pragma once
 
 #include <eos/caloric.hpp>
-#include <gas/scene.hpp>
+#include <gas/setups.hpp>
+#include <particles/named_fields.hpp>
+#include <run/supports.hpp>
 #include <schemes/common.hpp>
 #include <variant>
 
@@ -35,6 +36,14 @@ struct world : run::state<D> {
   double support_over_dx = 0.0, support_over_h = 0.0;
   double speed_scale = 0.0, density_scale = 0.0;
 
+  // Fields that go with the particles.
+  particles::array& support = field("Support", "m", "support of the kernel at the start of the step");
+  particles::array& list_support = field("ListSupport", "m", "support when the neighbour lists were made");
+  particles::array& alpha = field("Alpha", "1", "of the artificial viscosity", particles::role::integrated);
+  particles::array& start_volume = field("StartVolume", "m^D", "mass over density at the start");
+  particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
+  particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
+
   // Of all particles, ghosts and images included. kind: which material
   particles::array S = {}, per_S = {}, weight = {}, slope = {}, correction = {}, dissipation = {};
   particles::array gamma = {}, stiffness = {}, kind = {};
@@ -48,15 +57,11 @@ struct world : run::state<D> {
 
   world(const options& o_, setup test_) : o(o_), test(std::move(test_)) {}
 
+  particles::array& field(const char* name, const char* of_unit, const char* about,
+                          particles::role role = particles::role::memory) {
+    return particles::declare(w.s, name, of_unit, role, about);
+  }
   const domain::communicator& ranks() const { return w.d.ranks; }
-
-  // Fields that go with the particles.
-  particles::array& support() { return w.s.extras[0].values; }
-  particles::array& list_support() { return w.s.extras[1].values; }
-  particles::array& alpha() { return w.s.extras[2].values; }
-  particles::array& start_volume() { return w.s.extras[3].values; }
-  particles::array& start_sum() { return w.s.extras[4].values; }
-  particles::array& evolved() { return w.s.extras[5].values; }
 
   const particles::array& told_density() const { return o.shock.density == "mass" ? mass_density : w.s.rho; }
   bool has_alpha() const { return !o.godunov() && !o.evolves_density() && o.shock.switch_of_alpha; }
@@ -83,7 +88,8 @@ std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
   const auto& q = g.o.shock;
   const bool left = material == g.test.material_l;
   if (g.o.any_eos()) return {g.stiffening[left ? 0 : 1], 0.0};
-  return left ? std::pair{*q.gamma_l, q.p_infinity_l} : std::pair{*q.gamma_r, q.p_infinity_r};
+  const auto& side = left ? q.l : q.r;
+  return {*side.gamma, side.p_infinity};
 }
 
 // The pair sums of the terms over the neighbours of these rows.

@@ -1,4 +1,4 @@
-#include <theory/sphere_uptake.hpp>
+#include <theory/partition.hpp>
 #include <theory/stefan.hpp>
 #include <two_fluids/groups.hpp>
 

@@ -8,7 +8,7 @@
 #include <bench/measure.hpp>
 #include <bench/scalar.hpp>
 #include <cmath>
-#include <gas/make.hpp>
+#include <gas/convergence.hpp>
 #include <gas/world.hpp>
 #include <hydrostatic/options.hpp>
 #include <liquid/passes.hpp>

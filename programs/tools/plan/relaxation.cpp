@@ -117,7 +117,7 @@ std::string set_by(const std::string& rule, double part) {
 
 void print_choice(const fluid_layer& f, const recommendation& r, const choice& w) {
   const double xi_part = r.xi_rule == "S1 (43)" || r.xi_rule == "S1 (44)" ? w.mach : w.phi_xi;
-  table{fmt::format("Recommended: {}, {} boundary layers", name(r.how), r.layers ? "with" : "without"),
+  table{fmt::format("Recommended: {}, {} boundary layers", r.how, r.layers ? "with" : "without"),
         {{"zeta", number(r.zeta), "", set_by(r.zeta_rule, w.mach)},
          {"xi", number(r.xi), "", set_by(r.xi_rule, xi_part)},
          {"c_eff", number(r.c_eff), "m/s", "c_0/(zeta xi), slowed sound"},
@@ -200,9 +200,9 @@ json everything(const fluid_layer& f, const std::vector<rule>& rules, const reco
                           {"formula", one.formula},
                           {"source", one.source},
                           {"for", one.says}});
-  j["recommended"] = {{"method", name(r.how)}, {"zeta", r.zeta},        {"zeta_rule", r.zeta_rule}, {"xi", r.xi},
-                      {"xi_rule", r.xi_rule},  {"c_eff_m_s", r.c_eff},  {"Pr_eff", r.Pr_eff},       {"V_m_s", r.speed},
-                      {"mach", r.mach},        {"reynolds", r.reynolds}};
+  j["recommended"] = {{"method", r.how},      {"zeta", r.zeta},        {"zeta_rule", r.zeta_rule}, {"xi", r.xi},
+                      {"xi_rule", r.xi_rule}, {"c_eff_m_s", r.c_eff},  {"Pr_eff", r.Pr_eff},       {"V_m_s", r.speed},
+                      {"mach", r.mach},       {"reynolds", r.reynolds}};
   j["plan"] = plan_json(p);
   j["not_slowed"] = {{"time_step", bounds_json(bounds(f, 1.0, 1.0, p.dx, fraction))}};
   j["machine"] = as_json(m);
@@ -314,7 +314,7 @@ void run(const question& q) {
   schema.read(document);
   apply(q, c);
   fluid_layer f = layer(schema, c.values, c.all.domain.length[1], c.temperature_bottom(), c.temperature_top());
-  const choice w = wanted(c.values.relaxation);
+  const choice w = c.values.relaxation;
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
   const auto& groups = document.groups();

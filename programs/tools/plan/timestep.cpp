@@ -10,7 +10,7 @@
 #include <map>
 #include <memory>
 #include <plan/shared.hpp>
-#include <relaxation/overturn.hpp>
+#include <relaxation/steps.hpp>
 #include <two_fluids/options.hpp>
 
 namespace tetsuame::plan {
