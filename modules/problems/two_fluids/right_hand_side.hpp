@@ -9,7 +9,7 @@
 #include <diffusion/conduction.hpp>
 #include <two_fluids/supports.hpp>
 #include <two_fluids/surface_tension.hpp>
-#include <volume/shape.hpp>
+#include <volume/smoothed.hpp>
 
 namespace tetsuame::two_fluids {
 
@@ -65,12 +65,13 @@ void mirror(fluids<D>& f, particles::array& p) {
   });
 }
 
-// Σ W_ij of these rows, where volumes come from it.
+// ΔV = s/Σ W_ij of these rows, where volumes come from it.
 template <int D>
 void count(fluids<D>& f, const pairs::stretch& rows) {
   if (f.carried || f.follows) return;
   const foundation::stage timed(f.world.w.times, "volumes");
-  f.world.w.sum(rows, kernel_sum<D>{f.self, f.W_sum.data()});
+  f.world.w.sum(rows,
+                volume::number_volume<D>{volume::self_value(f.world.w), f.world.w.lattice_sum, f.world.w.s.dV.data()});
 }
 
 // ΔV and ρ of the fluid.
@@ -87,10 +88,7 @@ void find_own_volumes(fluids<D>& f) {
     volumes_by_count(f);
     return;
   }
-  foundation::for_all(s.fluid, [&](std::size_t i) {
-    s.dV[i] = w.lattice_sum / f.W_sum[i];
-    s.rho[i] = s.m[i] / s.dV[i];
-  });
+  foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
 }
 
 // ΔV and ρ, and the pressure of the equation of state, of the fluid, set out to its ghosts.
@@ -212,8 +210,7 @@ void smooth(fluids<D>& f) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "smoothing");
   foundation::for_all(s.total(), [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
-  w.sum(w.fluid(), smoothing<D>{s.Y.data(), s.dV.data(), f.self, s.p.data(), f.W_sum.data()});
-  if (f.o.scheme.normalise) foundation::for_all(s.fluid, [&](std::size_t i) { s.p[i] /= f.W_sum[i]; });
+  volume::smooth(w, f.o.scheme.normalise, w.fluid());
   if (f.from_weight) {
     volume::require_positive(w, s.p, "the smoothed pressure p");
     foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });

@@ -43,44 +43,6 @@ inline constexpr partition_tag of_partition;
 inline constexpr element_tag of_element;
 inline constexpr material_tag of_material;
 
-// Σ_j W_ij, j = i included.
-template <int D>
-struct kernel_sum {
-  using real = pairs::real;
-  double self;  // 1/m^D
-  double* out;  // 1/m^D
-
-  struct me {
-    real sum;
-  };
-  me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij.W; }
-  void end(std::size_t i, const me& a) const { out[i] = self + pairs::sum(a.sum); }
-};
-
-// Σ_j Y_j W_ij and Σ_j ΔV_j W_ij, j = i included.
-template <int D>
-struct smoothing {
-  using real = pairs::real;
-  const double *Y, *V;  // J, m^D
-  double self;          // 1/m^D
-  double *p, *norm;     // Pa, 1
-
-  struct me {
-    real p, norm;
-  };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, V)}; }
-  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    a.p += ij(pairs::of_weight) * ij.W;
-    a.norm += ij(pairs::of_volume) * ij.W;
-  }
-  void end(std::size_t i, const me& a) const {
-    p[i] = Y[i] * self + pairs::sum(a.p);
-    norm[i] = V[i] * self + pairs::sum(a.norm);
-  }
-};
-
 // Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
 pairs::real slope_of(const auto& ij, const pairs::real& A_i, const pairs::real& A_j) {
   if constexpr (requires { ij.F_i; })
