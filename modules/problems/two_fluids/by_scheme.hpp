@@ -47,9 +47,7 @@ void exchange_element(fluids<D>& f, const places_of_rates<D>& at, std::span<doub
       f.mobility[i] = f.element()[i] = f.metal[i] = 0.0;
       f.partition[i] = 1.0;
     }
-  const foundation::stage timed(f.world.w.times, "element");
-  f.world.w.sum(f.world.w.fluid(), element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(),
-                                                       f.metal.data(), s.dV.data(), f.gain.data()});
+  exchange_element(f, f.world.w.fluid());
   foundation::for_all(s.fluid, [&](std::size_t i) { rate[at.c][i] = f.gain[i] / s.m[i]; });
 }
 

@@ -3,10 +3,53 @@
 #pragma once
 
 #include <optional>
-#include <two_fluids/energy.hpp>
 #include <two_fluids/start.hpp>
 
 namespace tetsuame::two_fluids {
+
+// J/kg, ∫ p dρ/ρ² from the density at the start, at the particle's temperature: four Gauss points in ln ρ.
+template <int D>
+double elastic_energy(const fluids<D>& f, std::size_t i) {
+  const auto& s = f.world.w.s;
+  const auto& material = f.world.w.materials[static_cast<std::size_t>(s.material[i])];
+  constexpr std::array<double, 4> x{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
+  constexpr std::array<double, 4> weight{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                         0.3478548451374538};
+  const double half = 0.5 * std::log(s.rho[i] / f.rho_start()[i]);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double rho = f.rho_start()[i] * std::exp(half * (1.0 + x[k]));
+    sum += weight[k] * eos::pressure(material, rho, s.T[i]) / rho;
+  }
+  return half * sum;
+}
+
+// J (2-D: J/m), of p_r over the box: what Σ p_r ΔV stands for.
+template <int D>
+double reference_integral(const fluids<D>& f) {
+  double mean = 0.5 * f.reference_floor;
+  for (std::size_t a = 0; a < D; ++a) mean *= f.o.domain.length[a];
+  return mean;
+}
+
+// m² (2-D: m), of the round drop.
+template <int D>
+double round_surface(double radius) {
+  return std::numbers::pi * radius * (D == 3 ? 4.0 * radius : 2.0);
+}
+
+// J (2-D: J/m): Δρ g L³/8 of a square box; of a drop, what it loses on the way from lid to floor, and its surface's.
+// Where neither weight nor tension does anything, 1 J.
+template <int D>
+double energy_scale(const fluids<D>& f) {
+  const auto& L = f.o.domain.length;
+  const double weight = std::abs(f.p.density_difference) * f.o.gravity, a = f.o.radius;
+  const double scale =
+      f.is_drop() ? f.number_of_drops() * (weight * L[1] * std::numbers::pi * a * a * (D == 3 ? 4.0 / 3.0 * a : 1.0) +
+                                           f.o.surface_tension * round_surface<D>(a))
+                  : weight * L[0] * L[1] * L[1] * (D == 3 ? L[2] : 1.0) / 8.0;
+  return scale > 0.0 ? scale : 1.0;
+}
 
 // A measure over time: lines of history that the summary looks back on.
 struct record {
@@ -14,6 +57,20 @@ struct record {
   std::vector<double> stretch;                             // of a drop: 1
   std::vector<double> bodies, largest_body;                // of metal (find_bodies); share of it
   std::vector<double> in_metal, partition, equilibration;  // of an element: means over the metal; 0 to 1
+
+  // As a checkpoint has them; the last three of an element.
+  std::array<std::pair<const char*, std::vector<double>*>, 10> by_name() {
+    return {{{"time", &time},
+             {"mode", &mode},
+             {"centroid", &centroid},
+             {"fall", &fall},
+             {"stretch", &stretch},
+             {"bodies", &bodies},
+             {"largest_body", &largest_body},
+             {"in_metal", &in_metal},
+             {"partition", &partition},
+             {"equilibration", &equilibration}}};
+  }
 };
 
 struct measures {

@@ -207,17 +207,9 @@ std::vector<double> next_line(measures& m, const fluids<D>& f, double t) {
 template <int D>
 void save(const measures& measured, const fluids<D>& f, output::checkpoint_globals& g) {
   auto m = measured;
-  g.blobs["time"] = m.lines.time;
-  g.blobs["mode"] = m.lines.mode;
-  g.blobs["centroid"] = m.lines.centroid;
-  g.blobs["fall"] = m.lines.fall;
-  g.blobs["stretch"] = m.lines.stretch;
-  g.blobs["bodies"] = m.lines.bodies;
-  g.blobs["largest_body"] = m.lines.largest_body;
+  const auto lines = m.lines.by_name();
+  for (std::size_t k = 0; k < (f.dissolved ? 10 : 7); ++k) g.blobs[lines[k].first] = *lines[k].second;
   if (f.dissolved) {
-    g.blobs["in_metal"] = m.lines.in_metal;
-    g.blobs["partition"] = m.lines.partition;
-    g.blobs["equilibration"] = m.lines.equilibration;
     const auto& start = m.metal_start;
     g.blobs["element"] = {m.element_start.value_or(0.0), m.element_error, start[0], start[1], start[2], start[3]};
   }
@@ -231,20 +223,9 @@ void save(const measures& measured, const fluids<D>& f, output::checkpoint_globa
 template <int D>
 measures restored(fluids<D>& f, const output::checkpoint_globals& g) {
   measures m;
-  m.lines = {g.blobs.at("time"),
-             g.blobs.at("mode"),
-             g.blobs.at("centroid"),
-             g.blobs.at("fall"),
-             g.blobs.at("stretch"),
-             g.blobs.at("bodies"),
-             g.blobs.at("largest_body"),
-             {},
-             {},
-             {}};
+  const auto lines = m.lines.by_name();
+  for (std::size_t k = 0; k < (f.dissolved ? 10 : 7); ++k) *lines[k].second = g.blobs.at(lines[k].first);
   if (f.dissolved) {
-    m.lines.in_metal = g.blobs.at("in_metal");
-    m.lines.partition = g.blobs.at("partition");
-    m.lines.equilibration = g.blobs.at("equilibration");
     const auto& e = g.blobs.at("element");
     m.element_start = e[0];
     m.element_error = e[1];

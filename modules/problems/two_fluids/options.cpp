@@ -58,9 +58,8 @@ void find_layers(const namelist::schema& schema, problem_kind kind, options& o, 
   const std::size_t top = kind == problem_kind::drop ? 0 : 1;
   const auto at_rest = [&](std::size_t n) { return barotropic{&(*p.material)[n], o.p_top, o.temperature, adiabatic}; };
   p.base = schema.placed(group, "p_top", [&] {
-    return o.pond_top ? std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height,
-                                                 o.gravity)
-                      : std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
+    return std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity,
+                                    o.pond_top ? std::optional(p.pond_top) : std::nullopt);
   });
 }
 

@@ -233,6 +233,15 @@ void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
   f.stress[s.null()] = f.factor[s.null()] = 0.0;
 }
 
+// What the element gains in these rows.
+template <int D>
+void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
+  const foundation::stage timed(f.world.w.times, "element");
+  sum(f, rows,
+      element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(),
+                          f.world.w.s.dV.data(), f.gain.data()});
+}
+
 // Sums over the neighbours of these rows.
 template <int D>
 void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
@@ -267,12 +276,7 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
               f.conducted.begin() + static_cast<std::ptrdiff_t>(rows.last), 0.0);
     sum(f, rows, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
   }
-  if (f.dissolved) {
-    const foundation::stage timed(w.times, "element");
-    sum(f, rows,
-        element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(), s.dV.data(),
-                            f.gain.data()});
-  }
+  if (f.dissolved) exchange_element(f, rows);
 }
 
 // Where the rates of each field stand: x, v, u, q, and what some runs have beside.

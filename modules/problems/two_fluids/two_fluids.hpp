@@ -26,7 +26,6 @@
 #include <output/columns.hpp>
 #include <run/box.hpp>
 #include <two_fluids/by_scheme.hpp>
-#include <two_fluids/lists.hpp>
 #include <two_fluids/report.hpp>
 #include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/step_limit.hpp>
