@@ -18,7 +18,7 @@ class cubic_spline : public functions_of_distance<cubic_spline<D>> {
   static constexpr double support_over_h = 2.0;
   static constexpr double default_h_over_dx = 1.2;
 
-  explicit cubic_spline(double support) : support_(support) {  // m
+  explicit cubic_spline(double support) : functions_of_distance<cubic_spline>(support) {  // m
     const double h = support / support_over_h;
     const double volume = D == 1 ? h : D == 2 ? h * h : h * h * h;
     const double scale =
@@ -40,12 +40,7 @@ class cubic_spline : public functions_of_distance<cubic_spline<D>> {
     f = (f1 * f1 - f2 * f2) * inverse_r;
   }
 
-  double support() const { return support_; }       // m
-  double self() const { return this->value(0.0); }  // W(0), 1/m^D
-  double smoothing_length() const { return support_ / support_over_h; }
-
  private:
-  double support_;
   std::array<piece, 2> w_, f_;
 };
 

@@ -4,8 +4,7 @@
 // [I. J. Schoenberg, Quart. Appl. Math. 4, 45 (1946); J. P. Morris, P. J. Fox, Y. Zhu,
 // J. Comput. Phys. 136, 214 (1997)]. The a_D make the integral of W one:
 // a_1 = 1/(120 h), a_2 = 7/(478 pi h^2), a_3 = 1/(120 pi h^3).
-// The note of the Kyushu group prints a_3 = 3/(358 pi h^3), which is larger by
-// 2/358 = 0.56 %: the integral of that kernel is 1.0056, so the exact value stands here.
+// The note of the Kyushu group prints another a_3 (docs/theory/kernels.md).
 #pragma once
 
 #include <array>
@@ -21,7 +20,7 @@ class quintic_spline : public functions_of_distance<quintic_spline<D>> {
   static constexpr double support_over_h = 3.0;
   static constexpr double default_h_over_dx = 1.2;
 
-  explicit quintic_spline(double support) : support_(support) {  // m
+  explicit quintic_spline(double support) : functions_of_distance<quintic_spline>(support) {  // m
     const double h = support / support_over_h;
     const double volume = D == 1 ? h : D == 2 ? h * h : h * h * h;
     const double scale =
@@ -44,12 +43,7 @@ class quintic_spline : public functions_of_distance<quintic_spline<D>> {
     f = (fourth(f_[1](r)) - fourth(f_[0](r)) - fourth(f_[2](r))) * inverse_r;
   }
 
-  double support() const { return support_; }       // m
-  double self() const { return this->value(0.0); }  // W(0), 1/m^D
-  double smoothing_length() const { return support_ / support_over_h; }
-
  private:
-  double support_;
   std::array<piece, 3> w_, f_;
 };
 

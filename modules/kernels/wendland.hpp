@@ -1,18 +1,7 @@
 // Wendland's kernels of least degree with two, four and six continuous derivatives,
 // support S, q = r/S, t = max(1 - q, 0) [H. Wendland, Adv. Comput. Math. 4, 389 (1995);
-// W. Dehnen, H. Aly, MNRAS 425, 1068 (2012), table 1]. For a given smoothness the
-// polynomial of least degree is another one in 1-D than in 2-D and 3-D; the members of
-// the 1-D family stand here for D = 1.
-//
-//        D = 2, 3                                D = 1
-//   C2   a t^4 (1 + 4 q)                         a t^3 (1 + 3 q)
-//   C4   a t^6 (1 + 6 q + 35/3 q^2)              a t^5 (1 + 5 q + 8 q^2)
-//   C6   a t^8 (1 + 8 q + 25 q^2 + 32 q^3)       a t^7 (1 + 7 q + 19 q^2 + 21 q^3)
-//   a    C2: 5/(4 S), 7/(pi S^2), 21/(2 pi S^3)      C4: 3/(2 S), 9/(pi S^2), 495/(32 pi S^3)
-//        C6: 55/(32 S), 78/(7 pi S^2), 1365/(64 pi S^3)
-//
-// Every W'(q) has the factor q, so W'(r)/r needs no division and is finite at r = 0.
-// Here h = S/2: the default h_over_dx mean supports of 2.6, 4.5 and 5 particle spacings.
+// W. Dehnen, H. Aly, MNRAS 425, 1068 (2012), table 1]; in 1-D the members of the family that
+// is of least degree there. Table of them: docs/theory/kernels.md. Here h = S/2.
 #pragma once
 
 #include <kernels/common.hpp>
@@ -36,19 +25,18 @@ class wendland : public functions_of_distance<Kernel> {
     f = f_scale_ * f;
   }
 
-  double support() const { return support_; }  // m
-  double self() const { return w_scale_; }     // W(0), 1/m^D
-  double smoothing_length() const { return support_ / support_over_h; }
+  double self() const { return w_scale_; }  // W(0), 1/m^D
 
  protected:
-  wendland(double support, double normalisation, double slope) : support_(support), inverse_support_(1.0 / support) {
+  wendland(double support, double normalisation, double slope)
+      : functions_of_distance<Kernel>(support), inverse_support_(1.0 / support) {
     const double volume = D == 1 ? support : D == 2 ? support * support : support * support * support;
     w_scale_ = normalisation / volume;
     f_scale_ = slope * w_scale_ * inverse_support_ * inverse_support_;
   }
 
  private:
-  double support_, inverse_support_, w_scale_, f_scale_;
+  double inverse_support_, w_scale_, f_scale_;
 };
 
 template <int D>
