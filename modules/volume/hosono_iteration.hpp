@@ -45,12 +45,8 @@ struct hosono_iteration {
     auto& s = w.s;
     std::copy_n(particles::extra(s, density_guess).begin(), s.fluid, s.rho.begin());
     w.exchange_fluid({s.rho.data()});
-    equation_of_state(w, s.first_wall());
+    weights_by_density(w, 0, s.first_wall());
     require_positive(w, s.p_eos, "the start value's pressure p");
-    for (std::size_t i = 0; i < s.first_wall(); ++i) {
-      s.dV[i] = s.m[i] / s.rho[i];
-      s.Y[i] = s.p_eos[i] * s.dV[i];
-    }
   }
 
   template <class Pressure, int D>

@@ -123,11 +123,7 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   }
   const auto residual = [&](std::span<const double> at, std::span<double> f) {
     for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = std::exp(at[i]);
-    equation_of_state(w, s.fluid);
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      s.dV[i] = s.m[i] / s.rho[i];
-      s.Y[i] = s.p_eos[i] * s.dV[i];
-    }
+    weights_by_density(w, 0, s.fluid);
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise);

@@ -5,7 +5,7 @@
 //   before_walls(w, ...)             ρ and ΔV of the fluid and its ghosts, as far as known before the walls are
 //   determine(w, walls, ...)         Y, p, ΔV = Y/p, ρ and the material's properties, of fluid and ghosts
 //
-// One whose Y needs no neighbours has before_walls in parts as well, so that ranks can compute while ghosts travel:
+// One whose Y needs no neighbours has in the place of these two, so that ranks can compute while ghosts travel:
 //
 //   ahead(w)                         of the owned fluid
 //   with_ghosts(w)                   of the ghosts
@@ -147,6 +147,18 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t la
 template <int D>
 void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
   equation_of_state(w, 0, n);
+}
+
+// ΔV = m/ρ and Y = p^ ΔV of the particles [first, last), with the equation of state.
+template <int D>
+void weights_by_density(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+  auto& s = w.s;
+  equation_of_state(w, first, last);
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    s.dV[i] = s.m[i] / s.rho[i];
+    s.Y[i] = s.p_eos[i] * s.dV[i];
+  });
 }
 
 // Y = p ΔV needs p > 0: reports the owned particle of the lowest ID where it is not.

@@ -9,7 +9,6 @@
 
 #include <eos/eos.hpp>
 #include <liquid/options.hpp>
-#include <melting/enthalpy.hpp>
 #include <melting/melting.hpp>
 #include <memory>
 #include <run/options.hpp>

@@ -11,7 +11,7 @@
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
-//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
 //   surface tension between the materials: surface_tension.hpp
 //   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
 //     flow is the same, and viscosity asks for the steps of η_x.
