@@ -68,7 +68,7 @@ any make(const material_options& options) {
     return tillotson(
         describe(o, "H. J. Melosh, Impact Cratering (1989); W. Benz, E. Asphaug, Icarus 142, 5 (1999); " + o.tillotson),
         find_tillotson(o.tillotson), *o.reference_temperature, *o.heat_capacity);
-  if (o.name == "ideal_gas") return ideal_gas{describe(o, "ideal gas"), *o.gamma, *o.heat_capacity};
+  if (o.name == "ideal_gas") return stiffened_gas{describe(o, "ideal gas"), *o.gamma, 0.0, *o.heat_capacity};
   return stiffened_gas{describe(o, "stiffened gas, F. H. Harlow, A. A. Amsden, LA-4700 (1971)"), *o.gamma,
                        *o.p_infinity, *o.heat_capacity};
 }
@@ -87,26 +87,6 @@ double density(const any& material, double p, double T) {
 
 properties evaluate(const any& material, double rho, double T) {
   return std::visit([&](const auto& m) { return m.evaluate(rho, T); }, material);
-}
-
-void evaluate(const any& material, std::span<const double> rho, std::span<const double> T, const property_arrays& out,
-              std::size_t first, std::size_t last) {
-  std::visit(
-      [&](const auto& m) {
-        for (std::size_t i = first; i < last; ++i) {
-          const properties s = m.evaluate(rho[i], T[i]);
-          out.p[i] = s.p;
-          out.K_T[i] = s.K_T;
-          out.alpha[i] = s.alpha;
-          out.c_V[i] = s.c_V;
-          out.sound_speed[i] = s.sound_speed;
-        }
-      },
-      material);
-}
-
-void evaluate(const any& material, std::span<const double> rho, std::span<const double> T, const property_arrays& out) {
-  evaluate(material, rho, T, out, 0, rho.size());
 }
 
 }  // namespace tetsuame::eos
