@@ -12,10 +12,11 @@ constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t 
   return a <= b ? a * D - a * (a + 1) / 2 + b : symmetric_place(b, a, D);
 }
 
-// A = L Lᵀ of a symmetric matrix by rows (what is beyond the diagonal is not looked at), in place; false where it is
+// A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
 // not positive definite to working accuracy, `singular` of the diagonal.
 template <class Matrix>
-bool factorise(Matrix& A, double singular = 1e-10) {
+bool factorise(Matrix& A) {
+  constexpr double singular = 1e-10;  // of the diagonal
   const std::size_t N = A.size();
   for (std::size_t k = 0; k < N; ++k) {
     const double diagonal = A[k][k];

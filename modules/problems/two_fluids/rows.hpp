@@ -15,7 +15,6 @@
 #include <cmath>
 #include <functional>
 #include <kernels/kernel.hpp>
-#include <operators/symmetric.hpp>
 #include <vector>
 
 namespace tetsuame::two_fluids {
@@ -79,6 +78,25 @@ class column_of_rows {
   int reach_;
 };
 
+// x of A x = b, A symmetric and positive definite, row by row; overwrites both.
+inline void solve_cholesky(std::vector<double>& A, std::vector<double>& b) {
+  const std::size_t n = b.size();
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = j; i < n; ++i) {
+      double sum = A[i * n + j];
+      for (std::size_t k = 0; k < j; ++k) sum -= A[i * n + k] * A[j * n + k];
+      A[i * n + j] = i == j ? std::sqrt(sum) : sum / A[j * n + j];
+    }
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < i; ++k) b[i] -= A[i * n + k] * b[k];
+    b[i] /= A[i * n + i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) b[i] -= A[k * n + i] * b[k];
+    b[i] /= A[i * n + i];
+  }
+}
+
 inline constexpr double price_of_change = 0.1;  // λ
 
 // One Gauss-Newton step of the changes z of height and pressure, in units of Δx and ρ g Δx of the start.
@@ -88,8 +106,7 @@ std::vector<double> step_to_balance(const column_of_rows<D>& column, const std::
                                     const std::function<void(std::vector<row_of_rest>&, std::size_t, double)>& change) {
   constexpr double lambda = price_of_change, small = 1e-6;
   const std::size_t n = rows.size(), unknowns = 2 * n;
-  std::vector<std::vector<double>> A(unknowns, std::vector<double>(unknowns, 0.0));
-  std::vector<double> b(unknowns, 0.0), f(n), slope(unknowns * n, 0.0);
+  std::vector<double> A(unknowns * unknowns, 0.0), b(unknowns, 0.0), f(n), slope(unknowns * n, 0.0);
   for (std::size_t r = 0; r < n; ++r) f[r] = column.unbalance(rows, static_cast<int>(r));
   auto trial = rows;
   for (std::size_t k = 0; k < unknowns; ++k) {
@@ -102,7 +119,7 @@ std::vector<double> step_to_balance(const column_of_rows<D>& column, const std::
     trial[k % n] = rows[k % n];
   }
   for (std::size_t i = 0; i < unknowns; ++i) {
-    A[i][i] = lambda * lambda;
+    A[i * unknowns + i] = lambda * lambda;
     b[i] = -lambda * lambda * z[i];
   }
   for (std::size_t r = 0; r < n; ++r)
@@ -110,10 +127,10 @@ std::vector<double> step_to_balance(const column_of_rows<D>& column, const std::
       const double by = slope[r * unknowns + i];
       if (by == 0.0) continue;
       b[i] -= by * f[r];
-      for (std::size_t k = 0; k < unknowns; ++k) A[i][k] += by * slope[r * unknowns + k];
+      for (std::size_t k = 0; k < unknowns; ++k) A[i * unknowns + k] += by * slope[r * unknowns + k];
     }
-  if (!operators::factorise(A, 0.0)) return std::vector<double>(unknowns, 0.0);
-  return operators::solve(A, b);
+  solve_cholesky(A, b);
+  return b;
 }
 
 // `density`: kg/m3 of the material of row r at a pressure.
