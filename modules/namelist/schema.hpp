@@ -49,6 +49,21 @@ struct key_info {
   std::string expert_name = "";  // there, where the key's own says too little without its group
   std::string meaning = "";
 };
+// Of a number above 0.
+inline key_info positive(std::string unit, std::string meaning) {
+  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
+}
+inline key_info between(double minimum, double maximum, std::string meaning) {
+  return {.minimum = minimum, .maximum = maximum, .meaning = std::move(meaning)};
+}
+// Above 0.
+inline key_info up_to(double maximum, std::string meaning) {
+  return {.minimum = 0.0, .maximum = maximum, .exclusive_minimum = true, .meaning = std::move(meaning)};
+}
+inline key_info for_expert(key_info k) {
+  k.expert = true;
+  return k;
+}
 
 // The targets outlive the schema and stay where they are.
 using target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, std::optional<double>*,
@@ -63,7 +78,7 @@ struct key {
   std::string default_text;        // as in a namelist; empty: none
   std::string origin = "default";  // "file:line", "--set group.key=value"
   bool given = false;
-  std::string given_in;  // the group, of its own or &expert
+  std::string given_in;      // the group, of its own or &expert
   std::vector<bool> filled;  // array: which elements have a value
 };
 

@@ -8,9 +8,7 @@ namespace tetsuame::relaxation {
 
 namespace {
 
-namelist::key_info positive(std::string unit, std::string meaning) {
-  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
-}
+using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
 
 void declare(namelist::schema& schema, material_options& o) {
   schema.group("material", "the fluid (Boussinesq)");
@@ -29,25 +27,18 @@ void declare(namelist::schema& schema, relaxation_options& o) {
              {.choices = {"auto", "none", "rsst", "vim", "rsst_vim"},
               .expert = true,
               .meaning = "auto: rsst_vim where viscosity balances buoyancy, rsst where inertia does"});
-  schema.add(
-      "relaxation", "zeta", o.zeta,
-      {.minimum = 1.0, .maximum = 1e30, .expert = true, .meaning = "sound is slowed by it; not given: by the rule"});
+  schema.add("relaxation", "zeta", o.zeta,
+             for_expert(between(1.0, 1e30, "sound is slowed by it; not given: by the rule")));
   schema.add("relaxation", "xi", o.xi,
-             {.minimum = 1.0,
-              .maximum = 1e30,
-              .expert = true,
-              .meaning = "inertia is multiplied by its square; not given: by the rule"});
+             for_expert(between(1.0, 1e30, "inertia is multiplied by its square; not given: by the rule")));
   schema.add("relaxation", "rule", o.rule,
              {.choices = {"slower_speed", "later"},
               .expert = true,
               .meaning = "slower_speed: note of February 2023; later: of June 2023, with boundary layers"});
   schema.add("relaxation", "boundary_layers", o.boundary_layers,
              {.expert = true, .meaning = "buoyancy acts on thermal boundary layers only: the wider bounds"});
-  schema.add("relaxation", "mach", o.mach,
-             {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .meaning = "flow over slowed sound, V/c_eff"});
-  schema.add(
-      "relaxation", "phi_xi", o.phi_xi,
-      {.minimum = 0.0, .maximum = 1.0, .exclusive_minimum = true, .expert = true, .meaning = "xi over its bound"});
+  schema.add("relaxation", "mach", o.mach, up_to(1.0, "flow over slowed sound, V/c_eff"));
+  schema.add("relaxation", "phi_xi", o.phi_xi, for_expert(up_to(1.0, "xi over its bound")));
 }
 
 }  // namespace
@@ -55,8 +46,7 @@ void declare(namelist::schema& schema, relaxation_options& o) {
 void declare(namelist::schema& schema, options& o) {
   declare(schema, o.material);
   schema.group("gravity", "uniform gravity");
-  schema.add("gravity", "g", o.g,
-             {.unit = "m/s^2", .minimum = 0.0, .exclusive_minimum = true, .meaning = "acceleration, towards -y"});
+  schema.add("gravity", "g", o.g, positive("m/s^2", "acceleration, towards -y"));
   declare(schema, o.relaxation);
 }
 

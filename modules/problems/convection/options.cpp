@@ -9,6 +9,8 @@ namespace tetsuame::convection {
 
 namespace {
 
+using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
+
 constexpr const char* g = "convection";
 
 const domain::demands demands{
@@ -37,25 +39,20 @@ void declare_aim(namelist::schema& schema, convection_options& o) {
               .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, "
                          "whatever xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
   schema.add(g, "steady_tolerance", o.steady_tolerance,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .meaning = "the run ends when Nusselt number and rms velocity change by less over six turnovers; 0: at "
-                         "t_end only"});
-  schema.add(g, "levels", o.levels,
-             {.minimum = -1,
-              .maximum = 10,
-              .expert = true,
-              .meaning = "the run starts with twice the particle spacing, so many times twice, and goes on with half "
+             between(0.0, 1.0,
+                     "the run ends when Nusselt number and rms velocity change by less over six turnovers; 0: at "
+                     "t_end only"));
+  schema.add(
+      g, "levels", o.levels,
+      for_expert(between(-1, 10,
+                         "the run starts with twice the particle spacing, so many times twice, and goes on with half "
                          "of it whenever the flow is steady to ten times steady_tolerance, which it needs. -1: as many "
                          "as resolve the flow where only the steady state is the aim and the viscosity is constant, "
-                         "else none"});
+                         "else none")));
   schema.add(g, "steady_mach", o.steady_mach,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .meaning = "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
-                         "slower: at 1.5, Mach 0.25. Not given: 1.5, where the viscosity varies 1"});
+             for_expert(up_to(10.0,
+                              "target steady: Ra^(2/3) kappa/L over slowed sound; the flow itself is about six times "
+                              "slower: at 1.5, Mach 0.25. Not given: 1.5, where the viscosity varies 1")));
 }
 
 void declare_gravity(namelist::schema& schema, convection_options& o) {
@@ -87,8 +84,7 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
              {.meaning = "law 'table': temperature (K), depth (m), viscosity (Pa s), a line for each pair, ascending, "
                          "depth fastest; ln nu is bilinear between"});
   const auto limit = [&](const char* key, double& value, const char* meaning) {
-    schema.add(g, key, value,
-               {.unit = "Pa s", .minimum = 0.0, .exclusive_minimum = true, .expert = true, .meaning = meaning});
+    schema.add(g, key, value, for_expert(positive("Pa s", meaning)));
   };
   limit("viscosity_min", o.viscosity_min, "law 'melt': the viscosity is not below this");
   limit("viscosity_max", o.viscosity_max, "law 'melt': nor above this");
@@ -108,19 +104,16 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
 }
 
 void declare_noise(namelist::schema& schema, convection_options& o) {
-  schema.add(g, "pressure_diffusion", o.pressure_diffusion,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .expert = true,
-              .meaning = "delta of the term that smooths the pressure's noise; not given: target transient 0.4, steady "
-                         "0.2, with one viscosity 0.02"});
-  schema.add(g, "remap_diffusion", o.remap_diffusion,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .expert = true,
-              .meaning = "of the noise in temperature and velocity, times the speed with which particles are shifted"});
-  schema.add(g, "shifting", o.shifting,
-             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "strength of the particle shifting"});
+  schema.add(
+      g, "pressure_diffusion", o.pressure_diffusion,
+      for_expert(between(0.0, 1.0,
+                         "delta of the term that smooths the pressure's noise; not given: target transient 0.4, steady "
+                         "0.2, with one viscosity 0.02")));
+  schema.add(
+      g, "remap_diffusion", o.remap_diffusion,
+      for_expert(between(
+          0.0, 10.0, "of the noise in temperature and velocity, times the speed with which particles are shifted")));
+  schema.add(g, "shifting", o.shifting, for_expert(between(0.0, 10.0, "strength of the particle shifting")));
 }
 
 // Keys of a choice that is not made, but for their defaults, which --describe and resolved.nml write.
@@ -215,10 +208,8 @@ void declare(namelist::schema& schema, options& o) {
   declare_noise(schema, o.convection);
   schema.group("initial", "start: conduction, at rest, with a disturbance");
   schema.add("initial", "perturbation", o.initial.perturbation,
-             {.minimum = -1.0,
-              .maximum = 1.0,
-              .meaning = "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"});
-  schema.add("initial", "half_waves", o.initial.half_waves, {.minimum = 0, .maximum = 1000, .meaning = "along x"});
+             between(-1.0, 1.0, "a of T = T_conductive + a DeltaT cos(half_waves pi x/length_x) sin(pi y/L)"));
+  schema.add("initial", "half_waves", o.initial.half_waves, between(0, 1000, "along x"));
   auto& sides = o.walls.sides;
   o.walls.slip = "free_slip";
   sides[2].thermal = sides[3].thermal = "fixed";

@@ -8,6 +8,8 @@ namespace tetsuame::gas {
 
 namespace {
 
+using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
+
 const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follows_x = true, .jitters = false};
 
 void declare_case(namelist::schema& schema, shock_options& s) {
@@ -45,11 +47,9 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
 
 void declare_side(namelist::schema& schema, const std::string& end, const char* where, double& rho, double& u,
                   double& p) {
-  schema.add("shock", "rho_" + end, rho,
-             {.unit = "kg/m^3", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("density ") + where});
+  schema.add("shock", "rho_" + end, rho, positive("kg/m^3", std::string("density ") + where));
   schema.add("shock", "u_" + end, u, {.unit = "m/s", .meaning = std::string("velocity along x ") + where});
-  schema.add("shock", "p_" + end, p,
-             {.unit = "Pa", .minimum = 0.0, .exclusive_minimum = true, .meaning = std::string("pressure ") + where});
+  schema.add("shock", "p_" + end, p, positive("Pa", std::string("pressure ") + where));
 }
 
 void declare_gas(namelist::schema& schema, const std::string& end, const char* where, std::optional<double>& gamma,
@@ -73,10 +73,7 @@ void declare_material(namelist::schema& schema, const std::string& end, const ch
               .meaning = std::string("riemann, square: equation of state ") + where +
                          ", with its own parameters; '': the gas of gamma and p_infinity"});
   schema.add("shock", "temperature_" + end, T,
-             {.unit = "K",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = std::string("with an equation of state: ") + where + "; the density follows from it and p"});
+             positive("K", std::string("with an equation of state: ") + where + "; the density follows from it and p"));
 }
 
 void declare_states(namelist::schema& schema, shock_options& s) {
@@ -92,36 +89,21 @@ void declare_states(namelist::schema& schema, shock_options& s) {
 
 void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "window", s.window,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .meaning = "errors are measured in this part of the box along x, about its middle"});
-  schema.add(
-      "shock", "coarser", s.coarser,
-      {.minimum = 0,
-       .maximum = 10,
-       .meaning = "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
-                  "then has the errors of all and their order of convergence"});
-  schema.add("shock", "energy", s.energy,
-             {.unit = "J", .minimum = 0.0, .exclusive_minimum = true, .meaning = "sedov: of the explosion"});
+             for_expert(up_to(1.0, "errors are measured in this part of the box along x, about its middle")));
+  schema.add("shock", "coarser", s.coarser,
+             between(0, 10,
+                     "first so many runs of the same with 1/2, 1/4, ... of the particles along an axis; summary.json "
+                     "then has the errors of all and their order of convergence"));
+  schema.add("shock", "energy", s.energy, positive("J", "sedov: of the explosion"));
   schema.add("shock", "blast_radius", s.blast_radius,
-             {.minimum = 1.0,
-              .maximum = 100.0,
-              .expert = true,
-              .meaning = "sedov: within so many spacings the energy starts"});
+             for_expert(between(1.0, 100.0, "sedov: within so many spacings the energy starts")));
   schema.add("shock", "corner", s.corner,
              {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
                          "octant; the energy is that of the whole explosion"});
-  schema.add("shock", "layer", s.layer,
-             {.unit = "m",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "kelvin_helmholtz, rayleigh_taylor: width of the layers"});
+  schema.add("shock", "layer", s.layer, positive("m", "kelvin_helmholtz, rayleigh_taylor: width of the layers"));
   schema.add("shock", "perturbation", s.perturbation,
              {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
-  schema.add("shock", "waves", s.waves,
-             {.minimum = 1, .maximum = 1000, .meaning = "kelvin_helmholtz, rayleigh_taylor: of that sine"});
+  schema.add("shock", "waves", s.waves, between(1, 1000, "kelvin_helmholtz, rayleigh_taylor: of that sine"));
   schema.add("shock", "gravity", s.gravity,
              {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
 }
@@ -139,13 +121,10 @@ void declare_dissipation(namelist::schema& schema, shock_options& s) {
               .meaning = "gdisph: the Riemann problem's throughout, or in the part that Balsara's factor gives, and "
                          "the particles' own in the rest"});
   schema.add("shock", "alpha", s.alpha,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .meaning = "of the artificial viscosity (ssph, disph); time-dependent: the largest"});
+             between(0.0, 10.0, "of the artificial viscosity (ssph, disph); time-dependent: the largest"));
   schema.add("shock", "time_dependent_alpha", s.switch_of_alpha,
              {.meaning = "alpha rises where gas is compressed and decays to alpha_min"});
-  schema.add("shock", "alpha_min", s.alpha_min,
-             {.minimum = 0.0, .maximum = 10.0, .expert = true, .meaning = "smallest alpha"});
+  schema.add("shock", "alpha_min", s.alpha_min, for_expert(between(0.0, 10.0, "smallest alpha")));
   schema.add("shock", "balsara", s.balsara, {.meaning = "less viscosity where gas is sheared and not compressed"});
 }
 

@@ -12,14 +12,7 @@ inline std::array<const char*, 2> names_of(problem_kind kind) {
   return {"lower", "upper"};
 }
 
-inline namelist::key_info positive(std::string unit, std::string meaning) {
-  return {.unit = std::move(unit), .minimum = 0.0, .exclusive_minimum = true, .meaning = std::move(meaning)};
-}
-
-inline namelist::key_info for_expert(namelist::key_info k) {
-  k.expert = true;
-  return k;
-}
+using namelist::for_expert, namelist::positive;
 
 // Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
 using unused_key = std::pair<const char*, bool>;  // name, and whether its value is the default
