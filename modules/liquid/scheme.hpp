@@ -41,14 +41,6 @@ struct program {
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
   std::function<std::unique_ptr<scheme<2>>(const options&)> in_2d;
   std::function<std::unique_ptr<scheme<3>>(const options&)> in_3d;
-
-  template <int D>
-  std::unique_ptr<scheme<D>> make(const options& o) const {
-    if constexpr (D == 2)
-      return in_2d(o);
-    else
-      return in_3d(o);
-  }
 };
 
 }  // namespace tetsuame::liquid

@@ -13,7 +13,7 @@ constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t 
 }
 
 // A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
-// not positive definite to working accuracy, `singular` of the diagonal.
+// positive definite to working accuracy.
 template <class Matrix>
 bool factorise(Matrix& A) {
   constexpr double singular = 1e-10;  // of the diagonal

@@ -10,8 +10,7 @@
 //   e = exp[-(η - η_c)²/0.04] for η = r/max(h_i, h_j) < η_c, else 1;   η_c: the spacing over h
 //   Q_i = ½ (2/3 + B_i/3) ρ_i (-1.5 c_i μ_i + 3 μ_i²),   μ_i = min{0, ṽ_ij·x_ij/h_i/[(r/h_i)² + 0.1²]}
 //   diffusion of a = u, ρ:  -(0.05 + 0.95 B̄) Σ_j m_j |ṽ_ij| (ã_i - ã_j) |G_ij|/ρ̄   among particles of one material
-// B is Balsara's factor. Not of REMIX: supports are those of the other schemes (so terms of varying h are left out),
-// and there is no treatment of free surfaces.
+// B is Balsara's factor. What is not as published: docs/theory/shocks.md.
 #pragma once
 
 #include <foundation/lanes_math.hpp>

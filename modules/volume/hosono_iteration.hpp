@@ -1,13 +1,6 @@
 // Y by the iteration of Hosono et al. (2013) (programs A, B). x, m, T are held; sought is Y with
 //   p_i = Σ_j Y_j W_ij,   ρ_i = m_i p_i/Y_i,   Y_i = m_i p^(ρ_i, T_i)/ρ_i.
-// The residual is ln(Y_new/Y) = ln(p^/p), the same for every solver:
-//   plain          Y ← Y_new. A pass multiplies a wave in ln Y by G = -(κ - 1)(1 - S(k)),
-//                  κ = K_T/p, S the kernel's transfer function: it diverges where |G| > 1,
-//                  in practice p < K_T/2 (docs/theory/hosono_iteration.md).
-//   under_relaxed  Y ← Y (Y_new/Y)^ω, ω about p/K_T
-//   anderson       the same map, accelerated from its last passes (KINSOL)
-//   newton         unknowns ln ρ: p^(ρ_i) - Σ_j m_j p^(ρ_j)/ρ_j W_ij = 0 (KINSOL, Newton–Krylov),
-//                  whose operator K_T - S (K_T - p) is positive; its diagonal preconditions.
+// The residual is ln(Y_new/Y) = ln(p^/p), the same for every solver: docs/theory/hosono_iteration.md.
 // Every evaluation starts from the density of the last completed step (an extra field, part of a
 // checkpoint), so that what an evaluation gives does not depend on those between.
 #pragma once
@@ -139,9 +132,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   return text;
 }
 
-// Proof that no state with p > 0 exists. If all p > 0, the particle of the largest p has
-// Σ_j ΔV_j W_ij >= 1, so some ρ_j <= m_j max_i Σ_k W_ik: if p^ is negative even there, for every
-// particle, the assumption was wrong. Returns the sentence, empty if a state may exist.
+// Proof that no state with p > 0 exists (docs/theory/lattice_sum.md), as a sentence; empty if a state may exist.
 template <int D>
 std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& around) {
   auto& s = w.s;

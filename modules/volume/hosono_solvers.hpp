@@ -25,9 +25,7 @@ std::string account(const pass<D>& one, const std::string& outcome, double kappa
   return solver == "plain" ? text + ". &hosono solver = 'newton' converges where a solution exists" : text;
 }
 
-// The solution was found, or is a fixed point that repels? On a perfect lattice the start value
-// already solves the equations to rounding, and a single pass cannot tell: converged is a residual
-// below the tolerance that did not grow in the last pass.
+// The solution was found, or is a fixed point that repels? On a perfect lattice a single pass cannot tell.
 inline bool settled(double residual, double previous, double tolerance) {
   return residual <= tolerance && residual <= previous;
 }

@@ -11,6 +11,8 @@
 //   with_ghosts(w)                   of the ghosts
 #pragma once
 
+#include <fmt/format.h>
+
 #include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
 #include <utility>
@@ -72,20 +74,12 @@ void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
       around.treatment);
 }
 
-inline std::string where_is(const auto& s, std::size_t i) {
-  std::string text = "particle " + std::to_string(s.id[i]) + " at (";
-  for (std::size_t a = 0; a < s.x.size(); ++a) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%s%.6g", a > 0 ? ", " : "", s.x[a][i]);
-    text += number;
-  }
-  return text + ") m";
-}
+inline std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-inline std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+inline std::string where_is(const auto& s, std::size_t i) {
+  std::string text = fmt::format("particle {} at (", s.id[i]);
+  for (std::size_t a = 0; a < s.x.size(); ++a) text += (a > 0 ? ", " : "") + number(s.x[a][i]);
+  return text + ") m";
 }
 
 namespace detail {

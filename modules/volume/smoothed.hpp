@@ -1,9 +1,8 @@
 // The pressure in the forces, by name:
 //   smoothed      p_i = Σ_j Y_j W_ij, j = i included      [Saitoh & Makino 2013; S0]
 //   non_smoothed  p_i = p^(ρ_i, T_i)                       [S0, program F]
-// On a lattice the kernel sums to s = Σ Δx^D W, which is not quite 1 (quintic, h = 1.2 Δx: 1 - 5.6e-5).
-// Normalised smoothing divides by Σ_j ΔV_j W_ij where volumes are known beforehand, which
-// restores constants anywhere; where ΔV is what is sought (Hosono's iteration), by the lattice's s.
+// Normalised smoothing divides by Σ_j ΔV_j W_ij where volumes are known beforehand, which restores constants anywhere;
+// where ΔV is what is sought (Hosono's iteration), by the lattice's s (docs/theory/lattice_sum.md).
 #pragma once
 
 #include <volume/shape.hpp>

@@ -2,9 +2,7 @@
 //   shepard  φ_j = W_mj / Σ_k W_mk                            exact for constants [S2]
 //   mls      φ_j = W_mj P_j·c,  Σ_k W_mk P_k P_kᵀ c = P(0)    P = (1, x, y, z): exact for linear fields
 //   mls2     the same with the quadratic terms in P           exact for quadratic fields
-// Volumes cancel at the start's equal spacing and are left out, so that markers do not
-// need densities before these are known. Where the particles near a marker do not determine
-// the polynomial, the next lower order is used.
+// Volumes cancel at the start's equal spacing, so that markers do not need densities before these are known.
 #pragma once
 
 #include <algorithm>

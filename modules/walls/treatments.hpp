@@ -1,21 +1,12 @@
-// What stands beyond a wall, by name. Every treatment has the same steps, called in this
+// What stands beyond a wall, by name (docs/theory/walls.md). Every treatment has the same steps, called in this
 // order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
 //
 //   places       of what stands behind the walls, where it moves with the fluid     (before the volumes are found)
 //   kinematics   v, T, η, k, ΔV of the wall particles
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
-//   push         what the wall adds to the forces directly
-//
-// virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
-//   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
-//   and the force of boundary_force.hpp
-// none: no support beyond the wall, kernels are cut off there ("without boundary correction").
-// frozen: wall particles keep the start's profile and the wall's own velocity.
-// mirror: the fluid itself, seen in the wall (mirror.hpp); behind floor and lid p goes on with ρ g, and so does Y; the
-//   force of boundary_force.hpp as above.
-// repulsion [S2]: markers without the step in pressure (p_w = p_m), and instead
-//   Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range.
+//   push         what the wall adds to the forces directly: boundary_force.hpp; of repulsion
+//                Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range
 #pragma once
 
 #include <foundation/threads.hpp>

@@ -1,15 +1,12 @@
-// Surface tension between the two materials: the divergence of a stress along their contact, which the gradient of a
-// colour C (0 in one material, 1 in the other) finds:
+// Surface tension between the two materials (docs/theory/drop.md): the divergence of a stress along their contact,
+// which the gradient of a colour C (0 in one material, 1 in the other) finds:
 //
 //   G_i = Σ_j ΔV_j (C_j - C_i) ∇_iW_ij,   Π = σ (|G| 1/d - G G/|G|)
 //   m_i dv_i/dt = Σ_j (ΔV_i² Π_i + ΔV_j² Π_j)·∇_iW_ij/s,   s the lattice sum of the number density
 //
 // [B. Lafaurie et al., J. Comput. Phys. 113, 134 (1994); for particles X. Y. Hu, N. A. Adams, ibid. 213, 844 (2006),
 // whose number density and form of the sum these are]. The trace is left to the pressure, so that no particle is pulled
-// in all directions. Across a flat contact ∫|G| is 1 whatever the kernel, and on a lattice to fourth order in Δx:
-// nothing is calibrated. Momentum is kept between particles; energy to what the sums miss of -∂/∂x of σ Σ ΔV |G|, the
-// surface energy. That sum's own derivative as force keeps all energy, but particles then arrange themselves to lower
-// it without moving the contact: docs/theory/drop.md. A wall that mirrors is neutral: contact angle 90°.
+// in all directions.
 #pragma once
 
 #include <two_fluids/terms.hpp>

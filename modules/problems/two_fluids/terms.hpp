@@ -15,12 +15,9 @@
 //   dρ_i/dt = ρ_i Σ_j ΔV_j v_ij·∇_i W_ij
 //             + δ (h/c_i) Σ_j 2 [(p̂_i - p̂_j) + ½ (ρ_i + ρ_j) g (y_i - y_j)] F_ij ΔV_j
 //
-// An element dissolved in both materials, c the amount per mass: m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j)
-//   within a material: u = c, K_ij = 4 k_i k_j/(k_i + k_j), k = ρ D, D its diffusivity
-//   across the contact: u = c/P in the metal, P its partition coefficient there, and k = ρ D P, so that the flux
-//   vanishes where c_metal = P c_silicate: conduction of heat between bodies of different heat capacity, with u for
-//   temperature.
-// What i gains j loses to the last bit, but for the order of sums: the element is conserved to rounding.
+// An element dissolved in both materials, c the amount per mass (docs/theory/partition.md#in-a-run):
+//   m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j),  K_ij = 4 k_i k_j/(k_i + k_j)
+//   within a material u = c and k = ρ D; across the contact u = c/P in the metal, and k = ρ D P
 #pragma once
 
 #include <diffusion/viscosity.hpp>

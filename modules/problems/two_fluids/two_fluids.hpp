@@ -1,23 +1,14 @@
-// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop.
+// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop
+// (docs/theory/core_formation.md).
 //
-//   dx/dt = v,   m dv/dt = pressure + viscosity (terms.hpp) + m g
-//   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
-//     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
-//     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
-//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
-//     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
-//     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
-//     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
+//   dx/dt = v,   ξ² m dv/dt = pressure + viscosity (terms.hpp) + surface tension (surface_tension.hpp) + m g
+//   volume number_density:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
+//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
 //     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
-//   surface tension between the materials: surface_tension.hpp
-//   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
-//     flow is the same, and viscosity asks for the steps of η_x.
-//
-// Walls are mirror images (walls/mirror.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
-// images have the reversed velocity. The mirror in two sides stands behind a corner.
+//   variable inertia: ξ² = η/η_x where η is above η_x (docs/theory/relaxation.md), or else 1
 //
 // Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.
