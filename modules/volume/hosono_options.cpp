@@ -3,6 +3,8 @@
 
 namespace tetsuame::volume {
 
+using namelist::between, namelist::for_expert, namelist::up_to;
+
 void declare(namelist::schema& schema, smoothing_options& o) {
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
   schema.add("smoothing", "normalise", o.normalise,
@@ -15,19 +17,14 @@ void declare(namelist::schema& schema, hosono_options& o) {
              {.choices = {"plain", "under_relaxed", "anderson", "newton"},
               .meaning = "plain as published; the others converge where it does not"});
   schema.add("hosono", "tolerance", o.tolerance,
-             {.minimum = 0.0,
-              .maximum = 1e-2,
-              .exclusive_minimum = true,
-              .meaning = "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"});
-  schema.add("hosono", "max_iterations", o.max_iterations,
-             {.minimum = 1, .maximum = 1e7, .meaning = "passes in one evaluation at most"});
-  schema.add("hosono", "relaxation", o.relaxation,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .expert = true,
-              .meaning = "exponent of (Y_new/Y) for under_relaxed and anderson; 0: the least p/K_T of all particles"});
+             up_to(1e-2, "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"));
+  schema.add("hosono", "max_iterations", o.max_iterations, between(1, 1e7, "passes in one evaluation at most"));
+  schema.add(
+      "hosono", "relaxation", o.relaxation,
+      for_expert(between(0.0, 1.0,
+                         "exponent of (Y_new/Y) for under_relaxed and anderson; 0: the least p/K_T of all particles")));
   schema.add("hosono", "anderson_depth", o.anderson_depth,
-             {.minimum = 0, .maximum = 50, .expert = true, .meaning = "earlier passes that anderson combines"});
+             for_expert(between(0, 50, "earlier passes that anderson combines")));
 }
 
 }  // namespace tetsuame::volume

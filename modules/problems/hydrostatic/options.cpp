@@ -14,13 +14,9 @@ const domain::demands demands{};
 
 void declare(namelist::schema& schema, initial_options& o) {
   schema.group("initial", "start state");
-  schema.add("initial", "temperature", o.temperature,
-             {.unit = "K", .minimum = 0.0, .exclusive_minimum = true, .meaning = "everywhere"});
+  schema.add("initial", "temperature", o.temperature, namelist::positive("K", "everywhere"));
   schema.add("initial", "pressure", o.pressure,
-             {.unit = "Pa",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "everywhere, or at the top where the profile is hydrostatic"});
+             namelist::positive("Pa", "everywhere, or at the top where the profile is hydrostatic"));
   schema.add(
       "initial", "profile", o.profile,
       {.choices = {"hydrostatic", "uniform"},
