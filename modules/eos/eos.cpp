@@ -22,17 +22,13 @@ thermal_part thermal_of(const material_options& o) {
           o.electronic_exponent.value_or(0.0)};
 }
 
-any make_silicate(const material_options& o) {
-  const description about = describe(o, "illustrative parameters of unverified origin", true);
-  if (o.curve == vinet::name)
-    return liquid<vinet>{about,
-                         *o.reference_pressure,
-                         *o.reference_density,
-                         {*o.bulk_modulus, *o.bulk_modulus_derivative},
-                         thermal_of(o)};
-  return liquid<birch_murnaghan>{about, *o.reference_pressure, *o.reference_density,
-                                 birch_murnaghan::third_order(*o.bulk_modulus, *o.bulk_modulus_derivative),
-                                 thermal_of(o)};
+any make_liquid(const material_options& o, const description& about) {
+  if (o.curve == birch_murnaghan::name)
+    return liquid<birch_murnaghan>{about, *o.reference_pressure, *o.reference_density,
+                                   birch_murnaghan::third_order(*o.bulk_modulus, *o.bulk_modulus_derivative),
+                                   thermal_of(o)};
+  return liquid<vinet>{
+      about, *o.reference_pressure, *o.reference_density, {*o.bulk_modulus, *o.bulk_modulus_derivative}, thermal_of(o)};
 }
 
 }  // namespace
@@ -48,11 +44,7 @@ any make(const material_options& options) {
                   *o.reference_temperature,
                   *o.heat_capacity};
   if (o.name == "liquid_iron")
-    return liquid<vinet>{describe(o, "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)"),
-                         *o.reference_pressure,
-                         *o.reference_density,
-                         {*o.bulk_modulus, *o.bulk_modulus_derivative},
-                         thermal_of(o)};
+    return make_liquid(o, describe(o, "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)"));
   if (o.name == "liquid_iron_isentrope")
     return isentropic_liquid{
         describe(o, "W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994)"),
@@ -63,7 +55,8 @@ any make(const material_options& options) {
         *o.gruneisen,
         *o.gruneisen_exponent,
         *o.heat_capacity};
-  if (o.name == "liquid_silicate") return make_silicate(o);
+  if (o.name == "liquid_silicate")
+    return make_liquid(o, describe(o, "illustrative parameters of unverified origin", true));
   if (o.name == "tillotson")
     return tillotson(
         describe(o, "H. J. Melosh, Impact Cratering (1989); W. Benz, E. Asphaug, Icarus 142, 5 (1999); " + o.tillotson),

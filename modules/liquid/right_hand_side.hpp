@@ -16,7 +16,6 @@
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
 #include <gradient/continuity.hpp>
-#include <liquid/options.hpp>
 #include <run/state.hpp>
 #include <span>
 #include <volume/shape.hpp>
@@ -104,9 +103,10 @@ void report_not_finite(run::state<D>& box, const rates<D>& out) {
     bool good = std::isfinite(out.dT[i]);
     for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
     if (!good)
-      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
-                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
-                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
+      w.first_fault.report(s.id[i],
+                           fmt::format("acceleration or heating is not finite: {}, p = {:.6g} Pa, rho = {:.6g} "
+                                       "kg/m3, T = {:.6g} K; the time step may be too large",
+                                       volume::where_is(s, i), s.p[i], s.rho[i], s.T[i]));
   }
 }
 

@@ -39,8 +39,8 @@ struct program {
   const char* name;
   const char* wall;
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
-  std::function<std::unique_ptr<scheme<2>>(const options&)> in_2d;
-  std::function<std::unique_ptr<scheme<3>>(const options&)> in_3d;
+  std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;
+  std::function<std::unique_ptr<scheme<3>>(const volume::options&)> in_3d;
 };
 
 }  // namespace tetsuame::liquid

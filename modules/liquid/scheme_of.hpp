@@ -20,7 +20,7 @@ class scheme_of : public scheme<D> {
   using volume_module = typename Program::volume;
   static constexpr bool iterates = requires(volume_module v) { v.residuals; };
 
-  explicit scheme_of(const options& o) : smoothing_(o.smoothing) {
+  explicit scheme_of(const volume::options& o) : smoothing_(o.smoothing) {
     if constexpr (iterates) how_.how = o.hosono;
   }
 
@@ -113,8 +113,8 @@ program describe() {
   return {.name = Program::name,
           .wall = Program::wall::name,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
-          .in_2d = [](const options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
-          .in_3d = [](const options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};
+          .in_2d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
+          .in_3d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};
 }
 
 }  // namespace tetsuame::liquid

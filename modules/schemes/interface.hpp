@@ -7,7 +7,7 @@
 #pragma once
 
 #include <riemann/approximate.hpp>
-#include <schemes/forces.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::schemes {
 

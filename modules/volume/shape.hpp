@@ -16,6 +16,7 @@
 #include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
 #include <utility>
+#include <volume/options.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::volume {
@@ -28,13 +29,6 @@ concept works_ahead = requires(pairs::workspace<2>& w) {
   Volume::ahead(w);
   Volume::with_ghosts(w);
 };
-
-// Smoothing divided by the kernel sum; see smoothed.hpp for which sum.
-struct smoothing_options {
-  bool normalise = false;
-};
-
-void declare(namelist::schema& schema, smoothing_options& o);
 
 // Everything `determine` may use beside the workspace.
 template <int D>
@@ -165,11 +159,12 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
   if (good) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))
-      w.first_fault.report(s.id[i], std::string(what) + " = " + number(p[i]) + " " + unit +
-                                        " is not positive and finite: " + where_is(s, i) +
-                                        ", rho = " + number(s.rho[i]) + " kg/m3, T = " + number(s.T[i]) +
-                                        " K. Y = p dV has no meaning there; use a smaller time step, a "
-                                        "higher pressure, or a volume that allows tension");
+      w.first_fault.report(
+          s.id[i],
+          fmt::format("{} = {:.6g} {} is not positive and finite: {}, rho = {:.6g} kg/m3, T = {:.6g} K. Y = p dV "
+                      "has no meaning there; use a smaller time step, a higher pressure, or a volume that allows "
+                      "tension",
+                      what, p[i], unit, where_is(s, i), s.rho[i], s.T[i]));
 }
 
 }  // namespace tetsuame::volume

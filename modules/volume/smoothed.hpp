@@ -9,44 +9,36 @@
 
 namespace tetsuame::volume {
 
-// p_i = Σ_j Y_j W_ij
-template <int D>
+// p_i = Σ_j Y_j W_ij times a scale, or its mean, over Σ_j ΔV_j W_ij.
+template <int D, bool mean>
 struct weight_sum {
   using real = pairs::real;
-  const double* Y;  // J
-  double self;      // 1/m^D, W(0)
+  const double* Y;   // J
+  const double* dV;  // m^D, of the mean
+  double self;       // 1/m^D, W(0)
   double scale;
   double* p;  // Pa, set
 
   struct me {
-    real sum;
-  };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y)}; }
-  me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_weight) * ij.W; }
-  void end(std::size_t i, const me& a) const { p[i] = (pairs::sum(a.sum) + Y[i] * self) * scale; }
-};
-
-// p_i = Σ_j Y_j W_ij / Σ_j ΔV_j W_ij
-template <int D>
-struct weight_mean {
-  using real = pairs::real;
-  const double* Y;   // J
-  const double* dV;  // m^D
-  double self;       // 1/m^D
-  double* p;         // Pa, set
-
-  struct me {
     real sum, norm;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)}; }
+  auto reads() const {
+    if constexpr (mean)
+      return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)};
+    else
+      return std::tuple{pairs::read(pairs::of_weight, Y)};
+  }
   me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     a.sum += ij(pairs::of_weight) * ij.W;
-    a.norm += ij(pairs::of_volume) * ij.W;
+    if constexpr (mean) a.norm += ij(pairs::of_volume) * ij.W;
   }
   void end(std::size_t i, const me& a) const {
-    p[i] = (pairs::sum(a.sum) + Y[i] * self) / (pairs::sum(a.norm) + dV[i] * self);
+    const double sum = pairs::sum(a.sum) + Y[i] * self;
+    if constexpr (mean)
+      p[i] = sum / (pairs::sum(a.norm) + dV[i] * self);
+    else
+      p[i] = sum * scale;
   }
 };
 
@@ -82,16 +74,16 @@ template <int D>
 void smooth(pairs::workspace<D>& w, bool normalise, const pairs::stretch& rows) {
   auto& s = w.s;
   if (normalise)
-    w.sum(rows, weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
+    w.sum(rows, weight_sum<D, true>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data()});
   else
-    w.sum(rows, weight_sum<D>{s.Y.data(), self_value(w), 1.0, s.p.data()});
+    w.sum(rows, weight_sum<D, false>{s.Y.data(), nullptr, self_value(w), 1.0, s.p.data()});
 }
 
 // Σ_j Y_j W_ij of the owned fluid, divided by the lattice's sum where `normalise`.
 template <int D>
 void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
   const double scale = normalise ? 1.0 / w.lattice_sum : 1.0;
-  w.sum(w.fluid(), weight_sum<D>{w.s.Y.data(), self_value(w), scale, w.s.p.data()});
+  w.sum(w.fluid(), weight_sum<D, false>{w.s.Y.data(), nullptr, self_value(w), scale, w.s.p.data()});
 }
 
 // ΔV = Y/p of [first, last), once both are known there.

@@ -74,7 +74,7 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
-  liquid::declare(schema, o.scheme);
+  volume::declare(schema, o.scheme);
   run::declare(schema, o, {.diffuses = false, .ends_by_steps = true, .starts_from_file = true});
 }
 

@@ -127,7 +127,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "sides", "slip");
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
-    liquid::declare(schema, o.liquid);
+    volume::declare(schema, o.liquid);
   } else {
     schema.add("walls", "pressure", o.wall_pressure,
                {.choices = {"hydrostatic", "mirrored"},

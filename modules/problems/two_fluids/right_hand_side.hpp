@@ -346,9 +346,9 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
     bool good = true;
     for (const double* r : rate) good = good && std::isfinite(r[i]);
     if (!good)
-      w.first_fault.report(s.id[i], "a rate is not finite: " + volume::where_is(s, i) + ", rho = " +
-                                        volume::number(s.rho[i]) + " kg/m3, p = " + volume::number(s.p[i]) +
-                                        " Pa; the flow has blown up, or the step is too large");
+      w.first_fault.report(s.id[i], fmt::format("a rate is not finite: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow "
+                                                "has blown up, or the step is too large",
+                                                volume::where_is(s, i), s.rho[i], s.p[i]));
   }
 }
 

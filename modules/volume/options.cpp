@@ -1,17 +1,14 @@
-#include <volume/hosono_options.hpp>
-#include <volume/shape.hpp>
+#include <volume/options.hpp>
 
 namespace tetsuame::volume {
 
 using namelist::between, namelist::for_expert, namelist::up_to;
 
-void declare(namelist::schema& schema, smoothing_options& o) {
+void declare(namelist::schema& schema, options& all) {
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
-  schema.add("smoothing", "normalise", o.normalise,
+  schema.add("smoothing", "normalise", all.smoothing.normalise,
              {.meaning = "divide by the kernel sum, which on a lattice is not quite 1"});
-}
-
-void declare(namelist::schema& schema, hosono_options& o) {
+  auto& o = all.hosono;
   schema.group("hosono", "iteration for Y of programs A and B");
   schema.add("hosono", "solver", o.solver,
              {.choices = {"plain", "under_relaxed", "anderson", "newton"},
