@@ -13,8 +13,7 @@
 #include <string_view>
 #include <variant>
 
-#include <kernels/cubic_spline.hpp>
-#include <kernels/quintic_spline.hpp>
+#include <kernels/splines.hpp>
 #include <kernels/wendland.hpp>
 
 namespace tetsuame::kernels {

@@ -19,24 +19,19 @@ namespace tetsuame::schemes {
 using foundation::greater, foundation::lesser;
 using pairs::real, pairs::vec;
 
-struct mass_tag {};
-struct per_support_tag {};
-struct density_tag {};
-struct sound_tag {};
-struct slope_tag {};
-struct dissipation_tag {};
-struct correction_tag {};
-struct gamma_tag {};
-struct stiffness_tag {};
-inline constexpr mass_tag of_mass;
-inline constexpr per_support_tag of_per_support;  // 1/S; 0 for the null particle
-inline constexpr density_tag of_density;
-inline constexpr sound_tag of_sound;
-inline constexpr slope_tag of_slope;              // f_i/y_i², with the pressure where the scheme has one of its own
-inline constexpr dissipation_tag of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
-inline constexpr correction_tag of_correction;    // z_i
-inline constexpr gamma_tag of_gamma;
-inline constexpr stiffness_tag of_stiffness;  // p_inf, Pa
+// The name by which terms read a field.
+template <class Tag>
+struct field {};
+
+inline constexpr field<struct mass_tag> of_mass;
+inline constexpr field<struct per_support_tag> of_per_support;  // 1/S; 0 for the null particle
+inline constexpr field<struct density_tag> of_density;
+inline constexpr field<struct sound_tag> of_sound;
+inline constexpr field<struct slope_tag> of_slope;  // f_i/y_i², with the pressure where the scheme has one of its own
+inline constexpr field<struct dissipation_tag> of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
+inline constexpr field<struct correction_tag> of_correction;    // z_i
+inline constexpr field<struct gamma_tag> of_gamma;
+inline constexpr field<struct stiffness_tag> of_stiffness;  // p_inf, Pa
 
 // In place of a kernel in pairs::sum_over: the terms evaluate their own.
 struct distances_only {

@@ -19,14 +19,10 @@
 
 namespace tetsuame::schemes {
 
-struct energy_tag {};
-struct normalisation_tag {};
-struct kind_tag {};
-struct grad_u_tag {};
-inline constexpr energy_tag of_energy;                // J/kg
-inline constexpr normalisation_tag of_normalisation;  // m_0
-inline constexpr kind_tag of_kind;                    // which material
-inline constexpr grad_u_tag of_grad_u;
+inline constexpr field<struct energy_tag> of_energy;                // J/kg
+inline constexpr field<struct normalisation_tag> of_normalisation;  // m_0
+inline constexpr field<struct kind_tag> of_kind;                    // which material
+inline constexpr field<struct grad_u_tag> of_grad_u;
 
 // The part of a pair's slopes that the middle takes, of the two ends' differences.
 inline real slope_part(const real& a_i, const real& a_j) {

@@ -50,8 +50,7 @@ struct density_sum {
 
   template <class Pressure, int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
-    around.weights(w);
-    Pressure::determine(w, around);
+    find_pressure<Pressure>(w, around);
   }
 };
 

@@ -98,18 +98,19 @@ void volumes_from_weights(pairs::workspace<D>& w) {
   volumes_from_weights(w, 0, w.s.first_wall());
 }
 
+// Y of the walls, p, then ΔV = Y/p, where Y and ΔV = m/ρ of fluid and ghosts are known.
+template <class Pressure, int D>
+void find_pressure(pairs::workspace<D>& w, const surroundings<D>& around) {
+  around.weights(w);
+  Pressure::sum(w, around, w.fluid());
+  Pressure::begin(w);
+  Pressure::end(w);
+}
+
 struct smoothed {
   static constexpr const char* name = "smoothed";
 
-  // Y and ΔV = m/ρ of fluid and ghosts, and Y of walls are known: p, then ΔV = Y/p.
-  template <int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
-    sum(w, around, w.fluid());
-    begin(w);
-    end(w);
-  }
-
-  // In parts: p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
+  // p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
   template <int D>
   static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
     smooth(w, around.smoothing.normalise, rows);
@@ -130,12 +131,7 @@ struct smoothed {
 struct non_smoothed {
   static constexpr const char* name = "non_smoothed";
 
-  template <int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>&) {
-    begin(w);
-  }
-
-  // In parts: the ghosts' p is known like the owned particles'.
+  // The ghosts' p is known like the owned particles'.
   template <int D>
   static void sum(pairs::workspace<D>&, const surroundings<D>&, const pairs::stretch&) {}
   template <int D>

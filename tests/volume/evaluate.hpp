@@ -20,12 +20,10 @@ void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing
   }
   w.agree();
   std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
-  if constexpr (volume::works_ahead<Volume>) {
-    around.weights(w);
-    Pressure::determine(w, around);
-  } else {
+  if constexpr (volume::works_ahead<Volume>)
+    volume::find_pressure<Pressure>(w, around);
+  else
     how.template determine<Pressure>(w, around);
-  }
   w.agree();
   std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
 }

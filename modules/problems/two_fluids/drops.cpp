@@ -38,7 +38,7 @@ void declare_drops(namelist::schema& schema, const char* group, options& o) {
                    "s", std::string("several drops: of the time over which their fall is measured; ") + meaning)));
 }
 
-// Along the contact the stress of surface tension is up to (1 - 1/d) sigma |G|, |G| = 0.4/dx (surface_tension.hpp): a
+// Along the contact the stress of surface tension is up to (1 - 1/d) sigma |G|, |G| = 0.4/dx (terms.hpp): a
 // pressure below that leaves the particles there under tension, in which no lattice is stable.
 void warn_of_tension(const options& o, parameters& p, double y) {
   const double pressure = p.base->at(std::min(y, o.domain.length[1])).pressure,

@@ -40,7 +40,7 @@ struct fluids {
   particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
 
   particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
-  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of surface_tension.hpp; N
+  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of terms.hpp; N
 
   fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {}
 

@@ -1,4 +1,4 @@
-// One evaluation of two fluids, term after term; the sums are those of terms.hpp and surface_tension.hpp:
+// One evaluation of two fluids, term after term; the sums are those of terms.hpp:
 //   1. ghosts and images: places, velocities
 //   2. ΔV and ρ, the pressure of the equation of state; temperature, melt, partition by them
 //   3. the pressure in the forces
@@ -8,7 +8,6 @@
 
 #include <diffusion/conduction.hpp>
 #include <two_fluids/supports.hpp>
-#include <two_fluids/surface_tension.hpp>
 #include <volume/smoothed.hpp>
 
 namespace tetsuame::two_fluids {
