@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdio>
-#include <optional>
 #include <problems/make.hpp>
 #include <problems/program.hpp>
 #include <run/time_loop.hpp>

@@ -4,11 +4,9 @@
 //   f_i = [1 + h_i/(D y_i) Σ_j w_j ∂W_ij/∂h_i]⁻¹ = -D y_i / Σ_j w_j r² F_ij(h_i)             [S4, eq. (9)]
 // by h ∂W/∂h = -(D W + r W'). Kernels are evaluated at q = r/S with support 1: W = Ŵ/S^D, W'/r = F̂/S^(D+2).
 //
-// The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice,
-// so that h is smooth where m and u jump. f belongs to supports that follow y. Those that follow n have, in the place
-// of f_i w_i w_j in DISPH's forces, w_i (w_j + z_i) [P. F. Hopkins, MNRAS 428, 2840 (2013)]:
+// The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice.
+// Then DISPH's forces have w_i (w_j + z_i) in the place of f_i w_i w_j (docs/theory/shocks.md):
 //   z_i = -(D y_i + Σ_j w_j r W'(h_i))/Σ_j r W'(h_i)
-// both are one where all weights are the same.
 #pragma once
 
 #include <cmath>

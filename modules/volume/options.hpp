@@ -6,7 +6,6 @@
 #include <foundation/error.hpp>
 #include <namelist/schema.hpp>
 #include <string>
-#include <vector>
 
 namespace tetsuame::volume {
 

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <hydrostatic/options.hpp>
-#include <kernels/kernel.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::hydrostatic {
