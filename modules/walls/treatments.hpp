@@ -40,6 +40,11 @@ struct with_markers : nothing {
   static constexpr bool has_particles = true, has_markers = true;
 
   template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_kinematics(w, set);
+    detail::nonpressure_acceleration(w, set);
+  }
+  template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
     detail::marker_weights(w, set);
   }
@@ -54,8 +59,7 @@ struct virtual_marker : with_markers {
 
   template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
+    with_markers::kinematics(w, set);
     set.steps_due = true;
   }
   template <int D>
@@ -68,11 +72,6 @@ struct virtual_marker : with_markers {
 struct repulsion : with_markers {
   static constexpr const char* name = "repulsion";
 
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
-  }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
