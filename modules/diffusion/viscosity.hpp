@@ -16,30 +16,43 @@ inline pairs::real harmonic(const pairs::real& a, const pairs::real& b) {
   return mean;
 }
 
-template <int D>
-struct viscosity {
+// Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair.
+template <int D, class Eta>
+struct viscous_sum {
   using real = pairs::real;
+  static constexpr bool uniform = std::is_same_v<Eta, double>;
 
   std::array<const double*, D> v;  // m/s
-  const double* eta;               // Pa s
+  Eta eta;                         // Pa s
   const double* dV;                // m^D
   std::array<double*, D> force;    // N, added to
   double* heat;                    // W, added to; null: not wanted
 
   struct me {
+    real factor;  // 2 η ΔV where η is uniform
     pairs::vec<real, D> force;
     real dissipation;
   };
 
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_volume, dV), read(of_viscosity, eta)};
+    const std::tuple always{read(of_velocity, v), read(of_volume, dV)};
+    if constexpr (uniform)
+      return always;
+    else
+      return std::tuple_cat(always, std::tuple{read(of_viscosity, eta)});
   }
-  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
+  me begin(std::size_t i) const {
+    me a{real(0.0), foundation::zero<real, D>(), real(0.0)};
+    if constexpr (uniform) a.factor = real(2.0 * eta * dV[i]);
+    return a;
+  }
   void add(me& a, const auto& ij) const {
     using namespace pairs;
-    const real factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
-    const auto v_ij = ij.difference(pairs::of_velocity);
+    real factor = a.factor;
+    if constexpr (!uniform) factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume);
+    factor *= ij(of_volume) * ij.F;
+    const auto v_ij = ij.difference(of_velocity);
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
@@ -49,35 +62,9 @@ struct viscosity {
   }
 };
 
-// The same where all particles share one viscosity: 4 η η/(η + η) = 2 η, without a division a pair.
 template <int D>
-struct uniform_viscosity {
-  using real = pairs::real;
-
-  std::array<const double*, D> v;  // m/s
-  double eta;                      // Pa s
-  const double* dV;                // m^D
-  std::array<double*, D> force;    // N, added to
-  double* heat;                    // W, added to; null: not wanted
-
-  struct me {
-    real factor;
-    pairs::vec<real, D> force;
-    real dissipation;
-  };
-
-  auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
-  me begin(std::size_t i) const { return {real(2.0 * eta * dV[i]), foundation::zero<real, D>(), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    const real factor = a.factor * (ij(pairs::of_volume) * ij.F);
-    const auto v_ij = ij.difference(pairs::of_velocity);
-    a.force += factor * v_ij;
-    a.dissipation -= factor * foundation::dot(v_ij, v_ij);
-  }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) force[k][i] += pairs::sum(a.force[k]);
-    if (heat != nullptr) heat[i] += 0.5 * pairs::sum(a.dissipation);
-  }
-};
+using viscosity = viscous_sum<D, const double*>;
+template <int D>
+using uniform_viscosity = viscous_sum<D, double>;
 
 }  // namespace tetsuame::diffusion

@@ -8,40 +8,19 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-template <class... F>
-struct choose : F... {
-  using F::operator()...;
-};
-template <class... F>
-choose(F...) -> choose<F...>;
-
-struct reference {
-  double rho, T;
-};
-
 }  // namespace
 
 caloric::caloric(any material) : material_(std::move(material)) {
-  const auto [rho, T] = std::visit(choose{[](const ideal_gas&) {
-                                            return reference{1.0, 0.0};
-                                          },
-                                          [](const stiffened_gas&) {
-                                            return reference{1.0, 0.0};
-                                          },
-                                          [](const tillotson& m) {
-                                            return reference{m.material.rho0, m.T0};
-                                          },
-                                          [](const linear& m) {
-                                            return reference{m.rho0, m.T0};
-                                          },
-                                          [](const isentropic_liquid& m) {
-                                            return reference{m.rho0, m.T0};
-                                          },
-                                          [](const auto& m) {
-                                            return reference{m.rho0, m.thermal.T0};
-                                          }},
-                                   material_);
-  rho0_ = rho, T0_ = T;
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { m.thermal; })
+          rho0_ = m.rho0, T0_ = m.thermal.T0;
+        else if constexpr (requires { m.rho0; })
+          rho0_ = m.rho0, T0_ = m.T0;
+        else if constexpr (requires { m.material; })
+          rho0_ = m.material.rho0, T0_ = m.T0;
+      },
+      material_);
   if (T0_ == 0.0 || std::holds_alternative<tillotson>(material_)) return;
   // Cubic pieces with the slope of the integrand, whose integral Simpson's rule takes from node to node: with 1024
   // steps both errors are below 1e-9 of K/rho.
@@ -86,18 +65,15 @@ caloric::part caloric::isotherm(double rho) const {
 }
 
 caloric::heat caloric::capacity(double rho) const {
-  const auto constant = [](const auto& m) { return heat{m.c_V, 0.0, 0.0}; };
-  const auto electronic = [&](const auto& m) {
-    const thermal_part& t = m.thermal;
-    const double e = t.e0 == 0.0 ? 0.0 : t.e0 * std::pow(rho / m.rho0, -t.g);
-    return heat{t.c, 2.0 * t.c * e, -t.g};
-  };
   return std::visit(
-      [&](const auto& m) {
-        if constexpr (requires { m.thermal; })
-          return electronic(m);
-        else
-          return constant(m);
+      [&](const auto& m) -> heat {
+        if constexpr (requires { m.thermal; }) {
+          const thermal_part& t = m.thermal;
+          const double e = t.e0 == 0.0 ? 0.0 : t.e0 * std::pow(rho / m.rho0, -t.g);
+          return {t.c, 2.0 * t.c * e, -t.g};
+        } else {
+          return {m.c_V, 0.0, 0.0};
+        }
       },
       material_);
 }

@@ -1,13 +1,10 @@
-// A material by density and specific internal energy, as shocks need it: their jump of energy does not depend on how
-// the shock is resolved only where u is a function of the state. With the pressure of the equation of state,
+// A material by density and specific internal energy, as shocks need it (docs/theory/eos.md). With the pressure of the
+// equation of state,
 //   u(rho, T) = u_0(rho) + E(rho, T) - E(rho, T0),   dE/dT = c_V,
-//   du_0/drho = [p - T (dp/dT)_rho]/rho^2 on the isotherm T0    (from the first and second law)
-// c_V is linear in T in every equation of state here, so T follows from u in closed form. The speed of sound is that of
-// these two functions,
-//   c^2 = (dp/drho)_T + (dp/dT)_rho/c_V [p/rho^2 - (du/drho)_T],
-// the K_S/rho of `evaluate` where the equation of state is one of a potential: all but liquid_iron off T0, whose
-// published form is not (docs/theory/eos.md), and Tillotson, whose own u, T and c these are. Zero of u: c_V T of the
-// gases, E(rho0, T0) of the others at (rho0, T0), 0 of Tillotson at (rho0, T0).
+//   du_0/drho = [p - T (dp/dT)_rho]/rho^2 on the isotherm T0
+//   c^2 = (dp/drho)_T + (dp/dT)_rho/c_V [p/rho^2 - (du/drho)_T]
+// c_V is linear in T in every equation of state here, so T follows from u in closed form. Tillotson has u, T and c of
+// its own. Zero of u: c_V T of the gases, E(rho0, T0) of the others at (rho0, T0), 0 of Tillotson at (rho0, T0).
 #pragma once
 
 #include <eos/eos.hpp>

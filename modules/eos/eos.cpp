@@ -22,17 +22,13 @@ thermal_part thermal_of(const material_options& o) {
           o.electronic_exponent.value_or(0.0)};
 }
 
-any make_silicate(const material_options& o) {
-  const description about = describe(o, "illustrative parameters of unverified origin", true);
-  if (o.curve == vinet::name)
-    return liquid<vinet>{about,
-                         *o.reference_pressure,
-                         *o.reference_density,
-                         {*o.bulk_modulus, *o.bulk_modulus_derivative},
-                         thermal_of(o)};
-  return liquid<birch_murnaghan>{about, *o.reference_pressure, *o.reference_density,
-                                 birch_murnaghan::third_order(*o.bulk_modulus, *o.bulk_modulus_derivative),
-                                 thermal_of(o)};
+any make_liquid(const material_options& o, const description& about) {
+  if (o.curve == birch_murnaghan::name)
+    return liquid<birch_murnaghan>{about, *o.reference_pressure, *o.reference_density,
+                                   birch_murnaghan::third_order(*o.bulk_modulus, *o.bulk_modulus_derivative),
+                                   thermal_of(o)};
+  return liquid<vinet>{
+      about, *o.reference_pressure, *o.reference_density, {*o.bulk_modulus, *o.bulk_modulus_derivative}, thermal_of(o)};
 }
 
 }  // namespace
@@ -48,11 +44,7 @@ any make(const material_options& options) {
                   *o.reference_temperature,
                   *o.heat_capacity};
   if (o.name == "liquid_iron")
-    return liquid<vinet>{describe(o, "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)"),
-                         *o.reference_pressure,
-                         *o.reference_density,
-                         {*o.bulk_modulus, *o.bulk_modulus_derivative},
-                         thermal_of(o)};
+    return make_liquid(o, describe(o, "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)"));
   if (o.name == "liquid_iron_isentrope")
     return isentropic_liquid{
         describe(o, "W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994)"),
@@ -63,12 +55,13 @@ any make(const material_options& options) {
         *o.gruneisen,
         *o.gruneisen_exponent,
         *o.heat_capacity};
-  if (o.name == "liquid_silicate") return make_silicate(o);
+  if (o.name == "liquid_silicate")
+    return make_liquid(o, describe(o, "illustrative parameters of unverified origin", true));
   if (o.name == "tillotson")
     return tillotson(
         describe(o, "H. J. Melosh, Impact Cratering (1989); W. Benz, E. Asphaug, Icarus 142, 5 (1999); " + o.tillotson),
         find_tillotson(o.tillotson), *o.reference_temperature, *o.heat_capacity);
-  if (o.name == "ideal_gas") return ideal_gas{describe(o, "ideal gas"), *o.gamma, *o.heat_capacity};
+  if (o.name == "ideal_gas") return stiffened_gas{describe(o, "ideal gas"), *o.gamma, 0.0, *o.heat_capacity};
   return stiffened_gas{describe(o, "stiffened gas, F. H. Harlow, A. A. Amsden, LA-4700 (1971)"), *o.gamma,
                        *o.p_infinity, *o.heat_capacity};
 }
@@ -87,26 +80,6 @@ double density(const any& material, double p, double T) {
 
 properties evaluate(const any& material, double rho, double T) {
   return std::visit([&](const auto& m) { return m.evaluate(rho, T); }, material);
-}
-
-void evaluate(const any& material, std::span<const double> rho, std::span<const double> T, const property_arrays& out,
-              std::size_t first, std::size_t last) {
-  std::visit(
-      [&](const auto& m) {
-        for (std::size_t i = first; i < last; ++i) {
-          const properties s = m.evaluate(rho[i], T[i]);
-          out.p[i] = s.p;
-          out.K_T[i] = s.K_T;
-          out.alpha[i] = s.alpha;
-          out.c_V[i] = s.c_V;
-          out.sound_speed[i] = s.sound_speed;
-        }
-      },
-      material);
-}
-
-void evaluate(const any& material, std::span<const double> rho, std::span<const double> T, const property_arrays& out) {
-  evaluate(material, rho, T, out, 0, rho.size());
 }
 
 }  // namespace tetsuame::eos

@@ -1,7 +1,6 @@
-// Density of given pressure and temperature, for an equation of state without a closed
-// inverse: Newton steps in ln rho, of at most 20 %, kept inside a bracket that shrinks.
-// The bracket's lower end may be a state beyond the spinodal (K_T <= 0), so the root found
-// lies on the stable branch that reaches up to the highest density searched.
+// Density of given pressure and temperature, for an equation of state without a closed inverse: Newton steps in ln rho,
+// of at most 20 %, kept inside a bracket that shrinks. The bracket's lower end may be a state beyond the spinodal
+// (K_T <= 0), so the root found lies on the stable branch that reaches up to the highest density searched.
 #pragma once
 
 #include <fmt/core.h>

@@ -2,10 +2,7 @@
 //   p(rho, T) = p0 + p_S(rho) + gamma rho c_V (T - T_S(rho)),  gamma = gamma0 (rho0/rho)^q
 //   T_S = T0 exp{(gamma0/q) [1 - (rho0/rho)^q]}   (d ln T_S/d ln rho = gamma)
 //   (dp/drho)_T = [K_S + gamma rho c_V ((1 - q)(T - T_S) - gamma T_S)]/rho
-// with constant c_V: a consistent potential for any gamma(rho).
-// Liquid iron: W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994). Their gamma
-// depends on density and energy; along their isentrope q = 0.2 follows it within 2.1 % up to
-// 13000 kg/m^3.
+// with constant c_V. Liquid iron: docs/theory/eos.md.
 #pragma once
 
 #include <cmath>

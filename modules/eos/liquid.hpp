@@ -1,10 +1,7 @@
-// A liquid on a reference isotherm with Mie-Grueneisen thermal pressure:
+// A liquid on a reference isotherm with Mie-Grueneisen thermal pressure (docs/theory/eos.md):
 //   p(rho, T) = p0 + p_ref(rho) + gamma rho [E(rho, T) - E(rho, T0)]
 //   E(rho, T) = c [T + e T^2],  e = e0 (rho0/rho)^g,  gamma = gamma0 (rho0/rho)^q
 //   c_V = dE/dT = c (1 + 2 e T),   alpha K_T = (dp/dT)_rho = gamma rho c_V
-// The difference of E, not c_V (T - T0), is what makes gamma the same in the pressure, in
-// alpha K_T and on the adiabat when c_V depends on T; with e0 = 0 both are the same.
-// Liquid iron: Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020), c = 3R/M.
 #pragma once
 
 #include <cmath>

@@ -14,103 +14,69 @@ namespace {
 constexpr double gas_constant = 8.314462618;   // J/(mol K), CODATA 2018
 constexpr double molar_mass_iron = 55.845e-3;  // kg/mol
 
-material_options linear_defaults() {
-  material_options o;
-  o.reference_pressure = 1e5;
-  o.reference_density = 7000.0;
-  o.reference_temperature = 2500.0;
-  o.bulk_modulus = 100e9;
-  o.thermal_expansivity = 2.5e-5;
-  o.heat_capacity = 1000.0;
-  return o;
+// c_V of Tillotson's materials is no part of his fits: values of the solids near room temperature.
+double tillotson_heat_capacity(const std::string& material) {
+  return material == "iron" ? 449.0 : material == "granite" ? 790.0 : 840.0;
 }
 
-material_options liquid_iron_defaults() {  // Kuwayama et al. (2020)
-  material_options o;
-  o.reference_pressure = 1e5;
-  o.reference_density = 7030.0;
-  o.reference_temperature = 1811.0;
-  o.bulk_modulus = 82.1e9;
-  o.bulk_modulus_derivative = 5.80;
-  o.heat_capacity = 3.0 * gas_constant / molar_mass_iron;
-  o.gruneisen = 2.02;
-  o.gruneisen_exponent = 0.63;
-  o.electronic_coefficient = 0.68e-4;
-  o.electronic_exponent = -1.0;
-  return o;
-}
-
-material_options liquid_iron_isentrope_defaults() {  // Anderson and Ahrens (1994)
-  material_options o;
-  o.reference_pressure = 1e5;
-  o.reference_density = 7019.0;
-  o.reference_temperature = 1811.0;
-  o.bulk_modulus = 109.7e9;
-  o.bulk_modulus_derivative = 4.66;
-  o.bulk_modulus_second_derivative = -0.043e-9;
-  // c_p = 46.02 J/(mol K) of liquid iron, over 1 + alpha gamma T = 1.287
-  o.heat_capacity = 640.0;
-  o.gruneisen = 1.735;
-  o.gruneisen_exponent = 0.2;
-  return o;
-}
-
-material_options liquid_silicate_defaults() {
-  material_options o;
-  o.curve = vinet::name;
-  o.reference_pressure = 1e5;
-  o.reference_density = 2700.0;
-  o.reference_temperature = 2500.0;
-  o.bulk_modulus = 25e9;
-  o.bulk_modulus_derivative = 6.0;
-  o.heat_capacity = 1500.0;
-  o.gruneisen = 0.6;
-  o.gruneisen_exponent = -1.0;
-  return o;
-}
-
-// c_V is no part of Tillotson's fits: values of the solids near room temperature.
-material_options tillotson_defaults(const std::string& material) {
-  material_options o;
-  o.tillotson = material.empty() ? "iron" : material;
-  find_tillotson(o.tillotson);
-  o.reference_temperature = 300.0;
-  o.heat_capacity = o.tillotson == "iron" ? 449.0 : o.tillotson == "granite" ? 790.0 : 840.0;
-  return o;
-}
-
-material_options ideal_gas_defaults() {  // air
-  material_options o;
-  o.gamma = 1.4;
-  o.heat_capacity = 717.5;
-  return o;
-}
-
-// Water: gamma and p_infinity as customary in shock problems, c_V so that 1000 kg/m^3 has
-// 1e5 Pa at 300 K.
-material_options stiffened_gas_defaults() {
-  material_options o;
-  o.gamma = 4.4;
-  o.p_infinity = 6e8;
-  o.heat_capacity = (1e5 + 6e8) / (3.4 * 1000.0 * 300.0);
-  return o;
-}
-
+// Sources: docs/theory/eos.md.
 material_options defaults(const std::string& name, const std::string& tillotson_material) {
-  const auto of = [&]() -> material_options {
-    if (name == "linear") return linear_defaults();
-    if (name == "liquid_iron") return liquid_iron_defaults();
-    if (name == "liquid_iron_isentrope") return liquid_iron_isentrope_defaults();
-    if (name == "liquid_silicate") return liquid_silicate_defaults();
-    if (name == "tillotson") return tillotson_defaults(tillotson_material);
-    if (name == "ideal_gas") return ideal_gas_defaults();
-    if (name == "stiffened_gas") return stiffened_gas_defaults();
-    foundation::fail_input(
-        fmt::format("there is no equation of state '{}': choose one of {}", name, fmt::join(names(), ", ")));
-  };
-  material_options o = of();
-  o.name = name;
-  return o;
+  if (name == "linear")
+    return {.name = name,
+            .reference_pressure = 1e5,
+            .reference_density = 7000.0,
+            .reference_temperature = 2500.0,
+            .bulk_modulus = 100e9,
+            .thermal_expansivity = 2.5e-5,
+            .heat_capacity = 1000.0};
+  if (name == "liquid_iron")
+    return {.name = name,
+            .reference_pressure = 1e5,
+            .reference_density = 7030.0,
+            .reference_temperature = 1811.0,
+            .bulk_modulus = 82.1e9,
+            .bulk_modulus_derivative = 5.80,
+            .heat_capacity = 3.0 * gas_constant / molar_mass_iron,
+            .gruneisen = 2.02,
+            .gruneisen_exponent = 0.63,
+            .electronic_coefficient = 0.68e-4,
+            .electronic_exponent = -1.0};
+  if (name == "liquid_iron_isentrope")
+    return {.name = name,
+            .reference_pressure = 1e5,
+            .reference_density = 7019.0,
+            .reference_temperature = 1811.0,
+            .bulk_modulus = 109.7e9,
+            .bulk_modulus_derivative = 4.66,
+            .bulk_modulus_second_derivative = -0.043e-9,
+            .heat_capacity = 640.0,  // c_p = 46.02 J/(mol K) over 1 + alpha gamma T = 1.287
+            .gruneisen = 1.735,
+            .gruneisen_exponent = 0.2};
+  if (name == "liquid_silicate")
+    return {.name = name,
+            .curve = vinet::name,
+            .reference_pressure = 1e5,
+            .reference_density = 2700.0,
+            .reference_temperature = 2500.0,
+            .bulk_modulus = 25e9,
+            .bulk_modulus_derivative = 6.0,
+            .heat_capacity = 1500.0,
+            .gruneisen = 0.6,
+            .gruneisen_exponent = -1.0};
+  if (name == "tillotson") {
+    const std::string material = tillotson_material.empty() ? "iron" : tillotson_material;
+    find_tillotson(material);
+    return {.name = name,
+            .tillotson = material,
+            .reference_temperature = 300.0,
+            .heat_capacity = tillotson_heat_capacity(material)};
+  }
+  if (name == "ideal_gas") return {.name = name, .heat_capacity = 717.5, .gamma = 1.4};  // air
+  // Water: c_V so that 1000 kg/m^3 has 1e5 Pa at 300 K.
+  if (name == "stiffened_gas")
+    return {.name = name, .heat_capacity = (1e5 + 6e8) / (3.4 * 1000.0 * 300.0), .gamma = 4.4, .p_infinity = 6e8};
+  foundation::fail_input(
+      fmt::format("there is no equation of state '{}': choose one of {}", name, fmt::join(names(), ", ")));
 }
 
 void check_range(const std::string& name, const parameter& key, double value) {

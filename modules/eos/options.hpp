@@ -13,13 +13,13 @@ namespace tetsuame::eos {
 // this equation does not have is an error, never ignored.
 struct material_options {
   std::string name = "linear";
-  std::string curve;      // liquid_silicate: 'vinet' or 'birch_murnaghan'
-  std::string tillotson;  // tillotson: 'iron', 'granite' or 'basalt'
-  std::optional<double> reference_pressure, reference_density, reference_temperature;
-  std::optional<double> bulk_modulus, bulk_modulus_derivative, bulk_modulus_second_derivative;
-  std::optional<double> thermal_expansivity, heat_capacity;
-  std::optional<double> gruneisen, gruneisen_exponent, electronic_coefficient, electronic_exponent;
-  std::optional<double> gamma, p_infinity;
+  std::string curve{};      // liquid_silicate: 'vinet' or 'birch_murnaghan'
+  std::string tillotson{};  // tillotson: 'iron', 'granite' or 'basalt'
+  std::optional<double> reference_pressure{}, reference_density{}, reference_temperature{};
+  std::optional<double> bulk_modulus{}, bulk_modulus_derivative{}, bulk_modulus_second_derivative{};
+  std::optional<double> thermal_expansivity{}, heat_capacity{};
+  std::optional<double> gruneisen{}, gruneisen_exponent{}, electronic_coefficient{}, electronic_exponent{};
+  std::optional<double> gamma{}, p_infinity{};
 };
 
 // One numeric parameter: its key, unit, lowest allowed value and meaning, for inputs and messages.

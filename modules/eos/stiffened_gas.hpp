@@ -1,4 +1,4 @@
-// Stiffened gas, u = c_V T + p_inf/rho:
+// Stiffened gas, u = c_V T + p_inf/rho; an ideal gas has p_inf = 0:
 //   p = (gamma - 1) rho c_V T - p_inf,  c^2 = gamma (p + p_inf)/rho
 // [F. H. Harlow, A. A. Amsden, Fluid Dynamics, LA-4700 (1971)].
 #pragma once
@@ -26,9 +26,9 @@ struct stiffened_gas {
   double density(double p, double T) const {
     if (!(p > -p_infinity && T > 0.0))
       foundation::fail_calculation(
-          fmt::format("equation of state '{}': no density has p = {:g} Pa at T = {:g} K: p must be above {:g} Pa and T "
-                      "above 0 K",
-                      about.name, p, T, -p_infinity));
+          fmt::format("equation of state '{}': no density has p = {:g} Pa at T = {:g} K: ", about.name, p, T) +
+          (about.name == "ideal_gas" ? "both must be above 0"
+                                     : fmt::format("p must be above {:g} Pa and T above 0 K", -p_infinity)));
     return (p + p_infinity) / ((gamma - 1.0) * c_V * T);
   }
 };

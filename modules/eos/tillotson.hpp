@@ -6,15 +6,8 @@
 //   expanded and hot, rho < rho0 and u >= E_cv:
 //     p_e = a rho u + [b rho u/omega + A mu exp(-beta (1/eta - 1))] exp(-alpha (1/eta - 1)^2)
 //   between E_iv and E_cv: linear in u from p_c to p_e.
-// It is a function of (rho, u) and knows no temperature. Here
-//   u = u_s(rho) + c_V [T - T_s(rho)],
-// where u_s, T_s is the isentrope through (rho0, u = 0, T0):
-//   du_s/drho = p(rho, u_s)/rho^2,  d ln T_s/d ln rho = (1/rho)(dp/du)_rho.
-// So p(rho0, T0) = 0 and c_V is constant. For p linear in u (omega constant) this is an
-// exact potential; otherwise T is an approximation, while p(rho, u) and the speed of sound,
-// c^2 = (dp/drho)_u + (p/rho^2)(dp/du)_rho, are Tillotson's own.
-// Below rho0 the work of tension is left out (u_s = 0, T_s = T0 eta^(a+b)): A mu + B mu^2
-// does not vanish as rho -> 0, and its integral would diverge.
+// A function of (rho, u); T by an isentrope, what is left out of it, and where T is an approximation:
+// docs/theory/eos.md.
 #pragma once
 
 #include <eos/inversion.hpp>

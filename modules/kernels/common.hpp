@@ -41,15 +41,17 @@ class piece {
   double at_zero_ = 0.0, slope_ = 0.0;
 };
 
-// Base of Kernel, which has both(r, inverse_r, w, f) and support().
+// Base of Kernel, which has both(r, inverse_r, w, f).
 template <class Kernel>
 class functions_of_distance {
  public:
+  explicit functions_of_distance(double support) : support_(support) {}
+
   // W(r), 1/m^D; r >= 0 in m.
   template <class R>
   R value(const R& r) const {
     R w, f;
-    both_of(r, w, f);
+    both(r, w, f);
     return w;
   }
 
@@ -57,27 +59,26 @@ class functions_of_distance {
   template <class R>
   R gradient_over_r(const R& r) const {
     R w, f;
-    both_of(r, w, f);
+    both(r, w, f);
     return f;
   }
 
   // The two at once.
   template <class R>
   void both(const R& r, R& w, R& f) const {
-    both_of(r, w, f);
+    static_cast<const Kernel&>(*this).both(r, R(1.0 / foundation::greater(r, R(smallest_r()))), w, f);
   }
+
+  double support() const { return support_; }  // m
+  double self() const { return value(0.0); }   // W(0), 1/m^D
+  double smoothing_length() const { return support_ / Kernel::support_over_h; }
 
   // m; for 1/r in `both`, r is taken to be at least this. Nearer than this, differences of a spline's
   // pieces are lost in the rounding of its terms.
-  double smallest_r() const { return 3e-10 * kernel().support(); }
+  double smallest_r() const { return 3e-10 * support_; }
 
  private:
-  const Kernel& kernel() const { return static_cast<const Kernel&>(*this); }
-
-  template <class R>
-  void both_of(const R& r, R& w, R& f) const {
-    kernel().both(r, R(1.0 / foundation::greater(r, R(smallest_r()))), w, f);
-  }
+  double support_;
 };
 
 }  // namespace tetsuame::kernels

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <kernels/kernel.hpp>
-#include <optional>
-#include <utility>
 #include <vector>
 
 namespace tetsuame::kernels {
@@ -20,14 +18,13 @@ const entry& find(std::string_view name) {
 
 namespace {
 
-template <int D, std::size_t... K>
-std::optional<any<D>> pick(std::string_view name, double support, std::index_sequence<K...>) {
-  std::optional<any<D>> result;
-  const auto attempt = [&]<class Kernel>(std::type_identity<Kernel>) {
-    if (name == Kernel::name) result.emplace(Kernel(support));
-  };
-  (attempt(std::type_identity<std::variant_alternative_t<K, any<D>>>{}), ...);
-  return result;
+// Of those from number K on; the name is one of them.
+template <int D, std::size_t K = 0>
+any<D> pick(std::string_view name, double support) {
+  using kernel = std::variant_alternative_t<K, any<D>>;
+  if constexpr (K + 1 < std::variant_size_v<any<D>>)
+    if (name != kernel::name) return pick<D, K + 1>(name, support);
+  return kernel(support);
 }
 
 }  // namespace
@@ -38,7 +35,7 @@ any<D> make(std::string_view name, double h) {
   if (!(std::isfinite(h) && h > 0.0))
     foundation::fail_input(
         fmt::format("the smoothing length of kernel '{}' is {} m: it must be finite and positive", name, h));
-  return *pick<D>(name, line.support_over_h * h, std::make_index_sequence<std::variant_size_v<any<D>>>{});
+  return pick<D>(name, line.support_over_h * h);
 }
 
 template any<1> make<1>(std::string_view, double);

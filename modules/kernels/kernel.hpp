@@ -13,8 +13,7 @@
 #include <string_view>
 #include <variant>
 
-#include <kernels/cubic_spline.hpp>
-#include <kernels/quintic_spline.hpp>
+#include <kernels/splines.hpp>
 #include <kernels/wendland.hpp>
 
 namespace tetsuame::kernels {
@@ -29,9 +28,7 @@ struct entry {
   double default_h_over_dx;
 };
 
-// Default h_over_dx: the quintic's is the notes' own; C2, C4 and C6 have the supports
-// 2.6, 4.5 and 5 dx that gave the best convection and Rayleigh-Taylor results; for the
-// cubic spline 1.2 is customary.
+// Default h_over_dx: why, docs/theory/kernels.md.
 inline constexpr std::array<entry, 5> table{{
     {quintic_spline<2>::name, quintic_spline<2>::support_over_h, quintic_spline<2>::default_h_over_dx},
     {cubic_spline<2>::name, cubic_spline<2>::support_over_h, cubic_spline<2>::default_h_over_dx},

@@ -13,19 +13,18 @@ constexpr std::size_t most = 3;  // directions; those beyond D have a single lay
 // dx^D W on the lattice points with all coordinates >= 0, each with the number of its
 // mirror images as weight.
 struct octant {
-  std::size_t n;  // points a direction, 0 .. n-1
-  std::array<std::size_t, most> size;
-  std::vector<double> weight;  // [x][y][z]
+  std::array<std::size_t, most> size;  // points a direction, from 0
+  std::vector<double> weight;          // [x][y][z]
 
   double transfer(const std::array<double, most>& k_dx) const;
 };
 
 template <class Kernel>
-octant sample(const Kernel& kernel, double dx) {
+octant sample_of(const Kernel& kernel, double dx) {
   constexpr std::size_t D = Kernel::dimension;
   octant o;
-  o.n = static_cast<std::size_t>(std::ceil(kernel.support() / dx)) + 1;
-  for (std::size_t d = 0; d < most; ++d) o.size[d] = d < D ? o.n : 1;
+  const auto n = static_cast<std::size_t>(std::ceil(kernel.support() / dx)) + 1;
+  for (std::size_t d = 0; d < most; ++d) o.size[d] = d < D ? n : 1;
   const double volume = D == 1 ? dx : D == 2 ? dx * dx : dx * dx * dx;
   for (std::size_t x = 0; x < o.size[0]; ++x)
     for (std::size_t y = 0; y < o.size[1]; ++y)
@@ -35,6 +34,11 @@ octant sample(const Kernel& kernel, double dx) {
         o.weight.push_back(images * volume * kernel.value(r));
       }
   return o;
+}
+
+template <int D>
+octant sample(const any<D>& kernel, double dx) {
+  return std::visit([&](const auto& k) { return sample_of(k, dx); }, kernel);
 }
 
 // The images' cosines add up to the product of one cosine a direction.
@@ -88,21 +92,20 @@ void descend(const octant& o, std::size_t directions, double step, transfer_extr
 
 }  // namespace
 
-template <class Kernel>
-double lattice_sum(const Kernel& kernel, double dx) {
+template <int D>
+double lattice_sum(const any<D>& kernel, double dx) {
   return sample(kernel, dx).transfer({});
 }
 
-template <class Kernel>
-double transfer(const Kernel& kernel, double dx, const std::array<double, Kernel::dimension>& k) {
+template <int D>
+double transfer(const any<D>& kernel, double dx, const std::type_identity_t<std::array<double, D>>& k) {
   std::array<double, most> k_dx{};
   for (std::size_t d = 0; d < k.size(); ++d) k_dx[d] = k[d] * dx;
   return sample(kernel, dx).transfer(k_dx);
 }
 
-template <class Kernel>
-transfer_extremum transfer_minimum(const Kernel& kernel, double dx) {
-  constexpr std::size_t D = Kernel::dimension;
+template <int D>
+transfer_extremum transfer_minimum(const any<D>& kernel, double dx) {
   constexpr std::size_t intervals = D == 3 ? 16 : 24;
   const octant o = sample(kernel, dx);
   transfer_extremum best = least_on_grid(o, D, intervals);
@@ -110,12 +113,11 @@ transfer_extremum transfer_minimum(const Kernel& kernel, double dx) {
   return best;
 }
 
-template <class Kernel>
-shear_moduli spurious_shear_moduli(const Kernel& kernel, double dx) {
-  constexpr int D = Kernel::dimension;
-  const int n = static_cast<int>(std::ceil(1.1 * kernel.support() / dx)), depth = D == 3 ? n : 0;
+template <int D>
+shear_moduli spurious_shear_moduli(const any<D>& of, double dx) {
   // s of the lattice with (x, y) -> (a x + b y, y/a).
-  const auto sum = [&](double a, double b) {
+  const auto sum_of = [&](const auto& kernel, double a, double b) {
+    const int n = static_cast<int>(std::ceil(1.1 * kernel.support() / dx)), depth = D == 3 ? n : 0;
     double s = 0.0;
     for (int x = -n; x <= n; ++x)
       for (int y = -n; y <= n; ++y)
@@ -125,6 +127,7 @@ shear_moduli spurious_shear_moduli(const Kernel& kernel, double dx) {
         }
     return s;
   };
+  const auto sum = [&](double a, double b) { return std::visit([&](const auto& k) { return sum_of(k, a, b); }, of); };
   const auto second = [&](const auto& f) {
     constexpr double e = 0.01;
     return (16.0 * (f(e) + f(-e)) - f(2.0 * e) - f(-2.0 * e) - 30.0 * f(0.0)) / (12.0 * e * e * f(0.0));
@@ -132,29 +135,14 @@ shear_moduli spurious_shear_moduli(const Kernel& kernel, double dx) {
   return {second([&](double g) { return sum(1.0, g); }), second([&](double g) { return sum(std::exp(0.5 * g), 0.0); })};
 }
 
-#define TETSUAME_INSTANTIATE(K, D)                                               \
-  template double lattice_sum(const K<D>&, double);                              \
-  template double transfer(const K<D>&, double, const std::array<double, (D)>&); \
-  template transfer_extremum transfer_minimum(const K<D>&, double);
-#define TETSUAME_INSTANTIATE_ALL(D)       \
-  TETSUAME_INSTANTIATE(quintic_spline, D) \
-  TETSUAME_INSTANTIATE(cubic_spline, D)   \
-  TETSUAME_INSTANTIATE(wendland_c2, D)    \
-  TETSUAME_INSTANTIATE(wendland_c4, D)    \
-  TETSUAME_INSTANTIATE(wendland_c6, D)
-TETSUAME_INSTANTIATE_ALL(1)
-TETSUAME_INSTANTIATE_ALL(2)
-TETSUAME_INSTANTIATE_ALL(3)
-#undef TETSUAME_INSTANTIATE_ALL
-#define TETSUAME_INSTANTIATE_SHEAR(D)                                            \
-  template shear_moduli spurious_shear_moduli(const quintic_spline<D>&, double); \
-  template shear_moduli spurious_shear_moduli(const cubic_spline<D>&, double);   \
-  template shear_moduli spurious_shear_moduli(const wendland_c2<D>&, double);    \
-  template shear_moduli spurious_shear_moduli(const wendland_c4<D>&, double);    \
-  template shear_moduli spurious_shear_moduli(const wendland_c6<D>&, double);
-TETSUAME_INSTANTIATE_SHEAR(2)
-TETSUAME_INSTANTIATE_SHEAR(3)
-#undef TETSUAME_INSTANTIATE_SHEAR
+#define TETSUAME_INSTANTIATE(D)                                                  \
+  template double lattice_sum(const any<D>&, double);                            \
+  template double transfer(const any<D>&, double, const std::array<double, D>&); \
+  template transfer_extremum transfer_minimum(const any<D>&, double);            \
+  template shear_moduli spurious_shear_moduli(const any<D>&, double);
+TETSUAME_INSTANTIATE(1)
+TETSUAME_INSTANTIATE(2)
+TETSUAME_INSTANTIATE(3)
 #undef TETSUAME_INSTANTIATE
 
 }  // namespace tetsuame::kernels

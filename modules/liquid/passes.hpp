@@ -3,14 +3,15 @@
 // than its header: its sums are compiled in the programs that list it.
 #pragma once
 
+#include <gradient/pattern_1.hpp>
+#include <gradient/pattern_2.hpp>
 #include <liquid/right_hand_side.hpp>
 #include <run/passes.hpp>
 #include <volume/hosono_iteration.hpp>
 
-namespace tetsuame::gradient {
-struct pattern_1;
-struct pattern_2;
-}  // namespace tetsuame::gradient
+#define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
+  where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
+                                                                                const pairs::stretch&)
 
 // Walls and volumes, and the forces with a gradient, in D dimensions. where: extern, they are elsewhere; nothing: here.
 #define TETSUAME_LIQUID_PASSES(where, D)                                                                             \
@@ -25,15 +26,9 @@ struct pattern_2;
   where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                   \
   where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                               \
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                               \
-  where template void tetsuame::liquid::report_not_finite(run::state<D>&, const rates<D>&)
-
-#define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
-  where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
-                                                                                const pairs::stretch&)
+  where template void tetsuame::liquid::report_not_finite(run::state<D>&, const rates<D>&);                          \
+  TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \
+  TETSUAME_LIQUID_FORCES(where, D, pattern_2)
 
 TETSUAME_LIQUID_PASSES(extern, 2);
 TETSUAME_LIQUID_PASSES(extern, 3);
-TETSUAME_LIQUID_FORCES(extern, 2, pattern_1);
-TETSUAME_LIQUID_FORCES(extern, 3, pattern_1);
-TETSUAME_LIQUID_FORCES(extern, 2, pattern_2);
-TETSUAME_LIQUID_FORCES(extern, 3, pattern_2);

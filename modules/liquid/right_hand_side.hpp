@@ -16,7 +16,6 @@
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
 #include <gradient/continuity.hpp>
-#include <liquid/options.hpp>
 #include <run/state.hpp>
 #include <span>
 #include <volume/shape.hpp>
@@ -104,9 +103,10 @@ void report_not_finite(run::state<D>& box, const rates<D>& out) {
     bool good = std::isfinite(out.dT[i]);
     for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
     if (!good)
-      w.first_fault.report(s.id[i], "acceleration or heating is not finite: " + volume::where_is(s, i) +
-                                        ", p = " + volume::number(s.p[i]) + " Pa, rho = " + volume::number(s.rho[i]) +
-                                        " kg/m3, T = " + volume::number(s.T[i]) + " K; the time step may be too large");
+      w.first_fault.report(s.id[i],
+                           fmt::format("acceleration or heating is not finite: {}, p = {:.6g} Pa, rho = {:.6g} "
+                                       "kg/m3, T = {:.6g} K; the time step may be too large",
+                                       volume::where_is(s, i), s.p[i], s.rho[i], s.T[i]));
   }
 }
 
@@ -152,67 +152,45 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
 
   using volume_module = typename Program::volume;
   using pressure = typename Program::pressure;
+  const auto in_stage = [&](const char* name, const auto& f) {
+    const foundation::stage timed(w.times, name);
+    f();
+  };
   const auto arrive = [&] {
-    const foundation::stage timed(w.times, "halo");
     w.end_fluid();
     std::visit([&](auto t) { t.places(w, box.walls); }, box.treatment);
   };
-  const auto kinematics = [&] {
-    const foundation::stage timed(w.times, "walls");
-    std::visit([&](auto t) { t.kinematics(w, box.walls); }, box.treatment);
-  };
-  const auto wall_pressures = [&] {
-    const foundation::stage timed(w.times, "walls");
-    std::visit([&](auto t) { t.pressures(w, box.walls); }, box.treatment);
-  };
+  const auto kinematics = [&] { std::visit([&](auto t) { t.kinematics(w, box.walls); }, box.treatment); };
+  const auto wall_pressures = [&] { std::visit([&](auto t) { t.pressures(w, box.walls); }, box.treatment); };
 
   begin_halo<volume_module::carried>(box);
   if constexpr (volume::works_ahead<volume_module>) {
     // Twice a rank sums over the rows that need no ghosts while these travel. Ranks agree on a fault once, at the end:
     // until then numbers may be not finite.
-    {
-      const foundation::stage timed(w.times, "volume");
-      how.ahead(w);
-    }
-    {
-      const foundation::stage timed(w.times, "pressure");
-      pressure::sum(w, around, w.interior());
-    }
-    arrive();
-    {
-      const foundation::stage timed(w.times, "volume");
-      how.with_ghosts(w);
-    }
-    kinematics();
+    in_stage("volume", [&] { how.ahead(w); });
+    in_stage("pressure", [&] { pressure::sum(w, around, w.interior()); });
+    in_stage("halo", arrive);
+    in_stage("volume", [&] { how.with_ghosts(w); });
+    in_stage("walls", kinematics);
     ++w.first_fault.stage;
-    {
-      const foundation::stage timed(w.times, "pressure");
+    in_stage("pressure", [&] {
       around.weights(w);
       pressure::sum(w, around, w.at_border());
       pressure::begin(w);
-    }
+    });
     begin_forces(box, out);
     sum_forces<typename Program::gradient>(box, out, w.interior());
-    {
-      const foundation::stage timed(w.times, "pressure");
-      pressure::end(w);
-    }
-    wall_pressures();
+    in_stage("pressure", [&] { pressure::end(w); });
+    in_stage("walls", wall_pressures);
     sum_forces<typename Program::gradient>(box, out, w.at_border());
   } else {
-    arrive();
-    {
-      const foundation::stage timed(w.times, "volume");
-      how.before_walls(w, around);
-    }
+    in_stage("halo", arrive);
+    in_stage("volume", [&] { how.before_walls(w, around); });
     w.agree();
-    kinematics();
-    {
-      const foundation::stage timed(w.times, "pressure");
-      how.template determine<pressure>(w, around);
-    }
+    in_stage("walls", kinematics);
+    in_stage("pressure", [&] { how.template determine<pressure>(w, around); });
     w.agree();
-    wall_pressures();
+    in_stage("walls", wall_pressures);
     begin_forces(box, out);
     sum_forces<typename Program::gradient>(box, out, w.fluid());
   }

@@ -39,16 +39,8 @@ struct program {
   const char* name;
   const char* wall;
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
-  std::function<std::unique_ptr<scheme<2>>(const options&)> in_2d;
-  std::function<std::unique_ptr<scheme<3>>(const options&)> in_3d;
-
-  template <int D>
-  std::unique_ptr<scheme<D>> make(const options& o) const {
-    if constexpr (D == 2)
-      return in_2d(o);
-    else
-      return in_3d(o);
-  }
+  std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;
+  std::function<std::unique_ptr<scheme<3>>(const volume::options&)> in_3d;
 };
 
 }  // namespace tetsuame::liquid

@@ -2,15 +2,14 @@
 //
 //   struct program_c {
 //     static constexpr const char* name = "disph_c";
-//     using volume = …;    how Y and ΔV come about         using wall = …;      the treatment unless the input says
-//     otherwise using pressure = …;  smoothed or not                 using gradient = …;  the form of the pressure
-//     gradient
+//     using volume = …;    how Y and ΔV come about
+//     using pressure = …;  smoothed or not
+//     using wall = …;      the treatment unless the input says otherwise
+//     using gradient = …;  the form of the pressure gradient
 //   };
 #pragma once
 
-#include <liquid/residuals.hpp>
 #include <liquid/scheme.hpp>
-#include <optional>
 #include <volume/hosono_iteration.hpp>
 
 namespace tetsuame::liquid {
@@ -21,7 +20,7 @@ class scheme_of : public scheme<D> {
   using volume_module = typename Program::volume;
   static constexpr bool iterates = requires(volume_module v) { v.residuals; };
 
-  explicit scheme_of(const options& o) : smoothing_(o.smoothing) {
+  explicit scheme_of(const volume::options& o) : smoothing_(o.smoothing) {
     if constexpr (iterates) how_.how = o.hosono;
   }
 
@@ -52,11 +51,12 @@ class scheme_of : public scheme<D> {
   }
 
   void begin_tables(run::run_directory& files) override {
-    if constexpr (iterates) residuals_.emplace(files.table("residuals.csv", residual_file::columns()));
+    if constexpr (iterates)
+      residuals_ = &files.table("residuals.csv", {{"evaluation", "1"}, {"iteration", "1"}, {"residual", "1"}});
   }
   void complete_step(std::int64_t step) override {
     if constexpr (iterates) {
-      residuals_->append(step, how_.residuals);
+      append_residuals(step);
       how_.residuals.clear();
     }
   }
@@ -67,7 +67,7 @@ class scheme_of : public scheme<D> {
       r.diverged_iteration = diverged->iteration();
     }
     if constexpr (iterates)
-      if (residuals_) residuals_->append(step + 1, how_.residuals);
+      if (residuals_ != nullptr) append_residuals(step + 1);
   }
 
   void report(const run::state<D>& box, nlohmann::ordered_json& metrics) const override {
@@ -94,9 +94,16 @@ class scheme_of : public scheme<D> {
   }
 
  private:
+  // residuals.csv: the course of Hosono's iteration in every evaluation of the right-hand side.
+  void append_residuals(std::int64_t step) {
+    for (const auto& r : how_.residuals)
+      residuals_->append(step,
+                         std::array{static_cast<double>(r.evaluation), static_cast<double>(r.iteration), r.residual});
+  }
+
   volume_module how_{};
   volume::smoothing_options smoothing_;
-  std::optional<residual_file> residuals_;
+  output::history* residuals_ = nullptr;
   double start_kappa_ = 0.0;  // K_T/p of the start state, at its largest
 };
 
@@ -106,8 +113,8 @@ program describe() {
   return {.name = Program::name,
           .wall = Program::wall::name,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
-          .in_2d = [](const options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
-          .in_3d = [](const options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};
+          .in_2d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
+          .in_3d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};
 }
 
 }  // namespace tetsuame::liquid

@@ -57,6 +57,28 @@ inline double melt_fraction(double T, double T_solidus, double T_liquidus) {
   return std::clamp((T - T_solidus) / (T_liquidus - T_solidus), 0.0, 1.0);
 }
 
+// Heat content of what melts between solidus and liquidus, and the temperature that belongs to it:
+//   h(T) = c T + L f(T),  f = (T - T_s)/(T_l - T_s) held in [0, 1]
+// with one c of solid and liquid. Energy that is exchanged as h is conserved, latent heat included (the enthalpy
+// method: V. R. Voller and M. Cross, Int. J. Heat Mass Transfer 24, 545 (1981)).
+struct heat_content {
+  double c, L;                  // J/(kg K), J/kg; L = 0: nothing melts
+  double T_s = 0.0, T_l = 1.0;  // K, T_l > T_s
+
+  double enthalpy(double T) const { return c * T + L * std::clamp((T - T_s) / (T_l - T_s), 0.0, 1.0); }
+
+  struct state {
+    double temperature, melt_fraction;  // K, 1
+  };
+  state at(double h) const {
+    const double low = c * T_s, high = c * T_l + L;
+    if (h <= low) return {h / c, 0.0};
+    if (h >= high) return {(h - L) / c, 1.0};
+    const double f = (h - low) / (high - low);
+    return {T_s + f * (T_l - T_s), f};
+  }
+};
+
 // Viscosity, Pa s, by temperature and melt fraction.
 //
 // The laws of T. Lebrun et al., J. Geophys. Res. Planets 118, 1155 (2013): liquid 2.4e-4 exp[4600/(T - 1000)], which

@@ -9,10 +9,8 @@
 // asymmetry is left, G's error times Σ V F s r [after Fatehi & Manzari, Comput. Math. Appl. 61, 482 (2011), who take it
 // into B].
 //
-// Deferred correction: on a lattice, for long waves, to the next order (R = Σ F r⁴/Σ F r², isotropic fourth moments)
-//   L(f) = ∇²(f + β ∇²f),   G(f) = ∇(f + 2β ∇²f),   β = R/(4(d + 2))
-// so with P(f), the plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P) are of fourth order. (The
-// gradient in L is G(f - 2β P) as well: beside a small sum of r, and zero on a lattice.)
+// Deferred correction (docs/theory/convection.md#derivatives), with R = Σ F r⁴/Σ F r² on a lattice: with P(f), the
+// plain Laplacian of an earlier evaluation, L(f - β P) and G(f - 2β P), β = R/(4(d + 2)), are of fourth order there.
 #pragma once
 
 #include <kernels/kernel.hpp>

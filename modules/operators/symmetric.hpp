@@ -1,7 +1,6 @@
 // Small symmetric systems of one particle: gradients are solved with the moments of its neighbourhood.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -15,9 +14,10 @@ constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t 
 
 // A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
 // positive definite to working accuracy.
-template <std::size_t N>
-bool factorise(std::array<std::array<double, N>, N>& A) {
+template <class Matrix>
+bool factorise(Matrix& A) {
   constexpr double singular = 1e-10;  // of the diagonal
+  const std::size_t N = A.size();
   for (std::size_t k = 0; k < N; ++k) {
     const double diagonal = A[k][k];
     for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
@@ -32,8 +32,9 @@ bool factorise(std::array<std::array<double, N>, N>& A) {
 }
 
 // c with L Lᵀ c = b, from factorise().
-template <std::size_t N>
-std::array<double, N> solve(const std::array<std::array<double, N>, N>& L, std::array<double, N> b) {
+template <class Matrix>
+typename Matrix::value_type solve(const Matrix& L, typename Matrix::value_type b) {
+  const std::size_t N = b.size();
   for (std::size_t k = 0; k < N; ++k) {
     for (std::size_t l = 0; l < k; ++l) b[k] -= L[k][l] * b[l];
     b[k] /= L[k][k];

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdio>
-#include <optional>
 #include <problems/make.hpp>
 #include <problems/program.hpp>
 #include <run/problem.hpp>

@@ -6,7 +6,7 @@
 //   dα/dt = (α_min - α) l c/h + max(-∇·v, 0) (α_max - α),   l = 0.2
 #pragma once
 
-#include <schemes/forces.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::schemes {
 

@@ -4,11 +4,9 @@
 //   f_i = [1 + h_i/(D y_i) Σ_j w_j ∂W_ij/∂h_i]⁻¹ = -D y_i / Σ_j w_j r² F_ij(h_i)             [S4, eq. (9)]
 // by h ∂W/∂h = -(D W + r W'). Kernels are evaluated at q = r/S with support 1: W = Ŵ/S^D, W'/r = F̂/S^(D+2).
 //
-// The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice,
-// so that h is smooth where m and u jump. f belongs to supports that follow y. Those that follow n have, in the place
-// of f_i w_i w_j in DISPH's forces, w_i (w_j + z_i) [P. F. Hopkins, MNRAS 428, 2840 (2013)]:
+// The support follows the number density n_i = Σ_j W_ij(h_i), itself included: S^D n = (S/Δx)^D of the start lattice.
+// Then DISPH's forces have w_i (w_j + z_i) in the place of f_i w_i w_j (docs/theory/shocks.md):
 //   z_i = -(D y_i + Σ_j w_j r W'(h_i))/Σ_j r W'(h_i)
-// both are one where all weights are the same.
 #pragma once
 
 #include <cmath>
@@ -19,24 +17,19 @@ namespace tetsuame::schemes {
 using foundation::greater, foundation::lesser;
 using pairs::real, pairs::vec;
 
-struct mass_tag {};
-struct per_support_tag {};
-struct density_tag {};
-struct sound_tag {};
-struct slope_tag {};
-struct dissipation_tag {};
-struct correction_tag {};
-struct gamma_tag {};
-struct stiffness_tag {};
-inline constexpr mass_tag of_mass;
-inline constexpr per_support_tag of_per_support;  // 1/S; 0 for the null particle
-inline constexpr density_tag of_density;
-inline constexpr sound_tag of_sound;
-inline constexpr slope_tag of_slope;              // f_i/y_i², with the pressure where the scheme has one of its own
-inline constexpr dissipation_tag of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
-inline constexpr correction_tag of_correction;    // z_i
-inline constexpr gamma_tag of_gamma;
-inline constexpr stiffness_tag of_stiffness;  // p_inf, Pa
+// The name by which terms read a field.
+template <class Tag>
+struct field {};
+
+inline constexpr field<struct mass_tag> of_mass;
+inline constexpr field<struct per_support_tag> of_per_support;  // 1/S; 0 for the null particle
+inline constexpr field<struct density_tag> of_density;
+inline constexpr field<struct sound_tag> of_sound;
+inline constexpr field<struct slope_tag> of_slope;  // f_i/y_i², with the pressure where the scheme has one of its own
+inline constexpr field<struct dissipation_tag> of_dissipation;  // α_i and Balsara's factor; the part of P* (Godunov)
+inline constexpr field<struct correction_tag> of_correction;    // z_i
+inline constexpr field<struct gamma_tag> of_gamma;
+inline constexpr field<struct stiffness_tag> of_stiffness;  // p_inf, Pa
 
 // In place of a kernel in pairs::sum_over: the terms evaluate their own.
 struct distances_only {
@@ -183,5 +176,56 @@ struct density {
     out.rho[i] = per_volume * (m[i] * unit.self() + pairs::sum(a.rho));
   }
 };
+
+// ---- what the force terms have in common -----------------------------------------------------
+
+// Arrays of all particles; null: not read by the scheme.
+template <int D>
+struct gas {
+  std::array<const double*, D> v;
+  const double *m, *weight, *rho, *p, *c;
+  const double *slope, *correction, *per_S;
+  const double* dissipation;
+  const double *gamma, *stiffness;
+  std::array<const double*, D> grad_p, grad_rho;                      // limited in the pair
+  std::array<const double*, static_cast<std::size_t>(D) * D> grad_v;  // [D a + b]: ∂v_a/∂x_b
+  double theta;                                                       // of the limiter, 1 to 2
+  bool exact;
+};
+
+// N, W and m/s.
+template <int D>
+struct rates {
+  std::array<double*, D> force;
+  double *power, *signal;
+};
+
+template <int D>
+struct sums {
+  vec<real, D> force;
+  real power, signal;
+};
+
+template <int D>
+sums<D> nothing() {
+  return {foundation::zero<real, D>(), real(0.0), real(0.0)};
+}
+
+// c_i + c_j - 3 min(w_ij, 0), where the neighbour is within the support of either.
+template <int D>
+void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
+  real seen = signal;
+  where(F.i + F.j == 0.0, seen) = 0.0;
+  a.signal = greater(a.signal, seen);
+}
+
+template <int D>
+void write(const rates<D>& out, std::size_t i, const sums<D>& a) {
+  for (std::size_t k = 0; k < D; ++k) out.force[k][i] = pairs::sum(a.force[k]);
+  out.power[i] = pairs::sum(a.power);
+  std::array<double, pairs::lanes> signals;
+  a.signal.copy_to(signals.data(), std::experimental::element_aligned);
+  out.signal[i] = *std::max_element(signals.begin(), signals.end());
+}
 
 }  // namespace tetsuame::schemes

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <operators/symmetric.hpp>
-#include <schemes/forces.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::schemes {
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include <riemann/approximate.hpp>
-#include <schemes/forces.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::schemes {
 
@@ -16,12 +16,9 @@ struct star_state {
   real closing;  // m/s, of the particles themselves: w_ij
 };
 
-struct grad_p_tag {};
-struct grad_rho_tag {};
-struct grad_v_tag {};
-inline constexpr grad_p_tag of_grad_p;
-inline constexpr grad_rho_tag of_grad_rho;
-inline constexpr grad_v_tag of_grad_v;
+inline constexpr field<struct grad_p_tag> of_grad_p;
+inline constexpr field<struct grad_rho_tag> of_grad_rho;
+inline constexpr field<struct grad_v_tag> of_grad_v;
 
 inline real limited(const real& difference, const real& slope, double theta) {
   const real behind = 2.0 * slope - difference;

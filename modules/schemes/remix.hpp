@@ -10,8 +10,7 @@
 //   e = exp[-(η - η_c)²/0.04] for η = r/max(h_i, h_j) < η_c, else 1;   η_c: the spacing over h
 //   Q_i = ½ (2/3 + B_i/3) ρ_i (-1.5 c_i μ_i + 3 μ_i²),   μ_i = min{0, ṽ_ij·x_ij/h_i/[(r/h_i)² + 0.1²]}
 //   diffusion of a = u, ρ:  -(0.05 + 0.95 B̄) Σ_j m_j |ṽ_ij| (ã_i - ã_j) |G_ij|/ρ̄   among particles of one material
-// B is Balsara's factor. Not of REMIX: supports are those of the other schemes (so terms of varying h are left out),
-// and there is no treatment of free surfaces.
+// B is Balsara's factor. What is not as published: docs/theory/shocks.md.
 #pragma once
 
 #include <foundation/lanes_math.hpp>
@@ -20,14 +19,10 @@
 
 namespace tetsuame::schemes {
 
-struct energy_tag {};
-struct normalisation_tag {};
-struct kind_tag {};
-struct grad_u_tag {};
-inline constexpr energy_tag of_energy;                // J/kg
-inline constexpr normalisation_tag of_normalisation;  // m_0
-inline constexpr kind_tag of_kind;                    // which material
-inline constexpr grad_u_tag of_grad_u;
+inline constexpr field<struct energy_tag> of_energy;                // J/kg
+inline constexpr field<struct normalisation_tag> of_normalisation;  // m_0
+inline constexpr field<struct kind_tag> of_kind;                    // which material
+inline constexpr field<struct grad_u_tag> of_grad_u;
 
 // The part of a pair's slopes that the middle takes, of the two ends' differences.
 inline real slope_part(const real& a_i, const real& a_j) {

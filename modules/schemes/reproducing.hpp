@@ -8,18 +8,14 @@
 #pragma once
 
 #include <operators/symmetric.hpp>
-#include <schemes/forces.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::schemes {
 
-struct amplitude_tag {};
-struct tilt_tag {};
-struct grad_amplitude_tag {};
-struct grad_tilt_tag {};
-inline constexpr amplitude_tag of_amplitude;            // A
-inline constexpr tilt_tag of_tilt;                      // B, 1/m
-inline constexpr grad_amplitude_tag of_grad_amplitude;  // ∂A/∂x_b, 1/m
-inline constexpr grad_tilt_tag of_grad_tilt;            // [D a + b]: ∂B_a/∂x_b, 1/m²
+inline constexpr field<struct amplitude_tag> of_amplitude;            // A
+inline constexpr field<struct tilt_tag> of_tilt;                      // B, 1/m
+inline constexpr field<struct grad_amplitude_tag> of_grad_amplitude;  // ∂A/∂x_b, 1/m
+inline constexpr field<struct grad_tilt_tag> of_grad_tilt;            // [D a + b]: ∂B_a/∂x_b, 1/m²
 
 struct mean_kernel {
   real W, F;  // 1/m^D, W'(r)/r in 1/m^(D+2)

@@ -45,15 +45,12 @@ struct density_sum {
     for (std::size_t i = 0; i <= s.null(); ++i) s.Y[i] = i < n ? s.m[i] : 0.0;
     w.sum(w.fluid(), mass_sum<D>{s.Y.data(), self_value(w), 1.0 / w.lattice_sum, s.rho.data()});
     w.exchange_fluid({s.rho.data()});
-    foundation::for_all(n, [&](std::size_t i) { s.dV[i] = s.m[i] / s.rho[i]; });
-    equation_of_state(w, n);
-    foundation::for_all(n, [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
+    weights_by_density(w, 0, n);
   }
 
   template <class Pressure, int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
-    around.weights(w);
-    Pressure::determine(w, around);
+    find_pressure<Pressure>(w, around);
   }
 };
 

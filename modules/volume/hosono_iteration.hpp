@@ -1,13 +1,6 @@
 // Y by the iteration of Hosono et al. (2013) (programs A, B). x, m, T are held; sought is Y with
 //   p_i = Σ_j Y_j W_ij,   ρ_i = m_i p_i/Y_i,   Y_i = m_i p^(ρ_i, T_i)/ρ_i.
-// The residual is ln(Y_new/Y) = ln(p^/p), the same for every solver:
-//   plain          Y ← Y_new. A pass multiplies a wave in ln Y by G = -(κ - 1)(1 - S(k)),
-//                  κ = K_T/p, S the kernel's transfer function: it diverges where |G| > 1,
-//                  in practice p < K_T/2 (docs/theory/hosono_iteration.md).
-//   under_relaxed  Y ← Y (Y_new/Y)^ω, ω about p/K_T
-//   anderson       the same map, accelerated from its last passes (KINSOL)
-//   newton         unknowns ln ρ: p^(ρ_i) - Σ_j m_j p^(ρ_j)/ρ_j W_ij = 0 (KINSOL, Newton–Krylov),
-//                  whose operator K_T - S (K_T - p) is positive; its diagonal preconditions.
+// The residual is ln(Y_new/Y) = ln(p^/p), the same for every solver: docs/theory/hosono_iteration.md.
 // Every evaluation starts from the density of the last completed step (an extra field, part of a
 // checkpoint), so that what an evaluation gives does not depend on those between.
 #pragma once
@@ -17,7 +10,6 @@
 #include <integrators/nonlinear.hpp>
 #include <kernels/lattice.hpp>
 #include <limits>
-#include <volume/hosono_options.hpp>
 #include <volume/smoothed.hpp>
 
 namespace tetsuame::volume {
@@ -45,12 +37,8 @@ struct hosono_iteration {
     auto& s = w.s;
     std::copy_n(particles::extra(s, density_guess).begin(), s.fluid, s.rho.begin());
     w.exchange_fluid({s.rho.data()});
-    equation_of_state(w, s.first_wall());
+    weights_by_density(w, 0, s.first_wall());
     require_positive(w, s.p_eos, "the start value's pressure p");
-    for (std::size_t i = 0; i < s.first_wall(); ++i) {
-      s.dV[i] = s.m[i] / s.rho[i];
-      s.Y[i] = s.p_eos[i] * s.dV[i];
-    }
   }
 
   template <class Pressure, int D>
@@ -134,8 +122,8 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, w.d.ranks.comm);
   std::string text;
   if (w.d.ranks.rank == teller)
-    text = where_is(s, worst) + " (p = " + number(s.p[worst]) + " Pa, p^ = " + number(s.p_eos[worst]) +
-           " Pa, rho = " + number(s.rho[worst]) + " kg/m3)";
+    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", where_is(s, worst), s.p[worst],
+                       s.p_eos[worst], s.rho[worst]);
   auto length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, teller, w.d.ranks.comm);
   text.resize(static_cast<std::size_t>(length));
@@ -143,9 +131,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   return text;
 }
 
-// Proof that no state with p > 0 exists. If all p > 0, the particle of the largest p has
-// Σ_j ΔV_j W_ij >= 1, so some ρ_j <= m_j max_i Σ_k W_ik: if p^ is negative even there, for every
-// particle, the assumption was wrong. Returns the sentence, empty if a state may exist.
+// Proof that no state with p > 0 exists (docs/theory/lattice_sum.md), as a sentence; empty if a state may exist.
 template <int D>
 std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& around) {
   auto& s = w.s;
@@ -172,15 +158,214 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   p_start = w.d.ranks.maximum(p_start);
   K_T = w.d.ranks.maximum(K_T);
   const double deficit = 1.0 - w.lattice_sum / scale;
-  return "no state with p > 0 exists: the kernel's sum over the lattice is 1 - " + number(deficit) +
-         ", which lowers the density by that factor and the pressure by " + number(deficit) +
-         " K_T = " + number(deficit * K_T) + " Pa, more than p = " + number(p_start) +
-         " Pa (K_T/p = " + number(K_T / p_start) +
-         "). Divide the smoothing by the kernel sum (&smoothing normalise = .true.), or use program C, D, E or F";
+  return fmt::format(
+      "no state with p > 0 exists: the kernel's sum over the lattice is 1 - {0:.6g}, which lowers the density by that "
+      "factor and the pressure by {0:.6g} K_T = {1:.6g} Pa, more than p = {2:.6g} Pa (K_T/p = {3:.6g}). Divide the "
+      "smoothing by the kernel sum (&smoothing normalise = .true.), or use program C, D, E or F",
+      deficit, deficit * K_T, p_start, K_T / p_start);
+}
+
+// Why there is no end: κ, the growth factor of theory and of the last passes, where it began.
+template <int D>
+std::string account(const pass<D>& one, const std::string& outcome, double kappa, double measured,
+                    const std::string& began) {
+  auto& w = one.w;
+  const std::string& solver = one.self.how.solver;
+  const double S_min = kernels::transfer_minimum<D>(w.kernel, w.dx).value;
+  const double G = (kappa - 1.0) * (1.0 - S_min);
+  std::string text = fmt::format(
+      "Hosono's iteration ({}) {} at iteration {}: K_T/p = {:.6g}, predicted growth factor of a pass |G| = (K_T/p - "
+      "1)(1 "
+      "- S_min) = {:.6g}",
+      solver, outcome, one.iteration, kappa, G);
+  if (std::isfinite(measured) && measured > 0.0) text += ", last measured " + number(measured);
+  text += ". It began at " + began;
+  const std::string proof = no_state_exists(w, one.around);
+  if (!proof.empty()) return text + "; " + proof;
+  return solver == "plain" ? text + ". &hosono solver = 'newton' converges where a solution exists" : text;
+}
+
+// The solution was found, or is a fixed point that repels? On a perfect lattice a single pass cannot tell.
+inline bool settled(double residual, double previous, double tolerance) {
+  return residual <= tolerance && residual <= previous;
+}
+
+// The exponent that no wave outgrows: ω (1 + (κ - 1)(1 - S)) stays below 2 for every particle if
+// ω <= 1/κ at the present pressures, which near an open wall are far below those of the start.
+// Not less than a twentieth of the start's, lest a pressure near zero on the way hold all up.
+template <int D>
+double stable_exponent(const pass<D>& one, double start) {
+  if (one.self.how.relaxation > 0.0) return start;
+  const auto& s = one.w.s;
+  double kappa = 1.0 / start;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (s.p[i] > 0.0) kappa = std::max(kappa, s.K_T[i] / s.p[i]);
+  return std::max(1.0 / one.w.d.ranks.maximum(kappa), start / 20.0);
+}
+
+// plain and under_relaxed: Y ← Y (Y_new/Y)^ω, ω = 1 for plain. Ends when settled, or when the
+// residual is below `enough`; throws when it diverged or took too many passes.
+template <int D>
+void relax(pass<D>& one, double omega, double tolerance, double enough, double kappa) {
+  auto& [w, around, self, iteration] = one;
+  auto& s = w.s;
+  const bool plain = self.how.solver == "plain";
+  double least = std::numeric_limits<double>::infinity(), previous = -1.0;
+  std::string began;  // where the residual was when it stopped falling
+  while (true) {
+    one.evaluate();
+    const double residual = one.residual();
+    one.record(residual);
+    if (settled(residual, previous, tolerance) || residual <= enough) return;
+    if (residual < least)
+      least = residual;
+    else if (began.empty())
+      began = worst_particle(w);
+    const bool dead = plain && !std::isfinite(residual);
+    if (dead || iteration >= self.how.max_iterations) {
+      if (began.empty()) began = worst_particle(w);
+      throw divergence(iteration,
+                       account(one, dead ? "diverged" : "did not converge", kappa, residual / previous, began));
+    }
+    previous = residual;
+    const double exponent = plain ? 1.0 : stable_exponent(one, omega);
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      s.Y[i] =
+          plain ? s.m[i] * s.p_eos[i] / s.rho[i] : s.Y[i] * std::exp(exponent * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+  }
+}
+
+template <int D>
+void fail_unconverged(const pass<D>& one, const std::string& reason, double kappa) {
+  throw divergence(
+      one.iteration,
+      fmt::format("Hosono's iteration ({}) did not converge after {} passes: {}. K_T/p = {:.6g}; worst at {}",
+                  one.self.how.solver, one.iteration, reason, kappa, worst_particle(one.w)));
+}
+
+// x = ln(Y/Y_0), g(x) = x + ω ln(p^/p). Relative to the start, so that x and its rounding are small: the tolerance is
+// ω times that of the residual, less than the rounding of ln Y itself where K_T/p is large.
+template <int D>
+void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
+  // Far from the solution extrapolation misleads: relaxed passes first.
+  constexpr double near = 0.3;
+  relax(one, omega, tolerance, near, kappa);
+  omega = stable_exponent(one, omega);
+  auto& w = one.w;
+  auto& s = w.s;
+  std::vector<double> x(s.fluid, 0.0);
+  const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
+  const auto g = [&](std::span<const double> at, std::span<double> to) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = start[i] * std::exp(at[i]);
+    one.evaluate();
+    one.record(one.residual());
+    for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
+    return 0;
+  };
+  const auto result = integrators::anderson(w.d.ranks.comm, x, g,
+                                            {.tolerance = omega * tolerance,
+                                             .max_iterations = static_cast<int>(one.self.how.max_iterations),
+                                             .depth = static_cast<int>(one.self.how.anderson_depth)});
+  if (!result.converged) fail_unconverged(one, result.reason, kappa);
+}
+
+// Unknowns ln ρ; equations (p^_i - p_i)/(scale of p_i), the scale being p^ of the first guess.
+template <int D>
+integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
+  auto& w = one.w;
+  const auto& around = one.around;
+  auto& s = w.s;
+  std::vector<double> x(s.fluid), scale(s.fluid);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    x[i] = std::log(s.rho[i]);
+    scale[i] = s.p_eos[i];
+  }
+  const auto residual = [&](std::span<const double> at, std::span<double> f) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = std::exp(at[i]);
+    weights_by_density(w, 0, s.fluid);
+    w.exchange_fluid({s.Y.data()});
+    around.weights(w);
+    smooth_by_lattice(w, around.smoothing.normalise);
+    bool finite = true;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      f[i] = (s.p_eos[i] - s.p[i]) / scale[i];
+      finite = finite && std::isfinite(f[i]);
+    }
+    one.record(one.residual());
+    return finite ? 0 : 1;
+  };
+  // δ(p^_i - p_i) = K_i δx_i - Σ_j ΔV_j (K_j - p^_j) δx_j W_ij; the walls' weights are linear in the fluid's.
+  const auto product = [&](std::span<const double>, std::span<const double> v, std::span<double> jv) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.dV[i] * (s.K_T[i] - s.p_eos[i]) * v[i];
+    w.exchange_fluid({s.Y.data()});
+    linear_weights(w, around);
+    smooth_by_lattice(w, around.smoothing.normalise);
+    for (std::size_t i = 0; i < s.fluid; ++i) jv[i] = (s.K_T[i] * v[i] - s.p[i]) / scale[i];
+    return 0;
+  };
+  const double self = self_value(w) / (around.smoothing.normalise ? w.lattice_sum : 1.0);
+  const auto diagonal = [&](std::span<const double>, std::span<double> d) {
+    for (std::size_t i = 0; i < s.fluid; ++i) d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
+    return 0;
+  };
+  return integrators::newton_krylov(
+      w.d.ranks.comm, x, residual, product, diagonal,
+      {.tolerance = tolerance, .max_iterations = static_cast<int>(one.self.how.max_iterations)});
+}
+
+// The equations have a second root, p = p^ = 0 everywhere, which a long step from strong disorder can reach; and a
+// pressure far below its start's is not held to the tolerance by the start's scale. So a result counts only by
+// |ln(p^/p)|, at the scale of its own pressure: once more from there if it is near, and from relaxed passes if not.
+template <int D>
+void newton(pass<D>& one, double omega, double tolerance, double kappa) {
+  constexpr double near = 0.3;  // of |ln(p^/p)|
+  constexpr int rounds = 5;
+  auto& s = one.w.s;
+  const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
+  bool relaxed = false;
+  std::string reason;
+  for (int round = 0; round < rounds; ++round) {
+    const auto result = newton_from_here(one, 0.9 * tolerance);  // the next round must not find the residual just met
+    const double residual = one.residual();
+    if (result.converged && residual <= tolerance) return;
+    reason = result.converged ? "p is not positive, or far from p^" : result.reason;
+    if (result.converged && residual <= near) {
+      tolerance = std::max(tolerance, reachable(0.0, largest_kappa(one.w)));
+      continue;
+    }
+    if (relaxed) break;
+    relaxed = true;
+    std::copy(start.begin(), start.end(), s.Y.begin());
+    relax(one, omega, tolerance, near, kappa);
+  }
+  fail_unconverged(one, reason, kappa);
 }
 
 }  // namespace detail
 
-}  // namespace tetsuame::volume
+template <class Pressure, int D>
+void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+  auto& s = w.s;
+  ++evaluations;
+  const double kappa = detail::largest_kappa(w);
+  const double tolerance = detail::reachable(how.tolerance, kappa);
+  const double omega = how.relaxation > 0.0 ? how.relaxation : std::min(1.0, 1.0 / kappa);
+  if (how.solver != "plain") {
+    const std::string proof = detail::no_state_exists(w, around);
+    if (!proof.empty()) throw divergence(0, "Hosono's iteration (" + how.solver + "): " + proof);
+  }
+  detail::pass<D> one{w, around, *this};
+  if (how.solver == "anderson")
+    detail::accelerate(one, omega, tolerance, kappa);
+  else if (how.solver == "newton")
+    detail::newton(one, omega, tolerance, kappa);
+  else
+    detail::relax(one, omega, tolerance, 0.0, kappa);
+  // Y, p and ρ of the last pass are consistent: bring them to the ghosts. For newton ρ is the unknown itself, and
+  // m p/Y in its place would enlarge the residual by the factor κ - 1.
+  w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});
+  equation_of_state(w, s.first_wall());
+  volumes_from_weights(w);
+}
 
-#include <volume/hosono_solvers.hpp>
+}  // namespace tetsuame::volume

@@ -24,8 +24,7 @@ struct number_density {
 
   template <class Pressure, int D>
   static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
-    around.weights(w);
-    Pressure::determine(w, around);
+    find_pressure<Pressure>(w, around);
   }
 };
 

@@ -5,15 +5,18 @@
 //   before_walls(w, ...)             ρ and ΔV of the fluid and its ghosts, as far as known before the walls are
 //   determine(w, walls, ...)         Y, p, ΔV = Y/p, ρ and the material's properties, of fluid and ghosts
 //
-// One whose Y needs no neighbours has before_walls in parts as well, so that ranks can compute while ghosts travel:
+// One whose Y needs no neighbours has in the place of these two, so that ranks can compute while ghosts travel:
 //
 //   ahead(w)                         of the owned fluid
 //   with_ghosts(w)                   of the ghosts
 #pragma once
 
+#include <fmt/format.h>
+
 #include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
 #include <utility>
+#include <volume/options.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::volume {
@@ -26,13 +29,6 @@ concept works_ahead = requires(pairs::workspace<2>& w) {
   Volume::ahead(w);
   Volume::with_ghosts(w);
 };
-
-// Smoothing divided by the kernel sum; see smoothed.hpp for which sum.
-struct smoothing_options {
-  bool normalise = false;
-};
-
-void declare(namelist::schema& schema, smoothing_options& o);
 
 // Everything `determine` may use beside the workspace.
 template <int D>
@@ -72,20 +68,12 @@ void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
       around.treatment);
 }
 
-inline std::string where_is(const auto& s, std::size_t i) {
-  std::string text = "particle " + std::to_string(s.id[i]) + " at (";
-  for (std::size_t a = 0; a < s.x.size(); ++a) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%s%.6g", a > 0 ? ", " : "", s.x[a][i]);
-    text += number;
-  }
-  return text + ") m";
-}
+inline std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-inline std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+inline std::string where_is(const auto& s, std::size_t i) {
+  std::string text = fmt::format("particle {} at (", s.id[i]);
+  for (std::size_t a = 0; a < s.x.size(); ++a) text += (a > 0 ? ", " : "") + number(s.x[a][i]);
+  return text + ") m";
 }
 
 namespace detail {
@@ -149,6 +137,18 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
   equation_of_state(w, 0, n);
 }
 
+// ΔV = m/ρ and Y = p^ ΔV of the particles [first, last), with the equation of state.
+template <int D>
+void weights_by_density(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+  auto& s = w.s;
+  equation_of_state(w, first, last);
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    s.dV[i] = s.m[i] / s.rho[i];
+    s.Y[i] = s.p_eos[i] * s.dV[i];
+  });
+}
+
 // Y = p ΔV needs p > 0: reports the owned particle of the lowest ID where it is not.
 template <int D>
 void require_positive(pairs::workspace<D>& w, const particles::array& p, const char* what, const char* unit = "Pa") {
@@ -159,11 +159,12 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
   if (good) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))
-      w.first_fault.report(s.id[i], std::string(what) + " = " + number(p[i]) + " " + unit +
-                                        " is not positive and finite: " + where_is(s, i) +
-                                        ", rho = " + number(s.rho[i]) + " kg/m3, T = " + number(s.T[i]) +
-                                        " K. Y = p dV has no meaning there; use a smaller time step, a "
-                                        "higher pressure, or a volume that allows tension");
+      w.first_fault.report(
+          s.id[i],
+          fmt::format("{} = {:.6g} {} is not positive and finite: {}, rho = {:.6g} kg/m3, T = {:.6g} K. Y = p dV "
+                      "has no meaning there; use a smaller time step, a higher pressure, or a volume that allows "
+                      "tension",
+                      what, p[i], unit, where_is(s, i), s.rho[i], s.T[i]));
 }
 
 }  // namespace tetsuame::volume

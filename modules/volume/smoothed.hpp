@@ -1,53 +1,44 @@
 // The pressure in the forces, by name:
 //   smoothed      p_i = Σ_j Y_j W_ij, j = i included      [Saitoh & Makino 2013; S0]
 //   non_smoothed  p_i = p^(ρ_i, T_i)                       [S0, program F]
-// On a lattice the kernel sums to s = Σ Δx^D W, which is not quite 1 (quintic, h = 1.2 Δx: 1 - 5.6e-5).
-// Normalised smoothing divides by Σ_j ΔV_j W_ij where volumes are known beforehand, which
-// restores constants anywhere; where ΔV is what is sought (Hosono's iteration), by the lattice's s.
+// Normalised smoothing divides by Σ_j ΔV_j W_ij where volumes are known beforehand, which restores constants anywhere;
+// where ΔV is what is sought (Hosono's iteration), by the lattice's s (docs/theory/lattice_sum.md).
 #pragma once
 
 #include <volume/shape.hpp>
 
 namespace tetsuame::volume {
 
-// p_i = Σ_j Y_j W_ij
-template <int D>
+// p_i = Σ_j Y_j W_ij times a scale, or its mean, over Σ_j ΔV_j W_ij.
+template <int D, bool mean>
 struct weight_sum {
   using real = pairs::real;
-  const double* Y;  // J
-  double self;      // 1/m^D, W(0)
+  const double* Y;   // J
+  const double* dV;  // m^D, of the mean
+  double self;       // 1/m^D, W(0)
   double scale;
   double* p;  // Pa, set
 
   struct me {
-    real sum;
-  };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y)}; }
-  me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_weight) * ij.W; }
-  void end(std::size_t i, const me& a) const { p[i] = (pairs::sum(a.sum) + Y[i] * self) * scale; }
-};
-
-// p_i = Σ_j Y_j W_ij / Σ_j ΔV_j W_ij
-template <int D>
-struct weight_mean {
-  using real = pairs::real;
-  const double* Y;   // J
-  const double* dV;  // m^D
-  double self;       // 1/m^D
-  double* p;         // Pa, set
-
-  struct me {
     real sum, norm;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)}; }
+  auto reads() const {
+    if constexpr (mean)
+      return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)};
+    else
+      return std::tuple{pairs::read(pairs::of_weight, Y)};
+  }
   me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     a.sum += ij(pairs::of_weight) * ij.W;
-    a.norm += ij(pairs::of_volume) * ij.W;
+    if constexpr (mean) a.norm += ij(pairs::of_volume) * ij.W;
   }
   void end(std::size_t i, const me& a) const {
-    p[i] = (pairs::sum(a.sum) + Y[i] * self) / (pairs::sum(a.norm) + dV[i] * self);
+    const double sum = pairs::sum(a.sum) + Y[i] * self;
+    if constexpr (mean)
+      p[i] = sum / (pairs::sum(a.norm) + dV[i] * self);
+    else
+      p[i] = sum * scale;
   }
 };
 
@@ -83,16 +74,16 @@ template <int D>
 void smooth(pairs::workspace<D>& w, bool normalise, const pairs::stretch& rows) {
   auto& s = w.s;
   if (normalise)
-    w.sum(rows, weight_mean<D>{s.Y.data(), s.dV.data(), self_value(w), s.p.data()});
+    w.sum(rows, weight_sum<D, true>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data()});
   else
-    w.sum(rows, weight_sum<D>{s.Y.data(), self_value(w), 1.0, s.p.data()});
+    w.sum(rows, weight_sum<D, false>{s.Y.data(), nullptr, self_value(w), 1.0, s.p.data()});
 }
 
 // Σ_j Y_j W_ij of the owned fluid, divided by the lattice's sum where `normalise`.
 template <int D>
 void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
   const double scale = normalise ? 1.0 / w.lattice_sum : 1.0;
-  w.sum(w.fluid(), weight_sum<D>{w.s.Y.data(), self_value(w), scale, w.s.p.data()});
+  w.sum(w.fluid(), weight_sum<D, false>{w.s.Y.data(), nullptr, self_value(w), scale, w.s.p.data()});
 }
 
 // ΔV = Y/p of [first, last), once both are known there.
@@ -107,18 +98,19 @@ void volumes_from_weights(pairs::workspace<D>& w) {
   volumes_from_weights(w, 0, w.s.first_wall());
 }
 
+// Y of the walls, p, then ΔV = Y/p, where Y and ΔV = m/ρ of fluid and ghosts are known.
+template <class Pressure, int D>
+void find_pressure(pairs::workspace<D>& w, const surroundings<D>& around) {
+  around.weights(w);
+  Pressure::sum(w, around, w.fluid());
+  Pressure::begin(w);
+  Pressure::end(w);
+}
+
 struct smoothed {
   static constexpr const char* name = "smoothed";
 
-  // Y and ΔV = m/ρ of fluid and ghosts, and Y of walls are known: p, then ΔV = Y/p.
-  template <int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
-    sum(w, around, w.fluid());
-    begin(w);
-    end(w);
-  }
-
-  // In parts: p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
+  // p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
   template <int D>
   static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
     smooth(w, around.smoothing.normalise, rows);
@@ -139,12 +131,7 @@ struct smoothed {
 struct non_smoothed {
   static constexpr const char* name = "non_smoothed";
 
-  template <int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>&) {
-    begin(w);
-  }
-
-  // In parts: the ghosts' p is known like the owned particles'.
+  // The ghosts' p is known like the owned particles'.
   template <int D>
   static void sum(pairs::workspace<D>&, const surroundings<D>&, const pairs::stretch&) {}
   template <int D>

@@ -1,18 +1,12 @@
 // The force of a wall on what has come nearer to it than the kernel resolves, the same for mirror images and for
-// virtual markers. A particle on a wall coincides with its own image, and every neighbour has one as far away on the
-// other side (of markers: nearly so). What neighbours and wall do to it cancels, so that nothing pushes it back, and
-// what weighs more than its surroundings stays. So
+// virtual markers (docs/theory/walls.md; why, and how its range and strength were chosen:
+// docs/studies/2026-11-22_particles_on_walls.md):
 //
 //   Dv/Dt ⊃ A (1 - d/b) n  where d < b = 0.3 Δx,   potential  ½ A b (1 - d/b)² per mass,   A = b ω²,  ω = c/(4 Δx)
 //
 // d: distance from the wall, n: its inward normal, c: the largest speed of sound at the start. Behind the wall, where a
-// stage of a step may take a particle, the line goes on. In a corner both walls push.
-//
-// Range: the first row of a lattice stands at 0.5 Δx, and at rest feels nothing. Strength: A = c²/(53 Δx) is what a
-// density off by 2 % from one row to the next does, more than weights and dynamic pressures do where sound is faster
-// than the flow; a particle turns back before the wall from up to 0.075 c. Step: the fastest sound of lattices has 0.3
-// c/Δx (the widest kernels) to 0.9 c/Δx, so that both together are at most 1.3 times as fast as sound alone, within the
-// margin of the step's limit.
+// stage of a step may take a particle, the line goes on. In a corner both walls push. The fastest sound of lattices has
+// 0.3 c/Δx (the widest kernels) to 0.9 c/Δx, so that both together are within the margin of the step's limit.
 #pragma once
 
 #include <algorithm>

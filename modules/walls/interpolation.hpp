@@ -2,17 +2,15 @@
 //   shepard  φ_j = W_mj / Σ_k W_mk                            exact for constants [S2]
 //   mls      φ_j = W_mj P_j·c,  Σ_k W_mk P_k P_kᵀ c = P(0)    P = (1, x, y, z): exact for linear fields
 //   mls2     the same with the quadratic terms in P           exact for quadratic fields
-// Volumes cancel at the start's equal spacing and are left out, so that markers do not
-// need densities before these are known. Where the particles near a marker do not determine
-// the polynomial, the next lower order is used.
+// Volumes cancel at the start's equal spacing, so that markers do not need densities before these are known.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <foundation/lanes.hpp>
 #include <foundation/vec.hpp>
+#include <operators/symmetric.hpp>
 #include <span>
 #include <string>
 
@@ -52,35 +50,21 @@ struct seen {
   vec<real, D> offset;  // (x_j - x_m)/reach
 };
 
-// Solves A c = (1, 0, …) for a symmetric positive definite A, of its first `count` terms, by Cholesky's factors; false
-// when A is singular to working accuracy.
-template <std::size_t N>
-bool solve_first(std::array<std::array<double, N>, N> A, std::size_t count, std::array<double, N>& c) {
-  const std::size_t n = std::min(count, N);  // so that the compiler sees it
-  constexpr double singular = 1e-10;         // of the diagonal: fewer independent particles than terms
-  for (std::size_t k = 0; k < n; ++k) {
-    const double diagonal = A[k][k];
-    for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
-    if (!(A[k][k] > singular * diagonal)) return false;
-    A[k][k] = std::sqrt(A[k][k]);
-    for (std::size_t i = k + 1; i < n; ++i) {
-      for (std::size_t l = 0; l < k; ++l) A[i][k] -= A[i][l] * A[k][l];
-      A[i][k] /= A[k][k];
-    }
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    c[k] = k == 0 ? 1.0 : 0.0;
-    for (std::size_t l = 0; l < k; ++l) c[k] -= A[k][l] * c[l];
-    c[k] /= A[k][k];
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t i = k + 1; i < n; ++i) c[k] -= A[i][k] * c[i];
-    c[k] /= A[k][k];
-  }
-  return true;
-}
-
 namespace detail {
+
+// A c = (1, 0, …) of the order, or of the next lower one for which the particles suffice; c is zero where none does.
+template <int D, int Order, std::size_t N>
+void solve_first(const std::array<std::array<double, N>, N>& A, std::array<double, N>& c) {
+  constexpr std::size_t n = terms(Order, D);
+  std::array<std::array<double, n>, n> L;
+  for (std::size_t a = 0; a < n; ++a) std::copy_n(A[a].begin(), a + 1, L[a].begin());
+  if (operators::factorise(L)) {
+    const auto solution = operators::solve(L, {1.0});
+    std::copy(solution.begin(), solution.end(), c.begin());
+  } else if constexpr (Order > 0) {
+    solve_first<D, Order - 1>(A, c);
+  }
+}
 
 // Of one order, so that the loops over terms have a fixed length.
 template <int D, int Order>
@@ -100,8 +84,7 @@ void shape_functions_of(std::span<const seen<D>> near, double* phi) {
   for (std::size_t a = 0; a < N; ++a)
     for (std::size_t b = 0; b <= a; ++b) A[a][b] = foundation::sum(moments[a][b]);
   std::array<double, N> c{};
-  if (A[0][0] > 0.0)
-    for (int lower = Order; lower >= 0 && !solve_first(A, terms(lower, D), c); --lower) c.fill(0.0);
+  if (A[0][0] > 0.0) solve_first<D, Order>(A, c);
   for (std::size_t k = 0; k < near.size(); ++k) {
     const auto P = polynomial<D, Order>(near[k].offset);
     real value(0.0);

@@ -10,7 +10,6 @@
 // of its ghosts, so they need no traffic.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <foundation/threads.hpp>
 #include <vector>

@@ -3,6 +3,8 @@
 
 namespace tetsuame::walls {
 
+using namelist::between, namelist::for_expert, namelist::up_to;
+
 namespace {
 
 void declare_side(namelist::schema& schema, const abilities& of_problem, std::size_t n,
@@ -46,16 +48,9 @@ void declare_treatment(namelist::schema& schema, const std::vector<std::string>&
              {.choices = {"mls", "mls2", "shepard"},
               .meaning = "at the virtual markers: moving least squares of first or second order, or Shepard's mean"});
   schema.add("walls", "marker_radius", o.marker_radius,
-             {.minimum = 0.0,
-              .maximum = 3.0,
-              .expert = true,
-              .meaning = "reach of a marker in kernel supports; 0: 1, and 1.35 for mls2"});
+             for_expert(between(0.0, 3.0, "reach of a marker in kernel supports; 0: 1, and 1.35 for mls2")));
   schema.add("walls", "repulsion_range", o.repulsion_range,
-             {.minimum = 0.0,
-              .maximum = 10.0,
-              .exclusive_minimum = true,
-              .expert = true,
-              .meaning = "distance from the wall, in particle spacings, at which the repulsion ends"});
+             for_expert(up_to(10.0, "distance from the wall, in particle spacings, at which the repulsion ends")));
 }
 
 }  // namespace

@@ -1,21 +1,12 @@
-// What stands beyond a wall, by name. Every treatment has the same steps, called in this
+// What stands beyond a wall, by name (docs/theory/walls.md). Every treatment has the same steps, called in this
 // order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
 //
 //   places       of what stands behind the walls, where it moves with the fluid     (before the volumes are found)
 //   kinematics   v, T, η, k, ΔV of the wall particles
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
-//   push         what the wall adds to the forces directly
-//
-// virtual_marker [S0, S2; Marrone et al. 2011; Asai et al. 2013]: mirror images, with
-//   p_w = p_m + ρ_m f_m·(x_w - x_m),  Y_w = p_w ΔV_w = Y_m + m_m f_m·(x_w - x_m),  f = ν∇²v + g
-//   and the force of boundary_force.hpp
-// none: no support beyond the wall, kernels are cut off there ("without boundary correction").
-// frozen: wall particles keep the start's profile and the wall's own velocity.
-// mirror: the fluid itself, seen in the wall (mirror.hpp); behind floor and lid p goes on with ρ g, and so does Y; the
-//   force of boundary_force.hpp as above.
-// repulsion [S2]: markers without the step in pressure (p_w = p_m), and instead
-//   Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range.
+//   push         what the wall adds to the forces directly: boundary_force.hpp; of repulsion
+//                Dv/Dt ⊃ Λ(y) n,  Λ = (f·n) λ(y),  λ = -1 at the wall, linear to 0 at repulsion_range
 #pragma once
 
 #include <foundation/threads.hpp>
@@ -49,6 +40,11 @@ struct with_markers : nothing {
   static constexpr bool has_particles = true, has_markers = true;
 
   template <int D>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+    detail::marker_kinematics(w, set);
+    detail::nonpressure_acceleration(w, set);
+  }
+  template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
     detail::marker_weights(w, set);
   }
@@ -63,8 +59,7 @@ struct virtual_marker : with_markers {
 
   template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
+    with_markers::kinematics(w, set);
     set.steps_due = true;
   }
   template <int D>
@@ -77,11 +72,6 @@ struct virtual_marker : with_markers {
 struct repulsion : with_markers {
   static constexpr const char* name = "repulsion";
 
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
-  }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;

@@ -1,8 +1,6 @@
 // K_T, alpha and the speed of sound against differences of the pressure, and the inverse.
-#include <bit>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
-#include <cstdint>
 #include <foundation/error.hpp>
 #include <limits>
 
@@ -121,27 +119,4 @@ BOOST_AUTO_TEST_CASE(the_inverse_reaches_the_spinodal) {
   BOOST_TEST(std::abs(near / stable - 1.0) < 1e-3);
   BOOST_TEST(near > stable);
   BOOST_CHECK_THROW(eos::density(iron, least - 1e3, 3000.0), foundation::error);
-}
-
-BOOST_AUTO_TEST_CASE(arrays_give_the_bits_of_single_states) {
-  for (const sample& s : samples()) {
-    std::vector<double> rho, T;
-    for_each_state(s, [&](double r, double t) {
-      rho.push_back(r);
-      T.push_back(t);
-    });
-    std::vector<double> p(rho.size(), -1.0), K(p), alpha(p), c_V(p), c(p);
-    const eos::property_arrays out{p, K, alpha, c_V, c};
-    eos::evaluate(s.material, rho, T, out, 10, 31);
-    BOOST_TEST((p[9] == -1.0 && p[31] == -1.0 && K[9] == -1.0 && c[31] == -1.0));
-    eos::evaluate(s.material, rho, T, out);
-    const auto same = [](double a, double b) {
-      return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-    };
-    for (std::size_t i = 0; i < rho.size(); ++i) {
-      const eos::properties one = eos::evaluate(s.material, rho[i], T[i]);
-      BOOST_REQUIRE((same(p[i], one.p) && same(K[i], one.K_T) && same(alpha[i], one.alpha) && same(c_V[i], one.c_V) &&
-                     same(c[i], one.sound_speed)));
-    }
-  }
 }

@@ -2,7 +2,7 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <melting/enthalpy.hpp>
+#include <melting/melting.hpp>
 #include <numbers>
 #include <theory/stefan.hpp>
 

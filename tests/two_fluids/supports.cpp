@@ -2,8 +2,6 @@
 // The same of the force of walls.
 #define BOOST_TEST_MODULE supports
 #include <namelist/document.hpp>
-#include <two_fluids/energy.hpp>
-#include <two_fluids/lists.hpp>
 #include <two_fluids/measures.hpp>
 #include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/start.hpp>

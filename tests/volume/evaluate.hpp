@@ -12,10 +12,18 @@ void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing
   auto& w = scene.w;
   w.first_fault = {};
   const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
-  how.before_walls(w, around);
+  if constexpr (volume::works_ahead<Volume>) {
+    how.ahead(w);
+    how.with_ghosts(w);
+  } else {
+    how.before_walls(w, around);
+  }
   w.agree();
   std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
-  how.template determine<Pressure>(w, around);
+  if constexpr (volume::works_ahead<Volume>)
+    volume::find_pressure<Pressure>(w, around);
+  else
+    how.template determine<Pressure>(w, around);
   w.agree();
   std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
 }

@@ -2,7 +2,7 @@
 // an edge and in a corner, and what becomes of clouds that do not determine the polynomial.
 #define BOOST_TEST_MODULE interpolation
 #include <boost/test/unit_test.hpp>
-#include <kernels/quintic_spline.hpp>
+#include <kernels/splines.hpp>
 #include <random>
 #include <vector>
 #include <walls/interpolation.hpp>

@@ -176,11 +176,7 @@ class problem : public run::problem_in_a_box<D> {
     }
     foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
       const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
-      double T = s.T[j];
-      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
-        if (wall.thermal == walls::heat::fixed_temperature) T = 2.0 * wall.temperature - T;
-      });
-      s.T[i] = T;
+      s.T[i] = walls::mirror_temperature(world_.walls, r, s.T[j]);
     });
   }
   // The Laplacian is odd where the temperature less the wall's is: there it is zero.

@@ -23,8 +23,7 @@ void declare(namelist::schema& schema, options& o) {
 
   domain::declare(schema, demands, o.domain);
   schema.group("conduction", "a body that cools from its top");
-  schema.add("conduction", "diffusivity", o.kappa,
-             {.unit = "m^2/s", .minimum = 0.0, .exclusive_minimum = true, .meaning = "kappa, thermal"});
+  schema.add("conduction", "diffusivity", o.kappa, namelist::positive("m^2/s", "kappa, thermal"));
   schema.add("conduction", "temperature", o.start, {.unit = "K", .meaning = "at the start"});
   schema.add("conduction", "reference", o.reference,
              {.choices = {"plate", "half_space"}, .meaning = "exact solution the errors are against"});

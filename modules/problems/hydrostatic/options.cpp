@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <hydrostatic/options.hpp>
-#include <kernels/kernel.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -14,13 +12,9 @@ const domain::demands demands{};
 
 void declare(namelist::schema& schema, initial_options& o) {
   schema.group("initial", "start state");
-  schema.add("initial", "temperature", o.temperature,
-             {.unit = "K", .minimum = 0.0, .exclusive_minimum = true, .meaning = "everywhere"});
+  schema.add("initial", "temperature", o.temperature, namelist::positive("K", "everywhere"));
   schema.add("initial", "pressure", o.pressure,
-             {.unit = "Pa",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "everywhere, or at the top where the profile is hydrostatic"});
+             namelist::positive("Pa", "everywhere, or at the top where the profile is hydrostatic"));
   schema.add(
       "initial", "profile", o.profile,
       {.choices = {"hydrostatic", "uniform"},
@@ -78,7 +72,7 @@ void declare(namelist::schema& schema, options& o) {
   schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
-  liquid::declare(schema, o.scheme);
+  volume::declare(schema, o.scheme);
   run::declare(schema, o, {.diffuses = false, .ends_by_steps = true, .starts_from_file = true});
 }
 

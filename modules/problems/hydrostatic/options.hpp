@@ -3,8 +3,8 @@
 #pragma once
 
 #include <eos/eos.hpp>
-#include <liquid/options.hpp>
 #include <run/options.hpp>
+#include <volume/options.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -28,7 +28,7 @@ struct options : run::common_options {
   double g = 0.0;  // m/s2, along -y
   material_options material;
   walls::options walls;
-  liquid::options scheme;
+  volume::options scheme;
 
   options() {
     time = {.method = "euler", .dt = 1e-3, .steps = 1000, .t_end = {}, .cfl = 0.5, .diffusive = 0.25};

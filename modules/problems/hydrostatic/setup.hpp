@@ -1,9 +1,7 @@
 // The start: lattice, exact profile, walls.
 #pragma once
 
-#include <foundation/threads.hpp>
 #include <hydrostatic/options.hpp>
-#include <optional>
 #include <run/lists.hpp>
 #include <run/start_file.hpp>
 #include <run/start_lattice.hpp>

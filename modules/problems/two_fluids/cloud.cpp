@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <two_fluids/cloud.hpp>
 
@@ -28,13 +28,11 @@ class points_by_cell {
     const double enough = 1.0 + std::pow(static_cast<double>(most), 1.0 / box.dimension);
     for (std::size_t a = 0; a < axes; ++a)
       cells_[a] = static_cast<std::int64_t>(std::clamp(box.length[a] / reach, 1.0, enough));
-    first_.assign(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]), none);
+    in_cell_.resize(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]));
   }
 
   void add(const place& x) {
-    const std::size_t c = number_of(cell_of(x));
-    next_.push_back(first_[c]);
-    first_[c] = points_.size();
+    in_cell_[number_of(cell_of(x))].push_back(points_.size());
     points_.push_back(x);
   }
 
@@ -55,13 +53,11 @@ class points_by_cell {
             inside = inside && c[a] >= 0 && c[a] < cells_[a];
           }
           if (!inside) continue;
-          for (std::size_t n = first_[number_of(c)]; n != none; n = next_[n]) visit(n, distance(box_, x, points_[n]));
+          for (const std::size_t n : in_cell_[number_of(c)]) visit(n, distance(box_, x, points_[n]));
         }
   }
 
  private:
-  static constexpr std::size_t none = static_cast<std::size_t>(-1);
-
   std::array<std::int64_t, 3> cell_of(const place& x) const {
     std::array<std::int64_t, 3> c{};
     for (std::size_t a = 0; a < static_cast<std::size_t>(box_.dimension); ++a) {
@@ -77,7 +73,7 @@ class points_by_cell {
   const box_of_drops& box_;
   std::array<std::int64_t, 3> cells_{1, 1, 1};
   std::vector<place> points_;
-  std::vector<std::size_t> first_, next_;  // of each cell's points, of a point those behind it
+  std::vector<std::vector<std::size_t>> in_cell_;  // numbers of each cell's points
 };
 
 }  // namespace
@@ -114,22 +110,16 @@ std::optional<std::vector<std::array<double, 3>>> drawn_places(const box_of_drop
 
 std::vector<std::int64_t> connected_sizes(const box_of_drops& box, std::span<const std::array<double, 3>> points,
                                           double reach) {
-  // The root of a tree stands for a set.
-  std::vector<std::size_t> parent(points.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  boost::disjoint_sets_with_storage<> sets(points.size());
   points_by_cell before(box, reach, points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     before.for_each_near(points[i], [&](std::size_t j, double away) {
-      if (away <= reach) parent[root(i)] = root(j);
+      if (away <= reach) sets.union_set(i, j);
     });
     before.add(points[i]);
   }
   std::vector<std::int64_t> size(points.size(), 0), sizes;
-  for (std::size_t i = 0; i < points.size(); ++i) ++size[root(i)];
+  for (std::size_t i = 0; i < points.size(); ++i) ++size[sets.find_set(i)];
   std::copy_if(size.begin(), size.end(), std::back_inserter(sizes), [](std::int64_t n) { return n > 0; });
   std::sort(sizes.rbegin(), sizes.rend());
   return sizes;

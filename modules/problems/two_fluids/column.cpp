@@ -44,21 +44,16 @@ theory::barotrope curve(const barotropic& b) {
   };
 }
 
-column::column(const barotropic& lower, const barotropic& upper, double interface, double top, double g)
-    : lower_(lower), upper_(upper), cover_(upper), interface_(interface), cover_from_(top), g_(g) {
-  descend(upper_, top, interface, upper.pressure, above_);
+column::column(const barotropic& lower, const barotropic& upper, double interface, double top, double g,
+               std::optional<double> cover_from)
+    : lower_(lower), upper_(upper), cover_(lower), interface_(interface), cover_from_(cover_from.value_or(top)), g_(g) {
+  if (cover_from) {
+    descend(cover_, top, cover_from_, cover_.pressure, covering_);
+    upper_.pressure = covering_.back().state.pressure;
+  }
+  descend(upper_, cover_from_, interface, upper_.pressure, above_);
   lower_.pressure = above_.back().state.pressure;
   if (lower_.adiabatic) lower_.temperature = above_.back().state.temperature;
-  descend(lower_, interface, 0.0, lower_.pressure, below_);
-}
-
-column::column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface,
-               double cover_from, double top, double g)
-    : lower_(lower), upper_(upper), cover_(cover), interface_(interface), cover_from_(cover_from), g_(g) {
-  descend(cover_, top, cover_from, cover.pressure, covering_);
-  upper_.pressure = covering_.back().state.pressure;
-  descend(upper_, cover_from, interface, upper_.pressure, above_);
-  lower_.pressure = above_.back().state.pressure;
   descend(lower_, interface, 0.0, lower_.pressure, below_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <eos/eos.hpp>
+#include <optional>
 #include <theory/rayleigh_taylor.hpp>
 #include <vector>
 
@@ -28,13 +29,10 @@ theory::barotrope curve(const barotropic& b);
 class column {
  public:
   // Heights in m: floor at 0, interface, top; g in m/s2; upper.pressure is that of the top. With an adiabat the lower
-  // layer starts at the temperature that the upper one has at the interface.
-  column(const barotropic& lower, const barotropic& upper, double interface, double top, double g);
-
-  // The same with a third layer, from `cover_from` to the top, whose pressure cover.pressure is; upper.pressure counts
-  // for nothing. All on isotherms.
-  column(const barotropic& lower, const barotropic& upper, const barotropic& cover, double interface, double cover_from,
-         double top, double g);
+  // layer starts at the temperature that the upper one has at the interface. From `cover_from` to the top the lower
+  // material lies once more: then all are on isotherms, and lower.pressure is that of the top.
+  column(const barotropic& lower, const barotropic& upper, double interface, double top, double g,
+         std::optional<double> cover_from = {});
 
   place at(double y) const;  // y == interface: of the layer above
   const barotropic& lower() const { return lower_; }

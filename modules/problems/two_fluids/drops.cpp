@@ -13,12 +13,9 @@ void declare_drops(namelist::schema& schema, const char* group, options& o) {
   schema.add(group, "radius", o.radius, positive("m", "of the drop"));
   for (std::size_t a = 0; a < 3; ++a)
     schema.add(group, axis_names[a], o.centre[a],
-               {.unit = "m", .minimum = 0.0, .meaning = "its centre; not given: the middle, y at 0.75 of the height"});
+               not_negative("m", "its centre; not given: the middle, y at 0.75 of the height"));
   schema.add(group, "measure_at", o.measure_at,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .expert = true,
-              .meaning = "height over the box's where the velocity is measured"});
+             for_expert(between(0.0, 1.0, "height over the box's where the velocity is measured")));
   schema.add(group, "shape", o.shape,
              {.choices = {"round", "square"},
               .expert = true,
@@ -26,31 +23,22 @@ void declare_drops(namelist::schema& schema, const char* group, options& o) {
   schema.add(group, "elongation", o.elongation,
              for_expert(positive("1", "at the start, extent along y over that across, at the same volume")));
   schema.add(group, "drops", o.drops,
-             {.minimum = 1,
-              .maximum = 1e5,
-              .meaning = "how many; several lie where they are drawn, all over the box, or at places_x …"});
+             between(1, 1e5, "how many; several lie where they are drawn, all over the box, or at places_x …"));
   schema.add(group, "seed", o.seed, {.minimum = 0, .expert = true, .meaning = "of the places drawn"});
   schema.add(group, "least_gap", o.least_gap,
-             {.unit = "m",
-              .minimum = 0.0,
-              .expert = true,
-              .meaning = "several drops: between the surfaces of two drawn, and to walls; not given: two spacings"});
+             for_expert(not_negative(
+                 "m", "several drops: between the surfaces of two drawn, and to walls; not given: two spacings")));
   for (std::size_t a = 0; a < 3; ++a)
     schema.add(group, std::string("places_") + axis_names[a], o.places[a],
-               {.unit = "m",
-                .minimum = 0.0,
-                .expert = true,
-                .meaning = "several drops: their centres, in the place of drawn ones"});
+               for_expert(not_negative("m", "several drops: their centres, in the place of drawn ones")));
   for (auto [key, value, meaning] : {std::tuple{"measure_from", &o.measure_from, "not given: the start"},
                                      {"measure_until", &o.measure_until, "not given: the end"}})
     schema.add(group, key, *value,
-               {.unit = "s",
-                .minimum = 0.0,
-                .expert = true,
-                .meaning = std::string("several drops: of the time over which their fall is measured; ") + meaning});
+               for_expert(not_negative(
+                   "s", std::string("several drops: of the time over which their fall is measured; ") + meaning)));
 }
 
-// Along the contact the stress of surface tension is up to (1 - 1/d) sigma |G|, |G| = 0.4/dx (surface_tension.hpp): a
+// Along the contact the stress of surface tension is up to (1 - 1/d) sigma |G|, |G| = 0.4/dx (terms.hpp): a
 // pressure below that leaves the particles there under tension, in which no lattice is stable.
 void warn_of_tension(const options& o, parameters& p, double y) {
   const double pressure = p.base->at(std::min(y, o.domain.length[1])).pressure,

@@ -24,7 +24,7 @@ struct fluids {
   bool dissolved = false, tense = false;
   bool follows = false;                                     // supports the volumes
   std::size_t heat_at = 0, element_at = 0, support_at = 0;  // of the extras
-  double self = 0.0, h = 0.0;                               // 1/m^D, m
+  double h = 0.0;                                           // m
   double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
@@ -35,19 +35,19 @@ struct fluids {
   particles::array S, per_S, count, count_slope, follow_factor;  // m, 1/m, 1, 1, 1
 
   std::array<particles::array, D> force;
-  particles::array stress, factor, W_sum, compression, heat, rho_rate, conducted;
+  particles::array stress, factor, compression, heat, rho_rate, conducted;
   particles::array melt, inertia;                     // melt fraction; ξ²
   particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
 
   particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
-  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of surface_tension.hpp; N
+  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of terms.hpp; N
 
   fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {}
 
   std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&stress,   &factor,    &W_sum, &compression, &heat,
-                                       &rho_rate, &conducted, &melt,  &inertia,     &partition,
-                                       &mobility, &metal,     &gain,  &area,        &squared_volume};
+    std::vector<particles::array*> all{&stress,    &factor, &compression, &heat,          &rho_rate,
+                                       &conducted, &melt,   &inertia,     &partition,     &mobility,
+                                       &metal,     &gain,   &area,        &squared_volume};
     for (auto* a : {&S, &per_S, &count, &count_slope, &follow_factor}) all.push_back(a);
     for (auto* vectors : {&force, &tension_force, &colour_slope})
       for (auto& a : *vectors) all.push_back(&a);

@@ -12,7 +12,11 @@ inline std::array<const char*, 2> names_of(problem_kind kind) {
   return {"lower", "upper"};
 }
 
-using namelist::for_expert, namelist::positive;
+using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
+
+inline namelist::key_info not_negative(std::string unit, std::string meaning) {
+  return {.unit = std::move(unit), .minimum = 0.0, .meaning = std::move(meaning)};
+}
 
 // Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
 using unused_key = std::pair<const char*, bool>;  // name, and whether its value is the default

@@ -15,8 +15,7 @@ void declare(namelist::schema& schema, melting_options& o) {
               .meaning = "curve 'mantle': of the liquidus above 20 GPa"});
   schema.add("melting", "solidus", o.solidus, for_expert(positive("K", "curve 'constant'")));
   schema.add("melting", "liquidus", o.liquidus, for_expert(positive("K", "curve 'constant'")));
-  schema.add("melting", "latent_heat", o.latent_heat,
-             {.unit = "J/kg", .minimum = 0.0, .expert = true, .meaning = "of fusion"});
+  schema.add("melting", "latent_heat", o.latent_heat, for_expert(not_negative("J/kg", "of fusion")));
   schema.add("melting", "viscosity_law", o.viscosity_law,
              {.choices = {"constant", "blended", "suspension"},
               .meaning = "the material's one viscosity; or by temperature and melt fraction, smooth or with the "
@@ -25,11 +24,9 @@ void declare(namelist::schema& schema, melting_options& o) {
              for_expert(positive("Pa s", "the law's viscosity is not below this")));
   schema.add("melting", "viscosity_max", o.viscosity_max, for_expert(positive("Pa s", "nor above this")));
   schema.add("melting", "inertia_viscosity", o.inertia_viscosity,
-             {.unit = "Pa s",
-              .minimum = 0.0,
-              .expert = true,
-              .meaning = "what is more viscous gets its inertia raised by the ratio, so that steps need not follow it "
-                         "(0: inertia as it is)"});
+             for_expert(not_negative("Pa s",
+                                     "what is more viscous gets its inertia raised by the ratio, so that steps need "
+                                     "not follow it (0: inertia as it is)")));
 }
 
 void declare(namelist::schema& schema, element_options& o) {

@@ -58,9 +58,8 @@ void find_layers(const namelist::schema& schema, problem_kind kind, options& o, 
   const std::size_t top = kind == problem_kind::drop ? 0 : 1;
   const auto at_rest = [&](std::size_t n) { return barotropic{&(*p.material)[n], o.p_top, o.temperature, adiabatic}; };
   p.base = schema.placed(group, "p_top", [&] {
-    return o.pond_top ? std::make_unique<column>(at_rest(0), at_rest(1), at_rest(0), p.interface, p.pond_top, height,
-                                                 o.gravity)
-                      : std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity);
+    return std::make_unique<column>(at_rest(0), at_rest(top), p.interface, height, o.gravity,
+                                    o.pond_top ? std::optional(p.pond_top) : std::nullopt);
   });
 }
 
@@ -101,10 +100,9 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
       {.choices = {"isothermal", "adiabatic", "enthalpy"},
        .meaning = "one temperature for ever; adiabats at the start and temperature by compression, friction, "
                   "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
-  schema.add(group, "conductivity", o.conductivity,
-             {.unit = "W/(m K)", .minimum = 0.0, .meaning = "thermal, not of the isothermal law"});
+  schema.add(group, "conductivity", o.conductivity, not_negative("W/(m K)", "thermal, not of the isothermal law"));
   schema.add(group, "surface_tension", o.surface_tension,
-             {.unit = "N/m", .minimum = 0.0, .meaning = "between the two materials; walls are neutral (90 degrees)"});
+             not_negative("N/m", "between the two materials; walls are neutral (90 degrees)"));
   for (const std::size_t n : {1, 0})
     schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
                for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
@@ -129,13 +127,12 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "sides", "slip");
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
-    liquid::declare(schema, o.liquid);
-    run::declare(schema, o.common, {.starts_from_file = true});
-    return;
+    volume::declare(schema, o.liquid);
+  } else {
+    schema.add("walls", "pressure", o.wall_pressure,
+               {.choices = {"hydrostatic", "mirrored"},
+                .meaning = "behind floor and lid: continued with rho g, or as inside"});
   }
-  schema.add(
-      "walls", "pressure", o.wall_pressure,
-      {.choices = {"hydrostatic", "mirrored"}, .meaning = "behind floor and lid: continued with rho g, or as inside"});
   run::declare(schema, o.common, {.starts_from_file = true});
 }
 

@@ -8,13 +8,12 @@
 #pragma once
 
 #include <eos/eos.hpp>
-#include <liquid/options.hpp>
-#include <melting/enthalpy.hpp>
 #include <melting/melting.hpp>
 #include <memory>
 #include <run/options.hpp>
 #include <two_fluids/cloud.hpp>
 #include <two_fluids/column.hpp>
+#include <volume/options.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::two_fluids {
@@ -96,7 +95,7 @@ struct options {
   scheme_options scheme;
   // Where a program's own scheme takes its place: what it is told.
   bool by_program = false, remembers_density = true;
-  liquid::options liquid;
+  volume::options liquid;
   run::common_options common;
 
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }

@@ -1,4 +1,4 @@
-// One evaluation of two fluids, term after term; the sums are those of terms.hpp and surface_tension.hpp:
+// One evaluation of two fluids, term after term; the sums are those of terms.hpp:
 //   1. ghosts and images: places, velocities
 //   2. ΔV and ρ, the pressure of the equation of state; temperature, melt, partition by them
 //   3. the pressure in the forces
@@ -8,8 +8,7 @@
 
 #include <diffusion/conduction.hpp>
 #include <two_fluids/supports.hpp>
-#include <two_fluids/surface_tension.hpp>
-#include <volume/shape.hpp>
+#include <volume/smoothed.hpp>
 
 namespace tetsuame::two_fluids {
 
@@ -65,12 +64,13 @@ void mirror(fluids<D>& f, particles::array& p) {
   });
 }
 
-// Σ W_ij of these rows, where volumes come from it.
+// ΔV = s/Σ W_ij of these rows, where volumes come from it.
 template <int D>
 void count(fluids<D>& f, const pairs::stretch& rows) {
   if (f.carried || f.follows) return;
   const foundation::stage timed(f.world.w.times, "volumes");
-  f.world.w.sum(rows, kernel_sum<D>{f.self, f.W_sum.data()});
+  f.world.w.sum(rows,
+                volume::number_volume<D>{volume::self_value(f.world.w), f.world.w.lattice_sum, f.world.w.s.dV.data()});
 }
 
 // ΔV and ρ of the fluid.
@@ -87,10 +87,7 @@ void find_own_volumes(fluids<D>& f) {
     volumes_by_count(f);
     return;
   }
-  foundation::for_all(s.fluid, [&](std::size_t i) {
-    s.dV[i] = w.lattice_sum / f.W_sum[i];
-    s.rho[i] = s.m[i] / s.dV[i];
-  });
+  foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
 }
 
 // ΔV and ρ, and the pressure of the equation of state, of the fluid, set out to its ghosts.
@@ -212,8 +209,7 @@ void smooth(fluids<D>& f) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "smoothing");
   foundation::for_all(s.total(), [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
-  w.sum(w.fluid(), smoothing<D>{s.Y.data(), s.dV.data(), f.self, s.p.data(), f.W_sum.data()});
-  if (f.o.scheme.normalise) foundation::for_all(s.fluid, [&](std::size_t i) { s.p[i] /= f.W_sum[i]; });
+  volume::smooth(w, f.o.scheme.normalise, w.fluid());
   if (f.from_weight) {
     volume::require_positive(w, s.p, "the smoothed pressure p");
     foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
@@ -234,6 +230,15 @@ void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
     f.factor[i] = f.first_pattern ? 1.0 : s.dV[i];
   });
   f.stress[s.null()] = f.factor[s.null()] = 0.0;
+}
+
+// What the element gains in these rows.
+template <int D>
+void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
+  const foundation::stage timed(f.world.w.times, "element");
+  sum(f, rows,
+      element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(),
+                          f.world.w.s.dV.data(), f.gain.data()});
 }
 
 // Sums over the neighbours of these rows.
@@ -270,12 +275,7 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
               f.conducted.begin() + static_cast<std::ptrdiff_t>(rows.last), 0.0);
     sum(f, rows, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), f.conducted.data()});
   }
-  if (f.dissolved) {
-    const foundation::stage timed(w.times, "element");
-    sum(f, rows,
-        element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(), s.dV.data(),
-                            f.gain.data()});
-  }
+  if (f.dissolved) exchange_element(f, rows);
 }
 
 // Where the rates of each field stand: x, v, u, q, and what some runs have beside.
@@ -345,9 +345,9 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
     bool good = true;
     for (const double* r : rate) good = good && std::isfinite(r[i]);
     if (!good)
-      w.first_fault.report(s.id[i], "a rate is not finite: " + volume::where_is(s, i) + ", rho = " +
-                                        volume::number(s.rho[i]) + " kg/m3, p = " + volume::number(s.p[i]) +
-                                        " Pa; the flow has blown up, or the step is too large");
+      w.first_fault.report(s.id[i], fmt::format("a rate is not finite: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow "
+                                                "has blown up, or the step is too large",
+                                                volume::where_is(s, i), s.rho[i], s.p[i]));
   }
 }
 

@@ -1,14 +1,11 @@
 // Rows of the start lattice, moved a little and with a little more or less pressure, so that the sums over neighbours
-// hold their weight. All particles of a row move together; volumes stay Δx^D. Row r between rows s and mirror images:
+// hold their weight (docs/theory/core_formation.md#rows-in-balance). All particles of a row move together; volumes stay
+// Δx^D. Row r between rows s and mirror images:
 //
 //   f_r = -Σ_s (p_r + p_s) Δx^2D Φ(y_r - y_s)/(ρ_r Δx^D g) - 1,   Φ(Y) = Y Σ_x F(√(x² + Y²)) over a row
 //
-// is its unbalance, in weights. The continuous column leaves 0.3 on either side of a contact and 0.15 in the upper rows
-// below a free surface: a sum sees the weight smoothed over the kernel. Which p_r would do alone is ill posed: of a
-// sawtooth from row to row the sum sees nothing, and the solution is one of seven ρ g Δx. To move a row by δ changes
-// its force by p δ, n rows deep by n ρ g Δx δ: a hundredth of Δx does at a contact, and near a surface, where p
-// vanishes, pressure helps. Hence least squares (Levenberg, Gauss-Newton steps) of Σ f² + λ² Σ [(δ/Δx)² + (Δp/(ρ g
-// Δx))²], λ = 0.1: a whole spacing counts like a tenth of the weight.
+// is its unbalance, in weights: least squares (Levenberg, Gauss-Newton steps) of
+//   Σ f² + λ² Σ [(δ/Δx)² + (Δp/(ρ g Δx))²], λ = 0.1: a whole spacing counts like a tenth of the weight.
 #pragma once
 
 #include <algorithm>

@@ -45,16 +45,13 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
               .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume"});
   schema.add(group, "normalise", o.normalise, {.expert = true, .meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
-             {.minimum = 0.0,
-              .maximum = 1.0,
-              .expert = true,
-              .meaning = "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)"});
-  schema.add(group, "viscous_order", o.viscous_order,
-             {.minimum = 0,
-              .maximum = 4,
-              .expert = true,
-              .meaning = "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until the "
-                         "energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2"});
+             for_expert(between(
+                 0.0, 1.0, "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)")));
+  schema.add(
+      group, "viscous_order", o.viscous_order,
+      for_expert(between(0, 4,
+                         "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until "
+                         "the energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2")));
   schema.add(group, "stress", o.stress,
              {.choices = {"auto", "laplacian", "symmetric"},
               .expert = true,

@@ -252,7 +252,6 @@ void set_up(fluids<D>& f) {
         o.material[0].viscosity == o.material[1].viscosity)
       w.uniform_transport = o.material[0].viscosity;
   }
-  f.self = std::visit([](const auto& k) { return k.self(); }, w.kernel);
   f.h = o.common.kernel.h_over_dx * w.dx;
   f.S_0 = w.support();
   f.unit = kernels::make<D>(o.common.kernel.name, 1.0 / kernels::find(o.common.kernel.name).support_over_h);

@@ -1,19 +1,16 @@
-// Supports that follow the volume: S_i = S_0 (ΔV_i/ΔV_0)^(1/d), so that a particle keeps its neighbours when its liquid
-// expands. They stay during a step and follow from one to the next.
+// Supports that follow the volume, and neighbour lists: S_i = S_0 (ΔV_i/ΔV_0)^(1/d), so that a particle keeps its
+// neighbours when its liquid expands (docs/theory/core_formation.md#supports). They stay during a step.
 //
-//   our_method        ΔV = m/ρ; every sum has the mean of both kernels, F̄_ij = ½[F(S_i) + F(S_j)]. Σ_j of what is
-//                     antisymmetric in i and j stays so: momentum, friction and heat exchanged as before. The elastic
-//                     energy is of ρ alone: a support that changes between steps makes none.
-//   number_density    ΔV_i = s/n_i, n_i = Σ_j W_ij(S_i): then S_i^d n_i is one number for all, and Newton's method
-//   finds
-//                     S_i (schemes/common.hpp). Along it dn_i = f_i Σ_j dW_ij(S_i), f_i = -d n_i/Σ_j r W'_ij(S_i), so
-//                     that -∂U/∂x_i of U = Σ m u(ρ) is -Σ_j [f_i A_i F_i + f_j A_j F_j] x_ij, A = (p - p_r) ΔV²/s,
-//                     and compression takes up f_i A_i Σ_j v_ij·∇_iW_ij(S_i). Momentum exactly; energy as far as the
-//                     supports have followed. Friction and conduction have F̄.
+//   our_method        ΔV = m/ρ; every sum has the mean of both kernels, F̄_ij = ½[F(S_i) + F(S_j)]
+//   number_density    ΔV_i = s/n_i, n_i = Σ_j W_ij(S_i): S_i^d n_i is one number for all (schemes/common.hpp).
+//                     Pressure: -Σ_j [f_i A_i F_i + f_j A_j F_j] x_ij, A = (p - p_r) ΔV²/s, f_i = -d n_i/Σ_j r
+//                     W'_ij(S_i), and compression takes up f_i A_i Σ_j v_ij·∇_iW_ij(S_i). Friction and conduction have
+//                     F̄.
 //
 // The viscous sum's a₀ - a₁ r² is of the start lattice: r² in units of S_i S_j/S_0².
 #pragma once
 
+#include <run/supports.hpp>
 #include <schemes/common.hpp>
 #include <two_fluids/fluids.hpp>
 #include <two_fluids/terms.hpp>
@@ -150,6 +147,38 @@ double narrowest(const fluids<D>& f) {
   double least = f.S_0;
   for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) least = std::min(least, f.support()[i]);
   return -f.ranks().maximum(-least) / f.S_0;
+}
+
+// Neighbour lists, and what of a particle stays while they hold: transport coefficients, supports.
+template <int D>
+void make_lists(fluids<D>& f, bool as_they_were) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  if (f.follows)
+    run::rebuild_with_supports(f.world, as_they_were, f.support(), f.list_support());
+  else
+    run::rebuild(f.world, as_they_were);
+  w.exchange_fluid({s.m.data()});
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
+    s.k[i] = f.o.conductivity;
+  }
+  for (auto* all : f.scratch())
+    if (all->size() < s.total() + 1) all->resize(s.total() + 1);
+  if (f.tense)
+    for (std::size_t i = 0; i < s.total(); ++i) f.metal[i] = f.is_metal(i) ? 1.0 : 0.0;
+  f.stress[s.null()] = f.factor[s.null()] = f.squared_volume[s.null()] = 0.0;
+  f.partition[s.null()] = 1.0;
+  if (f.follows) take_supports(f);
+}
+
+// Those of the start lattice are not yet the displaced particles'.
+template <int D>
+void settle_supports(fluids<D>& f) {
+  for (int round = 0; round < 5; ++round) {
+    if (!f.carried) count_neighbours(f);
+    follow_volumes(f);
+  }
 }
 
 }  // namespace tetsuame::two_fluids

@@ -15,71 +15,25 @@
 //   dρ_i/dt = ρ_i Σ_j ΔV_j v_ij·∇_i W_ij
 //             + δ (h/c_i) Σ_j 2 [(p̂_i - p̂_j) + ½ (ρ_i + ρ_j) g (y_i - y_j)] F_ij ΔV_j
 //
-// An element dissolved in both materials, c the amount per mass: m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j)
-//   within a material: u = c, K_ij = 4 k_i k_j/(k_i + k_j), k = ρ D, D its diffusivity
-//   across the contact: u = c/P in the metal, P its partition coefficient there, and k = ρ D P, so that the flux
-//   vanishes where c_metal = P c_silicate: conduction of heat between bodies of different heat capacity, with u for
-//   temperature.
-// What i gains j loses to the last bit, but for the order of sums: the element is conserved to rounding.
+// An element dissolved in both materials, c the amount per mass (docs/theory/partition.md#in-a-run):
+//   m_i dc_i/dt = Σ_j K_ij ΔV_i ΔV_j F_ij (u_i - u_j),  K_ij = 4 k_i k_j/(k_i + k_j)
+//   within a material u = c and k = ρ D; across the contact u = c/P in the metal, and k = ρ D P
 #pragma once
 
 #include <diffusion/viscosity.hpp>
 #include <pairs/pairs.hpp>
+#include <schemes/common.hpp>
 
 namespace tetsuame::two_fluids {
 
-struct stress_tag {};
-struct factor_tag {};
-struct density_tag {};
-struct concentration_tag {};
-struct partition_tag {};
-struct element_tag {};
-struct material_tag {};
-inline constexpr stress_tag of_stress;
-inline constexpr factor_tag of_factor;
-inline constexpr density_tag of_density;
-inline constexpr concentration_tag of_concentration;
-inline constexpr partition_tag of_partition;
-inline constexpr element_tag of_element;
-inline constexpr material_tag of_material;
-
-// Σ_j W_ij, j = i included.
-template <int D>
-struct kernel_sum {
-  using real = pairs::real;
-  double self;  // 1/m^D
-  double* out;  // 1/m^D
-
-  struct me {
-    real sum;
-  };
-  me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij.W; }
-  void end(std::size_t i, const me& a) const { out[i] = self + pairs::sum(a.sum); }
-};
-
-// Σ_j Y_j W_ij and Σ_j ΔV_j W_ij, j = i included.
-template <int D>
-struct smoothing {
-  using real = pairs::real;
-  const double *Y, *V;  // J, m^D
-  double self;          // 1/m^D
-  double *p, *norm;     // Pa, 1
-
-  struct me {
-    real p, norm;
-  };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, V)}; }
-  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    a.p += ij(pairs::of_weight) * ij.W;
-    a.norm += ij(pairs::of_volume) * ij.W;
-  }
-  void end(std::size_t i, const me& a) const {
-    p[i] = Y[i] * self + pairs::sum(a.p);
-    norm[i] = V[i] * self + pairs::sum(a.norm);
-  }
-};
+inline constexpr schemes::field<struct stress_tag> of_stress;
+inline constexpr schemes::field<struct factor_tag> of_factor;
+inline constexpr schemes::field<struct density_tag> of_density;
+inline constexpr schemes::field<struct concentration_tag> of_concentration;
+inline constexpr schemes::field<struct partition_tag> of_partition;
+inline constexpr schemes::field<struct element_tag> of_element;
+inline constexpr schemes::field<struct material_tag> of_material;
+inline constexpr schemes::field<struct colour_gradient_tag> of_colour_gradient;
 
 // Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
 pairs::real slope_of(const auto& ij, const pairs::real& A_i, const pairs::real& A_j) {
@@ -195,6 +149,69 @@ struct element_exchange {
         K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
   }
   void end(std::size_t i, const me& a) const { gain[i] = pairs::sum(a.sum); }
+};
+
+// Surface tension between the two materials (docs/theory/drop.md): the divergence of a stress along their contact,
+// which the gradient of a colour C (0 in one material, 1 in the other) finds:
+//
+//   G_i = Σ_j ΔV_j (C_j - C_i) ∇_iW_ij,   Π = σ (|G| 1/d - G G/|G|)
+//   m_i dv_i/dt = Σ_j (ΔV_i² Π_i + ΔV_j² Π_j)·∇_iW_ij/s,   s the lattice sum of the number density
+//
+// [B. Lafaurie et al., J. Comput. Phys. 113, 134 (1994); for particles X. Y. Hu, N. A. Adams, ibid. 213, 844 (2006),
+// whose number density and form of the sum these are]. The trace is left to the pressure, so that no particle is pulled
+// in all directions.
+
+// G_i, 1/m.
+template <int D>
+struct colour_gradient {
+  using real = pairs::real;
+  const double *V, *C;  // m^D; 0 or 1
+  std::array<double*, D> G;
+
+  struct me {
+    pairs::vec<real, D> sum;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V), pairs::read(of_material, C)}; }
+  me begin(std::size_t) const { return {foundation::zero<real, D>()}; }
+  void add(me& a, const auto& ij) const {
+    a.sum -= (ij(pairs::of_volume) * ij.difference(of_material) * ij.F) * ij.x_ij;
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) G[k][i] = pairs::sum(a.sum[k]);
+  }
+};
+
+template <int D>
+struct surface_stress {
+  using real = pairs::real;
+  const double* V2;                // ΔV²/s, m^(2D)
+  std::array<const double*, D> G;  // 1/m
+  double sigma;                    // N/m
+  std::array<double*, D> force;    // N
+
+  struct me {
+    pairs::vec<real, D> force;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_stress, V2), read(of_colour_gradient, G)};
+  }
+  me begin(std::size_t) const { return {foundation::zero<real, D>()}; }
+  void add(me& a, const auto& ij) const {
+    a.force += (ij.F * ij.own(of_stress)) * along(ij.own(of_colour_gradient), ij.x_ij);
+    a.force += (ij.F * ij(of_stress)) * along(ij(of_colour_gradient), ij.x_ij);
+  }
+  void end(std::size_t i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) force[k][i] = sigma * pairs::sum(a.force[k]);
+  }
+
+ private:
+  // Π x/σ
+  static pairs::vec<real, D> along(const pairs::vec<real, D>& G, const pairs::vec<real, D>& x) {
+    const real G2 = foundation::greater(foundation::dot(G, G), real(1e-200));
+    const real inverse = foundation::both_roots(G2).inverse;
+    return (G2 * inverse * (1.0 / D)) * x - (inverse * foundation::dot(G, x)) * G;
+  }
 };
 
 }  // namespace tetsuame::two_fluids

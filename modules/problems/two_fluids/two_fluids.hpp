@@ -1,37 +1,90 @@
-// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop.
+// Two fluids of different density under gravity, compressible and viscous, in a box: metal over silicate, or a drop
+// (docs/theory/core_formation.md).
 //
-//   dx/dt = v,   m dv/dt = pressure + viscosity (terms.hpp) + m g
-//   volume number_density [after Hu & Adams 2006]:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
-//     With pattern 1 and p = p̂ the pressure force is -∂U/∂x_i of U = Σ m u(ρ), walls that mirror included: no energy
-//     is made or lost between fluid particles, and no density drifts. p <= 0 is harmless: nothing is divided by p.
-//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r.
-//     The potential is then U + Σ p_r ΔV; the sum stands for an integral over the box, a constant, and so does nothing
-//     but on a lattice, which is elastic in proportion to its pressure (docs/theory/kernels.md): now to p - p_r. That
-//     is not negative, wherever the two fluids lie: under tension a lattice is unstable.
+//   dx/dt = v,   ξ² m dv/dt = pressure + viscosity + surface tension (terms.hpp) + m g
+//   volume number_density:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
+//   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r
 //   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
-//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/enthalpy.hpp)
-//   surface tension between the materials: surface_tension.hpp
-//   variable inertia: where η is above η_x, ξ² dv/dt = forces/m with ξ² = η/η_x (docs/theory/relaxation.md). Creeping
-//     flow is the same, and viscosity asks for the steps of η_x.
-//
-// Walls are mirror images (walls/mirror.hpp) of the same volume; behind floor and lid p goes on with ρ g. No-slip
-// images have the reversed velocity. The mirror in two sides stands behind a corner.
+//     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
+//   variable inertia: ξ² = η/η_x where η is above η_x (docs/theory/relaxation.md), or else 1
 //
 // Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.
 #pragma once
 
+#include <liquid/scheme.hpp>
 #include <output/groups.hpp>
 #include <run/box.hpp>
-#include <two_fluids/by_scheme.hpp>
-#include <two_fluids/lists.hpp>
 #include <two_fluids/report.hpp>
 #include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/step_limit.hpp>
 
 namespace tetsuame::two_fluids {
+
+// ---- by the scheme of a program: volumes, pressure, walls, forces are the scheme's ----------
+
+// Where the scheme puts its rates; those that nobody integrates, where nothing reads them.
+template <int D>
+liquid::rates<D> rates_of_scheme(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
+  liquid::rates<D> out;
+  for (std::size_t a = 0; a < D; ++a) {
+    out.dx[a] = rate[at.x + a];
+    out.dv[a] = rate[at.v + a];
+  }
+  out.du = rate[at.u];
+  out.friction = rate[at.q];
+  if (f.o.conductivity > 0.0) out.conducted = f.conducted.data();
+  if (f.carried || f.weighed) out.volume = rate[at.rho];
+  out.dT = f.warms ? rate[at.T] : f.heat.data();
+  return out;
+}
+
+// u is of compression alone; the heat of friction and conduction stands apart.
+template <int D>
+void part_heat(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
+  const auto& s = f.world.w.s;
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const double conducted = f.o.conductivity > 0.0 ? f.conducted[i] / s.m[i] : 0.0;
+    const double heating = rate[at.q][i] + conducted;
+    rate[at.u][i] -= heating;
+    if (f.enthalpy) rate[at.h][i] = heating;
+    if (!f.enthalpy || f.inertia[i] == 1.0) return;
+    for (std::size_t a = 0; a < D; ++a) rate[at.v + a][i] /= f.inertia[i];
+  });
+}
+
+// Nothing dissolved in what stands behind walls takes part.
+template <int D>
+void exchange_element(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
+  auto& s = f.world.w.s;
+  find_partition(f);
+  if (!f.world.mirrors())
+    for (std::size_t i = s.first_wall(); i < s.total(); ++i) {
+      f.mobility[i] = f.element()[i] = f.metal[i] = 0.0;
+      f.partition[i] = 1.0;
+    }
+  exchange_element(f, f.world.w.fluid());
+  foundation::for_all(s.fluid, [&](std::size_t i) { rate[at.c][i] = f.gain[i] / s.m[i]; });
+}
+
+template <int D>
+void evaluate(fluids<D>& f, liquid::scheme<D>& scheme, std::span<double* const> rate) {
+  auto& w = f.world.w;
+  const places_of_rates<D> at(f);
+  if (f.enthalpy) {
+    scheme.recall_density(f.world);
+    volume::equation_of_state(w, w.s.fluid);
+    find_phases(f);
+  }
+  scheme.evaluate(f.world, rates_of_scheme(f, at, rate));
+  part_heat(f, at, rate);
+  if (f.dissolved) exchange_element(f, at, rate);
+  w.agree();
+}
+
+// ---- the problem -----------------------------------------------------------------------------
 
 template <int D>
 class problem : public run::problem_in_a_box<D> {

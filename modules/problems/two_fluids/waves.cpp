@@ -10,15 +10,10 @@ namespace tetsuame::two_fluids {
 void declare_waves(namelist::schema& schema, const char* group, options& o) {
   schema.add(
       group, "interface", o.interface,
-      {.unit = "m",
-       .minimum = 0.0,
-       .exclusive_minimum = true,
-       .meaning = "its height; rows whose centres are not above it are of the lower layer; not given: the middle"});
+      positive("m", "its height; rows whose centres are not above it are of the lower layer; not given: the middle"));
   schema.add(group, "wavelength", o.wavelength, positive("m", "along x; not given: the box's width"));
-  schema.add(group, "wavelength_z", o.wavelength_z,
-             {.unit = "m", .minimum = 0.0, .expert = true, .meaning = "along z; 0: none (3-D only)"});
-  schema.add(group, "amplitude", o.amplitude,
-             {.unit = "m", .minimum = 0.0, .meaning = "of the interface at the start"});
+  schema.add(group, "wavelength_z", o.wavelength_z, for_expert(not_negative("m", "along z; 0: none (3-D only)")));
+  schema.add(group, "amplitude", o.amplitude, not_negative("m", "of the interface at the start"));
   schema.add(group, "start", o.start,
              {.choices = {"eigenmode", "displaced", "coloured"},
               .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
@@ -100,13 +95,11 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   if (o.start != "coloured" && !(o.amplitude < thinner))
     schema.fail("rti", "amplitude",
                 fmt::format("is {:.6g} m, more than the thinner layer is high, {:.6g} m", o.amplitude, thinner));
-  if (o.temperature_law == "enthalpy") {
+  if (o.temperature_law == "enthalpy")
     p.theory_about = "materials that melt, or lie in three layers, have no growth rate";
-    if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
-    return;
-  }
-  if (const auto sides = slips_of(o).sides; !sides.empty() && sides != "free_slip") {
+  else if (const auto sides = slips_of(o).sides; !sides.empty() && sides != "free_slip")
     p.theory_about = "no-slip sides: there are no separate waves, and no theory to compare with";
+  if (!p.theory_about.empty()) {
     if (o.start != "coloured") schema.fail("rti", "start", p.theory_about + "; start must be 'coloured'");
     return;
   }

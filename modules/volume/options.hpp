@@ -1,15 +1,18 @@
-// Options of Hosono's iteration and what it tells when it fails.
+// What the input says of a scheme for liquids, groups &smoothing and &hosono; and what Hosono's iteration tells when it
+// fails.
 #pragma once
 
 #include <cstdint>
 #include <foundation/error.hpp>
 #include <namelist/schema.hpp>
 #include <string>
-#include <vector>
 
 namespace tetsuame::volume {
 
-struct smoothing_options;
+// Smoothing divided by the kernel sum; see smoothed.hpp for which sum.
+struct smoothing_options {
+  bool normalise = false;
+};
 
 struct hosono_options {
   std::string solver = "plain";  // plain, under_relaxed, anderson, newton
@@ -19,7 +22,12 @@ struct hosono_options {
   std::int64_t anderson_depth = 5;
 };
 
-void declare(namelist::schema& schema, hosono_options& o);
+struct options {
+  smoothing_options smoothing;
+  hosono_options hosono;
+};
+
+void declare(namelist::schema& schema, options& o);
 
 struct residual_record {
   std::int64_t evaluation;  // of the right-hand side, from 1

@@ -1,0 +1,27 @@
+#include <volume/options.hpp>
+
+namespace tetsuame::volume {
+
+using namelist::between, namelist::for_expert, namelist::up_to;
+
+void declare(namelist::schema& schema, options& all) {
+  schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
+  schema.add("smoothing", "normalise", all.smoothing.normalise,
+             {.meaning = "divide by the kernel sum, which on a lattice is not quite 1"});
+  auto& o = all.hosono;
+  schema.group("hosono", "iteration for Y of programs A and B");
+  schema.add("hosono", "solver", o.solver,
+             {.choices = {"plain", "under_relaxed", "anderson", "newton"},
+              .meaning = "plain as published; the others converge where it does not"});
+  schema.add("hosono", "tolerance", o.tolerance,
+             up_to(1e-2, "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"));
+  schema.add("hosono", "max_iterations", o.max_iterations, between(1, 1e7, "passes in one evaluation at most"));
+  schema.add(
+      "hosono", "relaxation", o.relaxation,
+      for_expert(between(0.0, 1.0,
+                         "exponent of (Y_new/Y) for under_relaxed and anderson; 0: the least p/K_T of all particles")));
+  schema.add("hosono", "anderson_depth", o.anderson_depth,
+             for_expert(between(0, 50, "earlier passes that anderson combines")));
+}
+
+}  // namespace tetsuame::volume
