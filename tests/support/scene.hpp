@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <hydrostatic/setup.hpp>
+#include <run/passes.hpp>
 #include <string>
 #include <vector>
 
