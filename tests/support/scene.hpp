@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdint>
 #include <hydrostatic/setup.hpp>
-#include <run/passes.hpp>
 #include <string>
 #include <vector>
 
