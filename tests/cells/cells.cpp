@@ -1,5 +1,7 @@
 // Grids and neighbour lists against a search through all particles and their images.
 #define BOOST_TEST_MODULE cells
+#include <liquid/passes.hpp>
+
 #include "../support/scene.hpp"
 
 using namespace tetsuame;

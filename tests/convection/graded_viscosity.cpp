@@ -4,6 +4,7 @@
 #include <convection/graded_viscosity.hpp>
 #include <convection/pass.hpp>
 #include <functional>
+#include <liquid/passes.hpp>
 #include <run/lists.hpp>
 #include <run/start_lattice.hpp>
 

@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE diffusion
 #include <diffusion/conduction.hpp>
 #include <diffusion/viscosity.hpp>
+#include <liquid/passes.hpp>
 #include <numbers>
 
 #include "../support/scene.hpp"

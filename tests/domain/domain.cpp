@@ -1,6 +1,7 @@
 // Halos, migration, periodic borders and what ranks agree on.
 #define BOOST_TEST_MODULE domain
 #include <omp.h>
+#include <liquid/passes.hpp>
 
 #include "../support/scene.hpp"
 

@@ -2,6 +2,7 @@
 #define BOOST_TEST_MODULE moving_cuts
 #include <gradient/pattern_1.hpp>
 #include <hydrostatic/hydrostatic.hpp>
+#include <liquid/passes.hpp>
 #include <liquid/scheme_of.hpp>
 #include <volume/our_method.hpp>
 

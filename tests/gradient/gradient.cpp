@@ -3,6 +3,7 @@
 #include <gradient/continuity.hpp>
 #include <gradient/pattern_1.hpp>
 #include <gradient/pattern_2.hpp>
+#include <liquid/passes.hpp>
 
 #include "../support/scene.hpp"
 

@@ -1,6 +1,7 @@
 // The pair loop against a plain double loop over all particles, for every kernel.
 #define BOOST_TEST_MODULE pairs
 #include <omp.h>
+#include <liquid/passes.hpp>
 
 #include "../support/scene.hpp"
 

@@ -89,7 +89,7 @@ class Key:
 def keys_of(program):
     """What --describe says there is to be given."""
     words = ["plan", "relaxation"] if program == "plan" else [program]
-    said = subprocess.run([PROGRAMS / words[0], *words[1:], "--describe"], env=environment(), capture_output=True, text=True, timeout=60).stdout
+    said = subprocess.run([PROGRAMS / words[0], *words[1:], "--describe"], env=environment(alone=True), capture_output=True, text=True, timeout=60).stdout
     found, group, facts = [], "", ""
     for line in said.splitlines():
         if start := re.match(r"&(\w+)", line):
@@ -221,7 +221,7 @@ def carried_out(one, here):
     (here / "in.nml").write_bytes(one.text)
     words = [w.encode("utf-8", "surrogateescape").replace(b"\0", b"") for w in map(str, [PROGRAMS / one.program, *one.words])]
     with open(here / "said", "wb") as said:
-        child = subprocess.Popen(words, cwd=here, env=environment(), stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, preexec_fn=limit,
+        child = subprocess.Popen(words, cwd=here, env=environment(alone=True), stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, preexec_fn=limit,
                                  start_new_session=True)
         timer = threading.Timer(WALL_S, lambda: os.killpg(child.pid, signal.SIGKILL))
         timer.start()

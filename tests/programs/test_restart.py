@@ -26,8 +26,8 @@ class Restart(Case):
     def start(self, program, name, settings, output, ranks=None):
         """The run under way, in a process group of its own."""
         process = subprocess.Popen(
-            command(program, *self.arguments(name, settings, self.here / output), ranks=ranks), cwd=self.here, env=environment(),
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+            command(program, *self.arguments(name, settings, self.here / output), ranks=ranks), cwd=self.here,
+            env=environment(alone=ranks is None), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
         self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
         return process
 

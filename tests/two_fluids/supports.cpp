@@ -1,6 +1,7 @@
 // Supports that follow the volume: forces are the slope of the potential, whatever the supports do, and momentum stays.
 // The same of the force of walls.
 #define BOOST_TEST_MODULE supports
+#include <liquid/passes.hpp>
 #include <namelist/document.hpp>
 #include <two_fluids/measures.hpp>
 #include <two_fluids/right_hand_side.hpp>

@@ -1,5 +1,6 @@
 // Volumes and smoothing that need no iteration: definitions, limits, and independence of ranks.
 #define BOOST_TEST_MODULE volume
+#include <run/passes.hpp>
 #include <volume/number_density.hpp>
 #include <volume/our_method.hpp>
 #include <volume/y_evolution.hpp>
@@ -8,6 +9,20 @@
 
 using namespace tetsuame;
 using namespace tetsuame::test;
+
+// Of <liquid/passes.hpp> the passes that are heavy to compile. The equation of state is not among them: it is compared
+// to the bit with eos::pressure, which unlike programs does not fuse multiply and add.
+#define TETSUAME_VOLUME_PASSES(D)                                                                                    \
+  extern template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, walls::wall_set<D>&);        \
+  extern template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, walls::wall_set<D>&); \
+  extern template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, walls::wall_set<D>&);           \
+  extern template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, walls::wall_set<D>&);         \
+  extern template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);             \
+  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                  \
+  extern template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool)
+
+TETSUAME_VOLUME_PASSES(2);
+TETSUAME_VOLUME_PASSES(3);
 
 namespace {
 

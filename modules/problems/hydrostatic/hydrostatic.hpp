@@ -6,7 +6,7 @@
 #include <hydrostatic/measures.hpp>
 #include <liquid/scheme.hpp>
 #include <optional>
-#include <output/columns.hpp>
+#include <output/groups.hpp>
 #include <output/snapshot.hpp>
 #include <run/box.hpp>
 
