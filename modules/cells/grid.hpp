@@ -29,6 +29,7 @@ struct grid {
   index<D> first{}, extent{};          // of the cells that hold a particle
   std::vector<std::uint32_t> start;    // per cell, into `members`; one more at the end
   std::vector<std::uint32_t> members;  // local particle indices, by cell, then ID
+  std::vector<std::uint32_t> run_end;  // per place in `members`: up to where particles follow each other as members do
   // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
   std::array<particles::array, D> sorted;
 
@@ -101,6 +102,10 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
     for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
       for (std::size_t a = 0; a < D; ++a) g.sorted[a][k] = x[a][g.members[k]];
   }
+  g.run_end.resize(n);
+  for (std::size_t k = n; k-- > 0;)
+    g.run_end[k] =
+        k + 1 < n && g.members[k + 1] == g.members[k] + 1 ? g.run_end[k + 1] : static_cast<std::uint32_t>(k + 1);
   for (auto& component : g.sorted) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
   return g;
 }
@@ -139,21 +144,25 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, doub
   descend(descend, 0, index<D>{}, reach2);
 }
 
-// f(k, near) for registers' worths of `members`, from k on, in the order of cells, then IDs: bit n of `near` is set
-// where member k + n is nearer to the point than `reach`. Not called where none is.
+// f(k, near) for up to 64 `members` from k on, in the order of cells, then IDs: bit n of `near` is set where member
+// k + n is nearer to the point than `reach`. Not called where none is.
 template <int D, class F>
 void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
   using foundation::lanes, foundation::real;
   const real reach2(reach * reach);
   for_each_stretch<D>(g, point, reach, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t k = first; k < last; k += lanes) {
-      real r2(0.0);
-      for (std::size_t a = 0; a < D; ++a) {
-        const real x_ij = point[a] - real(g.sorted[a].data() + k, std::experimental::element_aligned);
-        r2 += x_ij * x_ij;
+    for (std::uint32_t k = first; k < last; k += 64) {
+      const std::uint32_t n = std::min(last - k, 64U);
+      std::uint64_t near = 0;
+      for (std::uint32_t c = 0; c < n; c += lanes) {
+        real r2(0.0);
+        for (std::size_t a = 0; a < D; ++a) {
+          const real x_ij = point[a] - real(g.sorted[a].data() + k + c, std::experimental::element_aligned);
+          r2 += x_ij * x_ij;
+        }
+        near |= static_cast<std::uint64_t>(foundation::bits_of_less(r2, reach2)) << c;
       }
-      std::uint32_t near = foundation::bits_of_less(r2, reach2);
-      if (last - k < lanes) near &= (1U << (last - k)) - 1U;
+      near &= ~std::uint64_t{0} >> (64 - n);
       if (near != 0) f(k, near);
     }
   });

@@ -68,13 +68,7 @@ struct neighbour_list {
   std::size_t room() const { return longest + 32 + lanes; }
   // Row r with its padding, each entry times Stride, written to `out`; returns its end.
   template <std::uint32_t Stride>
-  std::uint32_t* expand(std::size_t r, std::uint32_t* out) const {
-    std::uint32_t* end = out;
-    for (std::size_t k = start[r]; k < start[r + 1]; ++k)
-      end = foundation::append_run<Stride>(end, runs[k].first, runs[k].chosen);
-    for (std::size_t lane = 0; lane < lanes; ++lane) end[lane] = static_cast<std::uint32_t>(null) * Stride;
-    return out + (static_cast<std::size_t>(end - out) + lanes - 1) / lanes * lanes;
-  }
+  std::uint32_t* expand(std::size_t r, std::uint32_t* out) const;
   // The same, in a buffer that serves again.
   template <std::uint32_t Stride = 1>
   std::span<const std::uint32_t> row(std::size_t r, std::vector<std::uint32_t>& buffer) const {
@@ -85,38 +79,65 @@ struct neighbour_list {
   void append(std::span<const std::uint32_t> entries);
 };
 
-// Makes the runs of one row, one behind the other from `out` on, where there is room for one an entry and one more.
-struct run_maker {
-  run* out;
-  std::uint32_t first = 0, chosen = 0;  // of the run that is being made
-  std::size_t entries = 0;
+// Writes a row out, each entry times Stride, a run a step.
+template <std::uint32_t Stride>
+class row_writer {
+ public:
+  row_writer(const neighbour_list& list, std::size_t r, std::uint32_t* out)
+      : null_(static_cast<std::uint32_t>(list.null) * Stride),
+        at_(list.runs.data() + list.start[r]),
+        last_(list.runs.data() + list.start[r + 1]),
+        begin_(out),
+        out_(out) {}
 
-  // first + n of a register's worth, for every bit n that is set.
-  void add(std::uint32_t from, std::uint32_t bits) {
-    entries += static_cast<std::size_t>(std::popcount(bits));
-    const std::uint32_t n = from - first;
-    if (n < 32 && n + static_cast<std::uint32_t>(std::bit_width(bits)) <= 32 && chosen >> n == 0) {
-      chosen |= bits << n;
-      return;
-    }
-    end();
-    const auto skipped = static_cast<std::uint32_t>(std::countr_zero(bits));
-    first = from + skipped;
-    chosen = bits >> skipped;
+  [[gnu::always_inline]] void step() {
+    if (at_ == last_) return;
+    out_ = foundation::append_run<Stride>(out_, at_->first, at_->chosen);
+    ++at_;
   }
-  run* end() {
-    if (chosen != 0) *out++ = {first, chosen};
-    return out;
+  // What is left, and the padding; returns the end.
+  std::uint32_t* finish() {
+    while (at_ != last_) step();
+    for (std::size_t lane = 0; lane < neighbour_list::lanes; ++lane) out_[lane] = null_;
+    return begin_ + (static_cast<std::size_t>(out_ - begin_) + neighbour_list::lanes - 1) / neighbour_list::lanes *
+                        neighbour_list::lanes;
   }
+
+ private:
+  std::uint32_t null_;
+  const run *at_, *last_;
+  std::uint32_t *begin_, *out_;
 };
+
+template <std::uint32_t Stride>
+std::uint32_t* neighbour_list::expand(std::size_t r, std::uint32_t* out) const {
+  return row_writer<Stride>(*this, r, out).finish();
+}
+
+// Adds the particles first + n, for every bit n of `chosen`, behind `out`; returns the end.
+inline run* add_runs(run* out, std::uint32_t first, std::uint64_t chosen) {
+  while (chosen != 0) {
+    const int skipped = std::countr_zero(chosen);
+    first += static_cast<std::uint32_t>(skipped);
+    chosen >>= skipped;
+    *out++ = {first, static_cast<std::uint32_t>(chosen)};
+    first += 32;
+    chosen >>= 32;
+  }
+  return out;
+}
 
 inline void neighbour_list::append(std::span<const std::uint32_t> entries) {
   if (start.empty()) start.push_back(0);
-  runs.resize(start.back() + entries.size() + 1);
-  run_maker row{runs.data() + start.back()};
-  for (const std::uint32_t j : entries) row.add(j, 1);
-  start.push_back(static_cast<std::size_t>(row.end() - runs.data()));
-  runs.resize(start.back());
+  for (const std::uint32_t j : entries) {
+    run* const last = runs.size() > start.back() ? &runs.back() : nullptr;
+    // In the last run, where it reaches so far and holds nothing behind.
+    if (last != nullptr && j - last->first < 32 && last->chosen >> (j - last->first) == 0)
+      last->chosen |= 1U << (j - last->first);
+    else
+      runs.push_back({j, 1});
+  }
+  start.push_back(runs.size());
   pairs += entries.size();
   longest = std::max(longest, entries.size());
 }
@@ -124,26 +145,25 @@ inline void neighbour_list::append(std::span<const std::uint32_t> entries) {
 // Accepts all but row r's own particle, r.
 struct others {};
 
-// Adds those of members[k, k + lanes) whose bit is set and which row r accepts.
-template <class Accept>
-void add_members(run_maker& row, const std::vector<std::uint32_t>& members, std::size_t k, std::uint32_t bits,
-                 std::size_t r, const Accept& accept) {
-  if constexpr (std::is_same_v<Accept, others>) {
-    const std::uint32_t from = members[k];
-    if ((bits & ~foundation::bits_of_successive(members.data() + k, members.size() - k)) == 0) {
-      if (const std::size_t own = r - from; own < neighbour_list::lanes) bits &= ~(1U << own);
-      if (bits != 0) row.add(from, bits);
-      return;
-    }
-  }
-  for (; bits != 0; bits &= bits - 1U) {
-    const std::uint32_t j = members[k + static_cast<std::size_t>(std::countr_zero(bits))];
+// Adds those of members[k, k + 64) whose bit is set and which row r accepts behind `out`; returns the end.
+template <int D, class Accept>
+run* add_members(run* out, const grid<D>& g, std::uint32_t k, std::uint64_t near, std::size_t r, const Accept& accept) {
+  for (std::uint32_t left = 64; near != 0;) {
+    const std::uint32_t j = g.members[k], n = std::min(left, g.run_end[k] - k);
+    std::uint64_t chosen = near & ~std::uint64_t{0} >> (64 - n);
     if constexpr (std::is_same_v<Accept, others>) {
-      if (j != r) row.add(j, 1);
+      if (const std::size_t own = r - j; own < 64) chosen &= ~(std::uint64_t{1} << own);
     } else {
-      if (accept(r, j)) row.add(j, 1);
+      for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
+        if (!accept(r, j + static_cast<std::uint32_t>(std::countr_zero(bits)))) chosen &= ~(bits & (~bits + 1));
     }
+    out = add_runs(out, j, chosen);
+    if (n == left) break;
+    near >>= n;
+    left -= n;
+    k += n;
   }
+  return out;
 }
 
 // Row r lists the particles j with |centre(r) - x_j| < reach, or reach(r), and accept(r, j). The list's memory serves
@@ -176,18 +196,21 @@ void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, const R
         const std::size_t last = std::min(rows, first + block);
         std::size_t count = 0;
         for (std::size_t r = first; r < last; ++r) {
-          run_maker row{made.data() + count};
-          for_each_near<D>(g, centre(r), reach_of(r), [&](std::uint32_t k, std::uint32_t near) {
-            const auto used = static_cast<std::size_t>(row.out - made.data());
-            if (const std::size_t most = used + neighbour_list::lanes + 1; most > made.size()) {
-              made.resize(2 * most);
-              row.out = made.data() + used;
+          run* row_end = made.data() + count;
+          for_each_near<D>(g, centre(r), reach_of(r), [&](std::uint32_t k, std::uint64_t near) {
+            const auto used = static_cast<std::size_t>(row_end - made.data());
+            if (used + 64 > made.size()) {
+              made.resize(2 * (used + 64));
+              row_end = made.data() + used;
             }
-            add_members(row, g.members, k, near, r, accept);
+            row_end = add_members(row_end, g, k, near, r, accept);
           });
-          pairs += row.entries;
-          longest = std::max(longest, row.entries);
-          count = static_cast<std::size_t>(row.end() - made.data());
+          std::size_t entries = 0;
+          for (const run* at = made.data() + count; at != row_end; ++at)
+            entries += static_cast<std::size_t>(std::popcount(at->chosen));
+          pairs += entries;
+          longest = std::max(longest, entries);
+          count = static_cast<std::size_t>(row_end - made.data());
           list.start[r + 1] = count;  // from the block's begin
         }
         std::size_t begin;

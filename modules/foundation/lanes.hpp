@@ -85,50 +85,30 @@ std::uint32_t bits_of_less(const R& a, const R& b) {
   return all;
 }
 
-// Bit n: whether values[n] is values[0] + n, for n < lanes; none where fewer values may be read.
-inline std::uint32_t bits_of_successive(const std::uint32_t* values, std::size_t available) {
-  if (available < lanes) return 0;
-#if defined(__AVX512F__) && defined(__AVX512VL__)
-  if (lanes == 8) {
-    const __m256i should = _mm256_add_epi32(_mm256_set1_epi32(static_cast<std::int32_t>(values[0])),
-                                            _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values)), should);
-  }
+#if defined(__AVX2__)
+// Row `byte`: the numbers of its set bits times Stride, the lower ones first.
+template <std::uint32_t Stride>
+alignas(64) inline constexpr auto set_bits = [] {
+  std::array<std::array<std::uint32_t, 8>, 256> rows{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte)
+    for (std::uint32_t bit = 0, at = 0; bit < 8; ++bit)
+      if ((byte >> bit & 1U) != 0) rows[byte][at++] = bit * Stride;
+  return rows;
+}();
 #endif
-  std::uint32_t all = 0;
-  for (std::uint32_t n = 0; n < lanes; ++n) all |= (values[n] == values[0] + n ? 1U : 0U) << n;
-  return all;
-}
 
 // Writes (first + n) * Stride for every bit n of `bits` to `out`, where there is room for 32; returns the end of what
 // was written.
 template <std::uint32_t Stride>
-std::uint32_t* append_run(std::uint32_t* out, std::uint32_t first, std::uint32_t bits) {
-#if defined(__AVX512F__)
-  constexpr int s = Stride;
-  const __m512i low = _mm512_add_epi32(_mm512_set1_epi32(static_cast<std::int32_t>(first * Stride)),
-                                       _mm512_setr_epi32(0, s, 2 * s, 3 * s, 4 * s, 5 * s, 6 * s, 7 * s, 8 * s, 9 * s,
-                                                         10 * s, 11 * s, 12 * s, 13 * s, 14 * s, 15 * s));
-  const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(16 * s));
-  _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), low));
-  _mm512_storeu_si512(out + std::popcount(bits & 0xffffU),
-                      _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits >> 16), high));
-  return out + std::popcount(bits);
-#elif defined(__AVX2__)
-  // Row `byte`: which of its bits are set, one a byte.
-  static constexpr auto set = [] {
-    std::array<std::array<std::uint8_t, 8>, 256> rows{};
-    for (std::uint32_t byte = 0; byte < 256; ++byte)
-      for (std::uint32_t bit = 0, at = 0; bit < 8; ++bit)
-        if ((byte >> bit & 1U) != 0) rows[byte][at++] = static_cast<std::uint8_t>(bit);
-    return rows;
-  }();
-  for (; bits != 0; bits >>= 8, first += 8) {
-    const __m128i row = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set[bits & 0xffU].data()));
-    const __m256i all =
-        _mm256_add_epi32(_mm256_cvtepu8_epi32(row), _mm256_set1_epi32(static_cast<std::int32_t>(first)));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_mullo_epi32(all, _mm256_set1_epi32(Stride)));
+[[gnu::always_inline]] inline std::uint32_t* append_run(std::uint32_t* out, std::uint32_t first, std::uint32_t bits) {
+#if defined(__AVX2__)
+  __m256i from = _mm256_set1_epi32(static_cast<std::int32_t>(first * Stride));
+  const __m256i eight = _mm256_set1_epi32(8 * Stride);
+  for (int byte = 0; byte < 4; ++byte, bits >>= 8) {
+    const auto* row = reinterpret_cast<const __m256i*>(set_bits<Stride>[bits & 0xffU].data());
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_add_epi32(from, _mm256_load_si256(row)));
     out += std::popcount(bits & 0xffU);
+    from = _mm256_add_epi32(from, eight);
   }
   return out;
 #else

@@ -2,6 +2,8 @@
 // microseconds, and far more where ranks and threads share cores. Results do not depend on it.
 #pragma once
 
+#include <omp.h>
+
 #include <cstddef>
 
 namespace tetsuame::foundation {
@@ -14,6 +16,16 @@ template <class F>
 void for_all(std::size_t n, const F& f) {
 #pragma omp parallel for schedule(static) if (n > values_worth_threads)
   for (std::size_t i = 0; i < n; ++i) f(i);
+}
+
+// In a parallel region: which of n rows are the calling thread's.
+struct share {
+  std::size_t first, last;
+};
+inline share share_of_thread(std::size_t n) {
+  const auto threads = static_cast<std::size_t>(omp_get_num_threads());
+  const auto thread = static_cast<std::size_t>(omp_get_thread_num());
+  return {n * thread / threads, n * (thread + 1) / threads};
 }
 
 }  // namespace tetsuame::foundation

@@ -139,18 +139,21 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
   return c;
 }
 
-// One particle's sums over its row of the list, whose records are at the places [place, end). `flatten`: everything
+// One particle's sums over its row of the list, whose records are at the places [place, end); meanwhile the next row
+// is written out, which the processor does beside; returns its end. `flatten`: everything
 // called in here is inlined, so that the compiler keeps sums and kernel in registers whatever it thinks of the
 // program's size. `source` gives the pair's values: its own(ij, i) once a row, neighbour(ij, place), which returns x_j,
 // for every register of neighbours.
 template <int D, class Source, class Kernel, class... Terms>
-[[gnu::flatten]] void sum_row(std::size_t i, const std::uint32_t* place, const std::uint32_t* end, const Source& source,
-                              const Kernel& kernel, const Terms&... terms) {
+[[gnu::flatten]] std::uint32_t* sum_row(std::size_t i, const std::uint32_t* place, const std::uint32_t* end,
+                                        cells::row_writer<Source::stride> next, const Source& source,
+                                        const Kernel& kernel, const Terms&... terms) {
   const real nearest(kernel.smallest_r() * kernel.smallest_r());
   typename Source::pair ij;
   const vec<real, D> x_i = source.own(ij, i);
   std::tuple mine{terms.begin(i)...};
   for (; place < end; place += lanes) {
+    next.step();
     ij.x_ij = x_i - source.neighbour(ij, place);
     ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
     const auto root = foundation::both_roots(foundation::greater(ij.r2, nearest));
@@ -160,6 +163,7 @@ template <int D, class Source, class Kernel, class... Terms>
     add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
   }
   end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
+  return next.finish();
 }
 
 // Pairs out of the records.
@@ -196,20 +200,18 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
   pack<D>(x, reads, rows.packed_with(list.null), list);
   const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
   const std::size_t n = rows.size();
-  // A few rows are written out before they are summed over: the processor does both at a time.
-  constexpr std::size_t block = 4;
   const std::size_t room = list.room();
 #pragma omp parallel if (n > foundation::rows_worth_threads)
   {
-    std::vector<std::uint32_t> places(block * room);
-#pragma omp for schedule(static)
-    for (std::size_t first = 0; first < n; first += block) {
-      const std::size_t last = std::min(n, first + block);
-      std::array<const std::uint32_t*, block> end;
-      for (std::size_t r = first; r < last; ++r)
-        end[r - first] = list.expand<source.stride>(rows[r], places.data() + (r - first) * room);
-      for (std::size_t r = first; r < last; ++r)
-        sum_row<D>(rows[r], places.data() + (r - first) * room, end[r - first], source, kernel, terms...);
+    const auto share = foundation::share_of_thread(n);
+    std::vector<std::uint32_t> places(2 * room);
+    std::uint32_t *now = places.data(), *ahead = now + room;
+    const std::uint32_t* end = share.first < share.last ? list.expand<source.stride>(rows[share.first], now) : nullptr;
+    for (std::size_t r = share.first; r < share.last; ++r) {
+      // Behind the last row: that row again.
+      const cells::row_writer<source.stride> next(list, rows[std::min(r + 1, share.last - 1)], ahead);
+      end = sum_row<D>(rows[r], now, end, next, source, kernel, terms...);
+      std::swap(now, ahead);
     }
   }
 }

@@ -16,6 +16,5 @@ std::unique_ptr<run::problem> two_fluids_3d(two_fluids::problem_kind, const two_
                                             const two_fluids::parameters&, const liquid::program*) {
   leave_out();
 }
-std::unique_ptr<run::problem> conduction(const conduction::options&) { leave_out(); }
 
 }  // namespace tetsuame::problems

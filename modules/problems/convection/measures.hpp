@@ -32,8 +32,8 @@ class interpolation {
     std::array<std::array<double, terms>, terms> A{};
     std::array<std::array<double, terms>, K> b{};
     std::vector<std::uint32_t> near;
-    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t k, std::uint32_t bits) {
-      for (; bits != 0; bits &= bits - 1U)
+    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t k, std::uint64_t bits) {
+      for (; bits != 0; bits &= bits - 1)
         near.push_back(grid_.members[k + static_cast<std::size_t>(std::countr_zero(bits))]);
     });
     for (const std::uint32_t j : near) {
