@@ -1,7 +1,6 @@
 // Wall particles and their markers, and what each treatment gives them.
 #define BOOST_TEST_MODULE walls
 #include <hydrostatic/measures.hpp>
-#include <liquid/passes.hpp>
 #include <set>
 
 #include "../support/scene.hpp"
