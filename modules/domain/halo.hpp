@@ -71,10 +71,10 @@ void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<doubl
   h.requests.clear();
   h.out.resize(std::max(h.out.size(), h.sources.size() * n));
   h.in.resize(std::max(h.in.size(), h.ghosts * n));
-  const typename halo<D>::stretch* own = nullptr;
+  std::size_t own = 0;  // where among the ghosts the images of this rank's own particles begin
   for (const auto& s : h.from) {
     if (s.rank == ranks.rank) {
-      own = &s;
+      own = s.begin;
       continue;
     }
     h.requests.emplace_back();
@@ -84,8 +84,8 @@ void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<doubl
 #pragma omp parallel if (h.sources.size() * n > foundation::values_worth_threads)
   for (const auto& s : h.to)
     for (std::size_t f = 0; f < n; ++f) {
-      double* packed = s.rank == ranks.rank ? h.fields[f].values + h.ghosts_begin + own->begin
-                                            : h.out.data() + s.begin * n + f * s.count;
+      double* packed =
+          s.rank == ranks.rank ? h.fields[f].values + h.ghosts_begin + own : h.out.data() + s.begin * n + f * s.count;
       detail::share(s.count, [&](std::size_t k) {
         const std::size_t source = s.begin + k;
         const double value = h.fields[f].values[h.sources[source]];

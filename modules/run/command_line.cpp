@@ -39,7 +39,7 @@ bool under_a_launcher() {
 
 // Open MPI leaves a failed MPI_Init by _exit, which no handler of exit or of MPI sees; a program's own definition is
 // called before the C library's.
-extern "C" [[noreturn]] void _exit(int status) {
+extern "C" __attribute__((noreturn)) void _exit(int status) {
   if (arguments != nullptr && status != 0 && getpid() == starts) start_again();
   for (;;) syscall(SYS_exit_group, status);
 }

@@ -205,7 +205,7 @@ std::string write_script(const submit::options& o) {
   std::error_code problem;
   fs::create_directories(o.output, problem);
   if (problem) fail_file(fmt::format("cannot create directory {}: {}", o.output, problem.message()));
-  const auto path = o.output + "/job.sh";
+  auto path = o.output + "/job.sh";
   const auto old = output::numbered_files(o.output, "checkpoint_", ".h5");
   if (o.force)
     for (const auto& file : old) output::remove_quietly(o.output + "/" + file.second);

@@ -328,7 +328,7 @@ setup blasts(const options& o) {
 
 // Of vy, the wave k along x near the layers at these heights.
 trace wave_amplitude(double k, std::vector<double> heights) {
-  return {"wave_amplitude", "m/s", [=](const view& w) {
+  return {"wave_amplitude", "m/s", [=, heights = std::move(heights)](const view& w) {
             foundation::exact_sum sine, cosine, weight;
             for (std::size_t i = 0; i < w.n; ++i) {
               double near = std::numeric_limits<double>::infinity();
