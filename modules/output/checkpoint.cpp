@@ -105,7 +105,7 @@ void keep_two(const std::string& directory, std::int64_t step) {
 std::string read_verified_block(const std::string& path) {
   const descriptor file(path, O_RDONLY);
   const auto size = size_of(file, path);
-  const auto block = beginning_of(path, block_bytes_in(path, beginning_of(path, 512)));
+  auto block = beginning_of(path, block_bytes_in(path, beginning_of(path, 512)));
 
   const auto index = read_block(path, block);
   if (index.file_bytes != size)
