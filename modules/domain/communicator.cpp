@@ -3,7 +3,7 @@
 #include <domain/communicator.hpp>
 #include <foundation/waiting.hpp>
 #include <limits>
-#include <output/agree.hpp>
+#include <foundation/agree.hpp>
 
 namespace tetsuame::domain {
 
@@ -78,11 +78,11 @@ double communicator::exact(foundation::exact_sum sum) const {
   return sum.value();
 }
 
-std::string communicator::broadcast(const std::string& text) const { return output::broadcast(comm, text); }
+std::string communicator::broadcast(const std::string& text) const { return foundation::broadcast(comm, text); }
 
 void communicator::agree_on_fault(std::int64_t id, const std::string& message, foundation::exit_status status) const {
   const foundation::collective timed;
-  output::agree(comm, message, status, id);
+  foundation::agree(comm, message, status, id);
 }
 
 }  // namespace tetsuame::domain

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
-#include <output/agree.hpp>
 #include <output/checkpoint.hpp>
 #include <output/checkpoint_index.hpp>
 #include <output/directory.hpp>
@@ -85,7 +85,7 @@ void write_index(MPI_Comm comm, shared_file& file, const layout& contents, check
     index.datasets[k].bytes = contents.datasets[k].bytes;
   }
   sum_over_ranks(comm, index.datasets);
-  if (rank_of(comm) != 0) return;
+  if (foundation::rank_of(comm) != 0) return;
   index.structure =
       structure_sum(index, [&](std::uint64_t at, char* to, std::size_t bytes) { file.read_raw(at, to, bytes); });
   const auto block = block_text(index);
@@ -123,7 +123,8 @@ std::uint64_t slab_start(std::uint64_t rows, std::uint64_t rank, std::uint64_t r
 // This rank's rows of a field, or the whole of anything else, with the checksum of the
 // bytes read (of the whole once summed over ranks).
 part read_part(MPI_Comm comm, const descriptor& file, const std::string& path, const indexed& d) {
-  const auto rank = static_cast<std::uint64_t>(rank_of(comm)), ranks = static_cast<std::uint64_t>(size_of(comm));
+  const auto rank = static_cast<std::uint64_t>(foundation::rank_of(comm)),
+             ranks = static_cast<std::uint64_t>(foundation::size_of(comm));
   part p{d, {}};
   p.entry.sum = {};
   std::uint64_t first = 0, bytes = d.bytes;
@@ -179,19 +180,19 @@ std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::i
   shared_file file(comm, path, contents);
   std::size_t next = 0;
   for (const auto& p : singles) {
-    if (rank_of(comm) == 0) write_part(file, contents.datasets[next], 0, p.words, index.datasets[next].sum);
+    if (foundation::rank_of(comm) == 0) write_part(file, contents.datasets[next], 0, p.words, index.datasets[next].sum);
     ++next;
   }
   for (std::size_t t = 0; t < tables.size(); ++t)
     write_table(file, tables[t], orders[t], contents, index.datasets, next);
   write_index(comm, file, contents, index);
   file.finish();
-  on_rank_0(comm, [&] { keep_two(directory, step); });
+  foundation::on_rank_0(comm, [&] { keep_two(directory, step); });
   return path;
 }
 
 void forget_checkpoints_after(MPI_Comm comm, const std::string& directory, std::int64_t step) {
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     for (const auto& [number, name] : numbered_files(directory, "checkpoint_", ".h5"))
       if (number > step) remove_quietly((std::filesystem::path(directory) / name).string());
   });
@@ -199,8 +200,8 @@ void forget_checkpoints_after(MPI_Comm comm, const std::string& directory, std::
 
 checkpoint read_checkpoint(MPI_Comm comm, const std::string& path) {
   std::string block;
-  on_rank_0(comm, [&] { block = read_verified_block(path); });
-  block = broadcast(comm, block);
+  foundation::on_rank_0(comm, [&] { block = read_verified_block(path); });
+  block = foundation::broadcast(comm, block);
 
   std::vector<part> parts;
   std::vector<indexed> sums;
@@ -213,7 +214,7 @@ checkpoint read_checkpoint(MPI_Comm comm, const std::string& path) {
   } catch (const std::exception& e) {
     problem = e.what();
   }
-  agree(comm, problem);
+  foundation::agree(comm, problem);
 
   for (const auto& p : parts) sums.push_back(p.entry);
   sum_over_ranks(comm, sums);
@@ -227,10 +228,10 @@ checkpoint read_checkpoint(MPI_Comm comm, const std::string& path) {
 
 latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory) {
   std::string list;
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     for (const auto& [number, name] : numbered_files(directory, "checkpoint_", ".h5")) list = name + "\n" + list;
   });
-  list = broadcast(comm, list);
+  list = foundation::broadcast(comm, list);
 
   latest_checkpoint found;
   std::string reasons;

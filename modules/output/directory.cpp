@@ -9,10 +9,10 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
 #include <map>
 #include <optional>
-#include <output/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <output/hdf5_layout.hpp>
@@ -154,7 +154,7 @@ claimed_directory::claimed_directory(MPI_Comm comm, const std::string& directory
                                      std::vector<std::string> own_names)
     : comm_(comm), directory_(directory), own_names_(std::move(own_names)) {
   let_size_limits_fail_writes();
-  on_rank_0(comm, [&] { made_ = claim(directory, mode); });
+  foundation::on_rank_0(comm, [&] { made_ = claim(directory, mode); });
 }
 
 claimed_directory::~claimed_directory() {
@@ -169,7 +169,7 @@ void claimed_directory::clear(directory_mode mode, const std::string& kept) {
     if (mode == directory_mode::restart) return name.ends_with(".tmp");
     return name != kept && (own || written_by_a_run(fs::path(directory_) / name));
   };
-  on_rank_0(comm_, [&] {
+  foundation::on_rank_0(comm_, [&] {
     auto names = names_in(directory_);
     std::erase_if(names, [&](const std::string& name) { return !belongs(name); });
     remove_files(directory_, names);

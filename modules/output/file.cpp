@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
-#include <output/agree.hpp>
 #include <output/file.hpp>
 #include <utility>
 
@@ -142,7 +142,7 @@ void replace_text(const std::string& path, const std::string& text) {
 }
 
 void write_text(MPI_Comm comm, const std::string& path, const std::string& text) {
-  on_rank_0(comm, [&] { replace_text(path, text); });
+  foundation::on_rank_0(comm, [&] { replace_text(path, text); });
 }
 
 void write_summary(MPI_Comm comm, const std::string& path, const nlohmann::ordered_json& summary) {

@@ -3,8 +3,8 @@
 
 #include <ctime>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
-#include <output/agree.hpp>
 #include <output/history.hpp>
 
 namespace tetsuame::output {
@@ -50,7 +50,7 @@ checksum history::growing_sum::now() const {
 }
 
 history::history(MPI_Comm comm, const std::string& path, const std::string& contents) : comm_(comm), path_(path) {
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     replace_text(path, contents);
     file_ = append_to(path);
     sum_.add(contents);
@@ -65,7 +65,7 @@ history history::resume(MPI_Comm comm, const std::string& path, const std::vecto
                         const table_mark& mark) {
   const auto header = header_of(columns);
   std::string kept;
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     kept = kept_text(path, mark);
     if (kept.empty()) kept = header;
     if (!kept.starts_with(header))
@@ -76,11 +76,11 @@ history history::resume(MPI_Comm comm, const std::string& path, const std::vecto
 }
 
 void history::check(MPI_Comm comm, const std::string& path, const table_mark& mark) {
-  on_rank_0(comm, [&] { kept_text(path, mark); });
+  foundation::on_rank_0(comm, [&] { kept_text(path, mark); });
 }
 
 void history::append(std::int64_t step, std::span<const double> values, const std::string& text) {
-  on_rank_0(comm_, [&] {
+  foundation::on_rank_0(comm_, [&] {
     auto line = std::to_string(step);
     for (const double x : values) line += fmt::format(",{}", x);
     if (!text.empty()) line += fmt::format(",\"{}\"", text);
@@ -92,15 +92,15 @@ void history::append(std::int64_t step, std::span<const double> values, const st
 }
 
 table_mark history::mark() {
-  on_rank_0(comm_, [&] { sync(fileno(file_.get()), path_); });
+  foundation::on_rank_0(comm_, [&] { sync(fileno(file_.get()), path_); });
   return {static_cast<std::int64_t>(sum_.bytes), hex(sum_.now())};
 }
 
 run_log::run_log(MPI_Comm comm, const std::string& path) {
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     file_ = append_to(path);
-    const auto line =
-        fmt::format("--- {:%Y-%m-%d %H:%M:%S} UTC, {} ranks\n", fmt::gmtime(std::time(nullptr)), size_of(comm));
+    const auto line = fmt::format("--- {:%Y-%m-%d %H:%M:%S} UTC, {} ranks\n", fmt::gmtime(std::time(nullptr)),
+                                  foundation::size_of(comm));
     std::fputs(line.c_str(), file_.get());
     std::fflush(file_.get());
   });

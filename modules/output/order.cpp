@@ -1,10 +1,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
 #include <limits>
 #include <numeric>
-#include <output/agree.hpp>
 #include <output/order.hpp>
 
 namespace tetsuame::output {
@@ -44,7 +44,7 @@ std::vector<int> owners(MPI_Comm comm, std::size_t n, const std::int64_t* ids) {
   }
   MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPI_INT64_T, MPI_MIN, comm);
   const auto low = static_cast<std::uint64_t>(ends[0]), high = static_cast<std::uint64_t>(~ends[1]);
-  const std::uint64_t width = (high - low) / static_cast<std::uint64_t>(size_of(comm)) + 1;
+  const std::uint64_t width = (high - low) / static_cast<std::uint64_t>(foundation::size_of(comm)) + 1;
   std::vector<int> owner(n, 0);
   if (width == 0) return owner;  // one rank, IDs over the whole range of 64 bits
   for (std::size_t i = 0; i < n; ++i) owner[i] = static_cast<int>((static_cast<std::uint64_t>(ids[i]) - low) / width);
@@ -54,15 +54,16 @@ std::vector<int> owners(MPI_Comm comm, std::size_t n, const std::int64_t* ids) {
 void refuse_duplicates(const id_order& order) {
   // Equal IDs have one owner, so looking within the slab is enough.
   const auto twice = std::adjacent_find(order.ids.begin(), order.ids.end());
-  agree(order.comm,
-        twice == order.ids.end() ? "" : fmt::format("particle ID {} occurs twice: the state cannot be written", *twice),
-        foundation::exit_status::calculation_failed);
+  foundation::agree(
+      order.comm,
+      twice == order.ids.end() ? "" : fmt::format("particle ID {} occurs twice: the state cannot be written", *twice),
+      foundation::exit_status::calculation_failed);
 }
 
 }  // namespace
 
 id_order order_by_id(MPI_Comm comm, std::size_t n, const std::int64_t* ids) {
-  const auto ranks = static_cast<std::size_t>(size_of(comm));
+  const auto ranks = static_cast<std::size_t>(foundation::size_of(comm));
   id_order order;
   order.comm = comm;
 
@@ -87,7 +88,7 @@ id_order order_by_id(MPI_Comm comm, std::size_t n, const std::int64_t* ids) {
 
   const std::uint64_t rows = order.take.size();
   MPI_Exscan(&rows, &order.first_row, 1, MPI_UINT64_T, MPI_SUM, comm);
-  if (rank_of(comm) == 0) order.first_row = 0;  // Exscan leaves it undefined there
+  if (foundation::rank_of(comm) == 0) order.first_row = 0;  // Exscan leaves it undefined there
   MPI_Allreduce(&rows, &order.total_rows, 1, MPI_UINT64_T, MPI_SUM, comm);
   refuse_duplicates(order);
   return order;

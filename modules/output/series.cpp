@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <limits>
-#include <output/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <output/hdf5_layout.hpp>
@@ -103,7 +103,7 @@ std::vector<std::string> snapshots_below(const std::string& directory, std::int6
 }  // namespace
 
 void add_to_series(MPI_Comm comm, const std::string& directory, const std::string& snapshot_file, series& all) {
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     const auto path = path_in(directory);
     if (all.end == 0) return write_whole(directory, {snapshot_file}, all);
     std::error_code problem;
@@ -119,7 +119,7 @@ void add_to_series(MPI_Comm comm, const std::string& directory, const std::strin
 
 series continue_series(MPI_Comm comm, const std::string& directory, int next) {
   series all;
-  on_rank_0(comm, [&] {
+  foundation::on_rank_0(comm, [&] {
     for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5"))
       if (number >= next) remove_quietly((std::filesystem::path(directory) / name).string());
     write_whole(directory, snapshots_below(directory, next), all);

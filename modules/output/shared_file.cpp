@@ -1,7 +1,7 @@
 #include <fcntl.h>
 
 #include <exception>
-#include <output/agree.hpp>
+#include <foundation/agree.hpp>
 #include <output/shared_file.hpp>
 #include <vector>
 
@@ -26,7 +26,7 @@ shared_file::shared_file(MPI_Comm comm, const std::string& path, layout& content
   const auto temporary = temporary_name(path);
   std::vector<std::uint64_t> places;
   try {
-    on_rank_0(comm, [&] {
+    foundation::on_rank_0(comm, [&] {
       places.push_back(create_layout(temporary, contents));
       for (const auto& d : contents.datasets) places.insert(places.end(), {d.offset, d.bytes});
     });
@@ -40,13 +40,13 @@ shared_file::shared_file(MPI_Comm comm, const std::string& path, layout& content
     guarded(problem_, [&] { file_ = descriptor(temporary, O_RDWR); });
     check();
   } catch (...) {
-    if (rank_of(comm) == 0) remove_quietly(temporary);
+    if (foundation::rank_of(comm) == 0) remove_quietly(temporary);
     throw;
   }
 }
 
 shared_file::~shared_file() {
-  if (!finished_ && rank_of(comm_) == 0) remove_quietly(temporary_name(path_));
+  if (!finished_ && foundation::rank_of(comm_) == 0) remove_quietly(temporary_name(path_));
 }
 
 void shared_file::write(const dataset& d, std::uint64_t first_byte, const void* data, std::size_t bytes) {
@@ -61,12 +61,12 @@ void shared_file::read_raw(std::uint64_t offset, void* data, std::size_t bytes) 
   guarded(problem_, [&] { read_at(file_, path_, data, bytes, offset); });
 }
 
-void shared_file::check() { agree(comm_, problem_); }
+void shared_file::check() { foundation::agree(comm_, problem_); }
 
 void shared_file::finish() {
   guarded(problem_, [&] { sync(file_.get(), path_); });
   check();
-  on_rank_0(comm_, [&] { replace_by_temporary(path_); });
+  foundation::on_rank_0(comm_, [&] { replace_by_temporary(path_); });
   finished_ = true;
 }
 

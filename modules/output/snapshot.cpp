@@ -1,9 +1,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <foundation/agree.hpp>
 #include <limits>
 #include <numeric>
-#include <output/agree.hpp>
 #include <output/hdf5_layout.hpp>
 #include <output/order.hpp>
 #include <output/shared_file.hpp>
@@ -117,7 +117,7 @@ void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_heade
   std::vector<id_order> orders;
   for (const auto& group : groups) orders.push_back(order_by_id(comm, group.n, group.ids));
 
-  const auto input = broadcast(comm, origin.resolved_input);
+  const auto input = foundation::broadcast(comm, origin.resolved_input);
   layout contents;
   contents.groups = {{"/Header", header_attributes(header, groups, orders)},
                      {"/Provenance", {{"Program", origin.program}, {"Version", origin.version}}}};
@@ -129,7 +129,7 @@ void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_heade
   auto next = contents.datasets.cbegin();
   for (std::size_t g = 0; g < groups.size(); ++g)
     if (orders[g].total_rows > 0) write_group(file, groups[g], orders[g], next);
-  if (rank_of(comm) == 0) file.write(*next, 0, input.c_str(), next->bytes);
+  if (foundation::rank_of(comm) == 0) file.write(*next, 0, input.c_str(), next->bytes);
   file.finish();
 }
 

@@ -6,7 +6,7 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <limits>
-#include <output/agree.hpp>
+#include <foundation/agree.hpp>
 #include <output/file.hpp>
 #include <run/interrupt.hpp>
 #include <run/restart.hpp>
@@ -127,7 +127,7 @@ output::latest_checkpoint run_directory::read_saved() const {
 // Which would be lost, if this checkpoint were continued here.
 bool run_directory::holds_another_run(const output::checkpoint& saved) const {
   std::string another;
-  output::on_rank_0(ranks.comm, [&] {
+  foundation::on_rank_0(ranks.comm, [&] {
     if (!output::holds_a_run(line.output)) return;
     another = is_inside(line.restart, line.output) ? "" : "yes";
     const auto here = text_of_plain_file(path_of("resolved.nml"));
@@ -138,7 +138,7 @@ bool run_directory::holds_another_run(const output::checkpoint& saved) const {
       another = "yes";
     }
   });
-  return output::broadcast(ranks.comm, another) == "yes";
+  return foundation::broadcast(ranks.comm, another) == "yes";
 }
 
 output::history& run_directory::table(const std::string& name, const std::vector<output::history_column>& columns) {

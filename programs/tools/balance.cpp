@@ -12,7 +12,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <output/agree.hpp>
+#include <foundation/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <output/history.hpp>
@@ -250,7 +250,7 @@ void print(const virtual_run<D>& v, std::int64_t decisions) {
 
 template <int D>
 void carry_out(const run::command_line& line, const options& o, const std::string& resolved) {
-  if (output::size_of(MPI_COMM_WORLD) > 1)
+  if (foundation::size_of(MPI_COMM_WORLD) > 1)
     foundation::fail_input("balance models its ranks in one process: start it without mpirun, with --ranks P");
   const auto begin = clock::now();
   virtual_run<D> v(o);

@@ -11,7 +11,7 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <iterator>
-#include <output/agree.hpp>
+#include <foundation/agree.hpp>
 #include <output/groups.hpp>
 #include <string>
 #include <vector>
@@ -22,8 +22,8 @@ namespace output = tetsuame::output;
 namespace fs = std::filesystem;
 using tetsuame::foundation::exit_status;
 
-inline int rank() { return output::rank_of(MPI_COMM_WORLD); }
-inline int ranks() { return output::size_of(MPI_COMM_WORLD); }
+inline int rank() { return foundation::rank_of(MPI_COMM_WORLD); }
+inline int ranks() { return foundation::size_of(MPI_COMM_WORLD); }
 
 // An empty directory that all ranks share and no other test uses.
 inline std::string fresh_directory(const std::string& name) {
@@ -83,7 +83,7 @@ struct particles {
 
 // IDs first … first + n - 1, dealt out in disorder; the last of several ranks gets none.
 inline particles deal(MPI_Comm comm, std::int64_t first, std::int64_t n, std::int64_t stride = 7) {
-  const int me = output::rank_of(comm), all = output::size_of(comm), holders = all > 1 ? all - 1 : 1;
+  const int me = foundation::rank_of(comm), all = foundation::size_of(comm), holders = all > 1 ? all - 1 : 1;
   particles p;
   for (std::int64_t k = 0; k < n; ++k) {
     const std::int64_t id = first + (k * stride) % n;

@@ -59,7 +59,7 @@ void check_state(MPI_Comm comm, const output::checkpoint& c) {
   std::int64_t rows = static_cast<std::int64_t>(fluid.ids.size()), before = 0, total = 0;
   MPI_Exscan(&rows, &before, 1, MPI_INT64_T, MPI_SUM, comm);
   MPI_Allreduce(&rows, &total, 1, MPI_INT64_T, MPI_SUM, comm);
-  if (output::rank_of(comm) == 0) before = 0;
+  if (foundation::rank_of(comm) == 0) before = 0;
   BOOST_TEST(total == fluid_n);
   bool all = fluid.reals.at("rho").size() == fluid.ids.size() && fluid.integers.at("kind").size() == fluid.ids.size();
   for (std::size_t k = 0; k < fluid.ids.size() && all; ++k) {

@@ -9,15 +9,15 @@
 #include <functional>
 #include <string>
 
-namespace tetsuame::output {
+namespace tetsuame::foundation {
 
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
 
-// Collective. Each rank brings its problem, or an empty text. If there is one, every rank throws foundation::error with
+// Collective. Each rank brings its problem, or an empty text. If there is one, every rank throws error with
 // the text and status of the lowest ID that has one, and of these the lowest rank.
-void agree(MPI_Comm comm, const std::string& problem,
-           foundation::exit_status status = foundation::exit_status::file_failed, std::int64_t id = 0);
+void agree(MPI_Comm comm, const std::string& problem, exit_status status = exit_status::file_failed,
+           std::int64_t id = 0);
 
 // Collective. Runs the work on rank 0 only; what it throws is thrown on every rank.
 void on_rank_0(MPI_Comm comm, const std::function<void()>& work);
@@ -25,4 +25,4 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work);
 // Collective. Rank 0's value, on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);
 
-}  // namespace tetsuame::output
+}  // namespace tetsuame::foundation

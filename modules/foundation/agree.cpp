@@ -1,9 +1,9 @@
 #include <exception>
+#include <foundation/agree.hpp>
 #include <limits>
 #include <new>
-#include <output/agree.hpp>
 
-namespace tetsuame::output {
+namespace tetsuame::foundation {
 
 namespace {
 
@@ -29,7 +29,7 @@ int size_of(MPI_Comm comm) {
   return size;
 }
 
-void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status status, std::int64_t id) {
+void agree(MPI_Comm comm, const std::string& problem, exit_status status, std::int64_t id) {
   constexpr auto none = std::numeric_limits<std::int64_t>::max();
   const std::int64_t mine = problem.empty() ? none : id;
   std::int64_t lowest = mine;
@@ -39,16 +39,16 @@ void agree(MPI_Comm comm, const std::string& problem, foundation::exit_status st
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
   int code = static_cast<int>(status);
   MPI_Bcast(&code, 1, MPI_INT, first, comm);
-  throw foundation::error(static_cast<foundation::exit_status>(code), broadcast_from(comm, first, problem));
+  throw error(static_cast<exit_status>(code), broadcast_from(comm, first, problem));
 }
 
 void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
   std::string problem;
-  auto status = foundation::exit_status::file_failed;
+  auto status = exit_status::file_failed;
   if (rank_of(comm) == 0) {
     try {
       work();
-    } catch (const foundation::error& e) {
+    } catch (const error& e) {
       problem = e.what();
       status = e.status();
     } catch (const std::bad_alloc&) {
@@ -62,4 +62,4 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
 
 std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text); }
 
-}  // namespace tetsuame::output
+}  // namespace tetsuame::foundation
