@@ -18,6 +18,7 @@
 
 namespace test {
 
+namespace foundation = tetsuame::foundation;
 namespace output = tetsuame::output;
 namespace fs = std::filesystem;
 using tetsuame::foundation::exit_status;
