@@ -1,5 +1,5 @@
-// Linked cells as sorted cells: the particles of a cell stand together, by ID, and a
-// row of cells along the last axis is one stretch of memory.
+// Linked cells as sorted cells: the particles of a cell stand together, and a row of cells along the last axis is one
+// stretch of memory, in which particles are sorted along that axis; where they are level, by ID.
 //
 // Cells are anchored at the origin of the domain, not of the rank, and ordered along
 // the axes: which neighbours a particle has, and in which order they are summed, does
@@ -28,8 +28,7 @@ struct grid {
   double size = 0.0;                   // m, edge of a cell
   index<D> first{}, extent{};          // of the cells that hold a particle
   std::vector<std::uint32_t> start;    // per cell, into `members`; one more at the end
-  std::vector<std::uint32_t> members;  // local particle indices, by cell, then ID
-  std::vector<std::uint32_t> run_end;  // per place in `members`: up to where particles follow each other as members do
+  std::vector<std::uint32_t> members;  // local particle indices, by cell, there along the last axis, then ID
   // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
   std::array<particles::array, D> sorted;
 
@@ -98,34 +97,33 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
 #pragma omp parallel for schedule(static) if (n > values_worth_threads)
   for (std::size_t c = 0; c < cells; ++c) {
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
-              [&](std::uint32_t i, std::uint32_t j) { return id[i] < id[j]; });
+              [&](std::uint32_t i, std::uint32_t j) {
+                return x[D - 1][i] < x[D - 1][j] || (x[D - 1][i] == x[D - 1][j] && id[i] < id[j]);
+              });
     for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
       for (std::size_t a = 0; a < D; ++a) g.sorted[a][k] = x[a][g.members[k]];
   }
-  g.run_end.resize(n);
-  for (std::size_t k = n; k-- > 0;)
-    g.run_end[k] =
-        k + 1 < n && g.members[k + 1] == g.members[k] + 1 ? g.run_end[k + 1] : static_cast<std::uint32_t>(k + 1);
   for (auto& component : g.sorted) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
   return g;
 }
 
-// f(first, last) for every stretch of `members` in the cells that a ball of radius `reach` about
-// `point` meets, in the order of cells.
+// f(first, last) for every stretch of `members` in the cells that are within `reach` of the box from `low` to `high`, in
+// the order of cells.
 template <int D, class F>
-void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
+void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const std::array<double, D>& high,
+                      double reach, F&& f) {
   if (g.members.empty()) return;
   constexpr double rounding = 1.0 + 1e-9;  // of what decides which cells are met: rather one more than one too few
   const double reach2 = reach * reach * rounding;
-  // Along each axis but the last, the cells met and the squared distance from the point to each of them.
+  // Along each axis but the last, the cells met and the squared distance from the box to each of them.
   const auto cell_at = [&](double x) { return static_cast<std::int64_t>(std::floor(x / g.size)); };
   const auto gap2 = [&](std::size_t a, std::int64_t c) {
-    const double low = static_cast<double>(c) * g.size, gap = std::max({low - point[a], point[a] - low - g.size, 0.0});
+    const double edge = static_cast<double>(c) * g.size, gap = std::max({edge - high[a], low[a] - edge - g.size, 0.0});
     return gap * gap;
   };
   const auto along = [&](std::size_t a, double half) {
-    return std::pair{std::max(cell_at(point[a] - half), g.first[a]),
-                     std::min(cell_at(point[a] + half), g.first[a] + g.extent[a] - 1)};
+    return std::pair{std::max(cell_at(low[a] - half), g.first[a]),
+                     std::min(cell_at(high[a] + half), g.first[a] + g.extent[a] - 1)};
   };
   // The last axis' cells are one stretch.
   const auto stretch = [&](index<D> c, double left2) {
@@ -144,21 +142,23 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& point, doub
   descend(descend, 0, index<D>{}, reach2);
 }
 
-// f(k, near) for up to 64 `members` from k on, in the order of cells, then IDs: bit n of `near` is set where member
-// k + n is nearer to the point than `reach`. Not called where none is.
+// f(k, near) for up to 64 `members` from k on, in the order of the grid: bit n of `near` is set where member k + n is
+// nearer to the box from `low` to `high` than `reach`, a rounding more or less. Not called where none is.
 template <int D, class F>
-void for_each_near(const grid<D>& g, const std::array<double, D>& point, double reach, F&& f) {
-  using foundation::lanes, foundation::real;
-  const real reach2(reach * reach);
-  for_each_stretch<D>(g, point, reach, [&](std::uint32_t first, std::uint32_t last) {
+void for_each_near(const grid<D>& g, const std::array<double, D>& low, const std::array<double, D>& high, double reach,
+                   F&& f) {
+  using foundation::lanes, foundation::real, foundation::greater;
+  const real reach2(reach * reach * (1.0 + 1e-12));
+  for_each_stretch<D>(g, low, high, reach, [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t k = first; k < last; k += 64) {
       const std::uint32_t n = std::min(last - k, 64U);
       std::uint64_t near = 0;
       for (std::uint32_t c = 0; c < n; c += lanes) {
         real r2(0.0);
         for (std::size_t a = 0; a < D; ++a) {
-          const real x_ij = point[a] - real(g.sorted[a].data() + k + c, std::experimental::element_aligned);
-          r2 += x_ij * x_ij;
+          const real x(g.sorted[a].data() + k + c, std::experimental::element_aligned);
+          const real gap = greater(greater(real(low[a] - x), real(x - high[a])), real(0.0));
+          r2 += gap * gap;
         }
         near |= static_cast<std::uint64_t>(foundation::bits_of_less(r2, reach2)) << c;
       }

@@ -1,9 +1,10 @@
 // Neighbour lists with a skin: valid until some particle has moved half of it.
 //
-// Neighbours are local indices in the order of the grid (cells, then IDs), so every sum over
-// a list has the same bits on any number of ranks and threads. Particles of a column of cells follow each other in
-// memory too: a row is kept as runs of them, 8 B for up to 32 neighbours, and written out when it is summed over,
-// padded with the null particle to a multiple of `lanes`.
+// Particles that follow each other in memory, as many as a SIMD register has lanes, are a cluster: they stand together,
+// since particles are sorted by cells, and share one row of the list. It holds every particle within reach of any of
+// them, the members too. A neighbour out of one member's reach adds an exact zero to that member's sums, as kernels are
+// zero there; and neighbours stand in the order of the grid. So every sum over a row has the same bits on any number of
+// ranks and threads, wherever clusters begin and end.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <foundation/threads.hpp>
 #include <memory>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -38,203 +38,178 @@ struct uninitialised : std::allocator<T> {
   }
 };
 
-// Neighbours first + n, for every bit n of `chosen`.
-struct run {
-  std::uint32_t first, chosen;
-};
+using entries = std::vector<std::uint32_t, uninitialised<std::uint32_t>>;
 
 struct neighbour_list {
-  // Values in one SIMD register: a row is padded to a multiple of it.
+  // Members of a cluster: values in one SIMD register.
   static constexpr std::size_t lanes = foundation::lanes;
 
-  std::vector<std::size_t> start;  // per row, into `runs`; one more at the end
-  std::vector<run, uninitialised<run>> runs;
-  std::size_t pairs = 0;             // entries without padding
-  std::size_t longest = 0;           // entries of the longest row
-  std::size_t null = 0;              // the null particle's index, the largest there is
+  std::vector<std::size_t> start;  // per row, into `all`; one more at the end
+  entries all;                     // local indices
+  std::size_t pairs = 0;           // of a particle and a neighbour, counted where the row of a cluster holds others too
   mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
 
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
-  // Entries of row r, with the padding.
-  std::size_t length(std::size_t r) const {
-    std::size_t n = 0;
-    for (std::size_t k = start[r]; k < start[r + 1]; ++k) n += static_cast<std::size_t>(std::popcount(runs[k].chosen));
-    return (n + lanes - 1) / lanes * lanes;
-  }
+  std::span<const std::uint32_t> row(std::size_t r) const { return {all.data() + start[r], all.data() + start[r + 1]}; }
+  std::span<std::uint32_t> row(std::size_t r) { return {all.data() + start[r], all.data() + start[r + 1]}; }
+  // The row of the cluster that particle i is in.
+  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / lanes); }
   double bytes() const {
-    return static_cast<double>(start.capacity() * sizeof(start[0]) + runs.capacity() * sizeof(runs[0]));
+    return static_cast<double>(start.capacity() * sizeof(start[0]) + all.capacity() * sizeof(all[0]));
   }
-  // What a row written out needs: a run and a register's worth are written behind its end.
-  std::size_t room() const { return longest + 32 + lanes; }
-  // Row r with its padding, each entry times Stride, written to `out`; returns its end.
-  template <std::uint32_t Stride>
-  std::uint32_t* expand(std::size_t r, std::uint32_t* out) const;
-  // The same, in a buffer that serves again.
-  template <std::uint32_t Stride = 1>
-  std::span<const std::uint32_t> row(std::size_t r, std::vector<std::uint32_t>& buffer) const {
-    buffer.resize(std::max(buffer.size(), room()));
-    return {buffer.data(), expand<Stride>(r, buffer.data())};
-  }
-  // Adds a row behind the last one.
-  void append(std::span<const std::uint32_t> entries);
 };
 
-// Writes a row out, each entry times Stride, a run a step.
-template <std::uint32_t Stride>
-class row_writer {
+// Where a thread's rows grow.
+class row_store {
  public:
-  row_writer(const neighbour_list& list, std::size_t r, std::uint32_t* out)
-      : null_(static_cast<std::uint32_t>(list.null) * Stride),
-        at_(list.runs.data() + list.start[r]),
-        last_(list.runs.data() + list.start[r + 1]),
-        begin_(out),
-        out_(out) {}
-
-  [[gnu::always_inline]] void step() {
-    if (at_ == last_) return;
-    out_ = foundation::append_run<Stride>(out_, at_->first, at_->chosen);
-    ++at_;
+  // Room for n more; returns where they go. Those written are kept by keep(their end).
+  std::uint32_t* room(std::size_t n) {
+    if (used_ + n > made_.size()) made_.resize(2 * (used_ + n));
+    return made_.data() + used_;
   }
-  // What is left, and the padding; returns the end.
-  std::uint32_t* finish() {
-    while (at_ != last_) step();
-    for (std::size_t lane = 0; lane < neighbour_list::lanes; ++lane) out_[lane] = null_;
-    return begin_ + (static_cast<std::size_t>(out_ - begin_) + neighbour_list::lanes - 1) / neighbour_list::lanes *
-                        neighbour_list::lanes;
-  }
+  void keep(const std::uint32_t* end) { used_ = static_cast<std::size_t>(end - made_.data()); }
+  std::size_t size() const { return used_; }
+  const std::uint32_t* begin() const { return made_.data(); }
+  void clear() { used_ = 0; }
 
  private:
-  std::uint32_t null_;
-  const run *at_, *last_;
-  std::uint32_t *begin_, *out_;
+  entries made_;
+  std::size_t used_ = 0;
 };
 
-template <std::uint32_t Stride>
-std::uint32_t* neighbour_list::expand(std::size_t r, std::uint32_t* out) const {
-  return row_writer<Stride>(*this, r, out).finish();
-}
-
-// Adds the particles first + n, for every bit n of `chosen`, behind `out`; returns the end.
-inline run* add_runs(run* out, std::uint32_t first, std::uint64_t chosen) {
-  while (chosen != 0) {
-    const int skipped = std::countr_zero(chosen);
-    first += static_cast<std::uint32_t>(skipped);
-    chosen >>= skipped;
-    *out++ = {first, static_cast<std::uint32_t>(chosen)};
-    first += 32;
-    chosen >>= 32;
-  }
-  return out;
-}
-
-inline void neighbour_list::append(std::span<const std::uint32_t> entries) {
-  if (start.empty()) start.push_back(0);
-  for (const std::uint32_t j : entries) {
-    run* const last = runs.size() > start.back() ? &runs.back() : nullptr;
-    // In the last run, where it reaches so far and holds nothing behind.
-    if (last != nullptr && j - last->first < 32 && last->chosen >> (j - last->first) == 0)
-      last->chosen |= 1U << (j - last->first);
-    else
-      runs.push_back({j, 1});
-  }
-  start.push_back(runs.size());
-  pairs += entries.size();
-  longest = std::max(longest, entries.size());
-}
-
-// Accepts all but row r's own particle, r.
-struct others {};
-
-// Adds those of members[k, k + 64) whose bit is set and which row r accepts behind `out`; returns the end.
-template <int D, class Accept>
-run* add_members(run* out, const grid<D>& g, std::uint32_t k, std::uint64_t near, std::size_t r, const Accept& accept) {
-  for (std::uint32_t left = 64; near != 0;) {
-    const std::uint32_t j = g.members[k], n = std::min(left, g.run_end[k] - k);
-    std::uint64_t chosen = near & ~std::uint64_t{0} >> (64 - n);
-    if constexpr (std::is_same_v<Accept, others>) {
-      if (const std::size_t own = r - j; own < 64) chosen &= ~(std::uint64_t{1} << own);
-    } else {
-      for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
-        if (!accept(r, j + static_cast<std::uint32_t>(std::countr_zero(bits)))) chosen &= ~(bits & (~bits + 1));
-    }
-    out = add_runs(out, j, chosen);
-    if (n == left) break;
-    near >>= n;
-    left -= n;
-    k += n;
-  }
-  return out;
-}
-
-// Row r lists the particles j with |centre(r) - x_j| < reach, or reach(r), and accept(r, j). The list's memory serves
-// again.
+// Rows of a list, row r made by make(r, row_store), which returns its number of pairs. The list's memory serves again.
 //
 // Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
 // those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
-template <int D, class Reach, class Centre, class Accept>
-void make_list(neighbour_list& list, const grid<D>& g, std::size_t rows, const Reach& reach, std::size_t null,
-               Centre&& centre, const Accept& accept) {
-  constexpr std::size_t block = 256;  // rows
-  list.null = null;
+template <class Make>
+void make_rows(neighbour_list& list, std::size_t rows, const Make& make) {
+  constexpr std::size_t block = 32;
   list.start.resize(rows + 1);
   list.start[0] = 0;
-  list.runs.resize(list.runs.capacity());
-  std::size_t pairs = 0, longest = 0, end = 0;
-  const auto reach_of = [&](std::size_t r) -> double {
-    if constexpr (std::is_invocable_v<Reach, std::size_t>)
-      return reach(r);
-    else
-      return reach;
-  };
+  list.all.resize(list.all.capacity());
+  std::size_t pairs = 0, end = 0;
   const auto sweep = [&] {
-    pairs = longest = end = 0;
-#pragma omp parallel reduction(+ : pairs) reduction(max : longest) if (rows > foundation::rows_worth_threads)
+    pairs = end = 0;
+#pragma omp parallel reduction(+ : pairs) if (rows > block)
     {
-      std::vector<run, uninitialised<run>> made;
+      row_store made;
 #pragma omp for ordered schedule(dynamic, 1)
       for (std::size_t first = 0; first < rows; first += block) {
         const std::size_t last = std::min(rows, first + block);
-        std::size_t count = 0;
+        made.clear();
         for (std::size_t r = first; r < last; ++r) {
-          run* row_end = made.data() + count;
-          for_each_near<D>(g, centre(r), reach_of(r), [&](std::uint32_t k, std::uint64_t near) {
-            const auto used = static_cast<std::size_t>(row_end - made.data());
-            if (used + 64 > made.size()) {
-              made.resize(2 * (used + 64));
-              row_end = made.data() + used;
-            }
-            row_end = add_members(row_end, g, k, near, r, accept);
-          });
-          std::size_t entries = 0;
-          for (const run* at = made.data() + count; at != row_end; ++at)
-            entries += static_cast<std::size_t>(std::popcount(at->chosen));
-          pairs += entries;
-          longest = std::max(longest, entries);
-          count = static_cast<std::size_t>(row_end - made.data());
-          list.start[r + 1] = count;  // from the block's begin
+          pairs += make(r, made);
+          list.start[r + 1] = made.size();  // from the block's begin
         }
         std::size_t begin;
 #pragma omp ordered
         {
           begin = end;
-          end += count;
+          end += made.size();
         }
         for (std::size_t r = first; r < last; ++r) list.start[r + 1] += begin;
-        if (begin + count <= list.runs.size())
-          std::copy_n(made.begin(), count, list.runs.begin() + static_cast<std::ptrdiff_t>(begin));
+        if (begin + made.size() <= list.all.size())
+          std::copy_n(made.begin(), made.size(), list.all.begin() + static_cast<std::ptrdiff_t>(begin));
       }
     }
   };
   sweep();
-  if (end > list.runs.size()) {
-    list.runs.clear();
-    list.runs.shrink_to_fit();         // before the new memory is taken
-    list.runs.resize(end + end / 32);  // a little to spare
+  if (end > list.all.size()) {
+    list.all.clear();
+    list.all.shrink_to_fit();         // before the new memory is taken
+    list.all.resize(end + end / 32);  // a little to spare
     sweep();
   }
-  list.runs.resize(end);
+  list.all.resize(end);
   list.pairs = pairs;
-  list.longest = longest;
+}
+
+// Values of n members, the last one's in the lanes behind.
+inline foundation::real of_members(const double* from, std::size_t n) {
+  return foundation::real([&](auto lane) { return from[std::min<std::size_t>(lane, n - 1)]; });
+}
+
+// One reach for all pairs: those of one support.
+struct one_reach {
+  double most;  // m
+  const one_reach& of(std::size_t, std::size_t) const { return *this; }
+  foundation::real squared(std::uint32_t) const { return most * most; }
+};
+
+// The members of a cluster: particles [first, first + n).
+template <int D>
+struct cluster_positions {
+  std::array<foundation::real, D> x;  // m
+  std::array<double, D> low, high;
+
+  cluster_positions(const std::array<particles::array, D>& all, std::size_t first, std::size_t n) {
+    for (std::size_t a = 0; a < D; ++a) {
+      const double* from = all[a].data() + first;
+      x[a] = of_members(from, n);
+      const auto [least, most] = std::minmax_element(from, from + n);
+      low[a] = *least;
+      high[a] = *most;
+    }
+  }
+};
+
+// Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
+// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j with
+// each member.
+template <int D, class Reach>
+void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
+               const Reach& reach) {
+  using foundation::lanes, foundation::real;
+  make_rows(list, (n + lanes - 1) / lanes, [&](std::size_t r, row_store& made) {
+    const std::size_t first = r * lanes, members = std::min(lanes, n - first);
+    const cluster_positions<D> cluster(x, first, members);
+    const std::uint32_t all_members = (1U << members) - 1U;
+    std::size_t pairs = 0;
+    const auto& of_cluster = reach.of(first, members);
+    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most,
+                     [&](std::uint32_t k, std::uint64_t near) {
+                       std::uint32_t* out = made.room(64);
+                       for (; near != 0; near &= near - 1) {
+                         const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
+                         real r2(0.0);
+                         for (std::size_t a = 0; a < D; ++a) {
+                           const real x_ij = cluster.x[a] - g.sorted[a][at];
+                           r2 += x_ij * x_ij;
+                         }
+                         const std::uint32_t j = g.members[at];
+                         const std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+                         *out = j;
+                         out += within != 0 ? 1 : 0;
+                         pairs += static_cast<std::size_t>(std::popcount(within));
+                       }
+                       made.keep(out);
+                     });
+    return pairs - members;  // none is its own neighbour
+  });
+}
+
+// Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`
+// to a multiple of the lanes.
+template <int D, class Centre, class Accept>
+void make_list_of_points(neighbour_list& list, const grid<D>& g, std::size_t points, double reach, std::uint32_t null,
+                         const Centre& centre, const Accept& accept) {
+  using foundation::lanes;
+  make_rows(list, points, [&](std::size_t r, row_store& made) {
+    const std::array<double, D> at = centre(r);
+    const std::size_t before = made.size();
+    for_each_near<D>(g, at, at, reach, [&](std::uint32_t k, std::uint64_t near) {
+      std::uint32_t* out = made.room(64);
+      for (; near != 0; near &= near - 1) {
+        const std::uint32_t j = g.members[k + static_cast<std::uint32_t>(std::countr_zero(near))];
+        *out = j;
+        out += accept(j) ? 1 : 0;
+      }
+      made.keep(out);
+    });
+    const std::size_t pairs = made.size() - before, padding = (lanes - pairs % lanes) % lanes;
+    made.keep(std::fill_n(made.room(padding), padding, null));
+    return pairs;
+  });
 }
 
 }  // namespace tetsuame::cells

@@ -23,14 +23,14 @@ struct conduction {
     using namespace pairs;
     return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV)};
   }
-  me begin(std::size_t) const { return {real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const {
     using namespace pairs;
     const real factor =
         harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
     a.sum += factor * ij.difference(of_temperature);
   }
-  void end(std::size_t i, const me& a) const { heat[i] += pairs::sum(a.sum); }
+  void end(const pairs::cluster& i, const me& a) const { i.add(heat, a.sum); }
 };
 
 }  // namespace tetsuame::diffusion

@@ -42,9 +42,9 @@ struct viscous_sum {
     else
       return std::tuple_cat(always, std::tuple{read(of_viscosity, eta)});
   }
-  me begin(std::size_t i) const {
+  me begin(const pairs::cluster& i) const {
     me a{real(0.0), foundation::zero<real, D>(), real(0.0)};
-    if constexpr (uniform) a.factor = real(2.0 * eta * dV[i]);
+    if constexpr (uniform) a.factor = 2.0 * eta * i(dV);
     return a;
   }
   void add(me& a, const auto& ij) const {
@@ -56,9 +56,9 @@ struct viscous_sum {
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) force[k][i] += pairs::sum(a.force[k]);
-    if (heat != nullptr) heat[i] += 0.5 * pairs::sum(a.dissipation);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k]);
+    if (heat != nullptr) i.add(heat, 0.5 * a.dissipation);
   }
 };
 

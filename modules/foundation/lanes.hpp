@@ -85,38 +85,6 @@ std::uint32_t bits_of_less(const R& a, const R& b) {
   return all;
 }
 
-#if defined(__AVX2__)
-// Row `byte`: the numbers of its set bits times Stride, the lower ones first.
-template <std::uint32_t Stride>
-alignas(64) inline constexpr auto set_bits = [] {
-  std::array<std::array<std::uint32_t, 8>, 256> rows{};
-  for (std::uint32_t byte = 0; byte < 256; ++byte)
-    for (std::uint32_t bit = 0, at = 0; bit < 8; ++bit)
-      if ((byte >> bit & 1U) != 0) rows[byte][at++] = bit * Stride;
-  return rows;
-}();
-#endif
-
-// Writes (first + n) * Stride for every bit n of `bits` to `out`, where there is room for 32; returns the end of what
-// was written.
-template <std::uint32_t Stride>
-[[gnu::always_inline]] inline std::uint32_t* append_run(std::uint32_t* out, std::uint32_t first, std::uint32_t bits) {
-#if defined(__AVX2__)
-  __m256i from = _mm256_set1_epi32(static_cast<std::int32_t>(first * Stride));
-  const __m256i eight = _mm256_set1_epi32(8 * Stride);
-  for (int byte = 0; byte < 4; ++byte, bits >>= 8) {
-    const auto* row = reinterpret_cast<const __m256i*>(set_bits<Stride>[bits & 0xffU].data());
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_add_epi32(from, _mm256_load_si256(row)));
-    out += std::popcount(bits & 0xffU);
-    from = _mm256_add_epi32(from, eight);
-  }
-  return out;
-#else
-  for (; bits != 0; bits &= bits - 1U) *out++ = (first + static_cast<std::uint32_t>(std::countr_zero(bits))) * Stride;
-  return out;
-#endif
-}
-
 // r and 1/r of r² > 0, to a rounding or two.
 template <class R>
 struct roots {

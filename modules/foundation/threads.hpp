@@ -18,14 +18,4 @@ void for_all(std::size_t n, const F& f) {
   for (std::size_t i = 0; i < n; ++i) f(i);
 }
 
-// In a parallel region: which of n rows are the calling thread's.
-struct share {
-  std::size_t first, last;
-};
-inline share share_of_thread(std::size_t n) {
-  const auto threads = static_cast<std::size_t>(omp_get_num_threads());
-  const auto thread = static_cast<std::size_t>(omp_get_thread_num());
-  return {n * thread / threads, n * (thread + 1) / threads};
-}
-
 }  // namespace tetsuame::foundation

@@ -19,9 +19,9 @@ struct continuity {
   };
 
   auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
-  me begin(std::size_t) const { return {real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_volume) * ij.F * ij.along(pairs::of_velocity); }
-  void end(std::size_t i, const me& a) const { dlnrho[i] = pairs::sum(a.sum); }
+  void end(const pairs::cluster& i, const me& a) const { i.set(dlnrho, a.sum); }
 };
 
 }  // namespace tetsuame::gradient

@@ -34,7 +34,9 @@ struct pattern_2::term {
     using namespace pairs;
     return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, dV)};
   }
-  me begin(std::size_t i) const { return {real(p[i] * dV[i]), real(dV[i]), foundation::zero<real, D>(), real(0.0)}; }
+  me begin(const pairs::cluster& i) const {
+    return {real(i(p) * i(dV)), i(dV), foundation::zero<real, D>(), real(0.0)};
+  }
   void add(me& a, const auto& ij) const {
     const real dV_j = ij(pairs::of_volume);
     const real Y_j = ij(pairs::of_pressure) * dV_j;
@@ -43,9 +45,9 @@ struct pattern_2::term {
     a.force += slope * ij.x_ij;
     a.work += slope * ij.along(pairs::of_velocity);
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) out.force[k][i] -= pairs::sum(a.force[k]);
-    out.power[i] += 0.5 * pairs::sum(a.work);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.add(out.force[k], -a.force[k]);
+    i.add(out.power, 0.5 * a.work);
   }
 };
 

@@ -60,10 +60,10 @@ struct consistent {
 
   auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P)}; }
 
-  me begin(std::size_t i) const {
+  me begin(const pairs::cluster& i) const {
     me a;
     for (std::size_t k = 0; k < S; ++k) {
-      a.B[k] = real(B[k] != nullptr ? B[k][i] : 0.0);
+      a.B[k] = B[k] != nullptr ? i(B[k]) : real(0.0);
       a.M[k] = real(0.0);
       if constexpr (whole)
         for (std::size_t l = k; l < S; ++l) a.Q[k][l] = real(0.0);
@@ -112,38 +112,43 @@ struct consistent {
     }
   }
 
-  void end(std::size_t i, const me& a) const {
+  void end(const pairs::cluster& members, const me& a) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  }
+
+ private:
+  // Of particle i, whose lane of a sum `of` takes.
+  void end(std::size_t i, const me& a, const auto& of) const {
     constexpr auto d = static_cast<double>(D);
     std::array<std::array<double, D>, D> M{};
     for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * pairs::sum(a.M[symmetric_place(q, p, D)]);
+      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * of(a.M[symmetric_place(q, p, D)]);
     if (!factorise(M)) {
 #pragma omp atomic write
       *singular = true;
       return;
     }
     std::array<double, D> first;
-    for (std::size_t p = 0; p < D; ++p) first[p] = V * pairs::sum(a.first[p]);
-    const double scale = -2.0 * d / (V * pairs::sum(a.m_s));
+    for (std::size_t p = 0; p < D; ++p) first[p] = V * of(a.first[p]);
+    const double scale = -2.0 * d / (V * of(a.m_s));
     for (std::size_t k = 0; k < K; ++k) {
       std::array<double, D> b;
-      for (std::size_t p = 0; p < D; ++p) b[p] = -V * pairs::sum(a.gradient[k][p]);
+      for (std::size_t p = 0; p < D; ++p) b[p] = -V * of(a.gradient[k][p]);
       const auto G = solve(M, b);
       double linear = 0.0;
       for (std::size_t p = 0; p < D; ++p) {
         out.gradient[k][p][i] = G[p];
         linear += G[p] * first[p];
       }
-      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * pairs::sum(a.laplacian[k]) - linear);
-      if constexpr (whole) out.plain[k][i] = scale * (V * pairs::sum(a.plain[k]) - linear);
+      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * of(a.laplacian[k]) - linear);
+      if constexpr (whole) out.plain[k][i] = scale * (V * of(a.plain[k]) - linear);
     }
     if constexpr (whole)
-      if (B[0] != nullptr) next_tensor(i, a);
+      if (B[0] != nullptr) next_tensor(i, a, of);
   }
 
- private:
   // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
-  void next_tensor(std::size_t i, const me& a) const {
+  void next_tensor(std::size_t i, const me& a, const auto& of) const {
     std::array<std::array<double, S>, S> A{};
     std::array<double, S> b{}, weight{};
     std::size_t n = 0;
@@ -154,7 +159,7 @@ struct consistent {
       }
     // Rows of off-diagonal components are doubled, which makes the matrix symmetric.
     for (std::size_t k = 0; k < S; ++k)
-      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * pairs::sum(a.Q[l][k]);
+      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * of(a.Q[l][k]);
     const bool solvable = factorise(A);
     const auto solution = solvable ? solve(A, b) : b;
     for (std::size_t k = 0; k < S; ++k) out.next_B[k][i] = solution[k];

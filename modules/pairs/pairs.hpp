@@ -1,21 +1,23 @@
 // The pair loop: every sum over neighbours in the physics runs through here.
 //
 // A term is a small struct that writes one sum of the notes. It names what it reads of the
-// neighbours (records.hpp), what it keeps of particle i (`begin`), what neighbours add (`add`, for
-// several at once: `real` holds one value a lane), and where the finished sum goes (`end`):
+// neighbours (records.hpp), what it keeps of particle i (`begin`), what a neighbour adds (`add`), and where the
+// finished sum goes (`end`). It does so for several particles i at once, the members of a cluster (cluster.hpp): `real`
+// holds one value a lane, those of i are each member's own, those of the neighbour the same for all.
 //
 //   struct divergence {                            // Σ_j ΔV_j v_ij·∇_i W_ij
 //     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV)}
-//     me begin(std::size_t i) const;               // what the sum needs of i beside that, and its zero
+//     me begin(const cluster& i) const;            // what the sum needs of i beside that, i(array), and its zero
 //     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
-//     void end(std::size_t i, const me& a) const;  // out[i] = sum(a.sum)
+//     void end(const cluster& i, const me& a) const;  // i.set(out, a.sum)
 //   };
 //
-// ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's.
+// ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's. A neighbour in the
+// list may be out of a member's reach: then W and F are exact zeros, and the term must add one.
 //
 // Several terms in one call share the neighbour's record, distance and kernel: one pass for the
-// whole right-hand side. Neighbours are added in the list's order, lane by lane, and the
-// lanes in a fixed tree, so the result depends on neither ranks nor threads.
+// whole right-hand side. A particle's neighbours are added in the list's order, so the result depends on neither ranks
+// nor threads, nor on who else is in the cluster.
 #pragma once
 
 #include <algorithm>
@@ -26,15 +28,15 @@
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
+#include <pairs/cluster.hpp>
 #include <pairs/records.hpp>
 #include <particles/particles.hpp>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 namespace tetsuame::pairs {
 
-static_assert(cells::neighbour_list::lanes % lanes == 0);
+static_assert(cells::neighbour_list::lanes == lanes);
 
 template <int D>
 std::array<const double*, D> pointers(const std::array<particles::array, D>& a) {
@@ -46,8 +48,8 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
 template <int D>
 struct pair {
   vec<real, D> x_ij;                                  // m, x_i - x_j
-  real r2;                                            // m2
-  real r, per_r;                                      // m, 1/m: of at least the kernel's smallest_r()
+  real r2;                                            // m2, of at least the kernel's smallest_r(), as those that follow
+  real r, per_r;                                      // m, 1/m
   real W;                                             // 1/m^D
   real F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
   vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
@@ -86,7 +88,7 @@ struct packed_pair : pair<D> {
       return record[at];
     } else {
       vec<real, static_cast<int>(n)> v;
-      for (std::size_t k = 0; k < n; ++k) v[k] = record[at + k];
+      foundation::for_each_of<n>([&](std::size_t k) { v[k] = record[at + k]; });
       return v;
     }
   }
@@ -98,121 +100,49 @@ void add_all(Mine& mine, const Pair& ij, std::index_sequence<T...>, const Terms&
 }
 
 template <class Mine, std::size_t... T, class... Terms>
-void end_all(const Mine& mine, std::size_t i, std::index_sequence<T...>, const Terms&... terms) {
+void end_all(const Mine& mine, const cluster& i, std::index_sequence<T...>, const Terms&... terms) {
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
-// Rows of sum_over: the particles [first, last), whose neighbours are all in [seen_first, seen_last).
-struct stretch {
-  std::size_t first, last, seen_first, seen_last;
-  std::size_t size() const { return last - first; }
-  std::size_t operator[](std::size_t r) const { return first + r; }
-
-  // What is packed: those seen, and the null particle, with which every row is filled up.
-  struct seen {
-    std::size_t first, count, null;
-    std::size_t size() const { return count + 1; }
-    std::size_t operator[](std::size_t k) const { return k < count ? first + k : null; }
-  };
-  seen packed_with(std::size_t null) const { return {seen_first, std::min(seen_last, null) - seen_first, null}; }
-};
-
-// Some rows, and those particles that are one of them or in their lists: only these are packed.
-struct chosen {
-  std::vector<std::size_t> rows, packed;
-  std::size_t size() const { return rows.size(); }
-  std::size_t operator[](std::size_t r) const { return rows[r]; }
-  const std::vector<std::size_t>& packed_with(std::size_t) const { return packed; }
-};
-
-inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows) {
-  std::vector<char> needed(list.null + 1, 0);
-  std::vector<std::uint32_t> buffer;
-  for (const std::size_t i : rows) {
-    needed[i] = 1;
-    for (const std::uint32_t j : list.row(i, buffer)) needed[j] = 1;
-  }
-  chosen c{std::move(rows), {}};
-  for (std::size_t i = 0; i < list.null; ++i)
-    if (needed[i] != 0) c.packed.push_back(i);
-  c.packed.push_back(list.null);
-  return c;
-}
-
-// One particle's sums over its row of the list, whose records are at the places [place, end); meanwhile the next row
-// is written out, which the processor does beside; returns its end. `flatten`: everything
-// called in here is inlined, so that the compiler keeps sums and kernel in registers whatever it thinks of the
-// program's size. `source` gives the pair's values: its own(ij, i) once a row, neighbour(ij, place), which returns x_j,
-// for every register of neighbours.
-template <int D, class Source, class Kernel, class... Terms>
-[[gnu::flatten]] std::uint32_t* sum_row(std::size_t i, const std::uint32_t* place, const std::uint32_t* end,
-                                        cells::row_writer<Source::stride> next, const Source& source,
-                                        const Kernel& kernel, const Terms&... terms) {
-  const real nearest(kernel.smallest_r() * kernel.smallest_r());
-  typename Source::pair ij;
-  const vec<real, D> x_i = source.own(ij, i);
+// The members' sums over their row of the list. `flatten`: everything called in here is inlined, so that the compiler
+// keeps sums and kernel in registers whatever it thinks of the program's size.
+template <int D, class Layout, class Kernel, class... Terms>
+[[gnu::flatten]] void sum_row(const cluster& i, std::span<const std::uint32_t> row, const double* records,
+                              const least_r2& least, const Kernel& kernel, const Terms&... terms) {
+  packed_pair<D, Layout> ij;
+  detail::load_own(records + i.first * Layout::size, ij.mine);
+  vec<real, D> x_i;
+  foundation::for_each_of<D>([&](std::size_t a) { x_i[a] = ij.mine[a]; });
   std::tuple mine{terms.begin(i)...};
-  for (; place < end; place += lanes) {
-    next.step();
-    ij.x_ij = x_i - source.neighbour(ij, place);
-    ij.r2 = foundation::dot(ij.x_ij, ij.x_ij);
-    const auto root = foundation::both_roots(foundation::greater(ij.r2, nearest));
+  for (const std::uint32_t j : row) {
+    const double* const record = records + std::size_t{j} * Layout::size;
+    foundation::for_each_of<Layout::used>([&](std::size_t c) { ij.values[c] = record[c]; });
+    foundation::for_each_of<D>([&](std::size_t a) { ij.x_ij[a] = x_i[a] - ij.values[a]; });
+    ij.r2 = foundation::greater(foundation::dot(ij.x_ij, ij.x_ij), least.of_lane[i.lane_of(j)]);
+    const auto root = foundation::both_roots(ij.r2);
     ij.r = root.r;
     ij.per_r = root.inverse;
     kernel.both(root.r, root.inverse, ij.W, ij.F);
     add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
   }
   end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
-  return next.finish();
 }
 
-// Pairs out of the records.
-template <int D, class Layout>
-struct from_records {
-  using pair = packed_pair<D, Layout>;
-  static constexpr std::uint32_t stride = Layout::size;
-  const double* records;
-
-  vec<real, D> own(pair& ij, std::size_t i) const {
-    for (std::size_t k = 0; k < Layout::size; ++k) ij.mine[k] = real(records[i * Layout::size + k]);
-    return position(ij.mine);
-  }
-  vec<real, D> neighbour(pair& ij, const std::uint32_t* place) const {
-    detail::load(records, place, ij.values);
-    return position(ij.values);
-  }
-
- private:
-  static vec<real, D> position(const std::array<real, Layout::size>& record) {
-    vec<real, D> x;
-    for (std::size_t k = 0; k < D; ++k) x[k] = record[k];
-    return x;
-  }
-};
-
-// For each particle i = rows[r]: begin, its neighbours from row i of the list, end.
+// For each cluster i of the rows: begin, its neighbours from its row of the list, end.
 template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
-  if (rows.size() == 0) return;
-  pack<D>(x, reads, rows.packed_with(list.null), list);
-  const from_records<D, decltype(layout_of<D>(reads))> source{list.records.data()};
-  const std::size_t n = rows.size();
-  const std::size_t room = list.room();
-#pragma omp parallel if (n > foundation::rows_worth_threads)
-  {
-    const auto share = foundation::share_of_thread(n);
-    std::vector<std::uint32_t> places(2 * room);
-    std::uint32_t *now = places.data(), *ahead = now + room;
-    const std::uint32_t* end = share.first < share.last ? list.expand<source.stride>(rows[share.first], now) : nullptr;
-    for (std::size_t r = share.first; r < share.last; ++r) {
-      // Behind the last row: that row again.
-      const cells::row_writer<source.stride> next(list, rows[std::min(r + 1, share.last - 1)], ahead);
-      end = sum_row<D>(rows[r], now, end, next, source, kernel, terms...);
-      std::swap(now, ahead);
-    }
+  const std::size_t n = rows.clusters();
+  if (n == 0) return;
+  pack<D>(x, reads, rows.packed(), list);
+  const double* const records = list.records.data();
+  const least_r2 least(kernel.smallest_r());
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
+  for (std::size_t r = 0; r < n; ++r) {
+    const cluster i = rows[r];
+    sum_row<D, decltype(layout_of<D>(reads))>(i, list.row_of(i.first), records, least, kernel, terms...);
   }
 }
 

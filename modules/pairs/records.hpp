@@ -1,7 +1,7 @@
 // What a sum reads of its neighbours, packed: the position and the fields all terms of one
 // call ask for stand in one record a particle, so that a neighbour costs a cache line or two
-// instead of one for each array, and several neighbours are loaded and turned into lanes
-// together.
+// instead of one for each array. Every lane gets the neighbour's values; the records of a cluster's members are turned
+// into lanes.
 //
 // A term says what it reads with tags, and finds it in the pair by them:
 //   auto reads() const { return std::tuple{read(of_velocity, v), read(of_volume, dV)}; }
@@ -24,7 +24,7 @@
 namespace tetsuame::pairs {
 
 namespace stdx = std::experimental;
-using foundation::lanes, foundation::real, foundation::sum, foundation::vec;
+using foundation::lanes, foundation::real, foundation::vec;
 
 struct velocity_tag {};
 struct volume_tag {};
@@ -117,7 +117,7 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
-// Fills the records of the given particles; there is room for all, null particle included.
+// Fills the records of the given particles, in ascending order; there is room for a cluster behind the last.
 template <int D, class... Reads, class Particles>
 void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, const Particles& chosen,
           const cells::neighbour_list& list) {
@@ -131,9 +131,9 @@ void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& rea
       },
       reads);
   for (; k < form::size; ++k) source[k] = x[0];  // fills up the last register; never looked at
-  if (list.records.size() < (list.null + 1) * form::size) list.records.resize((list.null + 1) * form::size);
+  const std::size_t n = chosen.size(), room = (n > 0 ? chosen[n - 1] + lanes : 0) * form::size;
+  if (list.records.size() < room) list.records.resize(room);
   double* out = list.records.data();
-  const std::size_t n = chosen.size();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const std::size_t i = chosen[r];
@@ -181,7 +181,7 @@ inline std::array<real_8, 4> turn(const std::array<const double*, 8>& r) {
 }
 #endif
 
-// values[c] = component c of the records that begin at records + place[0 … lanes).
+// values[c] = component c of `lanes` records, the first one at records + place[0], and so on.
 template <class R, std::size_t Size>
 inline void load(const double* records, const std::uint32_t* place, std::array<R, Size>& values) {
   const auto record = [&](std::size_t lane) { return records + place[lane]; };
@@ -205,6 +205,14 @@ inline void load(const double* records, const std::uint32_t* place, std::array<R
   }
 #endif
   for (std::size_t c = 0; c < Size; ++c) values[c] = R([&](auto lane) { return record(lane)[c]; });
+}
+
+// Of records that follow each other.
+template <class R, std::size_t Size>
+inline void load_own(const double* records, std::array<R, Size>& values) {
+  std::array<std::uint32_t, R::size()> place;
+  for (std::size_t lane = 0; lane < place.size(); ++lane) place[lane] = static_cast<std::uint32_t>(lane * Size);
+  load(records, place.data(), values);
 }
 
 }  // namespace detail

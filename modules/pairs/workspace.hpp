@@ -41,7 +41,7 @@ struct workspace {
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
   double dx = 0.0;                          // m, spacing of the start lattice
   double lattice_sum = 1.0;                 // of the kernel over the start lattice, times dx^D
-  cells::neighbour_list list;               // rows: owned fluid; all its neighbours, itself excluded
+  cells::neighbour_list list;               // of clusters of the owned fluid
   std::array<double, D> g{};                // m/s2
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
   fault first_fault;
@@ -52,12 +52,12 @@ struct workspace {
   }
   std::array<const double*, D> x() const { return pointers<D>(s.x); }
 
-  // The owned fluid stands in layers: rows before `border` have neighbours among the owned fluid alone, and
+  // The owned fluid stands in layers: clusters before `border` have neighbours among the owned fluid alone, and
   // those from `border` on have none before `core`. Both are 0 where no other rank sends ghosts to wait for.
   std::size_t core = 0, border = 0;
-  stretch fluid() const { return {0, s.fluid, 0, s.null() + 1}; }
+  stretch fluid() const { return {0, s.fluid, 0, s.total()}; }
   stretch interior() const { return {0, border, 0, s.fluid}; }
-  stretch at_border() const { return {border, s.fluid, core, s.null() + 1}; }
+  stretch at_border() const { return {border, s.fluid, core, s.total()}; }
 
   // Between the two a rank may compute what needs no ghosts of these fields, which must not change.
   void begin_fluid(std::initializer_list<double*> fields) const {

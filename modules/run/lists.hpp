@@ -32,6 +32,14 @@ void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size
   w.core = static_cast<std::size_t>(core - order.begin());
 }
 
+// Once lists are made: layers end where clusters do.
+template <int D>
+void end_layers_with_clusters(pairs::workspace<D>& w) {
+  w.border -= w.border % pairs::lanes;
+  for (std::size_t r = w.border / pairs::lanes; r < w.list.rows(); ++r)
+    for (const std::uint32_t j : w.list.row(r)) w.core = std::min<std::size_t>(w.core, j);
+}
+
 // Positions of the fluid, and those that the lists were made from.
 template <int D>
 void exchange_list_positions(particles::particles<D>& s) {
@@ -80,6 +88,7 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
   w.exchange_fluid({s.m.data()});
   const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), l.edge);
   make_list(l, grid);
+  end_layers_with_clusters(w);
   std::visit(
       [&](auto t) {
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, box.walls, grid, box.skin);
@@ -100,9 +109,7 @@ void rebuild(state<D>& box, bool as_they_were) {
         return list_lengths{cells::cell_edge(reach), reach};
       },
       [&](const list_lengths&, const cells::grid<D>& grid) {
-        cells::make_list<D>(
-            w.list, grid, s.fluid, reach, s.null(), [&](std::size_t i) { return cells::position<D>(s.x, i); },
-            cells::others{});
+        cells::make_list<D>(w.list, grid, s.x, s.fluid, cells::one_reach{reach});
       });
 }
 

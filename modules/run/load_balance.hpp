@@ -176,23 +176,21 @@ struct load_balance {
     ++moves;
   }
 
-  // Neighbours of the fluid, and of the walls' markers.
+  // Pairs that are evaluated: of the fluid's clusters, and of the walls' markers.
   static double pairs_of(const state<D>& box) {
-    return static_cast<double>(box.w.list.pairs + box.walls.near_marker.pairs);
+    return static_cast<double>(box.w.list.all.size() * pairs::lanes + box.walls.near_marker.all.size());
   }
   // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
   static balance::extent<D> extent_of(const state<D>& box) {
     const auto& s = box.w.s;
-    const auto length_of = [](const cells::neighbour_list& list, std::size_t r) {
-      return static_cast<double>(list.length(r));
-    };
     balance::extent<D> mine;
     for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
     if (s.fluid == 0) return mine;
     mine.begin_costs();
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(domain::detail::place_of(s, i), length_of(box.w.list, i));
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      mine.add_cost(domain::detail::place_of(s, i), static_cast<double>(box.w.list.row_of(i).size()));
     for (std::size_t r = 0; r < box.walls.near_marker.rows(); ++r)
-      mine.add_cost(cells::position<D>(box.walls.marker, r), length_of(box.walls.near_marker, r));
+      mine.add_cost(cells::position<D>(box.walls.marker, r), static_cast<double>(box.walls.near_marker.row(r).size()));
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.

@@ -40,22 +40,39 @@ class largest_near {
   std::vector<double> largest_;
 };
 
-// Row i lists the particles nearer than the larger of the two supports and the skin.
+// The reach of a pair: the larger of the two supports, and the skin.
+template <int D>
+struct larger_support {
+  const particles::particles<D>& s;
+  const particles::array& S;
+  double skin;  // m
+  largest_near<D> largest;
+
+  struct of_cluster {
+    double most;         // m
+    foundation::real S;  // m, of the members
+    const double* S_j;
+    double skin;
+
+    foundation::real squared(std::uint32_t j) const {
+      const foundation::real reach = foundation::greater(S, foundation::real(S_j[j])) + skin;
+      return reach * reach;
+    }
+  };
+  of_cluster of(std::size_t first, std::size_t n) const {
+    double most = 0.0;
+    for (std::size_t i = first; i < first + n; ++i) most = std::max(most, largest(cells::position<D>(s.x, i)));
+    return {most + skin, cells::of_members(S.data() + first, n), S.data(), skin};
+  }
+};
+
+// Of clusters whose particles have supports of their own, and some room for those of no cluster behind them.
 template <int D>
 void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, const cells::grid<D>& grid) {
   auto& s = w.s;
   double most = 0.0;
   for (std::size_t i = 0; i < s.total(); ++i) most = std::max(most, S[i]);
-  const largest_near<D> largest(s, S, most + skin);
-  cells::make_list<D>(
-      w.list, grid, s.fluid, [&](std::size_t i) { return largest(cells::position<D>(s.x, i)) + skin; }, s.null(),
-      [&](std::size_t i) { return cells::position<D>(s.x, i); },
-      [&](std::size_t i, std::uint32_t j) {
-        double r2 = 0.0;
-        for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x[a][j]) * (s.x[a][i] - s.x[a][j]);
-        const double reach = std::max(S[i], S[j]) + skin;
-        return i != j && r2 < reach * reach;
-      });
+  cells::make_list<D>(w.list, grid, s.x, s.fluid, larger_support<D>{s, S, skin, largest_near<D>(s, S, most + skin)});
 }
 
 // rebuild() where every particle has a support, m, which may grow until `list_support` and a part of the skin: lists

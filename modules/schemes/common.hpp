@@ -94,15 +94,18 @@ struct number_density {
   struct me {
     real S, per_S, count, slope;
   };
-  me begin(std::size_t i) const { return {real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster& i) const {
+    const real S_i = i(S);
+    return {S_i, real(1.0 / S_i), real(0.0), real(0.0)};
+  }
   void add(me& a, const auto& ij) const {
     const shape s = shape_of(unit, ij, a.S, a.per_S);
     a.count += s.W;
     a.slope += s.q * s.q * s.F;
   }
-  void end(std::size_t i, const me& a) const {
-    count[i] = unit.self() + pairs::sum(a.count);
-    slope[i] = pairs::sum(a.slope);
+  void end(const pairs::cluster& i, const me& a) const {
+    i.set(count, unit.self() + a.count);
+    i.set(slope, a.slope);
   }
 };
 
@@ -135,8 +138,9 @@ struct density {
     return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(of_mass, m),
                       pairs::read(pairs::of_velocity, v)};
   }
-  me begin(std::size_t i) const {
-    me a{real(S[i]), real(1.0 / S[i]), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
+  me begin(const pairs::cluster& i) const {
+    const real S_i = i(S);
+    me a{S_i, real(1.0 / S_i), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
     for (auto& c : a.curl) c = real(0.0);
     return a;
   }
@@ -157,23 +161,28 @@ struct density {
         a.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
       }
   }
-  void end(std::size_t i, const me& a) const {
-    const double y = weight[i] * unit.self() + pairs::sum(a.y), slope = pairs::sum(a.slope);
+  void end(const pairs::cluster& members, const me& a) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  }
+
+ private:
+  void end(std::size_t i, const me& a, const auto& of) const {
+    const double y = weight[i] * unit.self() + of(a.y), slope = of(a.slope);
     const double per_volume = 1.0 / power<D>(S[i]);
     const double f = slope < -1e-12 * y ? -D * y / slope : 1.0;
     const double factor = f / (y * S[i] * S[i]);
     double curl2 = 0.0;
-    for (const real& c : a.curl) curl2 += pairs::sum(c) * pairs::sum(c);
+    for (const real& c : a.curl) curl2 += of(c) * of(c);
     out.y[i] = per_volume * y;
     out.f[i] = f;
-    const double n_slope = pairs::sum(a.n_slope);
+    const double n_slope = of(a.n_slope);
     out.z[i] = n_slope < 0.0 ? -(D * y + slope) / n_slope : 0.0;
-    out.divergence[i] = -factor * pairs::sum(a.divergence);
+    out.divergence[i] = -factor * of(a.divergence);
     out.curl[i] = factor * std::sqrt(curl2);
-    out.count[i] = unit.self() + pairs::sum(a.n);
+    out.count[i] = unit.self() + of(a.n);
     out.slope[i] = n_slope;
     out.n[i] = per_volume * out.count[i];
-    out.rho[i] = per_volume * (m[i] * unit.self() + pairs::sum(a.rho));
+    out.rho[i] = per_volume * (m[i] * unit.self() + of(a.rho));
   }
 };
 
@@ -220,12 +229,10 @@ void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
 }
 
 template <int D>
-void write(const rates<D>& out, std::size_t i, const sums<D>& a) {
-  for (std::size_t k = 0; k < D; ++k) out.force[k][i] = pairs::sum(a.force[k]);
-  out.power[i] = pairs::sum(a.power);
-  std::array<double, pairs::lanes> signals;
-  a.signal.copy_to(signals.data(), std::experimental::element_aligned);
-  out.signal[i] = *std::max_element(signals.begin(), signals.end());
+void write(const rates<D>& out, const pairs::cluster& i, const sums<D>& a) {
+  for (std::size_t k = 0; k < D; ++k) i.set(out.force[k], a.force[k]);
+  i.set(out.power, a.power);
+  i.set(out.signal, a.signal);
 }
 
 }  // namespace tetsuame::schemes

@@ -26,8 +26,9 @@ struct gradients {
     return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(pairs::of_pressure, p),
                       pairs::read(of_density, rho), pairs::read(pairs::of_velocity, v)};
   }
-  me begin(std::size_t i) const {
-    me a{real(S[i]), real(1.0 / S[i]), {}, {}};
+  me begin(const pairs::cluster& i) const {
+    const real S_i = i(S);
+    me a{S_i, real(1.0 / S_i), {}, {}};
     for (auto& m : a.moments) m = real(0.0);
     for (auto& s : a.sums) s = foundation::zero<real, D>();
     return a;
@@ -42,15 +43,20 @@ struct gradients {
     const auto v_ij = ij.difference(pairs::of_velocity);
     for (std::size_t b = 0; b < D; ++b) a.sums[2 + b] += v_ij[b] * weighted;
   }
-  void end(std::size_t i, const me& a) const {
+  void end(const pairs::cluster& members, const me& a) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  }
+
+ private:
+  void end(std::size_t i, const me& a, const auto& of) const {
     std::array<std::array<double, D>, D> moments;
     for (std::size_t b = 0; b < D; ++b)
-      for (std::size_t c = 0; c < D; ++c) moments[b][c] = pairs::sum(a.moments[operators::symmetric_place(b, c, D)]);
+      for (std::size_t c = 0; c < D; ++c) moments[b][c] = of(a.moments[operators::symmetric_place(b, c, D)]);
     const bool exists = operators::factorise(moments);
     for (std::size_t k = 0; k < K; ++k) {
       std::array<double, D> gradient{};
       if (exists) {
-        for (std::size_t b = 0; b < D; ++b) gradient[b] = pairs::sum(a.sums[k][b]);
+        for (std::size_t b = 0; b < D; ++b) gradient[b] = of(a.sums[k][b]);
         gradient = operators::solve(moments, gradient);
       }
       for (std::size_t b = 0; b < D; ++b) out[D * k + b][i] = gradient[b];

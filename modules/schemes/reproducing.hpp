@@ -56,7 +56,7 @@ struct reproducing {
     std::array<vec<real, D>, M> g3;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(of_per_support, per_S)}; }
-  me begin(std::size_t) const {
+  me begin(const pairs::cluster&) const {
     me a;
     a.m0 = real(0.0);
     a.m1 = a.g0 = foundation::zero<real, D>();
@@ -80,14 +80,19 @@ struct reproducing {
         a.g3[n] += (VF * xx) * x;
       }
   }
-  void end(std::size_t i, const me& a) const {
+  void end(const pairs::cluster& members, const me& a) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  }
+
+ private:
+  void end(std::size_t i, const me& a, const auto& of) const {
     const auto place = [](std::size_t b, std::size_t c) { return operators::symmetric_place(b, c, N); };
-    const double m0 = pairs::sum(a.m0) + volume[i] * std::pow(per_S[i], D) * unit.self();
+    const double m0 = of(a.m0) + volume[i] * std::pow(per_S[i], D) * unit.self();
     std::array<double, N> m1, B{};
     std::array<std::array<double, N>, N> m2;
     for (std::size_t b = 0; b < N; ++b) {
-      m1[b] = pairs::sum(a.m1[b]);
-      for (std::size_t c = 0; c < N; ++c) m2[b][c] = pairs::sum(a.m2[place(b, c)]);
+      m1[b] = of(a.m1[b]);
+      for (std::size_t c = 0; c < N; ++c) m2[b][c] = of(a.m2[place(b, c)]);
     }
     const bool exists = operators::factorise(m2);
     if (exists) {
@@ -103,16 +108,16 @@ struct reproducing {
       // ∂m_0, ∂m_1, ∂m_2 along g
       std::array<double, N> dm1, right, dB{};
       for (std::size_t b = 0; b < N; ++b) {
-        dm1[b] = (b == g ? m0 : 0.0) + pairs::sum(a.g2[place(b, g)]);
+        dm1[b] = (b == g ? m0 : 0.0) + of(a.g2[place(b, g)]);
         right[b] = dm1[b];
         for (std::size_t c = 0; c < N; ++c)
-          right[b] += ((c == g ? m1[b] : 0.0) + (b == g ? m1[c] : 0.0) + pairs::sum(a.g3[place(b, c)][g])) * B[c];
+          right[b] += ((c == g ? m1[b] : 0.0) + (b == g ? m1[c] : 0.0) + of(a.g3[place(b, c)][g])) * B[c];
       }
       if (exists) {
         dB = operators::solve(m2, right);
         for (double& b : dB) b = -b;
       }
-      double change = pairs::sum(a.g0[g]);
+      double change = of(a.g0[g]);
       for (std::size_t b = 0; b < N; ++b) change += dB[b] * m1[b] + B[b] * dm1[b];
       out.B[g][i] = B[g];
       out.grad_A[g][i] = -A * A * change;

@@ -21,7 +21,7 @@ struct mass_sum {
     real fluid, behind_walls;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_weight, mass)}; }
-  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     const real m = ij(pairs::of_weight);
     real W = ij.W;
@@ -29,8 +29,8 @@ struct mass_sum {
     pairs::stdx::where(m != 0.0, W) = 0.0;
     a.behind_walls += W;
   }
-  void end(std::size_t i, const me& a) const {
-    rho[i] = scale * (pairs::sum(a.fluid) + mass[i] * (self + pairs::sum(a.behind_walls)));
+  void end(const pairs::cluster& i, const me& a) const {
+    i.set(rho, scale * (a.fluid + i(mass) * (self + a.behind_walls)));
   }
 };
 

@@ -28,17 +28,17 @@ struct weight_sum {
     else
       return std::tuple{pairs::read(pairs::of_weight, Y)};
   }
-  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     a.sum += ij(pairs::of_weight) * ij.W;
     if constexpr (mean) a.norm += ij(pairs::of_volume) * ij.W;
   }
-  void end(std::size_t i, const me& a) const {
-    const double sum = pairs::sum(a.sum) + Y[i] * self;
+  void end(const pairs::cluster& i, const me& a) const {
+    const real sum = a.sum + i(Y) * self;
     if constexpr (mean)
-      p[i] = sum / (pairs::sum(a.norm) + dV[i] * self);
+      i.set(p, sum / (a.norm + i(dV) * self));
     else
-      p[i] = sum * scale;
+      i.set(p, sum * scale);
   }
 };
 
@@ -53,9 +53,9 @@ struct number_volume {
   struct me {
     real sum;
   };
-  me begin(std::size_t) const { return {real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const { a.sum += ij.W; }
-  void end(std::size_t i, const me& a) const { dV[i] = scale / (pairs::sum(a.sum) + self); }
+  void end(const pairs::cluster& i, const me& a) const { i.set(dV, scale / (a.sum + self)); }
 };
 
 template <int D>

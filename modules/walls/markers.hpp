@@ -9,31 +9,20 @@
 
 namespace tetsuame::walls::detail {
 
-// `listed`: all that some marker sees; from then on the list counts in it.
+// `listed`: all that some marker sees; from then on the list counts in it. Rows were filled up with `null`.
 template <int D>
 void count_in_listed(wall_set<D>& set, std::size_t null) {
-  const cells::neighbour_list& list = set.near_marker;
   constexpr std::uint32_t unseen = 0xffffffff;
-  std::vector<std::uint32_t> place(null + 1, unseen), row;
+  std::vector<std::uint32_t> place(null + 1, unseen);
   place[null] = 0;
-  for (std::size_t r = 0; r < list.rows(); ++r)
-    for (const std::uint32_t j : list.row(r, row)) place[j] = 0;
+  for (const std::uint32_t j : set.near_marker.all) place[j] = 0;
   set.listed.clear();
   for (std::size_t i = 0; i < place.size(); ++i)
     if (place[i] == 0) {
       place[i] = static_cast<std::uint32_t>(set.listed.size());
       set.listed.push_back(i);
     }
-  cells::neighbour_list counted;
-  counted.null = set.listed.size() - 1;
-  counted.runs.reserve(list.runs.size());
-  for (std::size_t r = 0; r < list.rows(); ++r) {
-    list.row(r, row);
-    const auto end = std::find(row.begin(), row.end(), static_cast<std::uint32_t>(null));
-    for (auto j = row.begin(); j != end; ++j) *j = place[*j];
-    counted.append({row.begin(), end});
-  }
-  set.near_marker = std::move(counted);
+  for (std::uint32_t& j : set.near_marker.all) j = place[j];
 }
 
 // Lists of the fluid near each marker and of the fluid near the walls.
@@ -41,10 +30,10 @@ template <int D>
 void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
-  cells::make_list<D>(
-      set.near_marker, grid, s.walls, set.reach + skin, s.null(),
+  cells::make_list_of_points<D>(
+      set.near_marker, grid, s.walls, set.reach + skin, static_cast<std::uint32_t>(s.null()),
       [&](std::size_t r) { return cells::position<D>(set.marker, r); },
-      [&](std::size_t, std::uint32_t j) { return j < s.first_wall(); });
+      [&](std::uint32_t j) { return j < s.first_wall(); });
   set.pressure_step.assign(s.walls, 0.0);
   set.weight_step.assign(s.walls, 0.0);
   set.mass.assign(s.walls, 0.0);
@@ -58,9 +47,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
                                   ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
   depth = w.d.ranks.maximum(depth) + set.reach + skin;
   count_in_listed(set, s.null());
-  set.phi_start.assign(1, 0);
-  for (std::size_t r = 0; r < s.walls; ++r) set.phi_start.push_back(set.phi_start.back() + set.near_marker.length(r));
-  set.phi.assign(set.phi_start.back(), 0.0);
+  set.phi.assign(set.near_marker.all.size(), 0.0);
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const auto& wall : set.sides)
@@ -68,13 +55,13 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
         near.push_back(i);
         break;
       }
-  set.near_wall = pairs::choose(w.list, std::move(near));
+  set.near_wall = pairs::choose(w.list, std::move(near), s.total());
 }
 
-// The given fields of the fluid that markers see, in the pair loop's records: one a particle.
+// The given fields of the fluid that markers see, one record a particle.
 template <std::size_t N>
 struct marker_records {
-  static constexpr std::size_t size = (N + 3) / 4 * 4;
+  static constexpr std::uint32_t size = (N + 3) / 4 * 4;
   const double* records;
 
   template <int D>
@@ -88,9 +75,12 @@ struct marker_records {
     records = out;
   }
 
-  std::array<real, size> at(const std::uint32_t* place) const {
+  // Of as many neighbours as there are lanes.
+  std::array<real, size> at(const std::uint32_t* neighbours) const {
+    std::array<std::uint32_t, lanes> place;
+    for (std::size_t lane = 0; lane < lanes; ++lane) place[lane] = neighbours[lane] * size;
     std::array<real, size> values;
-    pairs::detail::load(records, place, values);
+    pairs::detail::load(records, place.data(), values);
     return values;
   }
 };
@@ -153,11 +143,10 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
 #pragma omp parallel if (s.walls > foundation::rows_worth_threads)
         {
           std::vector<seen<D>> near;
-          std::vector<std::uint32_t> buffer;
 #pragma omp for schedule(static)
           for (std::size_t r = 0; r < s.walls; ++r) {
-            const auto row = set.near_marker.template row<fields.size>(r, buffer);
-            double* const phi = set.phi.data() + set.phi_start[r];
+            const auto row = std::as_const(set.near_marker).row(r);
+            double* const phi = set.phi.data() + set.near_marker.start[r];
             see(near, set, r, row, fields, kernel);
             shape_functions<D>(near, order, phi);
             const std::size_t i = s.first_wall() + r;
@@ -210,13 +199,9 @@ template <int D, std::size_t N, class F>
 void for_each_marker(wall_set<D>& set, const std::array<const double*, N>& arrays, F&& f) {
   const marker_records<N> fields(set, arrays);
   const std::size_t n = set.near_marker.rows();
-#pragma omp parallel if (n > foundation::rows_worth_threads)
-  {
-    std::vector<std::uint32_t> buffer;
-#pragma omp for schedule(static)
-    for (std::size_t r = 0; r < n; ++r)
-      f(r, at_marker(set.near_marker.template row<fields.size>(r, buffer), set.phi.data() + set.phi_start[r], fields));
-  }
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
+  for (std::size_t r = 0; r < n; ++r)
+    f(r, at_marker(std::as_const(set.near_marker).row(r), set.phi.data() + set.near_marker.start[r], fields));
 }
 
 // put(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's

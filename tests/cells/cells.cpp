@@ -50,10 +50,11 @@ std::vector<point<D>> all_with_images(const hydrostatic::scene<D>& scene) {
   return all;
 }
 
-// IDs of the neighbours of a point in the order of the lists: by cell along the axes, then ID.
+// IDs of the neighbours of a point in the order of the lists: by cell along the axes, then along the
+// last axis, then ID.
 template <int D>
 std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point<D>& centre, double reach) {
-  std::vector<std::pair<std::array<double, D>, std::int64_t>> found;
+  std::vector<std::tuple<std::array<double, D>, double, std::int64_t>> found;
   for (const auto& p : all) {
     double r2 = 0.0;
     std::array<double, D> cell;
@@ -61,11 +62,11 @@ std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point
       r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
       cell[a] = std::floor(p.x[a] / cells::cell_edge(reach));
     }
-    if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.id);
+    if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.x[D - 1], p.id);
   }
   std::sort(found.begin(), found.end());
   std::vector<std::int64_t> ids;
-  for (const auto& f : found) ids.push_back(f.second);
+  for (const auto& f : found) ids.push_back(std::get<2>(f));
   return ids;
 }
 
@@ -76,28 +77,33 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   const auto all = all_with_images<D>(scene);
   const double reach = w.support() + scene.skin;
   BOOST_REQUIRE(w.d.ranks.sum(static_cast<std::int64_t>(s.fluid)) == scene.fluid_total);
-  BOOST_REQUIRE(w.list.rows() == s.fluid);
-  std::size_t pairs = 0, wrong = 0, bad_padding = 0;
-  std::vector<std::uint32_t> buffer;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto should = expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach);
-    const auto row = w.list.row(i, buffer);
-    std::vector<std::int64_t> is;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const auto j = static_cast<std::size_t>(row[k]);
-      if (k < should.size())
-        is.push_back(s.id[j]);
-      else
-        bad_padding += j != s.null();
+  constexpr std::size_t lanes = cells::neighbour_list::lanes;
+  BOOST_REQUIRE(w.list.rows() == (s.fluid + lanes - 1) / lanes);
+  std::size_t pairs = 0, wrong = 0;
+  std::vector<char> wanted(s.fluid == 0 ? 0 : s.total());
+  for (std::size_t r = 0; r < w.list.rows(); ++r) {
+    const auto row = w.list.row(r);
+    std::fill(wanted.begin(), wanted.end(), 0);
+    for (std::size_t i = r * lanes; i < std::min(s.fluid, (r + 1) * lanes); ++i) {
+      const auto should = expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach);
+      std::vector<std::int64_t> is;
+      for (const std::uint32_t j : row) {
+        double r2 = 0.0;
+        for (const auto& x : s.x) r2 += (x[i] - x[j]) * (x[i] - x[j]);
+        if (r2 >= reach * reach) continue;
+        wanted[j] = 1;
+        if (j != i) is.push_back(s.id[j]);
+      }
+      wrong += is != should;
+      pairs += should.size();
     }
-    const std::size_t lanes = cells::neighbour_list::lanes;
-    bad_padding += row.size() != (should.size() + lanes - 1) / lanes * lanes;
-    bad_padding += row.size() != w.list.length(i);
-    wrong += is != should;
-    pairs += should.size();
+    // Each once, and none that no member has in reach.
+    for (const std::uint32_t j : row) {
+      wrong += wanted[j] != 1;
+      wanted[j] = 2;
+    }
   }
   BOOST_TEST(wrong == 0U);
-  BOOST_TEST(bad_padding == 0U);
   BOOST_TEST(w.list.pairs == pairs);
 }
 
@@ -129,8 +135,8 @@ BOOST_AUTO_TEST_CASE(lists_of_a_cluster) {
                                  }));
 }
 
-// Cells hold each particle once, in their bounds, by ID; negative coordinates and far-off ones too.
-BOOST_AUTO_TEST_CASE(grid_sorts_by_cell_and_id) {
+// Cells hold each particle once, in their bounds, in order; negative coordinates and far-off ones too.
+BOOST_AUTO_TEST_CASE(grid_sorts_by_cell_and_place) {
   constexpr std::size_t n = 500;
   std::array<particles::array, 2> x;
   std::vector<std::int64_t> id;
@@ -142,11 +148,11 @@ BOOST_AUTO_TEST_CASE(grid_sorts_by_cell_and_id) {
   const double size = 0.9;
   const auto g = cells::make_grid<2>(x, id, n, size);
   BOOST_REQUIRE(g.members.size() == n);
-  std::vector<std::array<double, 3>> order;
+  std::vector<std::array<double, 4>> order;
   std::vector<int> seen(n, 0);
   for (const auto i : g.members) {
     ++seen[i];
-    order.push_back({std::floor(x[0][i] / size), std::floor(x[1][i] / size), static_cast<double>(id[i])});
+    order.push_back({std::floor(x[0][i] / size), std::floor(x[1][i] / size), x[1][i], static_cast<double>(id[i])});
   }
   BOOST_TEST(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(n));
   BOOST_TEST(std::is_sorted(order.begin(), order.end()));
@@ -166,16 +172,17 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
     for (std::size_t a = 0; a < 3; ++a) c[a] = 9.0 * noise(static_cast<std::int64_t>(r), 10 + a);
     return c;
   };
-  const auto even = [](std::size_t, std::uint32_t j) { return j % 2 == 0; };
+  const auto even = [](std::uint32_t j) { return j % 2 == 0; };
   cells::neighbour_list list;  // one after the other in the same memory
   // Reaches above and below the grid's own cells.
   for (const double reach : {0.8, 2.0, 7.0}) {
     const auto g = cells::make_grid<3>(x, id, n, 2.0);
-    cells::make_list<3>(list, g, rows, reach, n, centre, even);
+    cells::make_list_of_points<3>(list, g, rows, reach, n, centre, even);
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
-      std::vector<std::uint32_t> is, should, row;
-      for (const std::uint32_t j : list.row(r, row))
+      std::vector<std::uint32_t> is, should;
+      BOOST_TEST(list.row(r).size() % cells::neighbour_list::lanes == 0U);
+      for (const std::uint32_t j : list.row(r))
         if (j != n) is.push_back(j);
       std::sort(is.begin(), is.end());
       for (std::size_t j = 0; j < n; j += 2) {
@@ -188,42 +195,11 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
   }
 }
 
-// Rows come back as they were given, whatever their order and gaps: runs of 1 to 33, jumps back, long rows.
-BOOST_AUTO_TEST_CASE(rows_come_back) {
-  cells::neighbour_list list;
-  list.null = 1 << 20;
-  std::vector<std::vector<std::uint32_t>> rows{{}, {7}, {0, 31}, {0, 32}, {5, 4, 3, 40, 39}, {0}};
-  std::vector<std::uint32_t> all;
-  for (std::uint32_t j = 100; j < 500; ++j) all.push_back(j);
-  rows.push_back(all);
-  for (std::int64_t r = 0; r < 50; ++r) {
-    std::vector<std::uint32_t> row;
-    for (std::int64_t j = 0; j < 600; ++j)
-      if (noise(j, 20 + static_cast<std::size_t>(r)) > 0.02 * static_cast<double>(r))
-        row.push_back(static_cast<std::uint32_t>(j));
-    rows.push_back(row);
-  }
-  for (const auto& row : rows) list.append(row);
-  BOOST_REQUIRE(list.rows() == rows.size());
-  std::vector<std::uint32_t> buffer;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    auto should = rows[r];
-    while (should.size() % cells::neighbour_list::lanes != 0) should.push_back(1U << 20);
-    BOOST_TEST(list.row(r, buffer) == should, boost::test_tools::per_element());
-    BOOST_TEST(list.length(r) == should.size());
-  }
-}
-
 BOOST_AUTO_TEST_CASE(no_particles_no_neighbours) {
   std::array<particles::array, 2> x;
   const auto g = cells::make_grid<2>(x, {}, 0, 1.0);
   cells::neighbour_list list;
-  cells::make_list<2>(
-      list, g, 1, 1.0, 0,
-      [](std::size_t) {
-        return std::array{0.0, 0.0};
-      },
-      [](std::size_t, std::uint32_t) { return true; });
+  cells::make_list<2>(list, g, x, 0, cells::one_reach{1.0});
   BOOST_TEST(list.pairs == 0U);
-  BOOST_TEST(list.rows() == 1U);
+  BOOST_TEST(list.rows() == 0U);
 }

@@ -22,16 +22,16 @@ struct probe {
     real f, scalar;
     pairs::vec<real, D> vector;
   };
-  me begin(std::size_t i) const { return {real(f[i]), real(0.0), foundation::zero<real, D>()}; }
+  me begin(const pairs::cluster& i) const { return {i(f), real(0.0), foundation::zero<real, D>()}; }
   auto reads() const { return std::tuple{pairs::read(pairs::of_weight, f)}; }
   void add(me& a, const auto& ij) const {
     const real f_j = ij(pairs::of_weight);
     a.scalar += f_j * ij.W;
     a.vector += (a.f - f_j) * ij.gradient();
   }
-  void end(std::size_t i, const me& a) const {
-    scalar[i] = pairs::sum(a.scalar);
-    for (std::size_t k = 0; k < D; ++k) vector[k][i] = pairs::sum(a.vector[k]);
+  void end(const pairs::cluster& i, const me& a) const {
+    i.set(scalar, a.scalar);
+    for (std::size_t k = 0; k < D; ++k) i.set(vector[k], a.vector[k]);
   }
 };
 
@@ -129,8 +129,8 @@ BOOST_AUTO_TEST_CASE(chosen_rows_alone_are_written) {
   std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
   const std::vector<std::size_t> rows{3, 17, 5}, none;
   scene.w.sum(scene.w.fluid(), all.of(s.T));
-  scene.w.sum(pairs::choose(scene.w.list, rows), some.of(s.T));
-  scene.w.sum(pairs::choose(scene.w.list, none), some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, rows, s.total()), some.of(s.T));
+  scene.w.sum(pairs::choose(scene.w.list, none, s.total()), some.of(s.T));
   for (std::size_t i = 0; i < s.fluid; ++i)
     BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
 }
@@ -155,11 +155,9 @@ BOOST_AUTO_TEST_CASE(rows_that_need_no_ghosts) {
   const auto& w = scene.w;
   BOOST_TEST((w.border > 0) == (w.d.ranks.size > 1));
   BOOST_TEST((w.core > 0) == (w.d.ranks.size > 1));
-  std::vector<std::uint32_t> row;
+  BOOST_TEST(w.border % pairs::lanes == 0U);
   for (std::size_t i = 0; i < w.s.fluid; ++i)
-    for (const auto j : w.list.row(i, row)) {
-      const auto k = static_cast<std::size_t>(j);
-      if (k == w.list.null) continue;
+    for (const std::size_t k : w.list.row_of(i)) {
       BOOST_TEST((i >= w.border || k < w.s.fluid));
       BOOST_TEST((i < w.border || k >= w.core));
     }

@@ -46,18 +46,18 @@ struct cloud {
     for (auto& a : x) a[n] = 1e60;
     gamma_of.assign(n + 1, adiabatic);
     for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
-    list.null = n;
-    for (std::size_t i = 0; i < n; ++i) {
-      std::vector<std::uint32_t> row;
-      for (std::size_t j = 0; j < n; ++j)
-        if (j != i) row.push_back(static_cast<std::uint32_t>(j));
-      list.append(row);
-    }
+    // Every cluster sees all.
+    cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t, cells::row_store& made) {
+      std::uint32_t* const row = made.room(n);
+      std::iota(row, row + n, 0U);
+      made.keep(row + n);
+      return n;
+    });
   }
 
   template <class... Terms>
   void sum(const Terms&... terms) {
-    pairs::sum_over<D>(pairs::stretch{0, n, 0, n + 1}, list, pairs::pointers<D>(x), schemes::distances_only{1e-9},
+    pairs::sum_over<D>(pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(x), schemes::distances_only{1e-9},
                        terms...);
   }
 
@@ -252,9 +252,13 @@ struct star_pressure {
     real p;
   };
   auto reads() const { return schemes::interface_reads<1, true>(s); }
-  me begin(std::size_t) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.p = schemes::interface<1, true>(s, ij).p; }
-  void end(std::size_t i, const me& a) const { star[i] = a.p[0]; }  // the other particle is in the first lane
+  me begin(const pairs::cluster&) const { return {real(0.0)}; }
+  void add(me& a, const auto& ij) const {
+    real p = schemes::interface<1, true>(s, ij).p;
+    pairs::stdx::where(ij.r > 1e10, p) = 0.0;  // the particle itself
+    a.p += p;
+  }
+  void end(const pairs::cluster& i, const me& a) const { i.set(star, a.p); }
 };
 
 }  // namespace

@@ -233,12 +233,11 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   for (std::size_t a = 0; a < 2; ++a) w.exchange_fluid({f[a].data()});
   const auto& list = scene.walls.near_marker;
   std::size_t seen = 0, wrong = 0;
-  std::vector<std::uint32_t> buffer;
   for (std::size_t r = 0; r < list.rows(); ++r) {
-    const auto row = list.row(r, buffer);
+    const auto row = list.row(r);
     for (std::size_t k = 0; k < row.size(); ++k) {
       const std::size_t j = scene.walls.listed[static_cast<std::size_t>(row[k])];
-      if (scene.walls.phi[scene.walls.phi_start[r] + k] == 0.0) continue;
+      if (scene.walls.phi[list.start[r] + k] == 0.0) continue;
       ++seen;
       for (std::size_t a = 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
     }

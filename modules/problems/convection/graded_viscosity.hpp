@@ -63,7 +63,7 @@ struct graded_viscosity {
     else
       return std::tuple{of_root};
   }
-  me begin(std::size_t) const {
+  me begin(const pairs::cluster&) const {
     me a;
     a.sum = a.force = a.slope = foundation::zero<real, D>();
     for (auto& t : a.third) t = foundation::zero<real, D>();
@@ -106,36 +106,40 @@ struct graded_viscosity {
       for (std::size_t q = p; q < D; ++q) a.third[n++] += (part * r[p] * r[q]) * r;
     a.m += F_r2 * s;
   }
-  void end(std::size_t i, const me& a) const {
+  void end(const pairs::cluster& members, const me& a) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  }
+
+ private:
+  void end(std::size_t i, const me& a, const auto& of) const {
     constexpr auto d = static_cast<double>(D);
-    const double scale = -2.0 * d * (d + 2.0) / pairs::sum(a.m);
+    const double scale = -2.0 * d * (d + 2.0) / of(a.m);
     for (std::size_t p = 0; p < D; ++p) {
-      double force_i = pairs::sum(a.sum[p]);
+      double force_i = of(a.sum[p]);
       for (std::size_t q = 0; q < D; ++q)
         for (std::size_t c = 0; c < D; ++c)
-          force_i -= gradient[q][c][i] * pairs::sum(a.third[operators::symmetric_place(p, q, D)][c]);
+          force_i -= gradient[q][c][i] * of(a.third[operators::symmetric_place(p, q, D)][c]);
       out[p][i] = scale * force_i;
     }
-    const double of_laplacian = -2.0 * d / pairs::sum(a.second);
-    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * pairs::sum(a.slope[p]);
+    const double of_laplacian = -2.0 * d / of(a.second);
+    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * of(a.slope[p]);
     if constexpr (isotropic) {
       const double nu = root[i] * root[i];
       for (std::size_t p = 0; p < D; ++p) {
         plain[p][i] = out[p][i];
-        out[p][i] -= beta * of_laplacian * pairs::sum(a.force[p]) / nu;
+        out[p][i] -= beta * of_laplacian * of(a.force[p]) / nu;
       }
-      next_angles(i, a);
+      next_angles(i, a, of);
     }
   }
 
- private:
   // Half the way to the a_i that is right for the neighbours' a_j.
-  void next_angles(std::size_t i, const me& a) const {
+  void next_angles(std::size_t i, const me& a, const auto& of) const {
     std::array<std::array<double, N>, N> M{};
     std::array<double, N> b{};
     for (std::size_t k = 0, place = 0; k < N; ++k) {
-      b[k] = 2.0 * pairs::sum(a.b[k]);  // F < 0: both sides change their signs
-      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -pairs::sum(a.M[place++]);
+      b[k] = 2.0 * of(a.b[k]);  // F < 0: both sides change their signs
+      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -of(a.M[place++]);
     }
     constexpr double most = 0.8;
     double sum = 0.0;

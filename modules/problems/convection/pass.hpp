@@ -24,7 +24,7 @@ struct noise {
     std::array<real, K> sum;
   };
   auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
-  me begin(std::size_t) const {
+  me begin(const pairs::cluster&) const {
     me a;
     a.sum.fill(real(0.0));
     return a;
@@ -43,8 +43,8 @@ struct noise {
       a.sum[k] += ij.F * steps;
     }
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < K; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < K; ++k) i.set(out[k], V * a.sum[k]);
   }
 };
 
@@ -60,15 +60,15 @@ struct unevenness {
     pairs::vec<real, D> sum;
     real W;
   };
-  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>(), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     const real q = ij.W * per_W_dx, q2 = q * q;
     a.sum += (ij.F * (1.0 + 0.2 * q2 * q2)) * ij.x_ij;
     a.W += ij.W;
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) out[k][i] = V * pairs::sum(a.sum[k]);
-    W_sum[i] = W_self + pairs::sum(a.W);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(out[k], V * a.sum[k]);
+    i.set(W_sum, W_self + a.W);
   }
 };
 
@@ -90,7 +90,7 @@ struct contrast {
     real F, F_nu, F_r, F_r_nu;
   };
   auto reads() const { return std::tuple{pairs::read(of_viscosity_root, root), pairs::read(of_own_viscosity, own)}; }
-  me begin(std::size_t) const { return {real(0.0), real(0.0), real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0), real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     const real F_r = ij.F * ij.r;
     a.F += ij.F;
@@ -98,9 +98,9 @@ struct contrast {
     a.F_r += F_r;
     a.F_r_nu += F_r * ij(of_own_viscosity);
   }
-  void end(std::size_t i, const me& a) const {
-    viscous[i] = pairs::sum(a.F_nu) / pairs::sum(a.F);
-    coupled[i] = pairs::sum(a.F_r_nu) / (pairs::sum(a.F_r) * own[i]);
+  void end(const pairs::cluster& i, const me& a) const {
+    i.set(viscous, a.F_nu / a.F);
+    i.set(coupled, a.F_r_nu / (a.F_r * i(own)));
   }
 };
 

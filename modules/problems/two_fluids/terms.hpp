@@ -74,7 +74,7 @@ struct forces {
     return std::tuple{read(of_velocity, v), read(of_stress, A), read(of_factor, B), read(of_volume, V),
                       read(of_viscosity, eta)};
   }
-  me begin(std::size_t) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
   void add(me& sums, const auto& ij) const {
     using namespace pairs;
     const real B_j = ij(of_factor);
@@ -89,10 +89,10 @@ struct forces {
     sums.compression += B_j * own_slope(ij) * along;
     sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
   }
-  void end(std::size_t i, const me& sums) const {
-    for (std::size_t k = 0; k < D; ++k) force[k][i] = pairs::sum(sums.force[k]);
-    compression[i] = pairs::sum(sums.compression);
-    heat[i] = 0.5 * pairs::sum(sums.heat);
+  void end(const pairs::cluster& i, const me& sums) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sums.force[k]);
+    i.set(compression, sums.compression);
+    i.set(heat, 0.5 * sums.heat);
   }
 };
 
@@ -111,15 +111,15 @@ struct density_rate {
     using namespace pairs;
     return std::tuple{read(of_velocity, v), read(of_volume, V), read(of_pressure, p), read(of_density, rho)};
   }
-  me begin(std::size_t) const { return {real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     using namespace pairs;
     const real VF = ij(of_volume) * ij.F;
     a.divergence += VF * ij.along(of_velocity);
     a.diffusion += VF * (2.0 * ij.difference(of_pressure) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
   }
-  void end(std::size_t i, const me& a) const {
-    out[i] = rho[i] * pairs::sum(a.divergence) + delta_h / sound_speed[i] * pairs::sum(a.diffusion);
+  void end(const pairs::cluster& i, const me& a) const {
+    i.set(out, i(rho) * a.divergence + delta_h / i(sound_speed) * a.diffusion);
   }
 };
 
@@ -137,7 +137,7 @@ struct element_exchange {
     return std::tuple{read(of_concentration, c), read(of_partition, P), read(of_element, k), read(of_material, metal),
                       read(of_volume, V)};
   }
-  me begin(std::size_t) const { return {real(0.0)}; }
+  me begin(const pairs::cluster&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const {
     using namespace pairs;
     real P_i = ij.own(of_partition), P_j = ij(of_partition);
@@ -148,7 +148,7 @@ struct element_exchange {
     a.sum +=
         K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
   }
-  void end(std::size_t i, const me& a) const { gain[i] = pairs::sum(a.sum); }
+  void end(const pairs::cluster& i, const me& a) const { i.set(gain, a.sum); }
 };
 
 // Surface tension between the two materials (docs/theory/drop.md): the divergence of a stress along their contact,
@@ -172,12 +172,12 @@ struct colour_gradient {
     pairs::vec<real, D> sum;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V), pairs::read(of_material, C)}; }
-  me begin(std::size_t) const { return {foundation::zero<real, D>()}; }
+  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>()}; }
   void add(me& a, const auto& ij) const {
     a.sum -= (ij(pairs::of_volume) * ij.difference(of_material) * ij.F) * ij.x_ij;
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) G[k][i] = pairs::sum(a.sum[k]);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(G[k], a.sum[k]);
   }
 };
 
@@ -196,13 +196,13 @@ struct surface_stress {
     using namespace pairs;
     return std::tuple{read(of_stress, V2), read(of_colour_gradient, G)};
   }
-  me begin(std::size_t) const { return {foundation::zero<real, D>()}; }
+  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>()}; }
   void add(me& a, const auto& ij) const {
     a.force += (ij.F * ij.own(of_stress)) * along(ij.own(of_colour_gradient), ij.x_ij);
     a.force += (ij.F * ij(of_stress)) * along(ij(of_colour_gradient), ij.x_ij);
   }
-  void end(std::size_t i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) force[k][i] = sigma * pairs::sum(a.force[k]);
+  void end(const pairs::cluster& i, const me& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sigma * a.force[k]);
   }
 
  private:

@@ -148,19 +148,21 @@ class rig {
     return S[i] * S[i];
   }
 
+  // f(j) for the neighbours of particle i nearer than the root of `reach2`, m2.
+  template <class F>
+  void for_each_within(std::size_t i, double reach2, F&& f) const {
+    const auto& w = world_.w;
+    for (const std::uint32_t j : w.list.row_of(i)) {
+      double r2 = 0.0;
+      for (const auto& x : w.s.x) r2 += (x[i] - x[j]) * (x[i] - x[j]);
+      if (j != i && r2 < reach2) f(j);
+    }
+  }
+
   void count_pairs(result& r) const {
     const auto& w = world_.w;
     std::size_t close = 0;
-    std::vector<std::uint32_t> row;
-    for (std::size_t i = 0; i < w.s.fluid; ++i)
-      for (const std::uint32_t j : w.list.row(i, row)) {
-        double r2 = 0.0;
-        for (const auto& x : w.s.x) {
-          const double d = x[i] - x[j];
-          r2 += d * d;
-        }
-        close += r2 < support2(i) ? 1 : 0;
-      }
+    for (std::size_t i = 0; i < w.s.fluid; ++i) for_each_within(i, support2(i), [&](std::uint32_t) { ++close; });
     r.neighbours = static_cast<double>(close) / static_cast<double>(w.s.fluid);
     r.list_entries = static_cast<double>(w.list.pairs) / static_cast<double>(w.s.fluid);
   }
@@ -182,9 +184,9 @@ class rig {
     const liquid::rates<D> out(pointers);
     std::vector<std::size_t> row_start{0};  // of the scalar loop's own list
     std::vector<std::int32_t> neighbours;
-    std::vector<std::uint32_t> row;
+    const double reach = w.support() + world_.skin;
     for (std::size_t i = 0; i < s.fluid; ++i) {
-      for (const std::uint32_t j : w.list.row(i, row)) neighbours.push_back(static_cast<std::int32_t>(j));
+      for_each_within(i, reach * reach, [&](std::uint32_t j) { neighbours.push_back(static_cast<std::int32_t>(j)); });
       row_start.push_back(neighbours.size());
     }
     const scalar_problem<D> problem{s.fluid,
