@@ -52,9 +52,9 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
   return point;
 }
 
-// m, edge of the cells for neighbours within `reach`: small enough that a particle's neighbours are for the most part
-// those of the one before it, large enough that the stretches looked at are long.
-inline double cell_edge(double reach) { return 0.5 * reach; }
+// m, edge of the cells of particles with this spacing: clusters of eight are nearly as long as wide, in the plane and in
+// space, so that their members have most neighbours in common.
+inline double cell_edge(double spacing) { return 2.0 * spacing; }
 
 // Sorts particles [0, n) into cells of the given edge.
 template <int D>

@@ -58,15 +58,16 @@ struct pair {
 // A pair with both records: numbers are a real, vectors a vec.
 template <int D, class Layout>
 struct packed_pair : pair<D> {
-  std::array<real, Layout::size> mine, values;
+  const std::array<real, Layout::size>* mine;
+  const double* record;  // the neighbour's
 
   template <class Tag>
   auto operator()(Tag) const {
-    return pick<Tag>(values);
+    return pick<Tag>(record);
   }
   template <class Tag>
   auto own(Tag) const {
-    return pick<Tag>(mine);
+    return pick<Tag>(mine->data());
   }
   // Terms that ask for the same difference share it: the compiler sees one expression.
   template <class Tag>
@@ -81,11 +82,11 @@ struct packed_pair : pair<D> {
 
  private:
   template <class Tag>
-  static auto pick(const std::array<real, Layout::size>& record) {
+  static auto pick(const auto* record) {
     constexpr std::size_t at = Layout::template place<Tag>(), n = Layout::template components<Tag>();
     static_assert(n > 0, "a term uses a field that its reads() does not name");
     if constexpr (!Layout::template is_vector<Tag>()) {
-      return record[at];
+      return real(record[at]);
     } else {
       vec<real, static_cast<int>(n)> v;
       foundation::for_each_of<n>([&](std::size_t k) { v[k] = record[at + k]; });
@@ -109,22 +110,32 @@ void end_all(const Mine& mine, const cluster& i, std::index_sequence<T...>, cons
 template <int D, class Layout, class Kernel, class... Terms>
 [[gnu::flatten]] void sum_row(const cluster& i, std::span<const std::uint32_t> row, const double* records,
                               const least_r2& least, const Kernel& kernel, const Terms&... terms) {
-  packed_pair<D, Layout> ij;
-  detail::load_own(records + i.first * Layout::size, ij.mine);
-  vec<real, D> x_i;
-  foundation::for_each_of<D>([&](std::size_t a) { x_i[a] = ij.mine[a]; });
+  std::array<real, Layout::size> own;
+  detail::load_own(records + i.first * Layout::size, own);
+  const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
+  const auto pair_with = [&](std::uint32_t j) {
+    const double* const x_j = record_of(j);
+    pair<D> p;
+    foundation::for_each_of<D>([&](std::size_t a) { p.x_ij[a] = own[a] - x_j[a]; });
+    p.r2 = foundation::greater(foundation::dot(p.x_ij, p.x_ij), least.of_lane[i.lane_of(j)]);
+    const auto root = foundation::both_roots(p.r2);
+    p.r = root.r;
+    p.per_r = root.inverse;
+    kernel.both(root.r, root.inverse, p.W, p.F);
+    return p;
+  };
   std::tuple mine{terms.begin(i)...};
-  for (const std::uint32_t j : row) {
-    const double* const record = records + std::size_t{j} * Layout::size;
-    foundation::for_each_of<Layout::used>([&](std::size_t c) { ij.values[c] = record[c]; });
-    foundation::for_each_of<D>([&](std::size_t a) { ij.x_ij[a] = x_i[a] - ij.values[a]; });
-    ij.r2 = foundation::greater(foundation::dot(ij.x_ij, ij.x_ij), least.of_lane[i.lane_of(j)]);
-    const auto root = foundation::both_roots(ij.r2);
-    ij.r = root.r;
-    ij.per_r = root.inverse;
-    kernel.both(root.r, root.inverse, ij.W, ij.F);
-    add_all(mine, ij, std::index_sequence_for<Terms...>{}, terms...);
+  const auto add = [&](const pair<D>& p, std::uint32_t j) {
+    add_all(mine, packed_pair<D, Layout>{p, &own, record_of(j)}, std::index_sequence_for<Terms...>{}, terms...);
+  };
+  // A pair ahead of the sums: the processor computes them side by side.
+  pair<D> last = pair_with(row[0]);
+  for (std::size_t k = 1; k < row.size(); ++k) {
+    const pair<D> next = pair_with(row[k]);
+    add(last, row[k - 1]);
+    last = next;
   }
+  add(last, row.back());
   end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
 }
 

@@ -106,7 +106,7 @@ void rebuild(state<D>& box, bool as_they_were) {
   rebuild_by(
       box, as_they_were,
       [&] {
-        return list_lengths{cells::cell_edge(reach), reach};
+        return list_lengths{cells::cell_edge(w.dx), reach};
       },
       [&](const list_lengths&, const cells::grid<D>& grid) {
         cells::make_list<D>(w.list, grid, s.x, s.fluid, cells::one_reach{reach});

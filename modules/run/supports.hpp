@@ -75,10 +75,10 @@ void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, c
   cells::make_list<D>(w.list, grid, s.x, s.fluid, larger_support<D>{s, S, skin, largest_near<D>(s, S, most + skin)});
 }
 
-// rebuild() where every particle has a support, m, which may grow until `list_support` and a part of the skin: lists
+// rebuild() where every particle has a support, m, so many spacings about it, which may grow until `list_support` and a part of the skin: lists
 // are made for the supports as they then are, or were.
 template <int D>
-void rebuild_with_supports(state<D>& box, bool as_they_were, const particles::array& support,
+void rebuild_with_supports(state<D>& box, bool as_they_were, double support_over_dx, const particles::array& support,
                            particles::array& list_support) {
   auto& w = box.w;
   auto& s = w.s;
@@ -96,7 +96,7 @@ void rebuild_with_supports(state<D>& box, bool as_they_were, const particles::ar
       if (w.d.region.periodic[a] && w.d.width > w.d.region.length[a])
         foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
     const double mean = w.d.ranks.exact(all) / static_cast<double>(box.fluid_total);
-    return list_lengths{cells::cell_edge(mean + box.skin), most};
+    return list_lengths{cells::cell_edge(mean / support_over_dx), most};
   };
   rebuild_by(box, as_they_were, lengths, [&](const list_lengths&, const cells::grid<D>& grid) {
     w.exchange_fluid({list_support.data()});

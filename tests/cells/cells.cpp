@@ -60,7 +60,7 @@ std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point
     std::array<double, D> cell;
     for (std::size_t a = 0; a < D; ++a) {
       r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
-      cell[a] = std::floor(p.x[a] / cells::cell_edge(reach));
+      cell[a] = std::floor(p.x[a] / cells::cell_edge(1.0));
     }
     if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.x[D - 1], p.id);
   }

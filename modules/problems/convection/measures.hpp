@@ -16,13 +16,13 @@ namespace tetsuame::convection {
 // Fields of particles at other places: least squares of a polynomial of second degree about the place,
 //   f(x) = a + b·(x - place) + (x - place)·c (x - place),  weights (1 - r²/radius²)²;  a is the value
 // Ghosts and images take part, with the values that they have: what a wall asks of a field the interpolated one has
-// too. Sums run in the order of cells and IDs, so that the result does not depend on ranks.
+// too. Sums run in the order of the grid, so that the result does not depend on ranks.
 template <int D>
 class interpolation {
  public:
   // radius: m; no more than the width in which ghosts and images stand.
   interpolation(const particles::particles<D>& s, double radius)
-      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), cells::cell_edge(radius))) {}
+      : s_(s), radius_(radius), grid_(cells::make_grid<D>(s.x, s.id, s.total(), 0.5 * radius)) {}
 
   // Values of the fields f, which reach over fluid, ghosts and images, at the place; none where too few particles are
   // near.
@@ -32,7 +32,7 @@ class interpolation {
     std::array<std::array<double, terms>, terms> A{};
     std::array<std::array<double, terms>, K> b{};
     std::vector<std::uint32_t> near;
-    cells::for_each_near<D>(grid_, place, radius_, [&](std::uint32_t k, std::uint64_t bits) {
+    cells::for_each_near<D>(grid_, place, place, radius_, [&](std::uint32_t k, std::uint64_t bits) {
       for (; bits != 0; bits &= bits - 1)
         near.push_back(grid_.members[k + static_cast<std::size_t>(std::countr_zero(bits))]);
     });

@@ -78,7 +78,7 @@ void resize_arrays(world<D>& g) {
 template <int D>
 void make_lists(world<D>& g, bool as_they_were) {
   auto& s = g.w.s;
-  run::rebuild_with_supports(g, as_they_were, g.support, g.list_support);
+  run::rebuild_with_supports(g, as_they_were, g.support_over_dx, g.support, g.list_support);
   const foundation::stage timed(g.w.times, "lists");
   refresh_constants(g);
   resize_arrays(g);

@@ -155,7 +155,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   auto& w = f.world.w;
   auto& s = w.s;
   if (f.follows)
-    run::rebuild_with_supports(f.world, as_they_were, f.support(), f.list_support());
+    run::rebuild_with_supports(f.world, as_they_were, f.S_0 / w.dx, f.support(), f.list_support());
   else
     run::rebuild(f.world, as_they_were);
   w.exchange_fluid({s.m.data()});
