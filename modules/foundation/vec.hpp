@@ -28,11 +28,22 @@ struct vec {
     for_each_of<D>([&](std::size_t k) { c[k] -= b.c[k]; });
     return *this;
   }
-  friend vec operator+(vec a, const vec& b) { return a += b; }
-  friend vec operator-(vec a, const vec& b) { return a -= b; }
-  friend vec operator*(const R& s, vec a) {
-    for_each_of<D>([&](std::size_t k) { a.c[k] = s * a.c[k]; });
-    return a;
+  // Component by component, without a copy of a vector, which the compiler would keep in memory.
+  friend vec operator+(const vec& a, const vec& b) {
+    return of([&](std::size_t k) { return a.c[k] + b.c[k]; });
+  }
+  friend vec operator-(const vec& a, const vec& b) {
+    return of([&](std::size_t k) { return a.c[k] - b.c[k]; });
+  }
+  friend vec operator*(const R& s, const vec& a) {
+    return of([&](std::size_t k) { return s * a.c[k]; });
+  }
+  // {f(0), f(1), …}
+  template <class F>
+  [[gnu::always_inline]] static vec of(F&& f) {
+    return [&]<std::size_t... k>(std::index_sequence<k...>) {
+      return vec{{R(f(k))...}};
+    }(std::make_index_sequence<D>{});
   }
 };
 
@@ -45,9 +56,7 @@ R dot(const vec<R, D>& a, const vec<R, D>& b) {
 
 template <class R, int D>
 vec<R, D> zero() {
-  vec<R, D> a;
-  for_each_of<D>([&](std::size_t k) { a[k] = R(0.0); });
-  return a;
+  return vec<R, D>::of([](std::size_t) { return 0.0; });
 }
 
 }  // namespace tetsuame::foundation

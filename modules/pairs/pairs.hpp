@@ -63,16 +63,16 @@ struct packed_pair : pair<D> {
 
   template <class Tag>
   auto operator()(Tag) const {
-    return pick<Tag>(record);
+    return pick<Tag>([&](std::size_t k) { return real(record[k]); });
   }
   template <class Tag>
   auto own(Tag) const {
-    return pick<Tag>(mine->data());
+    return pick<Tag>([&](std::size_t k) { return (*mine)[k]; });
   }
   // Terms that ask for the same difference share it: the compiler sees one expression.
   template <class Tag>
-  auto difference(Tag tag) const {
-    return own(tag) - (*this)(tag);
+  auto difference(Tag) const {
+    return pick<Tag>([&](std::size_t k) { return (*mine)[k] - record[k]; });
   }
   // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
   template <class Tag>
@@ -81,17 +81,15 @@ struct packed_pair : pair<D> {
   }
 
  private:
-  template <class Tag>
-  static auto pick(const auto* record) {
+  // A number, or a vector, of the values at the tag's places in the record.
+  template <class Tag, class F>
+  [[gnu::always_inline]] static auto pick(const F& value) {
     constexpr std::size_t at = Layout::template place<Tag>(), n = Layout::template components<Tag>();
     static_assert(n > 0, "a term uses a field that its reads() does not name");
-    if constexpr (!Layout::template is_vector<Tag>()) {
-      return real(record[at]);
-    } else {
-      vec<real, static_cast<int>(n)> v;
-      foundation::for_each_of<n>([&](std::size_t k) { v[k] = record[at + k]; });
-      return v;
-    }
+    if constexpr (Layout::template is_vector<Tag>())
+      return vec<real, static_cast<int>(n)>::of([&](std::size_t k) { return value(at + k); });
+    else
+      return real(value(at));
   }
 };
 
@@ -116,7 +114,7 @@ template <int D, class Layout, class Kernel, class... Terms>
   const auto pair_with = [&](std::uint32_t j) {
     const double* const x_j = record_of(j);
     pair<D> p;
-    foundation::for_each_of<D>([&](std::size_t a) { p.x_ij[a] = own[a] - x_j[a]; });
+    p.x_ij = vec<real, D>::of([&](std::size_t a) { return own[a] - x_j[a]; });
     p.r2 = foundation::greater(foundation::dot(p.x_ij, p.x_ij), least.of_lane[i.lane_of(j)]);
     const auto root = foundation::both_roots(p.r2);
     p.r = root.r;

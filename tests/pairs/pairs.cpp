@@ -150,7 +150,7 @@ BOOST_AUTO_TEST_CASE(the_first_fault_is_that_of_the_lowest_id) {
 }
 
 BOOST_AUTO_TEST_CASE(rows_that_need_no_ghosts) {
-  const std::array<std::int64_t, 2> n{56, 28};
+  const std::array<std::int64_t, 2> n{84, 42};
   const auto scene = make_scene<2>(box<2>(n, true), domain::communicator::world(), 0.4);
   const auto& w = scene.w;
   BOOST_TEST((w.border > 0) == (w.d.ranks.size > 1));
