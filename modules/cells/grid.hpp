@@ -1,5 +1,6 @@
 // Linked cells as sorted cells: the particles of a cell stand together, and a row of cells along the last axis is one
-// stretch of memory, in which particles are sorted along that axis; where they are level, by ID.
+// stretch of memory, in which particles are sorted along that axis; where they are level, along those before it. A
+// particle and its image may have the same ID.
 //
 // Cells are anchored at the origin of the domain, not of the rank, and ordered along
 // the axes: which neighbours a particle has, and in which order they are summed, does
@@ -98,7 +99,9 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
   for (std::size_t c = 0; c < cells; ++c) {
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
               [&](std::uint32_t i, std::uint32_t j) {
-                return x[D - 1][i] < x[D - 1][j] || (x[D - 1][i] == x[D - 1][j] && id[i] < id[j]);
+                for (std::size_t a = D; a-- > 0;)
+                  if (x[a][i] != x[a][j]) return x[a][i] < x[a][j];
+                return id[i] < id[j];
               });
     for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
       for (std::size_t a = 0; a < D; ++a) g.sorted[a][k] = x[a][g.members[k]];

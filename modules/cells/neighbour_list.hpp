@@ -2,9 +2,9 @@
 //
 // Particles that follow each other in memory, as many as a SIMD register has lanes, are a cluster: they stand together,
 // since particles are sorted by cells, and share one row of the list. It holds every particle within reach of any of
-// them, the members too. A neighbour out of one member's reach adds an exact zero to that member's sums, as kernels are
-// zero there; and neighbours stand in the order of the grid. So every sum over a row has the same bits on any number of
-// ranks and threads, wherever clusters begin and end.
+// them, and says which of them. Neighbours stand in the order of the grid, and for members that do not have one it is so
+// far away that it adds an exact zero. So every sum over a row has the same bits on any number of ranks and threads,
+// wherever clusters begin and end.
 #pragma once
 
 #include <algorithm>
@@ -40,23 +40,82 @@ struct uninitialised : std::allocator<T> {
 
 using entries = std::vector<std::uint32_t, uninitialised<std::uint32_t>>;
 
-struct neighbour_list {
-  // Members of a cluster: values in one SIMD register.
-  static constexpr std::size_t lanes = foundation::lanes;
-
+struct list_of_rows {
   std::vector<std::size_t> start;  // per row, into `all`; one more at the end
-  entries all;                     // local indices
-  std::size_t pairs = 0;           // of a particle and a neighbour, counted where the row of a cluster holds others too
-  mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
+  entries all;
+  std::size_t pairs = 0;  // of a particle, or point, and a neighbour
 
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
   std::span<const std::uint32_t> row(std::size_t r) const { return {all.data() + start[r], all.data() + start[r + 1]}; }
-  std::span<std::uint32_t> row(std::size_t r) { return {all.data() + start[r], all.data() + start[r + 1]}; }
-  // The row of the cluster that particle i is in.
-  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / lanes); }
   double bytes() const {
     return static_cast<double>(start.capacity() * sizeof(start[0]) + all.capacity() * sizeof(all[0]));
   }
+};
+
+// Local indices of the neighbours of each of some points.
+struct point_list : list_of_rows {};
+
+// Of each cluster. An entry is what a neighbour's local index is above that of the one before, from 0 on, in its upper
+// bits, and in the lower ones the lanes that have this neighbour. A larger distance stands by itself behind a 0.
+struct neighbour_list : list_of_rows {
+  // Members of a cluster: values in one SIMD register.
+  static constexpr std::size_t lanes = foundation::lanes;
+  static constexpr int bits = 8;
+  static_assert(lanes <= bits);
+  mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
+
+  // The row of the cluster that particle i is in.
+  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / lanes); }
+  // f(neighbour, lanes that have it) for each in the row of cluster r.
+  template <class F>
+  void for_each(std::size_t r, F&& f) const {
+    for (neighbour n(row(r)); n.next();) f(n.j, n.of_lanes);
+  }
+
+  // Goes through a row.
+  struct neighbour {
+    const std::uint32_t *at, *end;
+    std::uint32_t j = 0, of_lanes = 0;
+
+    explicit neighbour(std::span<const std::uint32_t> row) : at(row.data()), end(row.data() + row.size()) {}
+    [[gnu::always_inline]] bool next() {
+      if (at == end) return false;
+      std::uint32_t entry = *at++;
+      if (entry == 0) [[unlikely]] {
+        j += *at++;
+        entry = *at++;
+      }
+      j += static_cast<std::uint32_t>(static_cast<std::int32_t>(entry) >> bits);
+      of_lanes = entry & ((1U << bits) - 1U);
+      return true;
+    }
+  };
+};
+
+// Writes entries of a row.
+class entry_writer {
+ public:
+  // Words that an entry takes at most.
+  static constexpr std::size_t most = 3;
+  std::uint32_t* out = nullptr;
+
+  // Nothing where no lane has it.
+  void add(std::uint32_t j, std::uint32_t of_lanes) {
+    if (of_lanes == 0) return;
+    const std::int64_t step = std::int64_t{j} - std::int64_t{last_};
+    constexpr std::int64_t reach = std::int64_t{1} << (31 - neighbour_list::bits);
+    std::uint32_t upper = static_cast<std::uint32_t>(step) << neighbour_list::bits;
+    if (step < -reach || step >= reach) {
+      *out++ = 0;
+      *out++ = static_cast<std::uint32_t>(step);
+      upper = 0;
+    }
+    *out++ = upper | of_lanes;
+    last_ = j;
+  }
+
+ private:
+  std::uint32_t last_ = 0;
 };
 
 // Where a thread's rows grow.
@@ -82,7 +141,7 @@ class row_store {
 // Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
 // those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
 template <class Make>
-void make_rows(neighbour_list& list, std::size_t rows, const Make& make) {
+void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
   constexpr std::size_t block = 32;
   list.start.resize(rows + 1);
   list.start[0] = 0;
@@ -165,10 +224,11 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
     const cluster_positions<D> cluster(x, first, members);
     const std::uint32_t all_members = (1U << members) - 1U;
     std::size_t pairs = 0;
+    entry_writer row;
     const auto& of_cluster = reach.of(first, members);
     for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most,
                      [&](std::uint32_t k, std::uint64_t near) {
-                       std::uint32_t* out = made.room(64);
+                       row.out = made.room(64 * entry_writer::most);
                        for (; near != 0; near &= near - 1) {
                          const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
                          real r2(0.0);
@@ -177,21 +237,22 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
                            r2 += x_ij * x_ij;
                          }
                          const std::uint32_t j = g.members[at];
-                         const std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
-                         *out = j;
-                         out += within != 0 ? 1 : 0;
+                         std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+                         // None is its own neighbour.
+                         if (const std::size_t own = j - first; own < lanes) within &= ~(1U << own);
+                         row.add(j, within);
                          pairs += static_cast<std::size_t>(std::popcount(within));
                        }
-                       made.keep(out);
+                       made.keep(row.out);
                      });
-    return pairs - members;  // none is its own neighbour
+    return pairs;
   });
 }
 
 // Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`
 // to a multiple of the lanes.
 template <int D, class Centre, class Accept>
-void make_list_of_points(neighbour_list& list, const grid<D>& g, std::size_t points, double reach, std::uint32_t null,
+void make_list_of_points(point_list& list, const grid<D>& g, std::size_t points, double reach, std::uint32_t null,
                          const Centre& centre, const Accept& accept) {
   using foundation::lanes;
   make_rows(list, points, [&](std::size_t r, row_store& made) {

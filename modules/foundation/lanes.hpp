@@ -17,6 +17,16 @@ namespace stdx = std::experimental;
 using real = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = real::size();
 
+#if defined(__AVX2__)
+namespace detail {
+// All bits of lane n where bit n is set.
+inline __m256i lanes_of(std::uint32_t bits) {
+  const __m256i lane = _mm256_setr_epi64x(1, 2, 4, 8), all = _mm256_set1_epi64x(static_cast<long long>(bits));
+  return _mm256_cmpeq_epi64(_mm256_and_si256(all, lane), lane);
+}
+}  // namespace detail
+#endif
+
 // The lanes' sum in the fixed order of a binary tree: (0 + 2) + (1 + 3) for four lanes.
 template <class R>
 double sum(const R& a) {
@@ -66,6 +76,52 @@ template <class R>
 #endif
   R c = b;
   where(a < b, c) = a;
+  return c;
+}
+
+// Values from `a` on in the lanes whose bit is set, 0 in others; nothing else is read, or written.
+template <class R>
+[[gnu::always_inline]] inline R load_where(std::uint32_t bits, const double* a) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8) return R(_mm512_maskz_loadu_pd(static_cast<__mmask8>(bits), a));
+#endif
+#if defined(__AVX2__)
+  if constexpr (R::size() == 4) return R(_mm256_maskload_pd(a, detail::lanes_of(bits)));
+#endif
+  R values = 0.0;
+  for (std::size_t lane = 0; lane < R::size(); ++lane)
+    if ((bits >> lane & 1U) != 0) values[lane] = a[lane];
+  return values;
+}
+template <class R>
+[[gnu::always_inline]] inline void store_where(std::uint32_t bits, double* a, const R& values) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8)
+    return _mm512_mask_storeu_pd(a, static_cast<__mmask8>(bits), static_cast<__m512d>(values));
+#endif
+#if defined(__AVX2__)
+  if constexpr (R::size() == 4) return _mm256_maskstore_pd(a, detail::lanes_of(bits), static_cast<__m256d>(values));
+#endif
+  for (std::size_t lane = 0; lane < R::size(); ++lane)
+    if ((bits >> lane & 1U) != 0) a[lane] = values[lane];
+}
+
+// greater(a, b) in lane n where bit n of `bits` is set, `other` elsewhere.
+template <class R>
+[[gnu::always_inline]] inline R greater_where(std::uint32_t bits, const R& a, const R& b, const R& other) {
+#if defined(__AVX512F__)
+  if constexpr (R::size() == 8)
+    return R(_mm512_mask_max_pd(static_cast<__m512d>(other), static_cast<__mmask8>(bits), static_cast<__m512d>(a),
+                                static_cast<__m512d>(b)));
+#endif
+#if defined(__AVX2__)
+  if constexpr (R::size() == 4)
+    return R(_mm256_blendv_pd(static_cast<__m256d>(other), static_cast<__m256d>(greater(a, b)),
+                              _mm256_castsi256_pd(detail::lanes_of(bits))));
+#endif
+  R c = greater(a, b);
+  for (std::size_t lane = 0; lane < R::size(); ++lane)
+    if ((bits >> lane & 1U) == 0) c[lane] = other[lane];
   return c;
 }
 

@@ -23,19 +23,11 @@ struct cluster {
   std::size_t first;
   std::uint32_t chosen = all;
 
-  // Each member's value.
-  real operator()(const double* a) const {
-    if (chosen == all) return real(a + first, stdx::element_aligned);
-    return real([&](auto lane) { return (chosen >> lane & 1U) != 0 ? a[first + lane] : 0.0; });
-  }
-  void set(double* a, const real& value) const {
-    if (chosen == all) return value.copy_to(a + first, stdx::element_aligned);
-    each([&](std::size_t i, const auto& of) { a[i] = of(value); });
-  }
-  void add(double* a, const real& value) const {
-    if (chosen == all) return real(real(a + first, stdx::element_aligned) + value).copy_to(a + first, stdx::element_aligned);
-    each([&](std::size_t i, const auto& of) { a[i] += of(value); });
-  }
+  // Each member's value. No branches for clusters of which all are chosen: the compiler would fuse multiplications and
+  // additions here and not there, and sums would depend on who else is in the cluster.
+  real operator()(const double* a) const { return foundation::load_where<real>(chosen, a + first); }
+  void set(double* a, const real& value) const { foundation::store_where(chosen, a + first, value); }
+  void add(double* a, const real& value) const { set(a, (*this)(a) + value); }
   // f(particle, of) for every chosen one; of(value) is its lane's.
   template <class F>
   void each(F&& f) const {
@@ -43,20 +35,6 @@ struct cluster {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       f(first + lane, [lane](const real& value) { return static_cast<double>(value[lane]); });
     }
-  }
-
-  // The lane of particle j, or the number of lanes.
-  std::size_t lane_of(std::uint32_t j) const {
-    return std::min<std::size_t>(j - static_cast<std::uint32_t>(first), lanes);
-  }
-};
-
-// The least r² of a pair, m2; a member and itself are out of every reach.
-struct least_r2 {
-  std::array<real, lanes + 1> of_lane;
-  explicit least_r2(double nearest) {
-    of_lane.fill(real(nearest * nearest));
-    for (std::size_t lane = 0; lane < lanes; ++lane) of_lane[lane][lane] = 1e120;
   }
 };
 
@@ -99,7 +77,8 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
   for (std::size_t r = 0; r < bits.size(); ++r) {
     if (bits[r] == 0) continue;
     c.of_rows.push_back({r * lanes, bits[r]});
-    for (const std::uint32_t j : list.row(r)) needed[j] = 1;
+    for (std::size_t i = r * lanes; i < std::min(total, (r + 1) * lanes); ++i) needed[i] = 1;
+    list.for_each(r, [&](std::uint32_t j, std::uint32_t) { needed[j] = 1; });
   }
   for (std::size_t i = 0; i < total; ++i)
     if (needed[i] != 0) c.seen.push_back(i);

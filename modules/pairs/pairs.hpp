@@ -12,8 +12,8 @@
 //     void end(const cluster& i, const me& a) const;  // i.set(out, a.sum)
 //   };
 //
-// ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's. A neighbour in the
-// list may be out of a member's reach: then W and F are exact zeros, and the term must add one.
+// ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's. A member
+// that does not have the neighbour has exact zeros for W and F, and the term must add one.
 //
 // Several terms in one call share the neighbour's record, distance and kernel: one pass for the
 // whole right-hand side. A particle's neighbours are added in the list's order, so the result depends on neither ranks
@@ -107,15 +107,18 @@ void end_all(const Mine& mine, const cluster& i, std::index_sequence<T...>, cons
 // keeps sums and kernel in registers whatever it thinks of the program's size.
 template <int D, class Layout, class Kernel, class... Terms>
 [[gnu::flatten]] void sum_row(const cluster& i, std::span<const std::uint32_t> row, const double* records,
-                              const least_r2& least, const Kernel& kernel, const Terms&... terms) {
+                              const Kernel& kernel, const Terms&... terms) {
+  // m2; who does not have the neighbour is that far from it.
+  const real nearest(kernel.smallest_r() * kernel.smallest_r()), far(1e120);
   std::array<real, Layout::size> own;
   detail::load_own(records + i.first * Layout::size, own);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
-  const auto pair_with = [&](std::uint32_t j) {
-    const double* const x_j = record_of(j);
+  cells::neighbour_list::neighbour n(row);
+  const auto next_pair = [&] {
+    const double* const x_j = record_of(n.j);
     pair<D> p;
     p.x_ij = vec<real, D>::of([&](std::size_t a) { return own[a] - x_j[a]; });
-    p.r2 = foundation::greater(foundation::dot(p.x_ij, p.x_ij), least.of_lane[i.lane_of(j)]);
+    p.r2 = foundation::greater_where(n.of_lanes, foundation::dot(p.x_ij, p.x_ij), nearest, far);
     const auto root = foundation::both_roots(p.r2);
     p.r = root.r;
     p.per_r = root.inverse;
@@ -127,13 +130,15 @@ template <int D, class Layout, class Kernel, class... Terms>
     add_all(mine, packed_pair<D, Layout>{p, &own, record_of(j)}, std::index_sequence_for<Terms...>{}, terms...);
   };
   // A pair ahead of the sums: the processor computes them side by side.
-  pair<D> last = pair_with(row[0]);
-  for (std::size_t k = 1; k < row.size(); ++k) {
-    const pair<D> next = pair_with(row[k]);
-    add(last, row[k - 1]);
-    last = next;
+  if (n.next()) {
+    pair<D> last = next_pair();
+    for (std::uint32_t j = n.j; n.next(); j = n.j) {
+      const pair<D> next = next_pair();
+      add(last, j);
+      last = next;
+    }
+    add(last, n.j);
   }
-  add(last, row.back());
   end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
 }
 
@@ -147,11 +152,10 @@ void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::ar
   if (n == 0) return;
   pack<D>(x, reads, rows.packed(), list);
   const double* const records = list.records.data();
-  const least_r2 least(kernel.smallest_r());
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
   for (std::size_t r = 0; r < n; ++r) {
     const cluster i = rows[r];
-    sum_row<D, decltype(layout_of<D>(reads))>(i, list.row_of(i.first), records, least, kernel, terms...);
+    sum_row<D, decltype(layout_of<D>(reads))>(i, list.row_of(i.first), records, kernel, terms...);
   }
 }
 

@@ -37,7 +37,8 @@ template <int D>
 void end_layers_with_clusters(pairs::workspace<D>& w) {
   w.border -= w.border % pairs::lanes;
   for (std::size_t r = w.border / pairs::lanes; r < w.list.rows(); ++r)
-    for (const std::uint32_t j : w.list.row(r)) w.core = std::min<std::size_t>(w.core, j);
+    w.list.for_each(r, [&](std::uint32_t j, std::uint32_t) { w.core = std::min<std::size_t>(w.core, j); });
+  w.core = std::min(w.core, w.border);
 }
 
 // Positions of the fluid, and those that the lists were made from.

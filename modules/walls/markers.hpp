@@ -145,7 +145,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
           std::vector<seen<D>> near;
 #pragma omp for schedule(static)
           for (std::size_t r = 0; r < s.walls; ++r) {
-            const auto row = std::as_const(set.near_marker).row(r);
+            const auto row = set.near_marker.row(r);
             double* const phi = set.phi.data() + set.near_marker.start[r];
             see(near, set, r, row, fields, kernel);
             shape_functions<D>(near, order, phi);
@@ -201,7 +201,7 @@ void for_each_marker(wall_set<D>& set, const std::array<const double*, N>& array
   const std::size_t n = set.near_marker.rows();
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r)
-    f(r, at_marker(std::as_const(set.near_marker).row(r), set.phi.data() + set.near_marker.start[r], fields));
+    f(r, at_marker(set.near_marker.row(r), set.phi.data() + set.near_marker.start[r], fields));
 }
 
 // put(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's

@@ -19,7 +19,7 @@ struct wall_set {
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
   std::vector<std::uint32_t> source;       // of a mirror image: local index
   std::array<particles::array, D> marker;  // m, mirror image of a wall particle that stands still
-  cells::neighbour_list near_marker;       // fluid within reach of each marker: places in `listed`
+  cells::point_list near_marker;           // fluid within reach of each marker: places in `listed`
   particles::array phi;                    // shape function of each entry of that list
   pairs::chosen near_wall;                 // owned fluid that some marker may see
   std::vector<std::size_t> listed;         // local indices of all in near_marker, ghosts and null particle included

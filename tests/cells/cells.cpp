@@ -80,27 +80,19 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   constexpr std::size_t lanes = cells::neighbour_list::lanes;
   BOOST_REQUIRE(w.list.rows() == (s.fluid + lanes - 1) / lanes);
   std::size_t pairs = 0, wrong = 0;
-  std::vector<char> wanted(s.fluid == 0 ? 0 : s.total());
   for (std::size_t r = 0; r < w.list.rows(); ++r) {
-    const auto row = w.list.row(r);
-    std::fill(wanted.begin(), wanted.end(), 0);
-    for (std::size_t i = r * lanes; i < std::min(s.fluid, (r + 1) * lanes); ++i) {
-      const auto should = expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach);
-      std::vector<std::int64_t> is;
-      for (const std::uint32_t j : row) {
-        double r2 = 0.0;
-        for (const auto& x : s.x) r2 += (x[i] - x[j]) * (x[i] - x[j]);
-        if (r2 >= reach * reach) continue;
-        wanted[j] = 1;
-        if (j != i) is.push_back(s.id[j]);
-      }
-      wrong += is != should;
+    std::array<std::vector<std::int64_t>, lanes> is;
+    w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) {
+      wrong += of_lanes == 0;
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        if ((of_lanes >> lane & 1U) != 0) is[lane].push_back(s.id[j]);
+    });
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t i = r * lanes + lane;
+      const auto should = i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach)
+                                      : std::vector<std::int64_t>{};
+      wrong += is[lane] != should;
       pairs += should.size();
-    }
-    // Each once, and none that no member has in reach.
-    for (const std::uint32_t j : row) {
-      wrong += wanted[j] != 1;
-      wanted[j] = 2;
     }
   }
   BOOST_TEST(wrong == 0U);
@@ -173,7 +165,7 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
     return c;
   };
   const auto even = [](std::uint32_t j) { return j % 2 == 0; };
-  cells::neighbour_list list;  // one after the other in the same memory
+  cells::point_list list;  // one after the other in the same memory
   // Reaches above and below the grid's own cells.
   for (const double reach : {0.8, 2.0, 7.0}) {
     const auto g = cells::make_grid<3>(x, id, n, 2.0);
@@ -192,6 +184,29 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
       }
       BOOST_TEST(is == should, boost::test_tools::per_element());
     }
+  }
+}
+
+// Neighbours come back as they were written, with their lanes: near and far, backwards too.
+BOOST_AUTO_TEST_CASE(entries_come_back) {
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> given{
+      {0, 1},          {1, 3},          {7, 8},          {5, 2},          {8388612, 1},    {16777220, 4}, {16777219, 15},
+      {3, 1},          {0xfffffff0, 7}, {0xffffffff, 1}, {0, 2},          {8388607, 1},    {8388607, 2},  {16777216, 9},
+      {8388608, 1},    {0, 1},          {8388608, 8}};
+  cells::neighbour_list list;
+  cells::make_rows(list, 2, [&](std::size_t, cells::row_store& made) {
+    cells::entry_writer row;
+    row.out = made.room((given.size() + 1) * cells::entry_writer::most);
+    for (const auto& [j, of_lanes] : given) row.add(j, of_lanes);
+    row.add(12, 0);
+    made.keep(row.out);
+    return given.size();
+  });
+  BOOST_TEST(list.pairs == 2 * given.size());
+  for (std::size_t r = 0; r < 2; ++r) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+    list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) { found.emplace_back(j, of_lanes); });
+    BOOST_TEST((found == given));
   }
 }
 

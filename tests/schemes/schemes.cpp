@@ -46,12 +46,15 @@ struct cloud {
     for (auto& a : x) a[n] = 1e60;
     gamma_of.assign(n + 1, adiabatic);
     for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
-    // Every cluster sees all.
-    cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t, cells::row_store& made) {
-      std::uint32_t* const row = made.room(n);
-      std::iota(row, row + n, 0U);
-      made.keep(row + n);
-      return n;
+    // Each sees all others.
+    cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t r, cells::row_store& made) {
+      cells::entry_writer row;
+      row.out = made.room(n * cells::entry_writer::most);
+      for (std::size_t j = 0; j < n; ++j)
+        row.add(static_cast<std::uint32_t>(j),
+                pairs::cluster::all & ~(j / pairs::lanes == r ? 1U << j % pairs::lanes : 0U));
+      made.keep(row.out);
+      return n * n;
     });
   }
 
