@@ -72,17 +72,20 @@ if(TETSUAME_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3" AND NOT TETSUAME_SANIT
   set(TETSUAME_BOTH_WIDTHS ON)
 endif()
 
-# Tests of the pair loop run for AVX-512 too where the processor has it, whatever the programs are built for.
-set(TETSUAME_TESTS_AVX512 OFF)
-if(TETSUAME_HOST_AVX512 AND TETSUAME_ARCH STREQUAL "x86-64-v3")
-  set(TETSUAME_TESTS_AVX512 ON)
+# Of the two kinds, that of the machine that configures.
+if(NOT TETSUAME_BOTH_WIDTHS)
+  set(TETSUAME_HOST_WIDTH "")
+elseif(TETSUAME_HOST_AVX512)
+  set(TETSUAME_HOST_WIDTH _avx512)
+else()
+  set(TETSUAME_HOST_WIDTH _avx2)
 endif()
 
-# Links the kind of these libraries that the target is of, by its name; of others that for AVX2.
+# Links the kind of these libraries that the target is of, by its name; of others that for this machine.
 function(link_wide target)
   string(REGEX MATCH "_avx[0-9]+$" width ${target})
-  if(TETSUAME_BOTH_WIDTHS AND NOT width)
-    set(width _avx2)
+  if(NOT width)
+    set(width ${TETSUAME_HOST_WIDTH})
   endif()
   foreach(library IN LISTS ARGN)
     target_link_libraries(${target} PUBLIC ${library}${width})
@@ -96,8 +99,6 @@ function(tetsuame_wide_library name)
   set(targets ${name})
   if(TETSUAME_BOTH_WIDTHS)
     set(targets ${name}_avx2 ${name}_avx512)
-  elseif(TETSUAME_TESTS_AVX512)
-    set(targets ${name} ${name}_avx512)
   endif()
   foreach(target IN LISTS targets)
     add_library(${target} STATIC EXCLUDE_FROM_ALL ${arg_SOURCES})
@@ -125,11 +126,7 @@ function(tetsuame_program name)
     set_target_properties(${name}_avx512 PROPERTIES
       TETSUAME_WIDE ON OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${folder}/avx512)
     add_dependencies(portable ${targets})
-    if(TETSUAME_HOST_AVX512)
-      add_dependencies(${name} ${name}_avx512)
-    else()
-      add_dependencies(${name} ${name}_avx2)
-    endif()
+    add_dependencies(${name} ${name}${TETSUAME_HOST_WIDTH})
   else()
     add_executable(${name} ${arg_SOURCES})
     set(targets ${name})
@@ -147,12 +144,12 @@ function(tetsuame_program name)
 endfunction()
 
 # One Boost.Test executable. With RANKS the test runs under mpirun once for each
-# number given (named NAME.n), else as a plain process. With WIDE a second time, NAME_avx512, where the
-# processor that configures has it. WIDE_DEPENDS: libraries of passes (run/passes.hpp, liquid/passes.hpp), which the test takes
-# as the programs do instead of compiling them again. OPTIMISED, which WIDE implies: what is tested is the arithmetic of
-# the test's own translation units as programs have it, so that these are optimised as much.
+# number given (named NAME.n), else as a plain process. It is of the kind that this machine takes. WIDE_DEPENDS: libraries
+# of passes (run/passes.hpp, liquid/passes.hpp), which the test takes as the programs do instead of compiling them again.
+# OPTIMISED: what is tested is the arithmetic of the test's own translation units as programs have it, so that these are
+# optimised as much.
 function(tetsuame_test name)
-  cmake_parse_arguments(arg "WIDE;OPTIMISED" "TIMEOUT" "SOURCES;DEPENDS;WIDE_DEPENDS;LABELS;RANKS" ${ARGN})
+  cmake_parse_arguments(arg "OPTIMISED" "TIMEOUT" "SOURCES;DEPENDS;WIDE_DEPENDS;LABELS;RANKS" ${ARGN})
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
   endif()
@@ -165,8 +162,11 @@ function(tetsuame_test name)
     TETSUAME_SOURCE_DIR="${CMAKE_SOURCE_DIR}" TETSUAME_BINARY_DIR="${CMAKE_BINARY_DIR}")
   # The others are compiled once and run for a second: -O1, which follows the -O3 of the build type, saves a quarter of the
   # time to compile them. Bits do not depend on it, as nothing is fused. The libraries are those of the programs.
-  if(NOT arg_WIDE AND NOT arg_OPTIMISED)
+  if(NOT arg_OPTIMISED)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+  if(TETSUAME_HOST_WIDTH STREQUAL "_avx512")
+    set_target_properties(test_${name} PROPERTIES TETSUAME_WIDE ON)
   endif()
   link_wide(test_${name} ${arg_WIDE_DEPENDS})
   target_link_libraries(test_${name} PUBLIC ${arg_DEPENDS} tetsuame_options Boost::unit_test_framework)
@@ -185,10 +185,5 @@ function(tetsuame_test name)
     add_test(NAME ${name} COMMAND test_${name})
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}"
       ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT})
-  endif()
-  if(arg_WIDE AND TETSUAME_TESTS_AVX512)
-    tetsuame_test(${name}_avx512 OPTIMISED SOURCES ${arg_SOURCES} DEPENDS ${arg_DEPENDS} WIDE_DEPENDS ${arg_WIDE_DEPENDS}
-      LABELS ${arg_LABELS} TIMEOUT ${arg_TIMEOUT} RANKS ${arg_RANKS})
-    set_target_properties(test_${name}_avx512 PROPERTIES TETSUAME_WIDE ON)
   endif()
 endfunction()

@@ -53,8 +53,8 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
   return point;
 }
 
-// m, edge of the cells of particles with this spacing: clusters of eight are nearly as long as wide, in the plane and in
-// space, so that their members have most neighbours in common.
+// m, edge of the cells of particles with this spacing: clusters of eight are nearly as long as wide, in the plane and
+// in space, so that their members have most neighbours in common.
 inline double cell_edge(double spacing) { return 2.0 * spacing; }
 
 // Sorts particles [0, n) into cells of the given edge.
@@ -110,8 +110,8 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
   return g;
 }
 
-// f(first, last) for every stretch of `members` in the cells that are within `reach` of the box from `low` to `high`, in
-// the order of cells.
+// f(first, last) for every stretch of `members` in the cells that are within `reach` of the box from `low` to `high`,
+// in the order of cells.
 template <int D, class F>
 void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const std::array<double, D>& high,
                       double reach, F&& f) {

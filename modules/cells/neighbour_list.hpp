@@ -2,8 +2,8 @@
 //
 // Particles that follow each other in memory, as many as a SIMD register has lanes, are a cluster: they stand together,
 // since particles are sorted by cells, and share one row of the list. It holds every particle within reach of any of
-// them, and says which of them. Neighbours stand in the order of the grid, and for members that do not have one it is so
-// far away that it adds an exact zero. So every sum over a row has the same bits on any number of ranks and threads,
+// them, and says which of them. Neighbours stand in the order of the grid, and for members that do not have one it is
+// so far away that it adds an exact zero. So every sum over a row has the same bits on any number of ranks and threads,
 // wherever clusters begin and end.
 #pragma once
 
@@ -213,8 +213,8 @@ struct cluster_positions {
 };
 
 // Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
-// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j with
-// each member.
+// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
+// with each member.
 template <int D, class Reach>
 void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
                const Reach& reach) {
@@ -226,25 +226,24 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
     std::size_t pairs = 0;
     entry_writer row;
     const auto& of_cluster = reach.of(first, members);
-    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most,
-                     [&](std::uint32_t k, std::uint64_t near) {
-                       row.out = made.room(64 * entry_writer::most);
-                       for (; near != 0; near &= near - 1) {
-                         const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
-                         real r2(0.0);
-                         for (std::size_t a = 0; a < D; ++a) {
-                           const real x_ij = cluster.x[a] - g.sorted[a][at];
-                           r2 += x_ij * x_ij;
-                         }
-                         const std::uint32_t j = g.members[at];
-                         std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
-                         // None is its own neighbour.
-                         if (const std::size_t own = j - first; own < lanes) within &= ~(1U << own);
-                         row.add(j, within);
-                         pairs += static_cast<std::size_t>(std::popcount(within));
-                       }
-                       made.keep(row.out);
-                     });
+    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, [&](std::uint32_t k, std::uint64_t near) {
+      row.out = made.room(64 * entry_writer::most);
+      for (; near != 0; near &= near - 1) {
+        const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
+        real r2(0.0);
+        for (std::size_t a = 0; a < D; ++a) {
+          const real x_ij = cluster.x[a] - g.sorted[a][at];
+          r2 += x_ij * x_ij;
+        }
+        const std::uint32_t j = g.members[at];
+        std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+        // None is its own neighbour.
+        if (const std::size_t own = j - first; own < lanes) within &= ~(1U << own);
+        row.add(j, within);
+        pairs += static_cast<std::size_t>(std::popcount(within));
+      }
+      made.keep(row.out);
+    });
     return pairs;
   });
 }

@@ -1,9 +1,9 @@
 #include <bit>
 #include <cmath>
 #include <domain/communicator.hpp>
+#include <foundation/agree.hpp>
 #include <foundation/waiting.hpp>
 #include <limits>
-#include <foundation/agree.hpp>
 
 namespace tetsuame::domain {
 

@@ -10,7 +10,8 @@ namespace tetsuame::foundation {
 // f(0), …, f(N - 1), written out: the compiler keeps small arrays of lanes in registers if no loop runs over them.
 template <std::size_t N, class F>
 [[gnu::always_inline]] inline void for_each_of(F&& f) {
-  [&]<std::size_t... k>(std::index_sequence<k...>) { (f(k), ...); }(std::make_index_sequence<N>{});
+  [&]<std::size_t... k>(std::index_sequence<k...>) { (f(k), ...); }
+  (std::make_index_sequence<N>{});
 }
 
 template <class R, int D>
@@ -41,9 +42,8 @@ struct vec {
   // {f(0), f(1), …}
   template <class F>
   [[gnu::always_inline]] static vec of(F&& f) {
-    return [&]<std::size_t... k>(std::index_sequence<k...>) {
-      return vec{{R(f(k))...}};
-    }(std::make_index_sequence<D>{});
+    return [&]<std::size_t... k>(std::index_sequence<k...>) { return vec{{R(f(k))...}}; }
+    (std::make_index_sequence<D>{});
   }
 };
 

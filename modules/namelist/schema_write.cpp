@@ -70,7 +70,7 @@ bool key::allows(double number) const {
 std::string key::type_name() const {
   return std::visit(
       [](auto* to) {
-        const std::string what = names_of(to).of_type;
+        std::string what = names_of(to).of_type;
         if constexpr (requires { to->has_value(); }) return "optional " + what;
         if constexpr (requires { to->begin(); } && !std::is_same_v<decltype(to), std::string*>)
           return "list of " + what + "s";

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <limits>
-#include <foundation/agree.hpp>
 #include <output/file.hpp>
 #include <run/interrupt.hpp>
 #include <run/restart.hpp>

@@ -75,8 +75,8 @@ void make_list(pairs::workspace<D>& w, const particles::array& S, double skin, c
   cells::make_list<D>(w.list, grid, s.x, s.fluid, larger_support<D>{s, S, skin, largest_near<D>(s, S, most + skin)});
 }
 
-// rebuild() where every particle has a support, m, so many spacings about it, which may grow until `list_support` and a part of the skin: lists
-// are made for the supports as they then are, or were.
+// rebuild() where every particle has a support, m, so many spacings about it, which may grow until `list_support` and a
+// part of the skin: lists are made for the supports as they then are, or were.
 template <int D>
 void rebuild_with_supports(state<D>& box, bool as_they_were, double support_over_dx, const particles::array& support,
                            particles::array& list_support) {

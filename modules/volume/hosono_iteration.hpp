@@ -237,9 +237,8 @@ void relax(pass<D>& one, double omega, double tolerance, double enough, double k
     previous = residual;
     const double exponent = plain ? 1.0 : stable_exponent(one, omega);
     for (std::size_t i = 0; i < s.fluid; ++i)
-      s.Y[i] =
-          plain ? s.m[i] * s.p_eos[i] / s.rho[i] * last_place(s.id[i])
-                : s.Y[i] * std::exp(exponent * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+      s.Y[i] = plain ? s.m[i] * s.p_eos[i] / s.rho[i] * last_place(s.id[i])
+                     : s.Y[i] * std::exp(exponent * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
   }
 }
 

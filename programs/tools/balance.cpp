@@ -10,9 +10,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <foundation/agree.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <foundation/agree.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <output/history.hpp>

@@ -89,8 +89,8 @@ void check_lists(const hydrostatic::scene<D>& scene) {
     });
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t i = r * lanes + lane;
-      const auto should = i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach)
-                                      : std::vector<std::int64_t>{};
+      const auto should =
+          i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach) : std::vector<std::int64_t>{};
       wrong += is[lane] != should;
       pairs += should.size();
     }
@@ -190,9 +190,9 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
 // Neighbours come back as they were written, with their lanes: near and far, backwards too.
 BOOST_AUTO_TEST_CASE(entries_come_back) {
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> given{
-      {0, 1},          {1, 3},          {7, 8},          {5, 2},          {8388612, 1},    {16777220, 4}, {16777219, 15},
-      {3, 1},          {0xfffffff0, 7}, {0xffffffff, 1}, {0, 2},          {8388607, 1},    {8388607, 2},  {16777216, 9},
-      {8388608, 1},    {0, 1},          {8388608, 8}};
+      {0, 1},         {1, 3},        {7, 8},          {5, 2},          {8388612, 1}, {16777220, 4},
+      {16777219, 15}, {3, 1},        {0xfffffff0, 7}, {0xffffffff, 1}, {0, 2},       {8388607, 1},
+      {8388607, 2},   {16777216, 9}, {8388608, 1},    {0, 1},          {8388608, 8}};
   cells::neighbour_list list;
   cells::make_rows(list, 2, [&](std::size_t, cells::row_store& made) {
     cells::entry_writer row;

@@ -8,10 +8,10 @@
 #include <boost/test/unit_test.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <foundation/agree.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <iterator>
-#include <foundation/agree.hpp>
 #include <output/groups.hpp>
 #include <string>
 #include <vector>
