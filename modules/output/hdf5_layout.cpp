@@ -199,7 +199,8 @@ std::uint64_t create_layout(const std::string& path, layout& contents) {
 }
 
 double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {
-  const auto [silence, file, root] = opened_file(path);
+  const opened_file opened(path);
+  const auto& [silence, file, root] = opened;
   const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
   const handle space(file.check(H5Aget_space(a)), H5Sclose);
   if (H5Sget_simple_extent_npoints(space) != 1)
@@ -210,7 +211,8 @@ double read_real_attribute(const std::string& path, const std::string& object, c
 }
 
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {
-  const auto [silence, file, root] = opened_file(path);
+  const opened_file opened(path);
+  const auto& [silence, file, root] = opened;
   std::vector<stored_dataset> list;
   if (group != "/" && file.check(H5Lexists(root, group.c_str(), H5P_DEFAULT)) == 0) return list;
   const handle folder(file.check(H5Gopen2(root, group.c_str(), H5P_DEFAULT)), H5Gclose);
@@ -232,7 +234,8 @@ std::vector<stored_dataset> list_datasets(const std::string& path, const std::st
 }
 
 std::vector<double> read_reals(const std::string& path, const std::string& name) {
-  const auto [silence, file, root] = opened_file(path);
+  const opened_file opened(path);
+  const auto& [silence, file, root] = opened;
   const handle set(file.check(H5Dopen2(root, name.c_str(), H5P_DEFAULT)), H5Dclose);
   const handle space(file.check(H5Dget_space(set)), H5Sclose);
   std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
