@@ -26,6 +26,7 @@ ALL = ["disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f"]
 
 # Above the longest run of any test here, so that a hanging program fails its test and not all of them.
 LIMIT_S = 240
+SLOW = bool(os.environ.get("TETSUAME_SLOW"))  # what takes long is done too
 
 ENVIRONMENT = {
     "OMP_WAIT_POLICY": "passive",

@@ -7,7 +7,7 @@ import unittest
 
 import h5py
 
-from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, Case, outcome
+from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 
 MANTLE, AIR = "blankenbach_1a", "air_1e4"
 SHORT = {"time.steps": 60, "output.history_interval": 20}
@@ -168,10 +168,10 @@ class Convection(Case):
     def test_nested_start_ranks_restart(self):
         """Restarts before a level has gone over to the next, and after. Any flow is steady to such a tolerance, once there are six turnovers."""
         loose = {"convection.steady_tolerance": 1, "run.checkpoint_interval": 100}
-        for name, settings, parts in [
-                ("walls", {**size(40), "expert.levels": 2, "time.steps": 1800}, [600, 1740]),
-                ("periodic", {**size(20), "expert.levels": 1, "convection.rayleigh": 1e5, "convection.viscosity_ramp": 2e16, "domain.periodic_x": ".true.",
-                              "walls.slip": "no_slip", "time.method": "ab2", "time.steps": 9400}, [9100, 9300])]:
+        walls = ("walls", {**size(40), "expert.levels": 2, "time.steps": 1800}, [600, 1740])
+        periodic = ("periodic", {**size(20), "expert.levels": 1, "convection.rayleigh": 1e5, "convection.viscosity_ramp": 2e16, "domain.periodic_x": ".true.",
+                                 "walls.slip": "no_slip", "time.method": "ab2", "time.steps": 9400}, [9100, 9300])
+        for name, settings, parts in [walls, periodic] if SLOW else [walls]:
             with self.subTest(name):
                 settings = {**settings, **loose}
                 whole = self.run_program("convection", MANTLE, settings).summary
@@ -230,6 +230,7 @@ class Convection(Case):
         wrong = self.run_program("convection", "melting_layer", {"convection.viscosity_max": 1e18}, expect=BAD_INPUT)
         self.assertIn("is below viscosity_min", wrong.stderr)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_contrast_with_depth(self):
         """Case 2b's law: on this coarse lattice ν changes thirtyfold from one particle to the next. The flow lasts until the contrast is full and
         longer, with temperatures nearly between those of the walls (with ν_ij = (ν_i ν_j)^½ it blows up on the way)."""
@@ -242,6 +243,7 @@ class Convection(Case):
         self.assertLess(T.max(), 1050)
         self.assertGreater(T.min(), -50)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_contrast_that_lasts(self):
         """A law that is steep within a spacing, at walls too, long past the time when the contrast is full: no particle is thrown about."""
         result = self.run_program("convection", "melting_layer", {"time.t_end": 1.5e15})

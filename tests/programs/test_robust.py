@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from running import BAD_INPUT, COMPLETED, FILE_FAILED, INTERRUPTED, LIMIT_S, Case, Result, command, environment
+from running import BAD_INPUT, COMPLETED, FILE_FAILED, INTERRUPTED, LIMIT_S, SLOW, Case, Result, command, environment
 from test_ranks import case_of
 
 LATEST = ["--restart", "latest"]
@@ -116,7 +116,7 @@ class Killed(Robust):
     def test_a_few_times(self):
         self.killed("euler", 2)
 
-    @unittest.skipUnless(os.environ.get("TETSUAME_SLOW"), "slow")
+    @unittest.skipUnless(SLOW, "slow")
     def test_twenty_times(self):
         for method in ["euler", "adaptive"]:
             with self.subTest(method):
@@ -177,7 +177,7 @@ class OtherRanks(Robust):
     def test_fixed_steps(self):
         self.chain([3, 5, 1], "euler")
 
-    @unittest.skipUnless(os.environ.get("TETSUAME_SLOW"), "slow")
+    @unittest.skipUnless(SLOW, "slow")
     def test_every_pair(self):
         """Each of 1, 2, 3, 5, 8 from a checkpoint of each other one."""
         numbers = [1, 2, 3, 5, 8]
@@ -191,7 +191,7 @@ class OtherRanks(Robust):
             path.append(step)
         self.chain(path, "euler")
 
-    @unittest.skipUnless(os.environ.get("TETSUAME_SLOW"), "slow")
+    @unittest.skipUnless(SLOW, "slow")
     def test_adaptive(self):
         self.chain([8, 1, 5, 2, 3], "adaptive")
         self.chain([3, 8, 2], "adaptive", "disph_c")
