@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <experimental/simd>
+#include <type_traits>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
@@ -16,6 +17,10 @@ namespace stdx = std::experimental;
 
 using real = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = real::size();
+
+// Whether R is a register of n doubles, for which there are the processor's own instructions.
+template <class R, std::size_t n>
+inline constexpr bool is_register = std::is_same_v<R, real>&& R::size() == n;
 
 #if defined(__AVX2__)
 namespace detail {
@@ -35,10 +40,10 @@ double sum(const R& a) {
     const __m128d pair = _mm_add_pd(_mm256_castpd256_pd128(all), _mm256_extractf128_pd(all, 1));
     return _mm_cvtsd_f64(_mm_add_sd(pair, _mm_unpackhi_pd(pair, pair)));
   };
-  if constexpr (R::size() == 4) return of_four(static_cast<__m256d>(a));
+  if constexpr (is_register<R, 4>) return of_four(static_cast<__m256d>(a));
 #endif
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) {
+  if constexpr (is_register<R, 8>) {
     const auto all = static_cast<__m512d>(a);
     return of_four(_mm256_add_pd(_mm512_castpd512_pd256(all), _mm512_extractf64x4_pd(all, 1)));
   }
@@ -57,10 +62,10 @@ inline double greater(double a, double b) { return b < a ? a : b; }
 template <class R>
 [[gnu::always_inline]] inline R greater(const R& a, const R& b) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return R(_mm512_max_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+  if constexpr (is_register<R, 8>) return R(_mm512_max_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
 #endif
 #if defined(__AVX__)
-  if constexpr (R::size() == 4) return R(_mm256_max_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
+  if constexpr (is_register<R, 4>) return R(_mm256_max_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
 #endif
   R c = b;
   where(b < a, c) = a;
@@ -69,10 +74,10 @@ template <class R>
 template <class R>
 [[gnu::always_inline]] inline R lesser(const R& a, const R& b) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return R(_mm512_min_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+  if constexpr (is_register<R, 8>) return R(_mm512_min_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
 #endif
 #if defined(__AVX__)
-  if constexpr (R::size() == 4) return R(_mm256_min_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
+  if constexpr (is_register<R, 4>) return R(_mm256_min_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
 #endif
   R c = b;
   where(a < b, c) = a;
@@ -83,10 +88,10 @@ template <class R>
 template <class R>
 [[gnu::always_inline]] inline R load_where(std::uint32_t bits, const double* a) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return R(_mm512_maskz_loadu_pd(static_cast<__mmask8>(bits), a));
+  if constexpr (is_register<R, 8>) return R(_mm512_maskz_loadu_pd(static_cast<__mmask8>(bits), a));
 #endif
 #if defined(__AVX2__)
-  if constexpr (R::size() == 4) return R(_mm256_maskload_pd(a, detail::lanes_of(bits)));
+  if constexpr (is_register<R, 4>) return R(_mm256_maskload_pd(a, detail::lanes_of(bits)));
 #endif
   R values = 0.0;
   for (std::size_t lane = 0; lane < R::size(); ++lane)
@@ -96,11 +101,11 @@ template <class R>
 template <class R>
 [[gnu::always_inline]] inline void store_where(std::uint32_t bits, double* a, const R& values) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8)
+  if constexpr (is_register<R, 8>)
     return _mm512_mask_storeu_pd(a, static_cast<__mmask8>(bits), static_cast<__m512d>(values));
 #endif
 #if defined(__AVX2__)
-  if constexpr (R::size() == 4) return _mm256_maskstore_pd(a, detail::lanes_of(bits), static_cast<__m256d>(values));
+  if constexpr (is_register<R, 4>) return _mm256_maskstore_pd(a, detail::lanes_of(bits), static_cast<__m256d>(values));
 #endif
   for (std::size_t lane = 0; lane < R::size(); ++lane)
     if ((bits >> lane & 1U) != 0) a[lane] = values[lane];
@@ -110,12 +115,12 @@ template <class R>
 template <class R>
 [[gnu::always_inline]] inline R greater_where(std::uint32_t bits, const R& a, const R& b, const R& other) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8)
+  if constexpr (is_register<R, 8>)
     return R(_mm512_mask_max_pd(static_cast<__m512d>(other), static_cast<__mmask8>(bits), static_cast<__m512d>(a),
                                 static_cast<__m512d>(b)));
 #endif
 #if defined(__AVX2__)
-  if constexpr (R::size() == 4)
+  if constexpr (is_register<R, 4>)
     return R(_mm256_blendv_pd(static_cast<__m256d>(other), static_cast<__m256d>(greater(a, b)),
                               _mm256_castsi256_pd(detail::lanes_of(bits))));
 #endif
@@ -129,10 +134,11 @@ template <class R>
 template <class R>
 std::uint32_t bits_of_less(const R& a, const R& b) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return _mm512_cmp_pd_mask(static_cast<__m512d>(a), static_cast<__m512d>(b), _CMP_LT_OQ);
+  if constexpr (is_register<R, 8>)
+    return _mm512_cmp_pd_mask(static_cast<__m512d>(a), static_cast<__m512d>(b), _CMP_LT_OQ);
 #endif
 #if defined(__AVX__)
-  if constexpr (R::size() == 4)
+  if constexpr (is_register<R, 4>)
     return static_cast<std::uint32_t>(
         _mm256_movemask_pd(_mm256_cmp_pd(static_cast<__m256d>(a), static_cast<__m256d>(b), _CMP_LT_OQ)));
 #endif
@@ -150,7 +156,7 @@ struct roots {
 template <class R>
 roots<R> both_roots(const R& r2) {
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) {
+  if constexpr (is_register<R, 8>) {
     // The processor's estimate y of 1/r to 14 bits, and the series of (1 - e)^(-1/2), e = 1 - r² y², to the third
     // power: the next term is below a rounding. The square root's and the division's own instructions take
     // several times as long.

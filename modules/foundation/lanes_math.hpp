@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <experimental/simd>
+#include <foundation/lanes.hpp>
 
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__AVX2__)
 #include <immintrin.h>
@@ -30,9 +31,9 @@ std::experimental::simd<double, Abi> exp(const std::experimental::simd<double, A
   using R = std::experimental::simd<double, Abi>;
 #if defined(TETSUAME_LIBMVEC)
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return R(_ZGVeN8v_exp(static_cast<__m512d>(x)));
+  if constexpr (is_register<R, 8>) return R(_ZGVeN8v_exp(static_cast<__m512d>(x)));
 #endif
-  if constexpr (R::size() == 4) return R(_ZGVdN4v_exp(static_cast<__m256d>(x)));
+  if constexpr (is_register<R, 4>) return R(_ZGVdN4v_exp(static_cast<__m256d>(x)));
 #endif
   return R([&](auto lane) { return std::exp(x[lane]); });
 }
@@ -42,9 +43,9 @@ std::experimental::simd<double, Abi> log(const std::experimental::simd<double, A
   using R = std::experimental::simd<double, Abi>;
 #if defined(TETSUAME_LIBMVEC)
 #if defined(__AVX512F__)
-  if constexpr (R::size() == 8) return R(_ZGVeN8v_log(static_cast<__m512d>(x)));
+  if constexpr (is_register<R, 8>) return R(_ZGVeN8v_log(static_cast<__m512d>(x)));
 #endif
-  if constexpr (R::size() == 4) return R(_ZGVdN4v_log(static_cast<__m256d>(x)));
+  if constexpr (is_register<R, 4>) return R(_ZGVdN4v_log(static_cast<__m256d>(x)));
 #endif
   return R([&](auto lane) { return std::log(x[lane]); });
 }
