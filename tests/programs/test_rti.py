@@ -2,7 +2,7 @@
 
 import unittest
 
-from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, Case, outcome
+from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
 POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_surface_tension", "drop_emulsion"
@@ -106,7 +106,7 @@ class RayleighTaylor(Case):
             with self.subTest(name, **more):
                 settings = {**size(20), "time.steps": 60, "rti.amplitude": 4e4, "output.interval": 0, **more}
                 whole = self.run_program("rti", name, settings).summary
-                for ranks, threads in [(2, 1), (4, 1), (None, 2)]:
+                for ranks, threads in [(2, 1), (4, 1), (None, 2)] if SLOW else [(3, 1), (None, 2)]:
                     s = self.run_program("rti", name, settings, ranks=ranks, threads=threads).summary
                     self.assertEqual(outcome(s), outcome(whole))
                 part = {**settings, "time.steps": 30, "run.checkpoint_interval": 30}
@@ -286,9 +286,9 @@ class Partitioning(Case):
 
 class Drop(Case):
     def test_cylinder(self):
-        """As shipped: velocity in a no-slip box against finite differences of creeping flow about a round drop."""
-        m = self.run_program("drop", CYLINDER, {"output.interval": 0}).summary["metrics"]
-        self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03)
+        """Velocity in a no-slip box against finite differences of creeping flow about a round drop; as shipped to 3 %."""
+        m = self.run_program("drop", CYLINDER, {"output.interval": 0, **({} if SLOW else size(32))}).summary["metrics"]
+        self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03 if SLOW else 0.05)
 
     def test_sphere(self):
         """Four and a half spacings in the radius are too few for better than 6 %; the shipped input has 7.2."""
