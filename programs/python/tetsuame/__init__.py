@@ -12,3 +12,10 @@ ROOT = Path(__file__).resolve().parents[3]  # of the repository
 
 # Exit statuses, the same as the programs'.
 COMPLETED, BAD_INPUT, FAILED, FILE_FAILED = 0, 2, 3, 4
+
+
+def load(directory):
+    """The run in this directory, with its history and snapshots as numpy arrays (tetsuame.runs)."""
+    from . import runs
+
+    return runs.load(directory)

@@ -8,7 +8,8 @@ from . import BAD_INPUT, COMPLETED
 from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
-MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application"}
+MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
+           "plot": ".plots", "movie": ".movie", "view": ".view", "sweep": ".sweep"}
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Draw cuts.png and course.png.", "output directory of balance; the pictures go there too")}
@@ -19,7 +20,11 @@ def main(arguments: list[str]) -> int:
         prog="tetsuame", formatter_class=argparse.RawDescriptionHelpFormatter, usage="tetsuame [-h] COMMAND …",
         description="Runs comparisons of the programs, and makes pages and pictures of what they wrote.",
         epilog="commands (each with --help):\n"
-               "  compare   run programs on inputs; write a table, figures and report.html\n"
+               "  plot      draw a run: its history, maps and profiles of its fields\n"
+               "  movie     a run's snapshots as MP4 or GIF\n"
+               "  view      one HTML file that plays a run in a browser\n"
+               "  compare   DIR DIR …: runs side by side; else: run programs on inputs, and report what is seen\n"
+               "  sweep     run a program with many settings of one input\n"
                "  bench     write report.html from the bench.json of a folder\n"
                "  balance   draw the cuts of a run of balance, and their course\n"
                "  scaling   measure program C over ranks and threads; write report.html")
@@ -32,18 +37,29 @@ def main(arguments: list[str]) -> int:
         """Only the one asked for: matplotlib takes a second."""
         return importlib.import_module(MODULES[command], __package__)
 
+    if command == "compare" and is_folder(arguments[1:2]):
+        MODULES["compare"] = ".across"
     if command not in OF_A_FOLDER:
-        return module().main(arguments[1:])
+        return told(command, lambda: module().main(arguments[1:]))
     about, what = OF_A_FOLDER[command]
     parser = argparse.ArgumentParser(prog=f"tetsuame {command}", description=about)
     parser.add_argument("folder", type=Path, help=what)
     folder = parser.parse_args(arguments[1:]).folder
+    return told(command, lambda: print(module().make(folder)) or COMPLETED)
+
+
+def is_folder(first: list[str]) -> bool:
+    """What `compare` begins with: a run's folder, or a study's name, which a folder may have too."""
+    return bool(first) and ("/" in first[0] or first[0].startswith(".") or Path(first[0], "resolved.nml").exists())
+
+
+def told(command: str, work) -> int:
+    """The status of the work; what cannot be shown is said in a sentence."""
     try:
-        print(module().make(folder))
+        return work()
     except Unreadable as problem:
         print(f"tetsuame {command}: {problem}", file=sys.stderr)
         return BAD_INPUT
-    return COMPLETED
 
 
 if __name__ == "__main__":

@@ -1,0 +1,122 @@
+"""`tetsuame compare DIR1 DIR2 …`: any runs side by side. Histories overlaid, measures in a table, fields subtracted
+particle by particle where the runs hold the same particles."""
+import argparse
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from . import COMPLETED, fields, pages, plots, runs, style
+from .reading import Unreadable
+
+SHOWN = 4  # maps of so many runs fit beside each other
+
+
+def titles(of: list[runs.Run]) -> list[str]:
+    """The directories without what all paths share in front."""
+    parts = [run.directory.resolve().parts for run in of]
+    common = 0
+    while all(len(part) > common + 1 for part in parts) and len({part[common] for part in parts}) == 1:
+        common += 1
+    return ["/".join(part[common:]) for part in parts]
+
+
+def inputs_that_differ(of: list[tuple[str, runs.Run]]) -> str:
+    """A table of the keys of resolved.nml that are not the same in all."""
+    keys = [read_keys(run.directory / "resolved.nml") for _, run in of]
+    names = dict.fromkeys(name for each in keys for name in each)
+    rows = [[name, *(each.get(name, "–") for each in keys)] for name in names if len({each.get(name) for each in keys}) > 1]
+    return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else "<p>None: the inputs are the same.</p>"
+
+
+def read_keys(path: Path) -> dict[str, str]:
+    """group.key and its value as text, from a file as our programs write it: a line a key."""
+    found, group = {}, ""
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if line.startswith("&"):
+            group = line[1:].strip()
+        elif " = " in line:
+            key, _, value = line.partition(" = ")
+            found[f"{group}.{key.strip()}"] = value.strip()
+    return found
+
+
+def metrics(of: list[tuple[str, runs.Run]]) -> str:
+    """Status and numbers of summary.json."""
+    each = [run.metrics() for _, run in of]
+    names = dict.fromkeys(name for found in each for name in found)
+    rows = [["status", *((run.summary or {}).get("status", "not at its end") for _, run in of)],
+            ["steps", *(str((run.summary or {}).get("steps", "–")) for _, run in of)]]
+    rows += [[name.replace("_", " "), *(f"{found[name]:.6g}" if name in found else "–" for found in each)]
+             for name in names if len({found.get(name) for found in each}) > 1]
+    return pages.text_table(["measure", *(title for title, _ in of)], rows, words=1)
+
+
+def differences(of: list[tuple[str, runs.Run]], time: float) -> str:
+    """Of every run from the first, particle by particle: the root of the mean square and the largest, over the field's range."""
+    first_title, first = of[0]
+    rows = []
+    for title, run in of[1:]:
+        a, b = first.snapshot(time), run.snapshot(time)
+        for name in a.names:
+            if name in ("ParticleIDs",) or name not in b:
+                continue
+            here, there = runs.by_id(a, b, name)
+            if not len(here):
+                return f"<p>No particle of {escape(title)} is one of {escape(first_title)} by its ID.</p>"
+            difference = np.abs(there.astype(float) - here)
+            size = np.ptp(here) or np.abs(here).max() or 1.0
+            rows.append([title, name + fields.bracketed(a.units[name]), str(len(here)), f"{np.sqrt((difference**2).mean()):.3g}",
+                         f"{difference.max():.3g}", f"{difference.max() / size:.2g}"])
+    return pages.text_table(["run", "field", "particles", "root mean square", "largest", "of the range"], rows, words=2)
+
+
+def maps(of: list[tuple[str, runs.Run]], name: str, time: float):
+    """One field of all runs with the same colours, the first and the differences of the others' pictures from it below."""
+    pictures = [run.snapshot(time).map(name, axis=1 if run.snapshot(time).dimension == 3 else 2) for _, run in of]
+    limits = min(np.nanmin(p.values) for p in pictures), max(np.nanmax(p.values) for p in pictures)
+    unit = of[0][1].snapshot(time).unit(name)
+    figure, panels = style.panels(len(of), min(len(of), 2), 4.3)
+    for ax, (title, run), picture in zip(panels, of, pictures):
+        plots.draw_map(ax, picture, name, unit, limits)
+        ax.set_title(f"{title}, {plots.when(run.snapshot(time))}")
+    return figure
+
+
+def page(of: list[tuple[str, runs.Run]], time: float | None, wanted: list[str] | None) -> str:
+    dimensions = {run.snapshot().dimension for _, run in of}
+    if len(dimensions) > 1:
+        raise Unreadable("the runs have different dimensions: " + ", ".join(f"{title} {run.snapshot().dimension}" for title, run in of))
+    if time is None:
+        time = min(run.snapshot().time for _, run in of)
+    common = [name for name in of[0][1].snapshot(time).names if all(name in run.snapshot(time) for _, run in of)]
+    names = fields.shown(of[0][1].snapshot(time), wanted or [name for name in fields.shown(of[0][1].snapshot(time)) if name in [*common, "Speed"]])
+    parts = [pages.head("Runs side by side", [escape(title) for title, _ in of], ""),
+             pages.section("Inputs that differ", inputs_that_differ(of)), pages.section("Measures that differ", metrics(of))]
+    history = plots.histories(of)
+    if history:
+        parts.append(pages.section("Histories", pages.figure(style.png(history), "Columns of history.csv that vary.")))
+    shown = of[:SHOWN]
+    figures = [pages.figure(style.png(maps(shown, name, time)), escape(f"{fields.look(name).label}, with the same colours")) for name in names]
+    parts.append(pages.section("Fields", "" if len(shown) == len(of) else f"<p>Of the first {SHOWN} runs.</p>", *figures))
+    parts.append(pages.section("Profiles", pages.figure(style.png(plots.profiles([(title, run.snapshot(time)) for title, run in of], names)),
+                                                        "Means over layers.")))
+    parts.append(pages.section(f"Differences from {escape(of[0][0])}, particle by particle", differences(of, time)))
+    return pages.document("runs side by side", parts)
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="tetsuame compare", usage="tetsuame compare DIR1 DIR2 … [options]",
+                                     description="Compares runs with each other, particle by particle; the first is what the others differ from.")
+    parser.add_argument("directories", metavar="DIR", nargs="+", help="of a run")
+    parser.add_argument("--fields", metavar="A,B", type=lambda text: text.split(","), help="to draw (the first few that vary)")
+    parser.add_argument("--time", type=float, help="of the snapshots, s (the last that all have)")
+    parser.add_argument("--output", metavar="FOLDER", type=Path, default=Path("output/runs"), help="for report.html (%(default)s)")
+    o = parser.parse_args(arguments)
+    if len(o.directories) < 2:
+        raise Unreadable("one run has nothing to be compared with: give two directories or more")
+    of = [runs.load(directory) for directory in o.directories]
+    text = page(list(zip(titles(of), of)), o.time, o.fields)
+    o.output.mkdir(parents=True, exist_ok=True)
+    print(pages.write(o.output, text))
+    return COMPLETED

@@ -1,0 +1,66 @@
+"""How each field is shown: what it is called on a picture, in which colours, in which unit."""
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Look:
+    label: str
+    colours: str = "viridis"
+    logarithmic: bool = False
+
+
+# Sequential colours: a diverging map would set a value apart that means nothing.
+LOOKS = {
+    "Pressure": Look("pressure", "viridis"), "Density": Look("density", "cividis"), "Temperature": Look("temperature", "inferno"),
+    "Speed": Look("speed", "magma"), "Metal": Look("metal", "copper"), "Material": Look("material", "copper"),
+    "Viscosity": Look("viscosity", "cividis", logarithmic=True), "InternalEnergy": Look("internal energy", "inferno"),
+    "MeltFraction": Look("melt fraction", "inferno"), "Volume": Look("volume", "cividis")}
+
+# What is shown if nothing is asked for, in this order, where it is there and varies.
+FIRST = ["Temperature", "Metal", "Material", "Density", "Pressure", "Speed"]
+NOT_SHOWN = {"Coordinates", "Velocities", "ParticleIDs", "Masses"}
+
+# Powers of ten that a reader knows the name of.
+PREFIXES = {"Pa": [(1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa")], "m": [(1e3, "km")],
+            "s": [(3.15576e13, "Myr"), (3.15576e7, "yr"), (86400.0, "d"), (3600.0, "h")]}
+
+
+def look(name: str) -> Look:
+    """Of a field without an entry: its name, in words."""
+    words = "".join(" " + letter.lower() if letter.isupper() else letter for letter in name).strip()
+    return LOOKS.get(name, Look(words))
+
+
+def scaled(unit: str, largest: float) -> tuple[float, str]:
+    """What to divide by, and the unit then, so that the largest number is no less than one."""
+    for size, name in PREFIXES.get(unit, []):
+        if abs(largest) >= size:
+            return size, name
+    return 1.0, unit
+
+
+def label(name: str, unit: str) -> str:
+    return look(name).label + bracketed(unit)
+
+
+def bracketed(unit: str) -> str:
+    """A unit behind what it is of; nothing for a number without."""
+    return f" [{unit.replace('^2', '²').replace('^3', '³')}]" if unit not in ("", "1") else ""
+
+
+def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]:
+    """The fields to show: those wanted, or the first few that are not the same everywhere."""
+    if wanted:
+        for name in wanted:
+            snapshot[name]  # refused by its name if it is not there
+        return wanted
+    others = [name for name in snapshot.names if name not in FIRST and name not in NOT_SHOWN]
+    found = []
+    for name in [*FIRST, *others]:
+        if name in snapshot and len(found) < most:
+            values = snapshot[name]
+            if values.ndim == 1 and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():
+                found.append(name)
+    return found or ["Pressure"]

@@ -1,0 +1,103 @@
+"""`tetsuame movie`: a run's snapshots as MP4 (by ffmpeg) or GIF."""
+import argparse
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from . import COMPLETED, FILE_FAILED, fields, plots, runs, style
+from .reading import Unreadable
+
+
+def limits(snapshots: list, name: str) -> tuple[float, float]:
+    """Of a field over the whole run, without the outermost thousandth: one particle's excess would hide the rest."""
+    each = [np.quantile(snapshot[name], [0.001, 0.999]) for snapshot in snapshots]
+    low, high = min(pair[0] for pair in each), max(pair[1] for pair in each)
+    return (low, high) if high > low else (low - 0.5, high + 0.5)
+
+
+def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
+    """Pictures of all snapshots, as arrays of red, green, blue. Axes are drawn once, images filled anew."""
+    figure = images = None
+    ranges = {name: limits(run.snapshots, name) for name in names}
+    for snapshot in run.snapshots:
+        pictures = {name: snapshot.map(name, pixels, axis) for name in names}
+        if figure is None:
+            wide = np.ptp(pictures[names[0]].extent[:2]) / np.ptp(pictures[names[0]].extent[2:])
+            height = 5.2
+            figure, panels = style.plt.subplots(1, len(names), figsize=(len(names) * min(max(height * wide * 0.95, 3.4), 9.0), height), squeeze=False)
+            images = {name: plots.draw_map(ax, pictures[name], name, snapshot.unit(name), ranges[name]) for ax, name in zip(panels[0], names)}
+        for name, image in images.items():
+            image.set_data(pictures[name].values / image.tetsuame_size)
+            image.set_extent([edge / image.tetsuame_across for edge in pictures[name].extent])
+        panels[0][0].set_title(plots.when(snapshot))
+        figure.canvas.draw()
+        figure.set_layout_engine("none")  # places are found once
+        yield np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    style.plt.close(figure)
+
+
+def write_mp4(pictures, target: Path, rate: float) -> None:
+    """Even sides, as H.264 wants them, by repeating the last row or column."""
+    encoder = None
+    try:
+        for picture in pictures:
+            picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
+            if encoder is None:
+                encoder = subprocess.Popen(
+                    ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{picture.shape[1]}x{picture.shape[0]}",
+                     "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "18", str(target)],
+                    stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+            encoder.stdin.write(picture.tobytes())
+    except BrokenPipeError:
+        pass  # it has said why, below
+    _, said = encoder.communicate()
+    if encoder.returncode:
+        raise OSError(0, "ffmpeg: " + said.decode(errors="replace").strip().partition("\n")[0], str(target))
+
+
+def write_gif(pictures, target: Path, rate: float) -> None:
+    from PIL import Image  # comes with matplotlib
+
+    first, *rest = [Image.fromarray(picture).quantize(128) for picture in pictures]
+    first.save(target, save_all=True, append_images=rest, duration=round(1000 / rate), loop=0)
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="tetsuame movie", description="Shows the snapshots of a run one after the other: DIR/movie.mp4.")
+    parser.add_argument("directory", metavar="DIR", help="of the run; &output interval says how many snapshots it has")
+    parser.add_argument("--fields", metavar="A,B", type=lambda text: text.split(","), help="side by side (the first that varies)")
+    parser.add_argument("--gif", action="store_true", help="write movie.gif, which needs no ffmpeg and opens in any browser")
+    parser.add_argument("--rate", type=float, default=20, help="pictures a second (%(default)g)")
+    parser.add_argument("--pixels", type=int, default=300, help="along the box's longer side, for the field (%(default)d)")
+    parser.add_argument("--axis", choices="xyz", default="y", help="of a 3-D run: the slice through the middle is normal to it (%(default)s)")
+    parser.add_argument("--output", metavar="FILE", type=Path, help="instead of DIR/movie.mp4 or DIR/movie.gif")
+    o = parser.parse_args(arguments)
+    if not 0.1 <= o.rate <= 200 or not 16 <= o.pixels <= 4000:
+        parser.error("--rate is 0.1 to 200, --pixels 16 to 4000")
+    run = runs.load(o.directory)
+    names = fields.shown(run.snapshot(), o.fields, most=1)
+    if len(run.snapshots) < 2:
+        raise Unreadable(f"{o.directory}: one snapshot is no movie; set &output interval for more")
+    target = o.output or run.directory / ("movie.gif" if o.gif else "movie.mp4")
+    as_gif = o.gif or target.suffix == ".gif"
+    if not as_gif and shutil.which("ffmpeg") is None:
+        raise Unreadable("no ffmpeg on this machine (Debian's package ffmpeg): install it, or use --gif")
+    pictures = told(frames(run, names, o.pixels, "xyz".index(o.axis)), len(run.snapshots))
+    try:
+        (write_gif if as_gif else write_mp4)(pictures, target, o.rate)
+    except OSError as problem:
+        print(f"tetsuame movie: {problem.filename}: {problem.strerror}", file=sys.stderr)
+        return FILE_FAILED
+    print(target)
+    return COMPLETED
+
+
+def told(pictures, count: int):
+    """The same, with a line on a terminal that says how far it is."""
+    for done, picture in enumerate(pictures, 1):
+        yield picture
+        if sys.stderr.isatty():
+            print(f"\rpicture {done} of {count}", end="\n" if done == count else "", file=sys.stderr, flush=True)

@@ -1,0 +1,128 @@
+"""Pictures of runs: histories, maps, profiles; and `tetsuame plot`."""
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from . import FILE_FAILED, COMPLETED, fields, runs, style
+from .style import plt
+
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#222222"]
+OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
+
+
+def varies(values: np.ndarray) -> bool:
+    good = values[np.isfinite(values)]
+    return len(good) > 1 and np.ptp(good) > 1e-12 * max(np.abs(good).max(), 1e-300)
+
+
+def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, most: int = 12):
+    """A panel for each column that varies in any of the runs, a line for each run; None without any."""
+    if columns is None:
+        columns = []
+        for _, run in of:
+            columns += [name for name in run.history if name not in OF_THE_RUN | set(columns) and varies(run.history[name])]
+    columns = columns[:most]
+    if not columns:
+        return None
+    largest = max((run.history["time"].max() for _, run in of if "time" in run.history and len(run.history["time"])), default=1.0)
+    size, unit = fields.scaled("s", largest)
+    figure, panels = style.panels(len(columns), 3, 2.1)
+    for ax, name in zip(panels, columns):
+        units = ""
+        for index, (title, run) in enumerate(of):
+            if name in run.history:
+                ax.plot(run.history["time"] / size, run.history[name], color=COLOURS[index % len(COLOURS)], lw=1.3,
+                        ls="-" if index < len(COLOURS) else "--", label=title)
+                units = run.history.units[name]
+        ax.set_title(name.replace("_", " ") + fields.bracketed(units))
+        ax.margins(x=0)
+    for ax in panels[-3:]:
+        ax.set_xlabel(f"time [{unit}]")
+    if len(of) > 1:
+        panels[0].legend(fontsize=7.5)
+    return figure
+
+
+def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | None = None):
+    """A rendered field with its colour bar; the image, for a movie to fill anew."""
+    look = fields.look(name)
+    low, high = limits or (np.nanmin(picture.values), np.nanmax(picture.values))
+    size, unit = fields.scaled(unit, max(abs(low), abs(high)))
+    across, length = fields.scaled("m", max(np.abs(picture.extent)))
+    logarithmic = look.logarithmic and low > 0 and high > 3 * low
+    norm = (plt.matplotlib.colors.LogNorm if logarithmic else plt.Normalize)(low / size, high / size)
+    image = ax.imshow(picture.values / size, origin="lower", extent=[edge / across for edge in picture.extent], cmap=look.colours, norm=norm,
+                      interpolation="bilinear")
+    image.tetsuame_size, image.tetsuame_across = size, across
+    style.as_map(ax, *(np.reshape(picture.extent, (2, 2)) / across))
+    for axis, place in zip("xy", picture.axes):
+        getattr(ax, f"set_{axis}label")(f"{'xyz'[place]} [{length}]")
+    ax.figure.colorbar(image, ax=ax, shrink=0.85, label=fields.label(name, unit)).outline.set_visible(False)
+    return image
+
+
+def when(snapshot) -> str:
+    size, unit = fields.scaled("s", snapshot.time)
+    return f"t = {snapshot.time / size:.4g} {unit}"
+
+
+def maps(snapshot, names: list[str], pixels: int = 400):
+    """A panel for each field; in 3-D the slice through the middle."""
+    figure, panels = style.panels(len(names), min(len(names), 2), 4.3)
+    for ax, name in zip(panels, names):
+        draw_map(ax, snapshot.map(name, pixels, axis=1 if snapshot.dimension == 3 else 2), name, snapshot.unit(name))
+        ax.set_title(when(snapshot))
+    return figure
+
+
+def profiles(of: list, names: list[str], axis: int | None = None):
+    """Layer means of the fields of several snapshots: (title, snapshot)."""
+    figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
+    for ax, name in zip(panels, names):
+        lines = [(title, *snapshot.profile(name, axis)) for title, snapshot in of]
+        size, unit = fields.scaled(of[0][1].unit(name), max(np.nanmax(np.abs(values)) for _, _, values in lines))
+        across, length = fields.scaled("m", max(places.max() for _, places, _ in lines))
+        for index, (title, places, values) in enumerate(lines):
+            ax.plot(values / size, places / across, color=COLOURS[index % len(COLOURS)], lw=1.3, label=title)
+        ax.set_xlabel(fields.label(name, unit))
+        last = of[0][1].dimension - 1 if axis is None else axis
+        ax.set_ylabel(f"{'xyz'[last]} [{length}]")
+    panels[0].legend(fontsize=7.5)
+    return figure
+
+
+def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: float | None = None) -> list[Path]:
+    """history.png, map.png and profile.png, and where they are."""
+    figures = {"history": histories([("", run)])}
+    if run.snapshots:
+        last = run.snapshot(time)
+        names = fields.shown(last, wanted)
+        first = run.snapshots[0]
+        figures["map"] = maps(last, names)
+        both = [(when(first), first), (when(last), last)] if first is not last else [(when(last), last)]
+        figures["profile"] = profiles(both, names)
+    target.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, figure in figures.items():
+        if figure is not None:
+            style.save(figure, target / f"{name}.png")
+            written.append(target / f"{name}.png")
+    return written
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="tetsuame plot", description="Draws a run: its history, maps and profiles of its fields.")
+    parser.add_argument("directory", metavar="DIR", help="of the run")
+    parser.add_argument("--fields", metavar="A,B", type=lambda text: text.split(","), help="instead of the first few that vary")
+    parser.add_argument("--time", type=float, help="of the snapshot that is drawn, s (the last)")
+    parser.add_argument("--output", metavar="FOLDER", type=Path, help="for the pictures (DIR/plots)")
+    o = parser.parse_args(arguments)
+    run = runs.load(o.directory)
+    try:
+        written = make(run, o.output or run.directory / "plots", o.fields, o.time)
+    except OSError as problem:
+        print(f"tetsuame plot: {problem.filename}: {problem.strerror}")
+        return FILE_FAILED
+    print("\n".join(map(str, written)))
+    return COMPLETED

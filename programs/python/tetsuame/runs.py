@@ -1,0 +1,195 @@
+"""What a run left, as numpy arrays in SI units.
+
+    run = tetsuame.load("output/rti")
+    run.history["time"], run.history.units["v_rms"]
+    last = run.snapshot()                      # or run.snapshot(time=500.0), run.snapshots[3]
+    last["Temperature"], last.units["Temperature"]
+    picture = last.map("Pressure")             # rendered by the kernel: rendering.Map
+
+A run is the directory that a program's --output names. Damaged or absent files raise Unreadable, with one sentence.
+"""
+import bisect
+import functools
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from . import rendering
+from .reading import Unreadable, read_columns, read_json
+
+FLUID, WALL = "PartType0", "PartType1"
+
+
+class History(dict):
+    """history.csv: a column's name, and its values (one a line that was written). `units`: of each column."""
+
+    def __init__(self, path: Path):
+        try:
+            super().__init__(read_columns(path))
+            with open(path, encoding="utf-8") as file:
+                heads = file.readline().strip().split(",")
+        except OSError as problem:
+            raise Unreadable(f"{path}: {problem.strerror}") from None
+        except (ValueError, UnicodeDecodeError) as problem:
+            raise Unreadable(f"{path}: not a table that a program writes ({problem})") from None
+        self.units = {head.partition(" [")[0]: head.partition(" [")[2].rstrip("]") for head in heads}
+
+
+class Snapshot:
+    """The particles at one time. Fields are read when they are asked for: (n) or (n, dimension), in SI units."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        with self._open() as file:
+            try:
+                header = dict(file["Header"].attrs)
+                self.time, self.step = float(header["Time"]), int(header["Step"])
+                self.dimension = int(header["Dimension"])
+                self.lengths = np.array(header["BoxLengths"], float)[: self.dimension]  # of the box, m
+                self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
+                fluid = file[FLUID]
+                self.names = sorted(fluid)
+                self.units = {name: _text(fluid[name].attrs.get("units", "")) for name in self.names}
+                self.meanings = {name: _text(fluid[name].attrs.get("description", "")) for name in self.names}
+                self.particles = len(fluid["ParticleIDs"])
+            except (KeyError, OSError, ValueError) as problem:
+                raise Unreadable(f"{path}: not a snapshot of these programs ({_first_line(problem)})") from None
+
+    def __repr__(self):
+        return f"<snapshot {self.path.name}: t = {self.time:g} s, {self.particles} particles>"
+
+    def __contains__(self, name):
+        return name in self.names or name == "Speed"
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A field of the fluid; "Speed" is the length of Velocities."""
+        if name == "Speed":
+            return np.linalg.norm(self["Velocities"], axis=1)
+        if name not in self.names:
+            raise Unreadable(f"{self.path}: no field '{name}' (there are {', '.join(self.names)})")
+        return self._read(FLUID, name)
+
+    def wall(self, name: str) -> np.ndarray:
+        """A field of the markers that stand in the walls; empty where there are none."""
+        return self._read(WALL, name)
+
+    def unit(self, name: str) -> str:
+        return self.units["Velocities" if name == "Speed" else name]
+
+    @functools.cached_property
+    def spacing(self) -> np.ndarray:
+        """Of each particle's neighbours, from its volume, m."""
+        volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
+        return np.abs(volume) ** (1 / self.dimension)
+
+    def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
+        """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
+        return rendering.slice_of(self, self[name], pixels, axis, at)
+
+    def column(self, name: str, pixels: int = 300, axis: int = 2) -> rendering.Map:
+        """In 3-D, the integral of the field along `axis`: its unit times m."""
+        if self.dimension != 3:
+            raise Unreadable(f"{self.path}: has {self.dimension} dimensions; a column needs three")
+        return rendering.column_of(self, self[name], pixels, axis)
+
+    def profile(self, name: str, axis: int | None = None, bins: int = 0) -> tuple[np.ndarray, np.ndarray]:
+        """Means over layers normal to `axis` (the last), weighted with volume: places, m, and values (nan in an empty layer)."""
+        axis = self.dimension - 1 if axis is None else axis
+        bins = bins or max(int(self.lengths[axis] / np.median(self.spacing)), 1)
+        place = np.clip((self["Coordinates"][:, axis] / self.lengths[axis] * bins).astype(int), 0, bins - 1)
+        volume = self.spacing**self.dimension
+        weight = np.bincount(place, volume, bins)
+        with np.errstate(invalid="ignore"):
+            values = np.bincount(place, volume * self[name], bins) / weight
+        return (np.arange(bins) + 0.5) * self.lengths[axis] / bins, values
+
+    def _read(self, group: str, name: str) -> np.ndarray:
+        with self._open() as file:
+            try:
+                values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
+            except OSError as problem:
+                raise Unreadable(f"{self.path}: {name} is damaged ({_first_line(problem)})") from None
+        return values[:, : self.dimension] if values.ndim == 2 else values
+
+    def _open(self):
+        try:
+            return h5py.File(self.path, "r")
+        except OSError as problem:
+            raise Unreadable(f"{self.path}: cannot be read as HDF5 ({_first_line(problem)})") from None
+
+
+class Run:
+    """A run's directory: `summary` (summary.json; None while the run goes on), `history`, `snapshots` in order of time."""
+
+    def __init__(self, directory: str | Path):
+        self.directory = Path(directory)
+        if not self.directory.is_dir():
+            raise Unreadable(f"{directory}: no such directory")
+        if not (self.directory / "resolved.nml").is_file():
+            raise Unreadable(f"{directory}: not a run's directory (no resolved.nml in it)")
+
+    def __repr__(self):
+        return f"<run {self.directory}: {self.program}, {len(self.snapshots)} snapshots>"
+
+    @functools.cached_property
+    def summary(self) -> dict | None:
+        path = self.directory / "summary.json"
+        return read_json(path, "the program") if path.exists() else None
+
+    @functools.cached_property
+    def program(self) -> str:
+        """From the first line of resolved.nml: `! rti, every key as run`."""
+        with open(self.directory / "resolved.nml", encoding="utf-8") as file:
+            return file.readline().lstrip("! ").partition(",")[0].strip() or "unknown"
+
+    @functools.cached_property
+    def history(self) -> History:
+        return History(self.directory / "history.csv")
+
+    @functools.cached_property
+    def snapshots(self) -> list[Snapshot]:
+        return sorted((Snapshot(path) for path in self.directory.glob("snapshot_[0-9]*.h5")), key=lambda s: (s.time, s.step))
+
+    def snapshot(self, time: float | None = None) -> Snapshot:
+        """The one nearest in time; the last without a time."""
+        if not self.snapshots:
+            raise Unreadable(f"{self.directory}: no snapshot in it")
+        if time is None:
+            return self.snapshots[-1]
+        times = [snapshot.time for snapshot in self.snapshots]
+        after = bisect.bisect(times, time)
+        return min(self.snapshots[max(after - 1, 0): after + 1], key=lambda s: abs(s.time - time))
+
+    def metrics(self) -> dict[str, float]:
+        """Numbers of summary.json by name: errors, conservation and metrics."""
+        found = {}
+        for group in ("errors", "conservation", "metrics"):
+            for name, value in ((self.summary or {}).get(group) or {}).items():
+                if isinstance(value, (int, float)) and not isinstance(value, bool):
+                    found[name] = value
+        return found
+
+
+def load(directory: str | Path) -> Run:
+    """The run in this directory; Unreadable if there is none."""
+    return Run(directory)
+
+
+def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """A field of both, for the particles that both hold, in the order of their IDs."""
+    if first.dimension != second.dimension:
+        raise Unreadable(f"{first.path} has {first.dimension} dimensions, {second.path} {second.dimension}: no particle is the same")
+    _, here, there = np.intersect1d(first["ParticleIDs"], second["ParticleIDs"], return_indices=True)
+    return first[name][here], second[name][there]
+
+
+def _text(value) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _first_line(problem: Exception) -> str:
+    return str(problem).strip("'\"").partition("\n")[0]
+
+
+__all__ = ["History", "Run", "Snapshot", "Unreadable", "by_id", "load"]

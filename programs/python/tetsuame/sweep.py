@@ -1,0 +1,164 @@
+"""`tetsuame sweep`: one input with many settings. Runs that are complete are not run again."""
+import argparse
+import concurrent.futures
+import csv
+import itertools
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+from . import COMPLETED, FAILED, ROOT, runs
+from .reading import Unreadable, read_json
+
+ENDED = {0: "completed", 3: "failed"}  # statuses after which the same run again would end the same
+
+
+def settings_of(texts: list[str]) -> list[list[str]]:
+    """`a.b=1,2` to ["a.b=1", "a.b=2"]; commas within quotes or brackets separate nothing."""
+    found = []
+    for text in texts:
+        key, equals, values = text.partition("=")
+        if not equals or not re.fullmatch(r"\w+\.\w+", key.strip()) or not values.strip():
+            raise Unreadable(f"--set {text}: expected group.key=value,value,…")
+        found.append([f"{key.strip()}={value.strip()}" for value in re.findall(r"(?:'[^']*'|\"[^\"]*\"|[^,])+", values)])
+    return found
+
+
+def folder_name(settings: tuple[str, ...]) -> str:
+    """Of the last parts of keys: `n=24_dt=1`, with what file systems dislike replaced."""
+    return "_".join(re.sub(r"[^\w.=+-]", "-", setting.partition(".")[2]) for setting in settings)
+
+
+class Sweep:
+    def __init__(self, o: argparse.Namespace):
+        self.o = o
+        self.program = o.programs / o.program
+        self.combinations = list(itertools.product(*settings_of(o.set)))
+        self.names = [folder_name(each) for each in self.combinations]
+        if len(set(self.names)) < len(self.names):
+            raise Unreadable("two of the runs would have the same folder: a value is given twice, or two keys differ in their group alone")
+        self.done, self.lock = 0, threading.Lock()
+
+    def command(self, settings: tuple[str, ...], folder: Path) -> list[str]:
+        start = ["mpirun", "-n", str(self.o.ranks)] if self.o.ranks > 1 else []
+        going_on = any(folder.glob("checkpoint_*.h5"))  # else what a run left that was killed early is replaced
+        return [*start, str(self.program), str(self.o.input), *(part for setting in settings for part in ("--set", setting)),
+                "--output", str(folder), *(["--restart", "latest"] if going_on else ["--force"] if folder.exists() else [])]
+
+    def asked(self, settings: tuple[str, ...]) -> dict:
+        return {"program": self.o.program, "input": self.o.input.read_text(encoding="utf-8"), "settings": list(settings)}
+
+    def status(self, settings: tuple[str, ...], folder: Path) -> str | None:
+        """How it ended, if what stands there is this run at its end."""
+        try:
+            if json.loads(self.beside(folder, ".json").read_text(encoding="utf-8")) != self.asked(settings):
+                raise Unreadable(f"{folder}: holds a run of another input or program; give another --output, or remove it")
+        except (OSError, ValueError):
+            return None
+        summary = folder / "summary.json"
+        ended = read_json(summary, "the program")["status"] if summary.exists() else None
+        return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(ended)
+
+    def beside(self, folder: Path, ending: str) -> Path:
+        """A run's folder is its program's; what we know of it lies beside."""
+        return folder.with_name(folder.name + ending)
+
+    def note(self, settings: tuple[str, ...], folder: Path) -> None:
+        self.o.output.mkdir(parents=True, exist_ok=True)
+        self.beside(folder, ".json").write_text(json.dumps(self.asked(settings), indent=1), encoding="utf-8")
+
+    def one(self, settings: tuple[str, ...], name: str) -> str:
+        folder = self.o.output / name
+        status = self.status(settings, folder)
+        said = f"{status} before" if status else None
+        if not status:
+            command = self.command(settings, folder)
+            self.note(settings, folder)
+            with open(self.beside(folder, ".log"), "w", encoding="utf-8") as log:
+                code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=self.environment()).returncode
+            status = ENDED.get(code, f"exit {code}")
+            said = status if code in ENDED else f"{status}: {last_line(self.beside(folder, '.log'))}"
+        with self.lock:
+            self.done += 1
+            print(f"{self.done}/{len(self.names)}  {name}: {said}", flush=True)
+        return status
+
+    def environment(self) -> dict[str, str]:
+        return os.environ | {"OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}
+
+    def table(self, statuses: list[str]) -> Path:
+        """sweep.csv: a line a run, its settings, its status and all numbers of its summary."""
+        lines = []
+        for settings, name, status in zip(self.combinations, self.names, statuses):
+            line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
+            if status in ENDED.values() and (self.o.output / name / "summary.json").exists():
+                run = runs.load(self.o.output / name)
+                line |= {"steps": run.summary["steps"], "wall_seconds": run.summary["wall_seconds"]} | run.metrics()
+            lines.append(line)
+        target = self.o.output / "sweep.csv"
+        columns = list(dict.fromkeys(name for line in lines for name in line))
+        with open(target, "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, columns, restval="")
+            writer.writeheader()
+            writer.writerows(lines)
+        return target
+
+    def scripts(self) -> list[str]:
+        """Job scripts by `submit`, one for each run that is not at its end."""
+        made = []
+        for settings, name in zip(self.combinations, self.names):
+            folder = self.o.output / name
+            if self.status(settings, folder):
+                continue
+            self.note(settings, folder)
+            result = subprocess.run(
+                [str(self.o.programs / "submit"), self.o.program, str(self.o.input), "--ranks", str(self.o.ranks), *shlex.split(self.o.submit),
+                 *(part for setting in settings for part in ("--set", setting)), "--output", str(folder)], capture_output=True, text=True)
+            if result.returncode:
+                raise Unreadable(result.stderr.strip().partition("\n")[0])
+            made.append(str(folder / "job.sh"))
+        return made
+
+
+def last_line(path: Path) -> str:
+    lines = path.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    return lines[-1] if lines else "nothing said"
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="tetsuame sweep", description="Runs a program on one input with every combination of settings; a table of what came out. "
+        "The same command again goes on where it was interrupted.")
+    parser.add_argument("input", metavar="INPUT", type=Path, help="a namelist")
+    parser.add_argument("--program", required=True, help="disph_c, rti, …")
+    parser.add_argument("--set", metavar="GROUP.KEY=V1,V2", action="append", required=True, help="values of a key; may be repeated")
+    parser.add_argument("--output", metavar="FOLDER", type=Path, required=True, help="a folder for each run, and sweep.csv")
+    parser.add_argument("--jobs", type=int, default=0, help="runs at a time (as many as cores)")
+    parser.add_argument("--ranks", type=int, default=1, help="MPI processes of each run (%(default)d)")
+    parser.add_argument("--submit", metavar="OPTIONS", help="write job scripts instead, by the program submit with these options: "
+                        "'--scheduler slurm --time 02:00:00'")
+    parser.add_argument("--programs", metavar="FOLDER", type=Path, default=ROOT / "build/programs", help="where the programs are (%(default)s)")
+    o = parser.parse_args(arguments)
+    if not o.input.is_file():
+        raise Unreadable(f"{o.input}: no such file")
+    if not (o.programs / o.program).is_file():
+        raise Unreadable(f"no program '{o.program}' in {o.programs}; ./run build makes them, --programs says where they are")
+    sweep = Sweep(o)
+    if o.submit:
+        print("\n".join(sweep.scripts()))
+        return COMPLETED
+    jobs = o.jobs or max((os.cpu_count() or 1) // o.ranks, 1)
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        try:
+            statuses = list(pool.map(sweep.one, sweep.combinations, sweep.names))
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            print("\ninterrupted; the same command goes on", file=sys.stderr)
+            return 130
+    print(sweep.table(statuses))
+    return COMPLETED if all(status == "completed" for status in statuses) else FAILED

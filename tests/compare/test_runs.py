@@ -1,0 +1,354 @@
+"""Runs as arrays, pictures, movies and pages: on snapshots made here, of fields that are known."""
+import base64
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+from pathlib import Path
+
+import h5py
+import numpy as np
+from PIL import Image
+
+import tetsuame
+from tetsuame import reading, rendering, runs, view
+
+SOURCES = Path(__file__).resolve().parents[2] / "programs/python"
+LENGTH = 100.0
+
+
+def call(*arguments, **options):
+    return subprocess.run([sys.executable, "-m", "tetsuame", *map(str, arguments)], capture_output=True, text=True,
+                          env=os.environ | {"PYTHONPATH": str(SOURCES)}, **options)
+
+
+def places_of(n, dimension):
+    """A jittered lattice."""
+    axes = np.meshgrid(*[(np.arange(n) + 0.5) / n] * dimension, indexing="ij")
+    places = np.stack([axis.ravel() for axis in axes], 1) * LENGTH
+    return places + np.random.default_rng(1).uniform(-0.2, 0.2, places.shape) * LENGTH / n
+
+
+def write_snapshot(path, time, places, periodic=False, length=LENGTH, **more):
+    n, dimension = places.shape
+    density = np.full(n, 3000.0)
+    fields = {"Coordinates": (np.pad(places, [(0, 0), (0, 3 - dimension)]), "m"), "Velocities": (np.zeros((n, 3)), "m/s"),
+              "ParticleIDs": (np.arange(n)[::-1] + 7, "1"), "Density": (density, "kg/m^3"),
+              "Masses": (density * (LENGTH**dimension / n), "kg"), "Temperature": (300 + 2 * places[:, 0] - places[:, 1] + time, "K"),
+              **{name: (values, "Pa") for name, values in more.items()}}
+    with h5py.File(path, "w") as file:
+        header = file.create_group("Header").attrs
+        header["Time"], header["Step"], header["Dimension"] = time, int(time), dimension
+        header["BoxLengths"], header["Periodic"] = [length] * 3, [int(periodic)] * 3
+        for name, (values, unit) in fields.items():
+            file[f"PartType0/{name}"] = values
+            file[f"PartType0/{name}"].attrs["units"] = unit
+
+
+def write_run(directory, dimension=2, n=12, times=(0, 10, 20, 30), warmer=0.0, **options):
+    directory.mkdir(parents=True)
+    (directory / "resolved.nml").write_text(f"! rti, every key as run\n&time\n  dt = {1 + warmer}\n/\n")
+    (directory / "summary.json").write_text(json.dumps({"status": "completed", "steps": 30, "errors": None, "conservation": {"mass": 0.0},
+                                                        "metrics": {"growth_rate": 0.5 + warmer, "kind": "a word", "wrong": None}}))
+    (directory / "history.csv").write_text("step [1],time [s],v_rms [m/s]\n" + "".join(f"{t},{t},{0.1 * t}\n" for t in range(31)))
+    places = places_of(n, dimension)
+    for index, t in enumerate(times):
+        write_snapshot(directory / f"snapshot_{index:04d}.h5", t, places + 0.01 * t, Pressure=np.full(len(places), 5.0 + warmer), **options)
+    return directory
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.here = Path(scratch.name)
+
+    def assert_refused(self, said, *words):
+        """One sentence and exit 2."""
+        self.assertEqual((said.returncode, said.stdout), (2, ""), said.stderr)
+        self.assertEqual(len(said.stderr.strip().splitlines()), 1, said.stderr)
+        for word in words:
+            self.assertIn(word, said.stderr)
+
+
+class Loading(Case):
+    def test_history_snapshots_and_measures(self):
+        run = tetsuame.load(write_run(self.here / "a"))
+        self.assertEqual((run.program, run.summary["steps"], len(run.snapshots)), ("rti", 30, 4))
+        self.assertEqual((run.history["v_rms"][10], run.history.units["v_rms"], run.history.units["step"]), (1.0, "m/s", "1"))
+        self.assertEqual([run.snapshot(time=t).time for t in (-5, 4, 6, 14.9, 99)], [0, 0, 10, 10, 30])
+        last = run.snapshot()
+        self.assertEqual((last.particles, last["Velocities"].shape, last.unit("Speed")), (144, (144, 2), "m/s"))
+        self.assertEqual(run.metrics(), {"mass": 0.0, "growth_rate": 0.5})
+
+    def test_what_is_no_run_or_is_damaged(self):
+        run = write_run(self.here / "a")
+        (self.here / "empty").mkdir()
+        whole = (run / "snapshot_0002.h5").read_bytes()
+        self.assert_refused(call("plot", self.here / "none"), "none", "no such directory")
+        self.assert_refused(call("plot", self.here / "empty"), "no resolved.nml")
+        self.assert_refused(call("plot", run, "--fields", "Magnetism"), "no field 'Magnetism'", "Temperature")
+        for command in ("plot", "movie", "view"):
+            for size in (0, 100, len(whole) // 2):
+                with self.subTest(command, size=size):
+                    (run / "snapshot_0002.h5").write_bytes(whole[:size])
+                    self.assert_refused(call(command, run), "snapshot_0002.h5")
+        with h5py.File(run / "snapshot_0002.h5", "w") as file:
+            file["something"] = 1
+        self.assert_refused(call("view", run), "not a snapshot of these programs")
+        (run / "snapshot_0002.h5").unlink()
+        (run / "history.csv").write_text("time [s]\nzero\n")
+        self.assert_refused(call("plot", run), "history.csv", "not a table")
+
+    def test_runs_of_different_dimensions(self):
+        a, b = write_run(self.here / "a"), write_run(self.here / "b", dimension=3, n=4)
+        self.assert_refused(call("compare", a, b), "different dimensions", "a 2, b 3")
+        self.assert_refused(call("compare", a), "two directories")
+
+
+class Rendering(Case):
+    def snapshot(self, places, **more):
+        write_snapshot(self.here / "snapshot.h5", 0.0, places, **more)
+        return runs.Snapshot(self.here / "snapshot.h5")
+
+    def test_linear_fields_are_exact_up_to_the_walls(self):
+        for dimension, n in ((2, 16), (3, 10)):
+            for axis in range(dimension) if dimension == 3 else [2]:
+                with self.subTest(dimension=dimension, axis=axis):
+                    snapshot = self.snapshot(places_of(n, dimension))
+                    values = 3 * snapshot["Coordinates"][:, 0] - snapshot["Coordinates"][:, 1] + 7
+                    picture = rendering.slice_of(snapshot, values, 40, axis, 30.0)
+                    place = [None] * 3
+                    place[picture.axes[0]], place[picture.axes[1]] = np.meshgrid(picture.x, picture.y)
+                    x, y = (30.0 if place[a] is None else place[a] for a in (0, 1))
+                    exact = np.clip(3 * x - y + 7, *(values.min() - 0.03 * np.ptp(values), values.max() + 0.03 * np.ptp(values)))
+                    self.assertLess(np.abs(picture.values - exact).max(), 1e-9 * np.ptp(values))
+
+    def test_a_periodic_border_leaves_no_trace(self):
+        places = places_of(20, 2) % LENGTH
+        snapshot = self.snapshot(places, periodic=True)
+        wave = np.sin(2 * np.pi * places[:, 0] / LENGTH)
+        picture = rendering.slice_of(snapshot, wave, 80, 2, None)
+        error = np.abs(picture.values - np.sin(2 * np.pi * picture.x / LENGTH))
+        self.assertLess(error[:, [0, 1, -2, -1]].max(), 1.2 * error[:, 2:-2].max())
+        self.assertLess(error.max(), 0.03)
+
+    def test_nothing_is_beyond_a_free_surface(self):
+        places = places_of(20, 2)
+        picture = self.snapshot(places[places[:, 1] < 50]).map("Temperature", 80)
+        self.assertFalse(np.isnan(picture.values[picture.y < 48]).any())
+        self.assertTrue(np.isnan(picture.values[picture.y > 60]).all())
+
+    def test_a_contact_does_not_overshoot(self):
+        places = places_of(20, 2)
+        picture = rendering.slice_of(self.snapshot(places), np.where(places[:, 0] > 50, 1.0, 0.0), 80, 2, None)
+        self.assertGreaterEqual(picture.values.min(), -0.03)
+        self.assertLessEqual(picture.values.max(), 1.03)
+
+    def test_columns_hold_the_mass(self):
+        snapshot = self.snapshot(places_of(12, 3), periodic=True)
+        picture = snapshot.column("Density", 48, axis=1)
+        self.assertAlmostEqual(picture.values.mean() / (3000 * LENGTH), 1, delta=0.01)
+        self.assertLess(picture.values.std() / picture.values.mean(), 0.05)
+        with self.assertRaisesRegex(reading.Unreadable, "needs three"):
+            self.snapshot(places_of(4, 2)).column("Density")
+
+    def test_profiles_are_means_over_layers(self):
+        places, values = self.snapshot(places_of(16, 2)).profile("Temperature", axis=0, bins=8)
+        self.assertLess(np.abs(values - (300 + 2 * places - 50)).max(), 3)
+
+
+class Pictures(Case):
+    def test_plot(self):
+        for dimension, n in ((2, 12), (3, 5)):
+            with self.subTest(dimension=dimension):
+                run = write_run(self.here / str(dimension), dimension, n)
+                said = call("plot", run, "--fields", "Temperature,Density")
+                self.assertEqual(said.returncode, 0, said.stderr)
+                names = [Path(line).name for line in said.stdout.split()]
+                self.assertEqual(names, ["history.png", "map.png", "profile.png"])
+                for name in names:
+                    self.assertGreater(np.asarray(Image.open(run / "plots" / name)).std(), 10)
+
+    def test_movies(self):
+        run = write_run(self.here / "a")
+        said = call("movie", run, "--gif")
+        self.assertEqual(said.returncode, 0, said.stderr)
+        with Image.open(run / "movie.gif") as movie:
+            self.assertEqual(movie.n_frames, 4)
+        if shutil.which("ffmpeg"):
+            said = call("movie", run)
+            self.assertEqual(said.returncode, 0, said.stderr)
+            probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=codec_name,nb_read_frames", "-of", "csv=p=0",
+                                    run / "movie.mp4"], capture_output=True, text=True)
+            self.assertEqual(probe.stdout.strip(), "h264,4")
+
+    def test_one_snapshot_is_no_movie(self):
+        self.assert_refused(call("movie", write_run(self.here / "a", times=(0,))), "one snapshot is no movie")
+
+
+class Beside(Case):
+    def test_differences_of_fields_by_id(self):
+        a, b = write_run(self.here / "a"), write_run(self.here / "b", warmer=0.25)
+        said = call("compare", a, b, "--output", self.here / "page")
+        self.assertEqual(said.returncode, 0, said.stderr)
+        page = (self.here / "page/report.html").read_text()
+        self.assertRegex(page, r"time\.dt</td><td class=\"number\">1\.0</td><td class=\"number\">1\.25<")
+        self.assertRegex(page, r"growth rate</td><td class=\"number\">0\.5</td><td class=\"number\">0\.75<")
+        self.assertRegex(page, r"Pressure \[Pa\]</td><td class=\"number\">144</td><td class=\"number\">0\.25</td><td class=\"number\">0\.25<")
+        self.assertRegex(page, r"Temperature \[K\]</td><td class=\"number\">144</td><td class=\"number\">0<")
+        self.assertGreater(page.count("<img"), 2)
+
+
+class Sweeping(Case):
+    """A stand-in for a program, which writes down that it was run, and ends as it is told."""
+
+    def setUp(self):
+        super().setUp()
+        (self.here / "bin").mkdir()
+        program = self.here / "bin/rti"
+        program.write_text(f"""#!/bin/sh
+echo "$@" >> {self.here}/calls
+while [ $# -gt 0 ]; do
+  [ "$1" = --output ] && out=$2
+  case $2 in rti.n=*) n=${{2#*=}} ;; esac
+  shift
+done
+[ "$n" = 3 ] && [ ! -e {self.here}/mended ] && {{ mkdir -p "$out"; echo half > "$out/history.csv"; echo "bang" >&2; exit 1; }}
+mkdir -p "$out"
+echo '! rti, every key as run' > "$out/resolved.nml"
+echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, "conservation": null, "metrics": {{"n_squared": '$((n * n))'}}}}' > "$out/summary.json"
+""")
+        program.chmod(0o755)
+        (self.here / "a.nml").write_text("&rti /\n")
+        self.command = ["sweep", self.here / "a.nml", "--program", "rti", "--programs", self.here / "bin", "--output", self.here / "out",
+                        "--set", "rti.n=1,2,3,4", "--set", "rti.word='a,b'"]
+
+    def calls(self):
+        return sorted(re.findall(r"rti\.n=(\d)", (self.here / "calls").read_text()))
+
+    def test_what_is_complete_is_not_run_again(self):
+        said = call(*self.command)
+        self.assertEqual(said.returncode, 3, said.stderr)
+        self.assertRegex(said.stdout, "n=3_word=-a-b-: exit 1: bang")
+        self.assertEqual(self.calls(), ["1", "2", "3", "4"])
+        (self.here / "mended").touch()
+        said = call(*self.command)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(self.calls(), ["1", "2", "3", "3", "4"])
+        self.assertIn("--force", (self.here / "calls").read_text().splitlines()[-1])
+        table = (self.here / "out/sweep.csv").read_text().splitlines()
+        self.assertEqual((table[0], table[3]), ("rti.n,rti.word,status,steps,wall_seconds,n_squared", "3,\"'a,b'\",completed,1,0.1,9"))
+
+    def test_another_input_is_not_taken_for_this_one(self):
+        call(*self.command)
+        (self.here / "a.nml").write_text("&rti  m = 2 /\n")
+        said = call(*self.command)
+        self.assert_refused(said, "another input")
+
+    def test_bad_command_lines(self):
+        self.assert_refused(call(*self.command, "--set", "n=1"), "expected group.key=value")
+        self.assert_refused(call("sweep", "none.nml", *self.command[2:]), "no such file")
+        self.assert_refused(call(*self.command, "--program", "disph_z"), "no program 'disph_z'")
+        self.assert_refused(call(*self.command, "--set", "rti.m=1,1"), "the same folder")
+
+
+class Viewing(Case):
+    def three(self):
+        """A stand-in where Debian's package is not installed: what is tested does not draw."""
+        if not any(path.is_file() for path in view.LIBRARIES):
+            (self.here / "three.min.js").write_text("// three")
+            return ["--three", self.here / "three.min.js"]
+        return []
+
+    def test_frames_give_the_places_back(self):
+        run = write_run(self.here / "a")
+        said = call("view", run, "--fields", "Temperature", *self.three())
+        self.assertEqual(said.returncode, 0, said.stderr)
+        page = (run / "view.html").read_text()
+        about = json.loads(re.search(r'id="about">(.*?)</script>', page).group(1))
+        self.assertEqual((about["times"], about["particles"]), ([0, 10, 20, 30], 144))
+        places, values = np.zeros((2, 144), np.uint16), np.zeros(144, np.uint8)
+        low, high = np.array(about["low"]), np.array(about["high"])
+        field = about["fields"][0]
+        for index, snapshot in enumerate(tetsuame.load(run).snapshots):
+            chunk = re.search(rf'id="frame{index}">(.*?)</script>', page).group(1)
+            planes = np.frombuffer(zlib.decompress(base64.b64decode(chunk)), np.uint8).reshape(5, 144)
+            places += planes[[0, 2]] + 256 * planes[[1, 3]].astype(np.uint16)
+            values += planes[4]
+            order = np.argsort(snapshot["ParticleIDs"])
+            here = low + places.T / 65535 * (high - low)
+            self.assertLess(np.abs(here - snapshot["Coordinates"][order]).max(), LENGTH / 60000)
+            shown = field["low"] + values / 255 * (field["high"] - field["low"])
+            inside = np.clip(snapshot["Temperature"][order], field["low"], field["high"])
+            self.assertLess(np.abs(shown - inside).max(), (field["high"] - field["low"]) / 500)
+
+    def test_a_page_too_large_leaves_snapshots_out(self):
+        run = write_run(self.here / "a", n=60, times=range(40))
+        whole = call("view", run, *self.three())
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        size = (run / "view.html").stat().st_size
+        limit = max(size / 1e6 - 0.1, 2)
+        if size / 1e6 <= 2:
+            self.skipTest("the page is smaller than the smallest limit")
+        self.assertEqual(call("view", run, "--megabytes", limit, *self.three()).returncode, 0)
+        self.assertLessEqual((run / "view.html").stat().st_size, limit * 1e6)
+        self.assertIn("of 40 snapshots", (run / "view.html").read_text())
+
+    def test_in_a_browser(self):
+        try:
+            from selenium import webdriver
+            from selenium.webdriver.common.by import By
+            from selenium.webdriver.support.ui import Select
+        except ImportError:
+            self.skipTest("no python3-selenium")
+        driver, browser = shutil.which("chromedriver"), shutil.which("chromium")
+        if not driver or not browser or self.three():
+            self.skipTest("no chromium-driver, chromium or libjs-three")
+        run = write_run(self.here / "a", times=range(0, 30, 2))
+        self.assertEqual(call("view", run).returncode, 0)
+        options = webdriver.ChromeOptions()
+        for argument in ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=1200,800",
+                         "--disable-dev-shm-usage", f"--user-data-dir={self.here}/profile"]:
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        page = webdriver.Chrome(service=webdriver.chrome.service.Service(driver), options=options)
+        self.addCleanup(page.quit)
+        page.get((run / "view.html").as_uri())
+        self.wait(lambda: page.execute_script("return window.viewer && viewer.ready"))
+
+        def picture():
+            time.sleep(0.3)
+            page.save_screenshot(str(self.here / "shot.png"))
+            return np.asarray(Image.open(self.here / "shot.png").convert("RGB")).astype(int)[80:600, 50:800]
+
+        particles = picture()
+        self.assertGreater(particles.std(), 20)  # not an empty stage
+        Select(page.find_element(By.ID, "mode")).select_by_value("rendered")
+        rendered = picture()
+        self.assertGreater(np.abs(rendered - particles).mean(), 3)
+        self.assertGreater(rendered.std(), 20)
+        page.find_element(By.ID, "play").click()
+        self.wait(lambda: page.execute_script("return viewer.frame") > 3)
+        page.find_element(By.ID, "play").click()
+        self.assertFalse(page.execute_script("return viewer.playing"))
+        Select(page.find_element(By.ID, "field")).select_by_index(0)
+        page.execute_script("show(14)")
+        self.assertEqual(page.find_element(By.ID, "time").text, "t = 28 s")
+        self.assertEqual(page.get_log("browser"), [])
+
+    def wait(self, until, seconds=30):
+        end = time.monotonic() + seconds
+        while not until():
+            self.assertLess(time.monotonic(), end, "the page does not get there")
+            time.sleep(0.1)
+
+
+if __name__ == "__main__":
+    unittest.main()
