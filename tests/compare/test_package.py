@@ -20,7 +20,8 @@ class Commands(unittest.TestCase):
     def test_help_names_each_command_and_each_has_its_own(self):
         said = call("--help")
         self.assertEqual(said.returncode, 0, said.stderr)
-        for command, option in (("compare", "--programs"), ("bench", "folder"), ("balance", "folder"), ("scaling", "--ranks")):
+        for command, option in (("compare", "--programs"), ("bench", "folder"), ("balance", "folder"), ("scaling", "--ranks"), ("plot", "--fields"), ("movie", "--gif"), ("view", "--megabytes"),
+                                ("sweep", "--set")):
             with self.subTest(command):
                 self.assertRegex(said.stdout, rf"(?m)^  {command} ")
                 own = call(command, "--help")
@@ -30,12 +31,22 @@ class Commands(unittest.TestCase):
     def test_unknown_command_is_refused_in_a_sentence(self):
         said = call("contrast", "--programs", "A")
         self.assertEqual((said.returncode, said.stdout), (2, ""))
-        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling)\n")
+        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling, plot, movie, view, sweep)\n")
 
     def test_no_command(self):
         said = call()
         self.assertEqual(said.returncode, 2)
         self.assertIn("COMMAND", said.stderr)
+
+    def test_pip_installs_it_without_a_network(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            made = subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", scratch], capture_output=True, text=True)
+            if made.returncode:
+                self.skipTest("no python3-venv")
+            said = subprocess.run([f"{scratch}/bin/pip", "install", "--no-index", "--quiet", str(SOURCES)], capture_output=True, text=True)
+            self.assertEqual(said.returncode, 0, said.stderr)
+            said = subprocess.run([f"{scratch}/bin/tetsuame", "view", "/nowhere"], capture_output=True, text=True, cwd=scratch)
+            self.assertEqual((said.returncode, said.stderr), (2, "tetsuame view: /nowhere: no such directory\n"))
 
 
 class Reading(unittest.TestCase):

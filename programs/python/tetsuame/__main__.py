@@ -59,8 +59,15 @@ def told(command: str, work) -> int:
         return work()
     except Unreadable as problem:
         print(f"tetsuame {command}: {problem}", file=sys.stderr)
-        return BAD_INPUT
+    except ModuleNotFoundError as problem:
+        print(f"tetsuame {command}: needs the Python package {problem.name}, which is not here", file=sys.stderr)
+    return BAD_INPUT
+
+
+def entry() -> int:
+    """The command `tetsuame` that pip installs."""
+    return main(sys.argv[1:])
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(entry())
