@@ -6,16 +6,6 @@
 
 namespace tetsuame::integrators {
 
-namespace {
-
-double extremum(MPI_Comm communicator, double value, MPI_Op operation) {
-  const foundation::collective timed;
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, operation, communicator);
-  return value;
-}
-
-}  // namespace
-
 void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sums, std::span<double> results) {
   const std::size_t width = foundation::exact_sum{}.raw().size();
   std::vector<std::int64_t> message(width * sums.size());
@@ -34,8 +24,11 @@ void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sum
   }
 }
 
-double maximum_allreduce(MPI_Comm communicator, double value) { return extremum(communicator, value, MPI_MAX); }
-double minimum_allreduce(MPI_Comm communicator, double value) { return extremum(communicator, value, MPI_MIN); }
+double maximum_allreduce(MPI_Comm communicator, double value) {
+  const foundation::collective timed;
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, communicator);
+  return value;
+}
 
 int worst_allreduce(MPI_Comm communicator, int status) {
   int extremes[2] = {status, -status};

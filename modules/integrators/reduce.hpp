@@ -4,22 +4,39 @@
 
 #include <mpi.h>
 
+#include <exception>
 #include <foundation/exact_sum.hpp>
 #include <span>
+#include <utility>
 
 namespace tetsuame::integrators {
 
-// All functions are collective over `communicator`.
+// All functions but rethrow are collective over `communicator`.
 
 // The sums over ranks of every rank's `sums`, each rounded once, in one message; results.size() == sums.size(). `sums`
 // are left normalised. Errors of MPI are MPI's own.
 void exact_allreduce(MPI_Comm communicator, std::span<foundation::exact_sum> sums, std::span<double> results);
 
 double maximum_allreduce(MPI_Comm communicator, double value);
-double minimum_allreduce(MPI_Comm communicator, double value);
 
 // The most severe of the ranks' return values of a callback: 0 only if all are 0, else the
 // smallest negative one if any is negative, else the largest.
 int worst_allreduce(MPI_Comm communicator, int status);
+
+// The same of call(), which counts as -1 where it throws: what it threw first waits in `thrown`, as C code must not see
+// it.
+template <class Call>
+int worst_of_calls(MPI_Comm communicator, std::exception_ptr& thrown, const Call& call) {
+  int status = -1;
+  try {
+    status = call();
+  } catch (...) {
+    if (!thrown) thrown = std::current_exception();
+  }
+  return worst_allreduce(communicator, status);
+}
+inline void rethrow(std::exception_ptr& thrown) {  // if one waits
+  if (thrown) std::rethrow_exception(std::exchange(thrown, nullptr));
+}
 
 }  // namespace tetsuame::integrators
