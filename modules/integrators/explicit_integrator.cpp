@@ -20,7 +20,6 @@ namespace tetsuame::integrators {
 
 namespace {
 
-using foundation::exact_sum;
 using foundation::fail_calculation;
 using foundation::fail_input;
 
@@ -61,37 +60,32 @@ table_handle rk4_table() {
 
 bool stabilised(const std::string& method) { return method == "rkl2" || method == "rkc2"; }
 
-// None: the method is of another kind.
-table_handle table_of(const std::string& method, int order) {
-  if (stabilised(method) || method == "ab2") return nullptr;
-  if (method == "euler") return euler_table();
-  if (method == "ssp_rk3") return ssp_rk3_table();
-  if (method == "rk4") return rk4_table();
-  switch (order) {
-    case 2:
-      return ralston_table();
-    case 3:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_BOGACKI_SHAMPINE_4_2_3));
-    case 4:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_ZONNEVELD_5_3_4));
-    default:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_DORMAND_PRINCE_7_4_5));
-  }
-}
+table_handle load(ARKODE_ERKTableID id) { return table_handle(ARKodeButcherTable_LoadERK(id)); }
 
-int order_of(const explicit_options& o) {
-  const std::map<std::string, int> fixed = {{"euler", 1},   {"order_2", 2}, {"order_3", 3}, {"order_4", 4},
-                                            {"order_5", 5}, {"ab2", 2},     {"ssp_rk3", 3}, {"rk4", 4},
-                                            {"rkl2", 2},    {"rkc2", 2}};
-  if (const auto found = fixed.find(o.method); found != fixed.end()) return found->second;
-  if (o.method != "adaptive")
+// None: the method is of another kind.
+table_handle table_of(const explicit_options& o) {
+  const auto none = [] { return table_handle(); };
+  const std::map<std::string, table_handle (*)()> known = {
+      {"euler", euler_table},
+      {"order_2", ralston_table},
+      {"order_3", [] { return load(ARKODE_BOGACKI_SHAMPINE_4_2_3); }},
+      {"order_4", [] { return load(ARKODE_ZONNEVELD_5_3_4); }},
+      {"order_5", [] { return load(ARKODE_DORMAND_PRINCE_7_4_5); }},
+      {"ssp_rk3", ssp_rk3_table},
+      {"rk4", rk4_table},
+      {"ab2", none},
+      {"rkl2", none},
+      {"rkc2", none}};
+  const bool adaptive = o.method == "adaptive";
+  if (adaptive && (o.order < 2 || o.order > 5))
+    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
+  const auto found = known.find(adaptive ? fmt::format("order_{}", o.order) : o.method);
+  if (found == known.end())
     fail_input(
         fmt::format("time integration method '{}' is unknown: give 'euler', 'order_2', 'order_3', 'order_4', "
                     "'order_5', 'ssp_rk3', 'rk4', 'ab2', 'rkl2', 'rkc2' or 'adaptive'",
                     o.method));
-  if (o.order < 2 || o.order > 5)
-    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
-  return o.order;
+  return found->second();
 }
 
 void check(const explicit_options& o, bool adaptive) {
@@ -155,11 +149,10 @@ struct explicit_integrator::implementation {
   limit_function limit;
   radius_function radius_bound;
 
-  int order = order_of(options);
   bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2";
   bool adaptive = options.method == "adaptive" || (is_stabilised && options.error_control);
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
-  table_handle table = table_of(options.method, order);
+  table_handle table = table_of(options);
   // The last stage is the new state.
   bool same_as_last = table && table->stages > 1 &&
                       std::equal(table->b, table->b + table->stages, table->A[table->stages - 1]);
@@ -222,26 +215,14 @@ struct explicit_integrator::implementation {
     });
   }
 
-  // sqrt( sum_i value_i^2 / N ), N: all values of all ranks. The sum is exact before one rounding
-  // [foundation::exact_sum]: it has the same bits for any number of ranks and threads and any order of particles.
+  // sqrt( sum_i value_i^2 / N ), N: all values of all ranks
   template <class Value>
   double root_mean_square(Value value) const {
-    exact_sum total;
-#pragma omp parallel if (n > 8 * block_length)
-    {
-      exact_sum mine;
-      for (std::size_t k = 0; k < fields.size(); ++k) {
-#pragma omp for schedule(static) nowait
-        for (std::size_t i = 0; i < n; ++i) {
-          const double x = value(k, i);
-          mine.add(x * x);
-        }
-      }
-#pragma omp critical(tetsuame_integrator_sum)
-      total.add(mine);
-    }
     double sum = 0.0;
-    exact_allreduce(communicator, {&total, 1}, {&sum, 1});
+    exact_sums(communicator, {&sum, 1}, fields.size(), n, [&](std::size_t, std::size_t k, std::size_t i) {
+      const double x = value(k, i);
+      return x * x;
+    });
     return all_values == 0.0 ? 0.0 : std::sqrt(sum / all_values);
   }
 

@@ -38,28 +38,13 @@ using solver_handle = std::unique_ptr<_generic_SUNLinearSolver, release_solver>;
 
 std::span<double> values(N_Vector v) { return {N_VGetArrayPointer(v), static_cast<std::size_t>(NV_LOCLENGTH_P(v))}; }
 
-// The vector is SUNDIALS' own for many ranks, but that its sums are exact before one rounding [foundation::exact_sum]:
-// the same bits for any number of ranks and threads and any order of particles. results[j] = sum_i term(j, i).
-template <class Term>
-void sums(N_Vector x, std::span<double> results, Term term) {
-  const std::size_t n = values(x).size();
-  std::vector<foundation::exact_sum> total(results.size());
-#pragma omp parallel if (n > 4096)
-  {
-    std::vector<foundation::exact_sum> mine(results.size());
-    for (std::size_t j = 0; j < mine.size(); ++j) {
-#pragma omp for schedule(static) nowait
-      for (std::size_t i = 0; i < n; ++i) mine[j].add(term(j, i));
-    }
-#pragma omp critical(tetsuame_nonlinear_sums)
-    for (std::size_t j = 0; j < mine.size(); ++j) total[j].add(mine[j]);
-  }
-  exact_allreduce(NV_COMM_P(x), total, results);
-}
-
+// The vector is SUNDIALS' own for many ranks, but that its sums are exact before one rounding.
 int dot_products(int count, N_Vector x, N_Vector* y, double* results) {
-  sums(x, {results, static_cast<std::size_t>(count)},
-       [&](std::size_t j, std::size_t i) { return values(x)[i] * values(y[j])[i]; });
+  const auto a = values(x);
+  std::vector<std::span<double>> b;
+  for (int j = 0; j < count; ++j) b.push_back(values(y[j]));
+  exact_sums(NV_COMM_P(x), {results, b.size()}, 1, a.size(),
+             [&](std::size_t j, std::size_t, std::size_t i) { return a[i] * b[j][i]; });
   return 0;
 }
 double dot_product(N_Vector x, N_Vector y) {
@@ -68,9 +53,10 @@ double dot_product(N_Vector x, N_Vector y) {
   return result;
 }
 double weighted_norm(N_Vector x, N_Vector w) {
+  const auto a = values(x), b = values(w);
   double result = 0.0;
-  sums(x, {&result, 1}, [&](std::size_t, std::size_t i) {
-    const double weighted = values(x)[i] * values(w)[i];
+  exact_sums(NV_COMM_P(x), {&result, 1}, 1, a.size(), [&](std::size_t, std::size_t, std::size_t i) {
+    const double weighted = a[i] * b[i];
     return weighted * weighted;
   });
   return std::sqrt(result);
