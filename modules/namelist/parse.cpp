@@ -358,7 +358,8 @@ std::string read_file(const std::filesystem::path& path) {
   char buffer[1 << 14];
   while (text.size() <= maximum_bytes && (file.read(buffer, sizeof buffer) || file.gcount() > 0))
     text.append(buffer, static_cast<std::size_t>(file.gcount()));
-  if (file.bad()) foundation::fail_input(fmt::format("{}: the input file cannot be read", name));
+  if (file.bad() || text.empty())
+    foundation::fail_input(fmt::format("{}: the input file cannot be read, or is empty", name));
   return text;
 }
 
