@@ -2,18 +2,16 @@
 // arkode_butcher.h needs FILE declared
 #include <cstdio>
 
-#include <arkode/arkode_butcher_erk.h>
+#include <arkode/arkode_erkstep.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <cstdint>
 #include <foundation/error.hpp>
 #include <integrators/reduce.hpp>
 #include <integrators/stabilised.hpp>
-#include <limits>
-#include <new>
-#include <optional>
+#include <integrators/state_vector.hpp>
 #include <utility>
 
 namespace tetsuame::integrators {
@@ -25,18 +23,17 @@ using foundation::fail_input;
 
 // Of the error control. The growth is that of dt from one step to the next.
 constexpr double safety = 0.9, most_growth = 5.0;
-constexpr int most_attempts = 20;          // at one step
-constexpr std::size_t block_length = 512;  // values: what is summed in one local buffer
+constexpr int most_attempts = 20;  // at one step
 
 struct release_table {
   void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
 };
 using table_handle = std::unique_ptr<ARKodeButcherTableMem, release_table>;
 
-table_handle euler_table() {
-  double c[] = {0.0}, a[] = {0.0}, b[] = {1.0};
-  return table_handle(ARKodeButcherTable_Create(1, 1, 0, c, a, b, nullptr));
-}
+struct release_arkode {
+  void operator()(void* memory) const { ERKStepFree(&memory); }
+};
+using arkode_handle = std::unique_ptr<void, release_arkode>;
 
 // A. Ralston, Math. Comp. 16, 431 (1962): of the two-stage methods of order 2 the one with the
 // smallest bound on the error; forward Euler is embedded.
@@ -59,33 +56,37 @@ table_handle rk4_table() {
 }
 
 bool stabilised(const std::string& method) { return method == "rkl2" || method == "rkc2"; }
+bool formed_here(const std::string& method) { return stabilised(method) || method == "ab2" || method == "euler"; }
 
-table_handle load(ARKODE_ERKTableID id) { return table_handle(ARKodeButcherTable_LoadERK(id)); }
+table_handle table_of(const std::string& method, int order) {
+  if (formed_here(method)) return nullptr;
+  if (method == "ssp_rk3") return ssp_rk3_table();
+  if (method == "rk4") return rk4_table();
+  switch (order) {
+    case 2:
+      return ralston_table();
+    case 3:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_BOGACKI_SHAMPINE_4_2_3));
+    case 4:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_ZONNEVELD_5_3_4));
+    default:
+      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_DORMAND_PRINCE_7_4_5));
+  }
+}
 
-// None: the method is of another kind.
-table_handle table_of(const explicit_options& o) {
-  const auto none = [] { return table_handle(); };
-  const std::map<std::string, table_handle (*)()> known = {
-      {"euler", euler_table},
-      {"order_2", ralston_table},
-      {"order_3", [] { return load(ARKODE_BOGACKI_SHAMPINE_4_2_3); }},
-      {"order_4", [] { return load(ARKODE_ZONNEVELD_5_3_4); }},
-      {"order_5", [] { return load(ARKODE_DORMAND_PRINCE_7_4_5); }},
-      {"ssp_rk3", ssp_rk3_table},
-      {"rk4", rk4_table},
-      {"ab2", none},
-      {"rkl2", none},
-      {"rkc2", none}};
-  const bool adaptive = o.method == "adaptive";
-  if (adaptive && (o.order < 2 || o.order > 5))
-    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
-  const auto found = known.find(adaptive ? fmt::format("order_{}", o.order) : o.method);
-  if (found == known.end())
+int order_of(const explicit_options& o) {
+  const std::map<std::string, int> fixed = {{"euler", 1},   {"order_2", 2}, {"order_3", 3}, {"order_4", 4},
+                                            {"order_5", 5}, {"ab2", 2},     {"ssp_rk3", 3}, {"rk4", 4},
+                                            {"rkl2", 2},    {"rkc2", 2}};
+  if (const auto found = fixed.find(o.method); found != fixed.end()) return found->second;
+  if (o.method != "adaptive")
     fail_input(
         fmt::format("time integration method '{}' is unknown: give 'euler', 'order_2', 'order_3', 'order_4', "
                     "'order_5', 'ssp_rk3', 'rk4', 'ab2', 'rkl2', 'rkc2' or 'adaptive'",
                     o.method));
-  return found->second();
+  if (o.order < 2 || o.order > 5)
+    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
+  return o.order;
 }
 
 void check(const explicit_options& o, bool adaptive) {
@@ -93,8 +94,11 @@ void check(const explicit_options& o, bool adaptive) {
     fail_input(fmt::format("max_stages must be >= 3, not {}", o.max_stages));
   if ((adaptive || stabilised(o.method)) && !(o.rtol > 0.0 && o.rtol < 1.0))
     fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
-  if (!adaptive && (!(o.dt > 0.0) || !std::isfinite(o.dt)))
-    fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
+  if (!adaptive) {
+    if (!(o.dt > 0.0) || !std::isfinite(o.dt))
+      fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
+    return;
+  }
   if (!(o.dt >= 0.0) || !std::isfinite(o.dt)) fail_input(fmt::format("the first step dt must be >= 0, not {}", o.dt));
 }
 
@@ -111,25 +115,12 @@ void check(const std::vector<field>& fields, bool weighed, bool keeps_rate, std:
   }
 }
 
-// One array a field, each from the beginning of a cache line on; its values are what was there.
-class arrays {
- public:
-  arrays(std::size_t fields, std::size_t n) : of_(fields) {
-    const std::size_t stride = (n + 7) / 8 * 8;
-    memory_.reset(new (line) double[fields * stride]);
-    for (std::size_t k = 0; k < fields; ++k) of_[k] = memory_.get() + k * stride;
-  }
-  double* operator[](std::size_t k) const { return of_[k]; }
-  std::span<double* const> all() const { return of_; }
-
- private:
-  static constexpr std::align_val_t line{64};
-  struct release {
-    void operator()(double* p) const { ::operator delete[](p, line); }
-  };
-  std::unique_ptr<double[], release> memory_;
-  std::vector<double*> of_;
-};
+std::vector<double*> arrays(const std::vector<field>& fields) {
+  std::vector<double*> result;
+  result.reserve(fields.size());
+  for (const field& f : fields) result.push_back(f.data);
+  return result;
+}
 
 }  // namespace
 
@@ -149,345 +140,413 @@ struct explicit_integrator::implementation {
   limit_function limit;
   radius_function radius_bound;
 
-  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2";
-  bool adaptive = options.method == "adaptive" || (is_stabilised && options.error_control);
+  int order = order_of(options);
+  bool adaptive = options.method == "adaptive" || (stabilised(options.method) && options.error_control);
+  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2",
+       is_euler = options.method == "euler";
   stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
-  table_handle table = table_of(options);
-  // The last stage is the new state.
-  bool same_as_last = table && table->stages > 1 &&
-                      std::equal(table->b, table->b + table->stages, table->A[table->stages - 1]);
-  // Of 'rk4' only the next step needs the rate at the end of this one, if it comes to that.
-  bool knows_end = options.method != "rk4";
+  table_handle table = table_of(options.method, order);
 
   double t;
   double previous_error = 0.0;
   double previous_dt = 0.0;  // explicit_memory
   explicit_statistics statistics{};
 
-  std::exception_ptr thrown{};
-  std::vector<arrays> rates{};     // [0]: f(t, y) if rate_known; then of the stages
-  std::size_t latest = 1;          // of the rates, that at the end of a step
-  std::optional<arrays> saved{};   // the state at the start of the step
-  std::optional<arrays> before{};  // 'rkl2', 'rkc2': that of stage j - 2
-  double all_values = 0.0;         // of all fields and ranks
+  sundials_context context{};
+  sundials_messages messages{};
+  exception_carrier thrown{};
+  vector_handle home{};         // over the particle arrays; ARKODE forms every stage in it
+  vector_handle start_rate{};   // f(t, y) if rate_known
+  vector_handle latest_rate{};  // what f gave last
+  vector_handle saved{};        // formed here: the state at the start of the step
+  vector_handle spare{};        // stage j-2, error
+  arkode_handle arkode{};
   bool rate_known = false;
-  int rhs_status = 0;       // the last value of f that was not 0
-  double step_error = 0.0;  // e of the last attempt
+  bool starting = false;           // ARKODE's next call of f is that at the start of the step
+  N_Vector first_stage = nullptr;  // ARKODE's own, for the rate at the start
+  int stages_left = 0;             // to be evaluated in this step
+  int rhs_status = 0;              // the last value of f that was not 0
+  double step_error = 0.0;         // e of the last attempt
 
-  // For so many particles.
-  void build() {
-    const std::size_t stages = table ? static_cast<std::size_t>(table->stages) : 2;
-    latest = same_as_last ? stages - 1 : std::min<std::size_t>(1, stages - 1);
-    rates.clear();
-    for (std::size_t s = 0; s < stages; ++s) rates.emplace_back(fields.size(), n);
-    saved.emplace(fields.size(), n);
-    if (is_stabilised) before.emplace(fields.size(), n);
-    auto particles = static_cast<long long>(n);
-    MPI_Allreduce(MPI_IN_PLACE, &particles, 1, MPI_LONG_LONG, MPI_SUM, communicator);
-    all_values = static_cast<double>(particles) * static_cast<double>(fields.size());
-    rate_known = false;
-  }
-
-  int evaluate(double at, const arrays& rate) {
-    ++statistics.evaluations;
-    const int status = worst_of_calls(communicator, thrown, [&] { return rhs(at, rate.all()); });
-    if (status != 0) rhs_status = status;
-    return status;
-  }
-
-  // operation(k, begin, end) on pieces of field k; a thread gets the same particles of every field.
-  template <class Operation>
-  void over_blocks(Operation operation) const {
-    const std::size_t blocks = (n + block_length - 1) / block_length;
-#pragma omp parallel for schedule(static) if (blocks > 8)
-    for (std::size_t b = 0; b < blocks; ++b)
-      for (std::size_t k = 0; k < fields.size(); ++k)
-        operation(k, b * block_length, std::min(n, (b + 1) * block_length));
-  }
-
-  // array k of the particles at i = value(k, i), which may read what it replaces
+  void build();
+  int evaluate(double at, N_Vector rate);
+  int called_by_arkode(double at, N_Vector state, N_Vector rate);
+  void weights(N_Vector state, N_Vector weight) const;
+  void know_rate();
+  double first_dt(double t_stop);
+  plan choose(double t_stop, const std::string& stop_is);
+  plan choose_fixed(double t_stop, const std::string& stop_is) const;
+  void cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const;
+  outcome attempt(double dt);
+  outcome attempt_with_arkode(double dt);
+  outcome attempt_here(double dt);
+  int stabilised_stages(double dt);
+  int ab2_step(double dt);
+  int euler_step(double dt);
+  void form_stage(const recurrence& r, std::size_t j, double dt);
+  void estimate_error(double factor, double dt);
+  void know_radius();
+  double largest_stabilised_dt() const;
+  void return_to_saved();
   template <class Value>
-  void set_arrays(Value value) const {
-    over_blocks([&](std::size_t k, std::size_t begin, std::size_t end) {
-      double* y = fields[k].data;
-#pragma omp simd
-      for (std::size_t i = begin; i < end; ++i) y[i] = value(k, i);
-    });
-  }
-
-  // sqrt( sum_i value_i^2 / N ), N: all values of all ranks
-  template <class Value>
-  double root_mean_square(Value value) const {
-    double sum = 0.0;
-    exact_sums(communicator, {&sum, 1}, fields.size(), n, [&](std::size_t, std::size_t k, std::size_t i) {
-      const double x = value(k, i);
-      return x * x;
-    });
-    return all_values == 0.0 ? 0.0 : std::sqrt(sum / all_values);
-  }
-
-  double weight(std::size_t k, double y) const {
-    const field& f = fields[k];
-    return 1.0 / (options.rtol * (f.scale > 0.0 ? f.scale : std::fabs(y)) + f.absolute_tolerance);
-  }
-
-  void raise_rhs_failure() {
-    rethrow(thrown);
-    if (rhs_status < 0)
-      fail_calculation(
-          fmt::format("the rates of change could not be evaluated in the step from t = {:.17g} s (on this or "
-                      "another rank, which says why)",
-                      t));
-  }
-
-  void know_rate() {
-    if (rate_known) return;
-    rhs_status = 0;
-    if (evaluate(t, rates[0]) != 0) {
-      raise_rhs_failure();
-      fail_calculation(
-          fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
-    }
-    rate_known = true;
-  }
-
-  // ---- the length of a step -----------------------------------------------------------------
-
-  // A change of one percent of the state, or of one tolerance, whichever allows more.
-  // [E. Hairer, S. P. Nørsett, G. Wanner, Solving ODEs I, II.4, first guess]
-  double first_dt(double t_stop) const {
-    if (options.dt > 0.0) return options.dt;
-    const double state = root_mean_square([&](std::size_t k, std::size_t i) {
-      const double y = fields[k].data[i], scale = fields[k].scale;
-      return (scale > 0.0 ? scale : y) * weight(k, y);
-    });
-    const double rate =
-        root_mean_square([&](std::size_t k, std::size_t i) { return rates[0][k][i] * weight(k, fields[k].data[i]); });
-    return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
-  }
-
-  plan choose_fixed(double t_stop, const std::string& stop_is) const {
-    const double rest = t_stop - t, dt = options.dt;
-    // Rounding accumulated over many steps must not leave a sliver before an output time.
-    if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, options.dt_is, true, false};
-    if (rest < dt) return {rest, stop_is, true, true};
-    return {dt, options.dt_is, false, false};
-  }
-
-  void cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const {
-    const double rest = t_stop - t;
-    if (p.dt >= rest) {
-      p.cut_for_output = p.dt > rest;
-      p.reaches_stop = true;
-      p.dt = rest;
-      // so that the last stage's time is t_stop in every bit
-      for (int k = 0; k < 4 && t + p.dt != t_stop; ++k) p.dt = std::nextafter(p.dt, t + p.dt < t_stop ? 2 * rest : 0.0);
-    } else if (p.dt > 0.5 * rest) {  // two equal steps rather than one and a sliver
-      p.cut_for_output = true;
-      p.dt = 0.5 * rest;
-    }
-    if (p.cut_for_output) p.limited_by = stop_is;
-  }
-
-  plan choose(double t_stop, const std::string& stop_is) {
-    if (is_stabilised) know_radius();
-    if (!adaptive) return choose_fixed(t_stop, stop_is);
-    if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
-    plan p{statistics.next_dt, "accuracy", false, false};
-    if (limit) {
-      const step_limit stable = limit(t);
-      if (!(stable.dt > 0.0))
-        fail_calculation(
-            fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
-      if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
-    }
-    if (is_stabilised)
-      if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
-    cut_for_stop(t_stop, stop_is, p);
-    return p;
-  }
-
-  void know_radius() {
-    statistics.radius = radius_bound(t);
-    if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
-      fail_calculation(fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t,
-                                   statistics.radius));
-  }
-
-  double largest_stabilised_dt() const {
-    // A little below the limit, so that rounding of dt * radius does not ask for a stage more.
-    const double largest = stability_limit(kind, largest_stages(kind, options.max_stages)) * (1.0 - 1e-12);
-    return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
-  }
-
+  void set_arrays(Value value);
+  void raise_rhs_failure();
+  [[noreturn]] void raise_unevaluable(double dt);
+  double accepted_factor(bool after_failure) const;
+  double failed_factor(outcome why) const;
   // The estimates of 'rkl2' and 'rkc2' are of third order in dt.
   double embedding_exponent() const { return is_stabilised ? 1.0 / 3.0 : 1.0 / (table->p + 1); }
+};
 
-  double accepted_factor(bool after_failure) const {
-    const double smallest = 1e-10;  // an error of 0 must not divide
-    const double e = std::max(step_error, smallest), k = embedding_exponent();
-    const double raw = previous_error > 0.0
-                           ? safety * std::pow(e, -0.7 * k) * std::pow(std::max(previous_error, smallest), 0.4 * k)
-                           : safety * std::pow(e, -k);
-    return std::clamp(raw, 0.2, after_failure ? 1.0 : most_growth);
+void explicit_integrator::implementation::build() {
+  arkode.reset();
+  start_rate.reset();
+  latest_rate.reset();
+  saved.reset();
+  spare.reset();
+  home = make_state_vector(context, communicator, arrays(fields), n, adaptive ? norms::computed : norms::skipped);
+  start_rate.reset(N_VClone(home.get()));
+  latest_rate.reset(N_VClone(home.get()));
+  rate_known = false;
+  if (formed_here(options.method)) {
+    saved.reset(N_VClone(home.get()));
+    spare.reset(is_stabilised ? N_VClone(home.get()) : nullptr);
+    return;
   }
 
-  double failed_factor(outcome why) const {
-    if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
-    return std::clamp(safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
-  }
+  const ARKRhsFn call_rhs = [](double at, N_Vector y, N_Vector ydot, void* data) {
+    return static_cast<implementation*>(data)->called_by_arkode(at, y, ydot);
+  };
+  const ARKEwtFn call_weights = [](N_Vector y, N_Vector w, void* data) {
+    const auto* self = static_cast<const implementation*>(data);
+    if (self->adaptive) self->weights(y, w);
+    return 0;
+  };
+  // ARKODE's only word on the error estimate; the step that follows is chosen here, not there.
+  const ARKAdaptFn note_error = [](N_Vector, double, double h, double, double, double e, double, double, int, int,
+                                   double* h_new, void* data) {
+    static_cast<implementation*>(data)->step_error = e;
+    *h_new = h;
+    return 0;
+  };
 
-  // ---- the step -----------------------------------------------------------------------------
+  arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
+  void* m = arkode.get();
+  if (m == nullptr || ERKStepSetErrHandlerFn(m, sundials_messages::handler, &messages) != ARK_SUCCESS ||
+      ERKStepSetUserData(m, this) != ARK_SUCCESS ||
+      // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
+      ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||
+      ERKStepSetInterpolantDegree(m, 0) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
+      ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
+      ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
+      ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)
+    fail_calculation("ARKODE could not be set up: " + messages.last);
+}
 
-  // Into the particle arrays dt times the weighed rates and the state at the start of the step, added in this order.
-  void form(const double* weights, int stages, double dt) const {
-    std::vector<double> factor;
-    std::vector<const arrays*> from;
-    for (int j = 0; j < stages; ++j)
-      if (weights[j] != 0.0) {
-        factor.push_back(dt * weights[j]);
-        from.push_back(&rates[static_cast<std::size_t>(j)]);
-      }
-    over_blocks([&](std::size_t k, std::size_t begin, std::size_t end) {
-      double buffer[block_length];
-      const std::size_t length = end - begin;
-      std::fill_n(buffer, length, -0.0);  // which leaves every bit of what is added to it
-      for (std::size_t j = 0; j < from.size(); ++j) {
-        const double c = factor[j], *x = (*from[j])[k] + begin;
-#pragma omp simd
-        for (std::size_t i = 0; i < length; ++i) buffer[i] += c * x[i];
-      }
-      const double* y0 = (*saved)[k] + begin;
-      double* y = fields[k].data + begin;
-#pragma omp simd
-      for (std::size_t i = 0; i < length; ++i) y[i] = buffer[i] + y0[i];
-    });
-  }
+int explicit_integrator::implementation::evaluate(double at, N_Vector rate) {
+  const int own = thrown.guard([&] { return rhs(at, values_to_overwrite(rate)); });
+  ++statistics.evaluations;
+  const int status = worst_allreduce(communicator, own);
+  if (status != 0) rhs_status = status;
+  return status;
+}
 
-  // step_error = | dt sum_j (b_j - d_j) f_j |_w, d: the embedded method, the weights those of y_n
-  void estimate_error(double dt) {
-    const auto& y0 = *saved;
-    const double digits =
-        root_mean_square([&](std::size_t k, std::size_t i) { return y0[k][i] * weight(k, y0[k][i]); });
-    if (digits * std::numeric_limits<double>::epsilon() > 1.0)
-      fail_calculation(
-          fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
-    step_error = root_mean_square([&](std::size_t k, std::size_t i) {
-      double error = 0.0;
-      for (std::size_t j = 0; j < rates.size(); ++j) error += dt * (table->b[j] - table->d[j]) * rates[j][k][i];
-      return error * weight(k, y0[k][i]);
-    });
-  }
-
-  // The stages and the rate at the end of the step; the value of f that was not 0, or 0.
-  int runge_kutta_step(double dt) {
-    for (int s = 1; s < table->stages; ++s) {
-      form(table->A[s], s, dt);
-      const int status = evaluate(t + table->c[s] * dt, rates[static_cast<std::size_t>(s)]);
-      if (status != 0) return status;
-    }
-    if (!same_as_last) form(table->b, table->stages, dt);
-    if (adaptive) estimate_error(dt);
-    if (same_as_last || !knows_end || !(step_error <= 1.0)) return 0;
-    if (latest == 0) rate_known = false;
-    return evaluate(t + dt, rates[latest]);
-  }
-
-  // Y_j into the particle arrays, from Y_(j-1) there, Y_(j-2) in `before` (j = 2: Y_0), which takes Y_(j-1).
-  void form_stage(const recurrence& r, std::size_t j, double dt) const {
-    const auto &y0 = *saved, &f0 = rates[0], &f = rates[1];
-    if (j == 1) {
-      const double a = r.mu_tilde[1] * dt;
-      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + a * f0[k][i]; });
-      return;
-    }
-    const double mu = r.mu[j], nu = r.nu[j], rest = 1.0 - mu - nu, a = r.mu_tilde[j] * dt, a0 = r.gamma_tilde[j] * dt;
-    set_arrays([&](std::size_t k, std::size_t i) {
-      const double y1 = fields[k].data[i], y2 = j == 2 ? y0[k][i] : (*before)[k][i];
-      (*before)[k][i] = y1;
-      return rest * y0[k][i] + mu * y1 + nu * y2 + (a * f[k][i] + a0 * f0[k][i]);
-    });
-  }
-
-  // The same of 'rkl2' or 'rkc2'.
-  int stabilised_step(double dt) {
-    const double z = dt * statistics.radius;
-    const int stages = stages_for(kind, z, options.max_stages);
-    if (stages > options.max_stages)
-      fail_calculation(
-          fmt::format("a step of {} s at t = {:.17g} s, spectral radius {} 1/s, takes more than the {} stages of "
-                      "max_stages: raise it or take a smaller dt",
-                      dt, t, statistics.radius, options.max_stages));
-    statistics.stages = stages;
-    const recurrence r = make_recurrence(kind, stages);
-    for (std::size_t j = 1; j < r.c.size(); ++j) {
-      form_stage(r, j, dt);
-      const double c = j + 1 < r.c.size() ? r.c[j] : 1.0;
-      if (const int status = evaluate(t + c * dt, rates[1]); status != 0) return status;
-    }
-    // | K [y_n - y_(n+1) + dt/2 (F_n + F_(n+1))] |_w, the weights those of y_n
-    if (adaptive)
-      step_error = root_mean_square([&](std::size_t k, std::size_t i) {
-        const double y0 = (*saved)[k][i], y1 = fields[k].data[i];
-        return weight(k, y0) * (r.error_factor * (y0 - y1 + 0.5 * dt * (rates[0][k][i] + rates[1][k][i])));
-      });
+int explicit_integrator::implementation::called_by_arkode(double at, N_Vector state, N_Vector rate) {
+  if (std::exchange(starting, false)) {
+    N_VScale(1.0, start_rate.get(), rate);
+    first_stage = rate;
+    stages_left = table->stages - 1;
     return 0;
   }
-
-  int ab2_step(double dt) {
-    const auto &y0 = *saved, &f0 = rates[0], &f1 = rates[1];
-    const double ratio = previous_dt > 0.0 ? dt / previous_dt : 0.0;
-    if (ratio > 0.0 && ratio <= 1.5) {
-      const double now = dt * (1.0 + 0.5 * ratio), earlier = dt * 0.5 * ratio;
-      set_arrays([&](std::size_t k, std::size_t i) {
-        return y0[k][i] + (now * f0[k][i] - earlier * fields[k].previous_rate[i]);
-      });
-    } else {
-      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (2.0 / 3.0) * f0[k][i]; });
-      if (const int status = evaluate(t + dt * (2.0 / 3.0), f1); status != 0) return status;
-      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
-    }
-    return evaluate(t + dt, f1);
+  // After the last stage ARKODE asks for the rate of the new state. A fixed step is not tried again, so
+  // that by then nobody needs the rate at its start: the new one may stand in its place.
+  if (stages_left-- == 0 && !adaptive) {
+    for (N_Vector done : {first_stage, start_rate.get(), latest_rate.get()}) forget_values(done);
+    rate_known = false;
   }
+  if (!holds_values_of(home.get(), state)) N_VScale(1.0, state, home.get());
+  const int status = evaluate(at, rate);
+  if (status == 0) N_VScale(1.0, rate, latest_rate.get());
+  return status;
+}
 
-  void return_to_saved() const {
-    set_arrays([&](std::size_t k, std::size_t i) { return (*saved)[k][i]; });
+void explicit_integrator::implementation::weights(N_Vector state, N_Vector weight) const {
+  const auto y = values(state);
+  const auto w = values_to_overwrite(weight);
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const double *yk = y[k], rtol = options.rtol, atol = fields[k].absolute_tolerance, scale = fields[k].scale;
+    double* wk = w[k];
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i) wk[i] = 1.0 / (rtol * (scale > 0.0 ? scale : std::fabs(yk[i])) + atol);
   }
+}
 
-  outcome attempt(double dt) {
-    if (!(t + dt > t))
-      fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
-    ++statistics.attempts;
-    rhs_status = 0;
-    step_error = 0.0;
-    over_blocks([&](std::size_t k, std::size_t begin, std::size_t end) {
-      std::copy(fields[k].data + begin, fields[k].data + end, (*saved)[k] + begin);
-    });
-    int status = 0;
-    try {
-      status = table ? runge_kutta_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_step(dt);
-    } catch (...) {
-      return_to_saved();
-      throw;
-    }
-    if (status == 0 && (!adaptive || step_error <= 1.0)) {
-      if (is_ab2) {
-        for (std::size_t k = 0; k < fields.size(); ++k) std::copy_n(rates[0][k], n, fields[k].previous_rate);
-        previous_dt = dt;
-      }
-      return outcome::accepted;
-    }
-    return_to_saved();
-    if (status == 0) return outcome::rejected;
+void explicit_integrator::implementation::raise_rhs_failure() {
+  thrown.rethrow();
+  if (rhs_status < 0)
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated in the step from t = {:.17g} s (on this or "
+                    "another rank, which says why)",
+                    t));
+}
+
+void explicit_integrator::implementation::know_rate() {
+  if (rate_known) return;
+  rhs_status = 0;
+  if (evaluate(t, start_rate.get()) != 0) {
     raise_rhs_failure();
-    if (!adaptive)
-      fail_calculation(
-          fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
-                      "try a smaller dt or method = 'adaptive'",
-                      dt, t));
-    return outcome::unevaluable;
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
   }
-};
+  rate_known = true;
+}
+
+// A change of one percent of the state, or of one tolerance, whichever allows more.
+// [E. Hairer, S. P. Nørsett, G. Wanner, Solving ODEs I, II.4, first guess]
+double explicit_integrator::implementation::first_dt(double t_stop) {
+  if (options.dt > 0.0) return options.dt;
+  const vector_handle weight(N_VClone(home.get()));
+  weights(home.get(), weight.get());
+  const vector_handle magnitude(N_VClone(home.get()));
+  const auto y = values(home.get());
+  const auto size = values_to_overwrite(magnitude.get());
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) size[k][i] = fields[k].scale > 0.0 ? fields[k].scale : y[k][i];
+  const double state = N_VWrmsNorm(magnitude.get(), weight.get());
+  const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
+  return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
+}
+
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose_fixed(
+    double t_stop, const std::string& stop_is) const {
+  const double rest = t_stop - t, dt = options.dt;
+  // Rounding accumulated over many steps must not leave a sliver before an output time.
+  if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, options.dt_is, true, false};
+  if (rest < dt) return {rest, stop_is, true, true};
+  return {dt, options.dt_is, false, false};
+}
+
+void explicit_integrator::implementation::cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const {
+  const double rest = t_stop - t;
+  if (p.dt >= rest) {
+    p.cut_for_output = p.dt > rest;
+    p.reaches_stop = true;
+    p.dt = rest;
+    // so that the last stage's time is t_stop in every bit
+    for (int k = 0; k < 4 && t + p.dt != t_stop; ++k) p.dt = std::nextafter(p.dt, t + p.dt < t_stop ? 2 * rest : 0.0);
+  } else if (p.dt > 0.5 * rest) {  // two equal steps rather than one and a sliver
+    p.cut_for_output = true;
+    p.dt = 0.5 * rest;
+  }
+  if (p.cut_for_output) p.limited_by = stop_is;
+}
+
+explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop,
+                                                                                      const std::string& stop_is) {
+  if (!adaptive) {
+    if (is_stabilised) know_radius();
+    return choose_fixed(t_stop, stop_is);
+  }
+  if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
+  plan p{statistics.next_dt, "accuracy", false, false};
+  if (limit) {
+    const step_limit stable = limit(t);
+    if (!(stable.dt > 0.0))
+      fail_calculation(
+          fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+    if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
+  }
+  if (is_stabilised) {
+    know_radius();
+    if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
+  }
+  cut_for_stop(t_stop, stop_is, p);
+  return p;
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt(double dt) {
+  if (!(t + dt > t))
+    fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
+  ++statistics.attempts;
+  rhs_status = 0;
+  step_error = 0.0;
+  return formed_here(options.method) ? attempt_here(dt) : attempt_with_arkode(dt);
+}
+
+void explicit_integrator::implementation::raise_unevaluable(double dt) {
+  fail_calculation(
+      fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
+                  "try a smaller dt or method = 'adaptive'",
+                  dt, t));
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_with_arkode(double dt) {
+  starting = true;
+  messages.last.clear();
+  void* m = arkode.get();
+  double reached = t;
+  int flag = adaptive ? ERKStepSetInitStep(m, dt) : ERKStepSetFixedStep(m, dt);
+  if (flag == ARK_SUCCESS) flag = ERKStepReset(m, t, home.get());
+  if (flag == ARK_SUCCESS) flag = ERKStepEvolve(m, t + dt, home.get(), &reached, ARK_ONE_STEP);
+  if (flag == ARK_SUCCESS) return outcome::accepted;
+
+  raise_rhs_failure();
+  if (rhs_status > 0 && adaptive) return outcome::unevaluable;
+  if (rhs_status > 0) raise_unevaluable(dt);
+  if (flag == ARK_ERR_FAILURE && !(step_error <= 1.0)) return outcome::rejected;
+  if (flag == ARK_TOO_MUCH_ACC)
+    fail_calculation(
+        fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
+  fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
+}
+
+// array k of the particles at i = value(k, i), which may read what it replaces
+template <class Value>
+void explicit_integrator::implementation::set_arrays(Value value) {
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    double* y = fields[k].data;
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i) y[i] = value(k, i);
+  }
+  home_was_changed(home.get());
+}
+
+void explicit_integrator::implementation::return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
+
+// Y_j into the particle arrays, from Y_(j-1) there, Y_(j-2) in `spare` (j = 2: Y_0), which takes Y_(j-1).
+void explicit_integrator::implementation::form_stage(const recurrence& r, std::size_t j, double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+  if (j == 1) {
+    const double a = r.mu_tilde[1] * dt;
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + a * f0[k][i]; });
+    return;
+  }
+  const auto f = values(latest_rate.get());
+  const auto before = values_to_overwrite(spare.get());
+  const double mu = r.mu[j], nu = r.nu[j], rest = 1.0 - mu - nu, a = r.mu_tilde[j] * dt, a0 = r.gamma_tilde[j] * dt;
+  set_arrays([&](std::size_t k, std::size_t i) {
+    const double y1 = fields[k].data[i], y2 = j == 2 ? y0[k][i] : before[k][i];
+    before[k][i] = y1;
+    return rest * y0[k][i] + mu * y1 + nu * y2 + (a * f[k][i] + a0 * f0[k][i]);
+  });
+}
+
+// step_error = | K [y_n - y_(n+1) + dt/2 (F_n + F_(n+1))] |_w, the weights those of y_n
+void explicit_integrator::implementation::estimate_error(double factor, double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get()), f1 = values(latest_rate.get());
+  const auto weighted = values_to_overwrite(spare.get());
+  weights(saved.get(), spare.get());
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const double* y1 = fields[k].data;
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+    for (std::size_t i = 0; i < n; ++i)
+      weighted[k][i] *= factor * (y0[k][i] - y1[i] + 0.5 * dt * (f0[k][i] + f1[k][i]));
+  }
+  const auto length = static_cast<double>(N_VGetLength(home.get()));
+  step_error = length == 0.0 ? 0.0 : std::sqrt(N_VDotProd(spare.get(), spare.get()) / length);
+}
+
+// One step of 'rkl2' or 'rkc2' and the rate at its end; the value of f that was not 0, or 0.
+int explicit_integrator::implementation::stabilised_stages(double dt) {
+  const double z = dt * statistics.radius;
+  const int stages = stages_for(kind, z, options.max_stages);
+  if (stages > options.max_stages)
+    fail_calculation(
+        fmt::format("a step of {} s at t = {:.17g} s, spectral radius {} 1/s, takes more than the {} stages of "
+                    "max_stages: raise it or take a smaller dt",
+                    dt, t, statistics.radius, options.max_stages));
+  statistics.stages = stages;
+  const recurrence r = make_recurrence(kind, stages);
+  for (std::size_t j = 1; j < r.c.size(); ++j) {
+    form_stage(r, j, dt);
+    const double c = j + 1 < r.c.size() ? r.c[j] : 1.0;
+    if (const int status = evaluate(t + c * dt, latest_rate.get()); status != 0) return status;
+  }
+  if (adaptive) estimate_error(r.error_factor, dt);
+  return 0;
+}
+
+int explicit_integrator::implementation::ab2_step(double dt) {
+  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+  const double ratio = previous_dt > 0.0 ? dt / previous_dt : 0.0;
+  if (ratio > 0.0 && ratio <= 1.5) {
+    const double now = dt * (1.0 + 0.5 * ratio), before = dt * 0.5 * ratio;
+    set_arrays([&](std::size_t k, std::size_t i) {
+      return y0[k][i] + (now * f0[k][i] - before * fields[k].previous_rate[i]);
+    });
+  } else {
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (2.0 / 3.0) * f0[k][i]; });
+    if (const int status = evaluate(t + dt * (2.0 / 3.0), latest_rate.get()); status != 0) return status;
+    const auto f1 = values(latest_rate.get());
+    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
+  }
+  return evaluate(t + dt, latest_rate.get());
+}
+
+// In one sweep: the state is kept and moves on. A fixed step is not tried again, so the rate at its end
+// may stand in the place of that at its start.
+int explicit_integrator::implementation::euler_step(double dt) {
+  const auto f = values(start_rate.get());
+  const auto before = values_to_overwrite(saved.get());
+  set_arrays([&](std::size_t k, std::size_t i) {
+    before[k][i] = fields[k].data[i];
+    return before[k][i] + dt * f[k][i];
+  });
+  for (N_Vector done : {start_rate.get(), latest_rate.get()}) forget_values(done);
+  rate_known = false;
+  return evaluate(t + dt, latest_rate.get());
+}
+
+explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_here(double dt) {
+  if (!is_euler) N_VScale(1.0, home.get(), saved.get());
+  int status = 0;
+  try {
+    status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
+  } catch (...) {
+    return_to_saved();
+    throw;
+  }
+  if (status == 0 && (!adaptive || step_error <= 1.0)) {
+    if (is_ab2) {
+      const auto f0 = values(start_rate.get());
+      for (std::size_t k = 0; k < fields.size(); ++k) std::copy_n(f0[k], n, fields[k].previous_rate);
+      previous_dt = dt;
+    }
+    return outcome::accepted;
+  }
+  return_to_saved();
+  if (status == 0) return outcome::rejected;
+  raise_rhs_failure();
+  if (!adaptive) raise_unevaluable(dt);
+  return outcome::unevaluable;
+}
+
+double explicit_integrator::implementation::largest_stabilised_dt() const {
+  // A little below the limit, so that rounding of dt * radius does not ask for a stage more.
+  const double largest = stability_limit(kind, largest_stages(kind, options.max_stages)) * (1.0 - 1e-12);
+  return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
+}
+
+void explicit_integrator::implementation::know_radius() {
+  statistics.radius = radius_bound(t);
+  if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
+    fail_calculation(
+        fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t, statistics.radius));
+}
+
+double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
+  const double smallest = 1e-10;  // an error of 0 must not divide
+  const double e = std::max(step_error, smallest), k = embedding_exponent();
+  const double raw = previous_error > 0.0
+                         ? safety * std::pow(e, -0.7 * k) * std::pow(std::max(previous_error, smallest), 0.4 * k)
+                         : safety * std::pow(e, -k);
+  return std::clamp(raw, 0.2, after_failure ? 1.0 : most_growth);
+}
+
+double explicit_integrator::implementation::failed_factor(outcome why) const {
+  if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
+  return std::clamp(safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
+}
 
 explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
                                          explicit_options options, rhs_function rhs, limit_function limit,
@@ -530,8 +589,9 @@ double explicit_integrator::step(double t_stop, const std::string& stop_is) {
 
   const double t_stages = s.t + p.dt;  // where f was evaluated last
   s.t = p.reaches_stop ? t_stop : t_stages;
-  std::swap(s.rates[0], s.rates[s.latest]);
-  s.rate_known = s.t == t_stages && s.knows_end;
+  N_VScale(1.0, s.latest_rate.get(), s.start_rate.get());
+  // Of a table with last abscissa 1 ARKODE takes the last stage's rate for that of the new state.
+  s.rate_known = s.t == t_stages && s.options.method != "rk4";
 
   explicit_statistics& statistics = s.statistics;
   ++statistics.steps;
@@ -557,18 +617,23 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
   check(fields, s.adaptive, s.is_ab2, n);
   s.fields = std::move(fields);
   s.n = n;
-  if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0) s.build();
+  if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0)
+    s.build();
+  else
+    set_home_arrays(s.home.get(), arrays(s.fields));
   s.rate_known = false;
 }
 
 void explicit_integrator::prepare() { self_->know_rate(); }
 
 void explicit_integrator::state_changed() {
+  home_was_changed(self_->home.get());
   self_->rate_known = false;
   self_->previous_dt = 0.0;
 }
 
 const explicit_statistics& explicit_integrator::statistics() const { return self_->statistics; }
+long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }
 
 explicit_memory explicit_integrator::save() const {
   return {self_->t, self_->statistics.next_dt, self_->previous_error, self_->previous_dt, self_->statistics};

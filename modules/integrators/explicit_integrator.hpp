@@ -1,6 +1,5 @@
 // Explicit steps straight over the particle arrays. Runge–Kutta steps
-// y_(n+1) = y_n + dt sum_s b_s f(t_s, Y_s), with tables of SUNDIALS' ARKODE or of their papers:
-//   'euler'              forward Euler, fixed step
+// y_(n+1) = y_n + dt sum_s b_s f(t_s, Y_s), SUNDIALS' ARKODE (ERKStep) doing the stages:
 //   'order_2'            Ralston (1962), fixed step
 //   'order_3'            Bogacki & Shampine (1989), fixed step
 //   'order_4'            Zonneveld (1963), fixed step
@@ -8,9 +7,12 @@
 //   'ssp_rk3'            Shu & Osher (1988), fixed step: stable for sound up to c dt/dx of 0.8
 //   'rk4'                the classical one of Kutta (1901), fixed step: up to 1.4
 //   'adaptive'           those of order 2 to 5, steps from the embedded error estimate
-// and
+// and steps formed here:
+//   'euler'              forward Euler, fixed step: beside the particle arrays one state and one rate
 //   'ab2'                Adams & Bashforth, fixed step, one evaluation a step
 //   'rkl2', 'rkc2'       stabilised for diffusion (stabilised.hpp); steps from an error estimate, or fixed
+// Order 2 has a table of its own: ERKStep 6.4 takes every table whose last abscissa is 1 for
+// "first same as last", which Heun's is not, and would go on with a rate of the wrong state.
 //
 // 'ab2': y_(n+1) = y_n + dt [(1 + r/2) f_n - (r/2) f_(n-1)], r = dt_n / dt_(n-1); where there is no
 // earlier rate, or r > 1.5 would amplify its errors, one step of 'order_2'.
@@ -21,9 +23,11 @@
 // [K. Gustafsson, ACM TOMS 17, 533 (1991); G. Söderlind, Numer. Algorithms 31, 281 (2002)],
 // after a rejection dt = safety dt e^(-1/k).
 //
-// Ordinary steps, steps after resize() and steps after restore() run through the same arithmetic, so
-// all give the same bits. The state and every stage are formed in the particle arrays themselves; one
-// copy of the state is kept, to which a failed attempt returns, and one rate a stage.
+// Every attempt starts ARKODE afresh from the particle arrays and the known rate, and the
+// controller's history is kept here: ordinary steps, steps after resize() and steps after
+// restore() run through the same arithmetic, so all give the same bits. The state and every
+// stage are formed in the particle arrays themselves; one copy of the state is kept, to
+// which a failed attempt returns.
 #pragma once
 
 #include <mpi.h>
@@ -124,6 +128,7 @@ class explicit_integrator {
   void state_changed();
 
   const explicit_statistics& statistics() const;
+  long long copies() const;  // of the whole state, since the last change of length
 
   explicit_memory save() const;
   void restore(const explicit_memory& memory);

@@ -1,18 +1,16 @@
 #include <fmt/format.h>
 #include <kinsol/kinsol.h>
 #include <kinsol/kinsol_ls.h>
-#include <nvector/nvector_parallel.h>
 #include <sunlinsol/sunlinsol_spgmr.h>
-#include <sundials/sundials_context.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <integrators/nonlinear.hpp>
 #include <integrators/reduce.hpp>
+#include <integrators/state_vector.hpp>
 #include <limits>
 #include <memory>
-#include <new>
 
 namespace tetsuame::integrators {
 
@@ -20,11 +18,6 @@ namespace {
 
 using foundation::fail_calculation;
 using foundation::fail_input;
-
-struct release_vector {
-  void operator()(N_Vector v) const { N_VDestroy(v); }
-};
-using vector_handle = std::unique_ptr<_generic_N_Vector, release_vector>;
 
 struct release_kinsol {
   void operator()(void* memory) const { KINFree(&memory); }
@@ -36,44 +29,6 @@ struct release_solver {
 };
 using solver_handle = std::unique_ptr<_generic_SUNLinearSolver, release_solver>;
 
-std::span<double> values(N_Vector v) { return {N_VGetArrayPointer(v), static_cast<std::size_t>(NV_LOCLENGTH_P(v))}; }
-
-// The vector is SUNDIALS' own for many ranks, but that its sums are exact before one rounding.
-int dot_products(int count, N_Vector x, N_Vector* y, double* results) {
-  const auto a = values(x);
-  std::vector<std::span<double>> b;
-  for (int j = 0; j < count; ++j) b.push_back(values(y[j]));
-  exact_sums(NV_COMM_P(x), {results, b.size()}, 1, a.size(),
-             [&](std::size_t j, std::size_t, std::size_t i) { return a[i] * b[j][i]; });
-  return 0;
-}
-double dot_product(N_Vector x, N_Vector y) {
-  double result = 0.0;
-  dot_products(1, x, &y, &result);
-  return result;
-}
-double weighted_norm(N_Vector x, N_Vector w) {
-  const auto a = values(x), b = values(w);
-  double result = 0.0;
-  exact_sums(NV_COMM_P(x), {&result, 1}, 1, a.size(), [&](std::size_t, std::size_t, std::size_t i) {
-    const double weighted = a[i] * b[i];
-    return weighted * weighted;
-  });
-  return std::sqrt(result);
-}
-
-// Over x, of all ranks together.
-vector_handle make_vector(const sundials::Context& context, MPI_Comm communicator, std::span<double> x) {
-  auto unknowns = static_cast<sunindextype>(x.size());
-  MPI_Allreduce(MPI_IN_PLACE, &unknowns, 1, MPI_SUNINDEXTYPE, MPI_SUM, communicator);
-  vector_handle v(N_VMake_Parallel(communicator, static_cast<sunindextype>(x.size()), unknowns, x.data(), context));
-  if (!v) throw std::bad_alloc();
-  v->ops->nvdotprod = dot_product;
-  v->ops->nvdotprodmulti = dot_products;
-  v->ops->nvwl2norm = weighted_norm;
-  return v;
-}
-
 // One solve: what the C callbacks reach through KINSOL's user data.
 struct problem {
   MPI_Comm communicator;
@@ -84,17 +39,20 @@ struct problem {
   const jacobian_times* product = nullptr;
   const jacobian_diagonal* diagonal = nullptr;
 
-  sundials::Context context{};
-  std::string message{};  // SUNDIALS' last error; warnings are not kept
-  std::exception_ptr thrown{};
+  sundials_context context{};
+  sundials_messages messages{};
+  exception_carrier thrown{};
   vector_handle home{}, ones{}, diagonal_values{};
   kinsol_handle kinsol{};
   nonlinear_result result{};
   bool reached = false;  // the tolerance, at the x where g was evaluated last
   int status = 0;        // the last callback's value that was not 0
 
+  std::span<const double> read(N_Vector v) const { return {values(v)[0], x.size()}; }
+  static std::span<double> write(N_Vector v) { return {values_to_overwrite(v)[0], local_length(v)}; }
+
   int guard(const std::function<int()>& call) {
-    const int worst = worst_of_calls(communicator, thrown, call);
+    const int worst = worst_allreduce(communicator, thrown.guard(call));
     if (worst != 0) status = worst;
     return worst;
   }
@@ -105,11 +63,6 @@ struct problem {
 
 problem& problem_of(void* data) { return *static_cast<problem*>(data); }
 
-void keep_message(int code, const char* /*module*/, const char* function, char* text, void* data) {
-  constexpr int warning_code = 99;  // KIN_WARNING
-  if (code != warning_code) problem_of(data).message = fmt::format("{}: {}", function, text);
-}
-
 double largest(double so_far, double value) {
   return std::isnan(value) ? HUGE_VAL : std::max(so_far, std::fabs(value));
 }
@@ -118,8 +71,8 @@ double largest(double so_far, double value) {
 // solution, so the residual is looked at here; KINSOL is stopped by a failure it reports back.
 int call_map(N_Vector x, N_Vector g, void* data) {
   problem& p = problem_of(data);
-  const std::span<const double> from = values(x);
-  const auto to = values(g);
+  const auto from = p.read(x);
+  const auto to = problem::write(g);
   ++p.result.evaluations;
   if (p.guard([&] { return (*p.map)(from, to); }) != 0) return -1;
   double worst = 0.0;
@@ -131,8 +84,8 @@ int call_map(N_Vector x, N_Vector g, void* data) {
 
 int call_residual(N_Vector x, N_Vector f, void* data) {
   problem& p = problem_of(data);
-  const std::span<const double> from = values(x);
-  const auto to = values(f);
+  const auto from = p.read(x);
+  const auto to = problem::write(f);
   ++p.result.evaluations;
   if (const int status = p.guard([&] { return (*p.residual)(from, to); }); status != 0) return status;
   double worst = 0.0;
@@ -143,16 +96,16 @@ int call_residual(N_Vector x, N_Vector f, void* data) {
 
 int call_product(N_Vector v, N_Vector jv, N_Vector x, booleantype*, void* data) {
   problem& p = problem_of(data);
-  const auto at = values(x), direction = values(v);
-  const auto to = values(jv);
+  const auto at = p.read(x), direction = p.read(v);
+  const auto to = problem::write(jv);
   ++p.result.products;
   return p.guard([&] { return (*p.product)(at, direction, to); });
 }
 
 int set_up_diagonal(N_Vector x, N_Vector, N_Vector, N_Vector, void* data) {
   problem& p = problem_of(data);
-  const auto at = values(x);
-  const auto to = values(p.diagonal_values.get());
+  const auto at = p.read(x);
+  const auto to = problem::write(p.diagonal_values.get());
   return p.guard([&] { return (*p.diagonal)(at, to); });
 }
 
@@ -162,21 +115,22 @@ int apply_diagonal(N_Vector, N_Vector, N_Vector, N_Vector, N_Vector v, void* dat
 }
 
 void set_up(problem& p) {
-  p.home = make_vector(p.context, p.communicator, p.x);
+  p.home = make_state_vector(p.context, p.communicator, {p.x.data()}, p.x.size());
   p.ones.reset(N_VClone(p.home.get()));
   N_VConst(1.0, p.ones.get());
-  p.kinsol.reset(KINCreate(p.context));
+  p.kinsol.reset(KINCreate(p.context.get()));
   void* k = p.kinsol.get();
-  if (k == nullptr || KINSetErrHandlerFn(k, keep_message, &p) != KIN_SUCCESS || KINSetUserData(k, &p) != KIN_SUCCESS)
+  if (k == nullptr || KINSetErrHandlerFn(k, sundials_messages::handler, &p.messages) != KIN_SUCCESS ||
+      KINSetUserData(k, &p) != KIN_SUCCESS)
     fail_calculation("KINSOL could not be created: is there enough memory?");
 }
 
 void require(problem& p, bool done) {
-  if (!done) fail_calculation("KINSOL could not be set up: " + p.message);
+  if (!done) fail_calculation("KINSOL could not be set up: " + p.messages.last);
 }
 
 void finish(problem& p, int flag) {
-  rethrow(p.thrown);
+  p.thrown.rethrow();
   if (p.status < 0 && !p.result.converged)
     fail_calculation("the equations could not be evaluated (on this or another rank, which says why)");
   long iterations = 0;
@@ -184,7 +138,7 @@ void finish(problem& p, int flag) {
   p.result.iterations = static_cast<int>(iterations);
   if (p.result.converged) return;
   const double last = p.result.residuals.empty() ? HUGE_VAL : p.result.residuals.back();
-  const std::string told = p.message.empty() ? "" : " (" + p.message + ")";
+  const std::string told = p.messages.last.empty() ? "" : " (" + p.messages.last + ")";
   if (p.status > 0)
     p.result.reason = "the equations could not be evaluated at an iterate" + told;
   else if (!std::isfinite(last))
@@ -243,7 +197,7 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
                  // KINSOL measures a step by its 2-norm
                  KINSetMaxNewtonStep(k, largest_step * std::sqrt(std::max(unknowns, 1.0))) == KIN_SUCCESS &&
                  KINInit(k, call_residual, p.home.get()) == KIN_SUCCESS);
-  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), SUN_PREC_RIGHT, krylov_dimension, p.context));
+  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), SUN_PREC_RIGHT, krylov_dimension, p.context.get()));
   require(p, solver != nullptr && SUNLinSol_SPGMRSetMaxRestarts(solver.get(), krylov_restarts) == 0 &&
                  // classical Gram–Schmidt: one message instead of one a vector
                  SUNLinSol_SPGMRSetGSType(solver.get(), SUN_CLASSICAL_GS) == 0 &&

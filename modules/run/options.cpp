@@ -68,7 +68,7 @@ void declare(namelist::schema& schema, run_options& o) {
 }
 
 void declare(namelist::schema& schema, time_options& o, const abilities& of_problem) {
-  schema.group("time", "time integration");
+  schema.group("time", "time integration (ARKODE)");
   std::vector<std::string> methods{"euler", "order_2", "order_3", "order_4", "order_5", "ssp_rk3", "rk4"};
   if (of_problem.diffuses) methods.insert(methods.end(), {"rkl2", "rkc2"});
   methods.emplace_back("adaptive");

@@ -6,12 +6,11 @@
 #include <cstdio>
 
 #include <arkode/arkode_erkstep.h>
-#include <nvector/nvector_parallel.h>
-#include <sundials/sundials_context.h>
 
 #include <foundation/error.hpp>
 #include <integrators/explicit_integrator.hpp>
 #include <integrators/stabilised.hpp>
+#include <integrators/state_vector.hpp>
 #include <numbers>
 
 #include "ranks.hpp"
@@ -190,22 +189,21 @@ BOOST_AUTO_TEST_CASE(one_step_is_the_same_as_arkode_makes_it_from_the_butcher_ta
 
       const double dt = 0.9 * r.limit / 200.0;  // near the limit: the radius is about 4 * 40 * 1.1
       std::vector<double> by_arkode = stiff_start(), ours = stiff_start();
-      const sundials::Context context;
-      N_Vector y = N_VMake_Parallel(MPI_COMM_SELF, 12, 12, by_arkode.data(), context);
+      sundials_context context;
+      const vector_handle y = make_state_vector(context, MPI_COMM_SELF, {by_arkode.data()}, by_arkode.size());
       void* memory = ERKStepCreate(
           [](double t, N_Vector state, N_Vector rate, void*) {
-            const double* u = N_VGetArrayPointer(state);
-            return stiff_rates(t, {u, u + NV_LOCLENGTH_P(state)}, N_VGetArrayPointer(rate));
+            const double* u = values(state)[0];
+            return stiff_rates(t, {u, u + local_length(state)}, values_to_overwrite(rate)[0]);
           },
-          0.2, y, context);
+          0.2, y.get(), context.get());
       BOOST_REQUIRE(memory != nullptr);
       BOOST_REQUIRE_EQUAL(ERKStepSetTable(memory, table), ARK_SUCCESS);
       BOOST_REQUIRE_EQUAL(ERKStepSetFixedStep(memory, dt), ARK_SUCCESS);
       double reached = 0.0;
-      BOOST_REQUIRE_EQUAL(ERKStepEvolve(memory, 0.2 + dt, y, &reached, ARK_ONE_STEP), ARK_SUCCESS);
+      BOOST_REQUIRE_EQUAL(ERKStepEvolve(memory, 0.2 + dt, y.get(), &reached, ARK_ONE_STEP), ARK_SUCCESS);
       ERKStepFree(&memory);
       ARKodeButcherTable_Free(table);
-      N_VDestroy(y);
 
       explicit_integrator integrator(
           MPI_COMM_SELF, {{"u", ours.data()}}, ours.size(), 0.2, fixed(name_of(m), dt),
