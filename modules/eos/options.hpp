@@ -32,34 +32,29 @@ struct parameter {
   std::string_view meaning;
 };
 
-inline constexpr std::array<parameter, 14> parameters{{
-    {"reference_pressure", &material_options::reference_pressure, "Pa", parameter::range::any,
-     "pressure at the reference state"},
-    {"reference_density", &material_options::reference_density, "kg/m^3", parameter::range::positive,
-     "density at the reference state"},
-    {"reference_temperature", &material_options::reference_temperature, "K", parameter::range::positive,
-     "temperature of the reference state"},
-    {"bulk_modulus", &material_options::bulk_modulus, "Pa", parameter::range::positive,
-     "bulk modulus on the reference curve"},
-    {"bulk_modulus_derivative", &material_options::bulk_modulus_derivative, "", parameter::range::any,
-     "its first derivative by pressure"},
-    {"bulk_modulus_second_derivative", &material_options::bulk_modulus_second_derivative, "1/Pa", parameter::range::any,
-     "its second derivative by pressure"},
-    {"thermal_expansivity", &material_options::thermal_expansivity, "1/K", parameter::range::any,
-     "expansivity at the reference state"},
-    {"heat_capacity", &material_options::heat_capacity, "J/(kg K)", parameter::range::positive,
-     "c_V, for liquid_iron its part that is constant (3R/M)"},
-    {"gruneisen", &material_options::gruneisen, "", parameter::range::any,
-     "Grueneisen parameter gamma0 at the reference density"},
-    {"gruneisen_exponent", &material_options::gruneisen_exponent, "", parameter::range::any,
-     "q in gamma = gamma0 (rho0/rho)^q"},
-    {"electronic_coefficient", &material_options::electronic_coefficient, "1/K", parameter::range::not_negative,
-     "e0 in E = c [T + e0 (rho0/rho)^g T^2]"},
-    {"electronic_exponent", &material_options::electronic_exponent, "", parameter::range::any,
-     "g in E = c [T + e0 (rho0/rho)^g T^2]"},
-    {"gamma", &material_options::gamma, "", parameter::range::above_one, "ratio of specific heats"},
-    {"p_infinity", &material_options::p_infinity, "Pa", parameter::range::not_negative, "stiffening pressure"},
-}};
+inline constexpr auto parameters = [] {
+  using m = material_options;
+  using enum parameter::range;
+  return std::array<parameter, 14>{{
+      {"reference_pressure", &m::reference_pressure, "Pa", any, "pressure at the reference state"},
+      {"reference_density", &m::reference_density, "kg/m^3", positive, "density at the reference state"},
+      {"reference_temperature", &m::reference_temperature, "K", positive, "temperature of the reference state"},
+      {"bulk_modulus", &m::bulk_modulus, "Pa", positive, "bulk modulus on the reference curve"},
+      {"bulk_modulus_derivative", &m::bulk_modulus_derivative, "", any, "its first derivative by pressure"},
+      {"bulk_modulus_second_derivative", &m::bulk_modulus_second_derivative, "1/Pa", any,
+       "its second derivative by pressure"},
+      {"thermal_expansivity", &m::thermal_expansivity, "1/K", any, "expansivity at the reference state"},
+      {"heat_capacity", &m::heat_capacity, "J/(kg K)", positive,
+       "c_V, for liquid_iron its part that is constant (3R/M)"},
+      {"gruneisen", &m::gruneisen, "", any, "Grueneisen parameter gamma0 at the reference density"},
+      {"gruneisen_exponent", &m::gruneisen_exponent, "", any, "q in gamma = gamma0 (rho0/rho)^q"},
+      {"electronic_coefficient", &m::electronic_coefficient, "1/K", not_negative,
+       "e0 in E = c [T + e0 (rho0/rho)^g T^2]"},
+      {"electronic_exponent", &m::electronic_exponent, "", any, "g in E = c [T + e0 (rho0/rho)^g T^2]"},
+      {"gamma", &m::gamma, "", above_one, "ratio of specific heats"},
+      {"p_infinity", &m::p_infinity, "Pa", not_negative, "stiffening pressure"},
+  }};
+}();
 
 // Names of the equations of state, in the order they are offered.
 const std::vector<std::string_view>& names();

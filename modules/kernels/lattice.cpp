@@ -19,26 +19,21 @@ struct octant {
   double transfer(const std::array<double, most>& k_dx) const;
 };
 
-template <class Kernel>
-octant sample_of(const Kernel& kernel, double dx) {
-  constexpr std::size_t D = Kernel::dimension;
+template <int D>
+octant sample(const any<D>& kernel, double dx) {
   octant o;
-  const auto n = static_cast<std::size_t>(std::ceil(kernel.support() / dx)) + 1;
-  for (std::size_t d = 0; d < most; ++d) o.size[d] = d < D ? n : 1;
+  const auto n =
+      static_cast<std::size_t>(std::ceil(std::visit([](const auto& k) { return k.support(); }, kernel) / dx));
+  for (std::size_t d = 0; d < most; ++d) o.size[d] = d < D ? n + 1 : 1;
   const double volume = D == 1 ? dx : D == 2 ? dx * dx : dx * dx * dx;
   for (std::size_t x = 0; x < o.size[0]; ++x)
     for (std::size_t y = 0; y < o.size[1]; ++y)
       for (std::size_t z = 0; z < o.size[2]; ++z) {
         const double r = dx * std::sqrt(static_cast<double>(x * x + y * y + z * z));
         const double images = (x > 0 ? 2.0 : 1.0) * (y > 0 ? 2.0 : 1.0) * (z > 0 ? 2.0 : 1.0);
-        o.weight.push_back(images * volume * kernel.value(r));
+        o.weight.push_back(images * volume * std::visit([&](const auto& k) { return k.value(r); }, kernel));
       }
   return o;
-}
-
-template <int D>
-octant sample(const any<D>& kernel, double dx) {
-  return std::visit([&](const auto& k) { return sample_of(k, dx); }, kernel);
 }
 
 // The images' cosines add up to the product of one cosine a direction.

@@ -39,16 +39,6 @@ inline double liquidus(composition c, double p) {
   return (c == composition::peridotitic ? peridotitic_liquidus : chondritic_liquidus).at(p);
 }
 
-// Solidus of peridotite, 0 to 10 GPa (fail_input outside): T/C = 1120.661 + 132.899 P - 5.104 P^2, P in GPa
-// [M. M. Hirschmann, Geochem. Geophys. Geosyst. 1, 2000GC000070 (2000)].
-inline double hirschmann_solidus(double p) {
-  const double P = p * 1e-9;
-  if (!(P >= 0.0 && P <= 10.0)) {
-    foundation::fail_input(fmt::format("Hirschmann's solidus holds from 0 to 10 GPa, not at {} GPa", P));
-  }
-  return 273.15 + 1120.661 + (132.899 - 5.104 * P) * P;
-}
-
 // (T - solidus)/(liquidus - solidus), held in [0, 1].
 inline double melt_fraction(double T, double T_solidus, double T_liquidus) {
   if (!(T_liquidus > T_solidus)) {

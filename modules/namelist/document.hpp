@@ -77,6 +77,8 @@ class document {
 
 // name: how messages call the text, commonly its path. A text without any group is an error.
 document parse_text(std::string_view text, std::string name);
-document parse_file(const std::filesystem::path& path);
+// What a file holds, but for one byte more than allowed, which parse_text refuses: a device has no end.
+std::string read_file(const std::filesystem::path& path);
+inline document parse_file(const std::filesystem::path& path) { return parse_text(read_file(path), path.string()); }
 
 }  // namespace tetsuame::namelist

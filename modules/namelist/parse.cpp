@@ -347,20 +347,20 @@ document parse_text(std::string_view text, std::string name) {
   return result;
 }
 
-document parse_file(const std::filesystem::path& path) {
+std::string read_file(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
-    foundation::fail_input(fmt::format("{}: this is a folder, not an input file", name));
+    foundation::fail_input(fmt::format("{}: is a directory, not a namelist file", name));
   std::ifstream file(path, std::ios::binary);
   if (!file) foundation::fail_input(fmt::format("{}: the input file cannot be opened: is the path right?", name));
-  // One byte more than allowed, which parse_text then refuses: a device has no end.
   std::string text;
   char buffer[1 << 14];
   while (text.size() <= maximum_bytes && (file.read(buffer, sizeof buffer) || file.gcount() > 0))
     text.append(buffer, static_cast<std::size_t>(file.gcount()));
-  if (file.bad()) foundation::fail_input(fmt::format("{}: the input file cannot be read", name));
-  return parse_text(text, name);
+  if (file.bad() || text.empty())
+    foundation::fail_input(fmt::format("{}: the input file cannot be read, or is empty", name));
+  return text;
 }
 
 }  // namespace tetsuame::namelist

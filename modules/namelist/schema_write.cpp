@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <namelist/schema.hpp>
 #include <namelist/text.hpp>
 #include <ostream>
-#include <type_traits>
 
 namespace tetsuame::namelist {
 
@@ -28,19 +28,21 @@ std::string element(const std::vector<T>& list) {
   return result;
 }
 
-// What a key's target holds, or its elements.
+// What a key's target is called, and what is expected of its elements: in the order of `target`.
 struct names {
   const char *of_type, *expected;
 };
-names names_of(const double*) { return {"real", "a real number"}; }
-names names_of(const int*) { return {"integer", "an integer"}; }
-names names_of(const std::int64_t*) { return {"integer", "an integer"}; }
-names names_of(const bool*) { return {"logical", "a logical (.true. or .false.)"}; }
-names names_of(const std::string*) { return {"text", "a text"}; }
-template <template <class...> class Of, class T, class... Rest>
-names names_of(const Of<T, Rest...>*) {
-  return names_of(static_cast<const T*>(nullptr));
-}
+constexpr names kinds[] = {{"real", "a real number"},
+                           {"integer", "an integer"},
+                           {"integer", "an integer"},
+                           {"logical", "a logical (.true. or .false.)"},
+                           {"text", "a text"},
+                           {"optional real", "a real number"},
+                           {"optional integer", "an integer"},
+                           {"list of reals", "a real number"},
+                           {"list of integers", "an integer"},
+                           {"list of texts", "a text"}};
+static_assert(std::size(kinds) == std::variant_size_v<target>);
 
 // A comment of any number of lines.
 std::string comment(const std::string& text, const std::string& indent) {
@@ -67,17 +69,7 @@ bool key::allows(double number) const {
          (info.exclusive_maximum ? number < info.maximum : number <= info.maximum);
 }
 
-std::string key::type_name() const {
-  return std::visit(
-      [](auto* to) {
-        std::string what = names_of(to).of_type;
-        if constexpr (requires { to->has_value(); }) return "optional " + what;
-        if constexpr (requires { to->begin(); } && !std::is_same_v<decltype(to), std::string*>)
-          return "list of " + what + "s";
-        return what;
-      },
-      bound);
-}
+std::string key::type_name() const { return kinds[bound.index()].of_type; }
 
 std::string key::limits() const {
   const key_info& i = info;
@@ -93,7 +85,7 @@ std::string key::limits() const {
 
 std::string key::expected() const {
   if (!info.choices.empty()) return limits();
-  std::string result = std::visit([](auto* to) { return names_of(to).expected; }, bound);
+  std::string result = kinds[bound.index()].expected;
   if (!info.unit.empty()) result += " in " + info.unit;
   const std::string range = limits();
   return range.empty() ? result : result + " " + range;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <foundation/error.hpp>
+#include <functional>
 #include <output/checkpoint.hpp>
 #include <output/checkpoint_index.hpp>
 #include <output/directory.hpp>
@@ -27,12 +28,19 @@ dataset dataset_for(const indexed& d) {
   return {d.path, elements[static_cast<std::size_t>(d.kind)], shape, {}};
 }
 
-// Only rank 0's parts are written, so only their values count.
-std::vector<part> global_parts(const checkpoint_globals& globals) {
-  std::vector<part> parts;
+// A dataset of the file, and how this rank comes to the bits of its part: of a table, which takes all ranks, or of all
+// the rest, which rank 0 alone writes.
+struct source {
+  indexed entry;
+  std::uint64_t first_word;
+  std::function<std::vector<std::uint64_t>()> words;
+};
+
+std::vector<source> global_sources(const checkpoint_globals& globals) {
+  std::vector<source> all;
   const auto add = [&](kind what, std::uint64_t count, const std::string& path, std::vector<std::uint64_t> words) {
     const indexed entry{what, count, path};
-    parts.push_back({entry, std::move(words)});
+    all.push_back({entry, 0, [words = std::move(words)] { return words; }});
   };
   for (const auto& [name, x] : globals.reals) add(kind::real, 1, "/reals/" + name, {std::bit_cast<std::uint64_t>(x)});
   for (const auto& [name, x] : globals.integers)
@@ -44,36 +52,19 @@ std::vector<part> global_parts(const checkpoint_globals& globals) {
   }
   for (const auto& [name, values] : globals.blobs)
     add(kind::blob, values.size(), "/blobs/" + name, same_bits<std::uint64_t>(values));
-  return parts;
+  return all;
 }
 
-std::vector<indexed> table_entries(const table_view& t, std::uint64_t rows) {
-  const auto folder = "/particles/" + t.name + "/";
-  std::vector<indexed> entries = {{kind::ids, rows, folder + "ids"}};
-  for (const auto& field : t.reals) entries.push_back({kind::field_real, rows, folder + field.first});
-  for (const auto& field : t.integers) entries.push_back({kind::field_integer, rows, folder + field.first});
-  return entries;
-}
-
-// Writes this rank's part and adds it to the dataset's checksum.
-void write_part(shared_file& file, const dataset& d, std::uint64_t first_word, const std::vector<std::uint64_t>& words,
-                checksum& sum) {
-  const std::uint64_t first_byte = 8 * first_word;
-  const auto bytes = std::min<std::uint64_t>(8 * words.size(), d.bytes - first_byte);
-  file.write(d, first_byte, words.data(), bytes);
-  add_bytes(sum, first_word, words.data(), bytes);
-}
-
-// Collective. next: the table's first dataset; moved past its last.
-void write_table(shared_file& file, const table_view& t, const id_order& order, const layout& contents,
-                 std::vector<indexed>& entries, std::size_t& next) {
-  const auto write = [&](const std::vector<std::uint64_t>& words) {
-    write_part(file, contents.datasets[next], order.first_row, words, entries[next].sum);
-    ++next;
+void add_table(const table_view& t, const id_order& order, std::vector<source>& all) {
+  const auto add = [&](kind what, const std::string& name, const auto& values) {
+    const indexed entry{what, order.total_rows, "/particles/" + t.name + "/" + name};
+    all.push_back({entry, order.first_row, [values] { return same_bits<std::uint64_t>(values()); }});
   };
-  write(same_bits<std::uint64_t>(order.ids));
-  for (const auto& field : t.reals) write(same_bits<std::uint64_t>(arrange(order, field.second)));
-  for (const auto& field : t.integers) write(same_bits<std::uint64_t>(arrange(order, field.second)));
+  add(kind::ids, "ids", [&order] { return order.ids; });
+  for (const auto& field : t.reals)
+    add(kind::field_real, field.first, [&order, x = field.second] { return arrange(order, x); });
+  for (const auto& field : t.integers)
+    add(kind::field_integer, field.first, [&order, x = field.second] { return arrange(order, x); });
 }
 
 // Everything outside of the datasets is HDF5's own by now, and rank 0 has written it.
@@ -168,23 +159,25 @@ std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::i
   std::vector<id_order> orders;
   for (const auto& t : tables) orders.push_back(order_by_id(comm, t.n, t.ids));
 
+  auto sources = global_sources(globals);
+  for (std::size_t t = 0; t < tables.size(); ++t) add_table(tables[t], orders[t], sources);
+
   checkpoint_index index;
-  const auto singles = global_parts(globals);
-  for (const auto& p : singles) index.datasets.push_back(p.entry);
-  for (std::size_t t = 0; t < tables.size(); ++t)
-    for (const auto& entry : table_entries(tables[t], orders[t].total_rows)) index.datasets.push_back(entry);
+  for (const auto& s : sources) index.datasets.push_back(s.entry);
   layout contents;
   contents.user_block = block_size_for(index);
   for (const auto& d : index.datasets) contents.datasets.push_back(dataset_for(d));
 
   shared_file file(comm, path, contents);
-  std::size_t next = 0;
-  for (const auto& p : singles) {
-    if (foundation::rank_of(comm) == 0) write_part(file, contents.datasets[next], 0, p.words, index.datasets[next].sum);
-    ++next;
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const auto& d = contents.datasets[k];
+    const auto words = sources[k].words();
+    if (!is_field(sources[k].entry.kind) && foundation::rank_of(comm) != 0) continue;
+    const std::uint64_t first_byte = 8 * sources[k].first_word;
+    const auto bytes = std::min<std::uint64_t>(8 * words.size(), d.bytes - first_byte);
+    file.write(d, first_byte, words.data(), bytes);
+    add_bytes(index.datasets[k].sum, sources[k].first_word, words.data(), bytes);
   }
-  for (std::size_t t = 0; t < tables.size(); ++t)
-    write_table(file, tables[t], orders[t], contents, index.datasets, next);
   write_index(comm, file, contents, index);
   file.finish();
   foundation::on_rank_0(comm, [&] { keep_two(directory, step); });

@@ -4,8 +4,8 @@
 #include <bit>
 #include <charconv>
 #include <cstring>
+#include <output/groups.hpp>
 #include <output/hash.hpp>
-#include <output/state_hash.hpp>
 
 namespace tetsuame::output {
 

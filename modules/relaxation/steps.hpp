@@ -38,11 +38,16 @@ struct convection_plan {
 convection_plan plan_convection(const fluid_layer& f, const recommendation& r, std::int64_t n, int dimension,
                                 double volume_ratio, double fraction, const cost& c);
 
-// The largest n >= 1 for which a turnover takes at most so many steps, or so many seconds (which needs the
-// rate); 0 if even n = 1 takes more.
-std::int64_t largest_n_in_steps(const fluid_layer& f, const recommendation& r, double steps, double fraction);
-std::int64_t largest_n_in_seconds(const fluid_layer& f, const recommendation& r, int dimension, double volume_ratio,
-                                  double fraction, const cost& c, double seconds);
+// At most so many steps or seconds of computing (infinite: no such wish). fail_input if seconds are asked for without a
+// rate.
+struct budget {
+  double steps = std::numeric_limits<double>::infinity();
+  double seconds = std::numeric_limits<double>::infinity();
+};
+
+// The largest n >= 1 for which a turnover takes no more; 0 if even n = 1 does.
+std::int64_t largest_n(const fluid_layer& f, const recommendation& r, int dimension, double volume_ratio,
+                       double fraction, const cost& c, const budget& b);
 
 // How many steps a metal layer takes to sink through silicate, if sound is not slowed but damped by an artificial
 // viscosity; numbers are those of [S0].
@@ -75,12 +80,7 @@ double steps_of_20(const two_layers& s, std::int64_t n);  // (20)
 
 overturn_plan plan_overturn(const two_layers& s, std::int64_t n, int dimension, const cost& c);
 
-// What at most `steps` steps or `seconds` of computing allow (infinite: no such wish).
-struct budget {
-  double steps = std::numeric_limits<double>::infinity();
-  double seconds = std::numeric_limits<double>::infinity();
-};
-
+// What a budget allows.
 struct affordable {
   std::int64_t n;           // the largest at the given L, 0 if none
   double L;                 // m, the smallest at the given n (the box is cheaper the larger it is); with eta by (18)
@@ -88,7 +88,6 @@ struct affordable {
   double eta_over_damping;  // eta / (18): below 1 sound outlives a step
 };
 
-// fail_input if seconds are asked for without a rate.
 affordable afford(const two_layers& s, std::int64_t n, int dimension, const cost& c, const budget& b);
 
 }  // namespace tetsuame::relaxation

@@ -35,11 +35,6 @@ struct side {
 };
 
 template <class R>
-side<R> ideal_gas(const R& rho, const R& u, const R& p, const R& gamma) {
-  return {rho, u, p, gamma, R(0.0)};
-}
-
-template <class R>
 R sound_speed(const side<R>& s) {
   using std::sqrt;
   return sqrt(s.gamma * (s.p + s.p_infinity) / s.rho);

@@ -8,7 +8,7 @@
 #include <ctime>
 #include <domain/communicator.hpp>
 #include <filesystem>
-#include <fstream>
+#include <foundation/agree.hpp>
 #include <iostream>
 #include <new>
 #include <run/command_line.hpp>
@@ -118,29 +118,14 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
   return -1;
 }
 
-// Rank 0 reads the file; all ranks parse the same text.
-std::string read_text(const domain::communicator& ranks, const std::string& path) {
-  std::string text, problem;
-  if (ranks.rank == 0) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream all;
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored))
-      problem = path + ": is a directory, not a namelist file";
-    else if (!file || !(all << file.rdbuf()))
-      problem = path + ": the input file cannot be read, or is empty; is the path right?";
-    text = all.str();
-  }
-  ranks.agree_on_fault(0, problem, exit_status::bad_input);
-  return ranks.broadcast(text);
-}
-
 int run_guarded(const domain::communicator& ranks, command_line& line, const program_input& in,
                 const std::function<void(const command_line&, const std::string&)>& run) {
   try {
     namelist::document document;
     if (!line.input.empty()) {
-      document = namelist::parse_text(read_text(ranks, line.input), line.input);
+      std::string text;
+      foundation::on_rank_0(ranks.comm, [&] { text = namelist::read_file(line.input); });
+      document = namelist::parse_text(ranks.broadcast(text), line.input);
       for (const auto& argument : line.set) document.set(argument);
       if (in.choose) in.choose(document);
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <domain/decomposition.hpp>
 #include <foundation/waiting.hpp>
 #include <nlohmann/json.hpp>
@@ -15,16 +16,12 @@ class communication_meter {
  public:
   // Around each step.
   void begin() {
-    sent_before_ = foundation::sent;
-    waited_before_ = foundation::waited_seconds;
+    const auto before = now();
+    for (std::size_t k = 0; k < total_.size(); ++k) total_[k] -= before[k];
   }
   void end() {
-    const auto& now = foundation::sent;
-    halo_messages_ += now.halo_messages - sent_before_.halo_messages;
-    halo_bytes_ += now.halo_bytes - sent_before_.halo_bytes;
-    letter_bytes_ += now.letter_bytes - sent_before_.letter_bytes;
-    collectives_ += now.collectives - sent_before_.collectives;
-    waited_ += foundation::waited_seconds - waited_before_;
+    const auto after = now();
+    for (std::size_t k = 0; k < total_.size(); ++k) total_[k] += after[k];
     ++steps_;
   }
 
@@ -36,14 +33,14 @@ class communication_meter {
       metrics[name] = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
       metrics[name + "_max"] = *std::max_element(all.begin(), all.end());
     };
-    const auto a_step = [&](double value) { return steps_ > 0 ? value / static_cast<double>(steps_) : 0.0; };
-    put("waiting_seconds_per_step", a_step(waited_));
-    put("halo_messages_per_step", a_step(static_cast<double>(halo_messages_)));
-    put("halo_bytes_per_step", a_step(static_cast<double>(halo_bytes_)));
-    put("migration_bytes_per_step", a_step(static_cast<double>(letter_bytes_)));
+    const double steps = std::max(1.0, static_cast<double>(steps_));
+    put("waiting_seconds_per_step", total_[0] / steps);
+    put("halo_messages_per_step", total_[1] / steps);
+    put("halo_bytes_per_step", total_[2] / steps);
+    put("migration_bytes_per_step", total_[3] / steps);
     put("fluid_halo_particles", received(d.ranks, d.fluid_halo));
     put("wall_halo_particles", received(d.ranks, d.wall_halo));
-    metrics["collectives_per_step"] = a_step(static_cast<double>(collectives_));
+    metrics["collectives_per_step"] = total_[4] / steps;
   }
 
  private:
@@ -56,9 +53,15 @@ class communication_meter {
     return n;
   }
 
-  foundation::traffic sent_before_;
-  double waited_before_ = 0.0, waited_ = 0.0;  // s
-  std::int64_t halo_messages_ = 0, halo_bytes_ = 0, letter_bytes_ = 0, collectives_ = 0, steps_ = 0;
+  // Since the process began: s waited, messages and bytes of halos, bytes of migration, collective operations.
+  static std::array<double, 5> now() {
+    const auto& s = foundation::sent;
+    return {foundation::waited_seconds, static_cast<double>(s.halo_messages), static_cast<double>(s.halo_bytes),
+            static_cast<double>(s.letter_bytes), static_cast<double>(s.collectives)};
+  }
+
+  std::array<double, 5> total_{};  // of the steps
+  std::int64_t steps_ = 0;
 };
 
 }  // namespace tetsuame::run

@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <foundation/error.hpp>
-#include <fstream>
 #include <limits>
 #include <output/file.hpp>
 #include <run/interrupt.hpp>
-#include <run/restart.hpp>
 #include <run/run_directory.hpp>
-#include <sstream>
+#include <type_traits>
 
 namespace tetsuame::run {
 
@@ -40,13 +38,46 @@ double next_multiple(double interval, double t) {
   return next > t ? next : std::nextafter(t, std::numeric_limits<double>::max());
 }
 
-std::string text_of_plain_file(const std::string& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return {};
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream all;
-  all << file.rdbuf();
-  return all.str();
+// The integrator's memory by the names of a checkpoint: f(name, value) for each number in it.
+template <class Memory, class F>
+void for_each_number(Memory& memory, const F& f) {
+  auto& s = memory.statistics;
+  f("time", memory.t);
+  f("next_dt", memory.next_dt);
+  f("previous_error", memory.previous_error);
+  f("previous_dt", memory.previous_dt);
+  f("radius", s.radius);
+  f("last_dt", s.last_dt);
+  f("steps", s.steps);
+  f("attempts", s.attempts);
+  f("rejections", s.rejections);
+  f("unevaluable", s.unevaluable);
+  f("evaluations", s.evaluations);
+}
+
+void save(const integrators::explicit_memory& memory, output::checkpoint_globals& g) {
+  for_each_number(memory, [&](const char* name, auto value) {
+    if constexpr (std::is_same_v<decltype(value), double>)
+      g.reals[name] = value;
+    else
+      g.integers[name] = value;
+  });
+  for (const auto& [name, count] : memory.statistics.limited_by) g.integers["limited_by " + name] = count;
+}
+
+integrators::explicit_memory integrator_memory(const output::checkpoint_globals& g) {
+  integrators::explicit_memory memory;
+  for_each_number(memory, [&](const char* name, auto& value) {
+    if constexpr (std::is_same_v<decltype(value), double&>)
+      value = g.reals.at(name);
+    else
+      value = g.integers.at(name);
+  });
+  memory.statistics.next_dt = memory.next_dt;
+  constexpr std::string_view prefix = "limited_by ";
+  for (const auto& [name, count] : g.integers)
+    if (name.starts_with(prefix)) memory.statistics.limited_by[name.substr(prefix.size())] = count;
+  return memory;
 }
 
 }  // namespace
@@ -130,10 +161,11 @@ bool run_directory::holds_another_run(const output::checkpoint& saved) const {
   foundation::on_rank_0(ranks.comm, [&] {
     if (!output::holds_a_run(line.output)) return;
     another = is_inside(line.restart, line.output) ? "" : "yes";
-    const auto here = text_of_plain_file(path_of("resolved.nml"));
-    if (here.empty()) return;
+    std::error_code ignored;
+    const auto input = path_of("resolved.nml");
+    if (!fs::is_regular_file(input, ignored) || fs::is_empty(input, ignored)) return;
     try {  // its first line names the program
-      check_restart(line.program, saved.globals.texts.at("input"), line.program, here);
+      check_restart(line.program, saved.globals.texts.at("input"), line.program, namelist::read_file(input));
     } catch (const foundation::error&) {
       another = "yes";
     }

@@ -62,26 +62,29 @@ shape shape_of(const Kernel& unit, const auto& ij, const real& S, const real& pe
   return s;
 }
 
+// Of an end whose support is 1/per_S: Ŵ, and W'(r)/r = scale F, 1/m^(D+2). A spline's F̂ is W'(q)/q: with F = W' and the
+// pair's 1/r in the scale a division is saved. The null particle has 1/S = 0.
+struct end_kernel {
+  real W, F, scale;
+};
+template <int D, class Kernel>
+end_kernel kernel_of_end(const Kernel& unit, const auto& ij, const real& per_S) {
+  end_kernel k;
+  const real q = ij.r * per_S;
+  constexpr bool has_shape = requires { Kernel::shape(q, q, k.W, k.F); };
+  unit.both(q, has_shape ? q : real(1.0), k.W, k.F);
+  k.scale = power<D>(per_S) * per_S * (has_shape ? per_S : ij.per_r);
+  return k;
+}
+
 // W'(r)/r of either end, 1/m^(D+2).
 struct two_slopes {
   real i, j;
 };
 template <int D, class Kernel>
 two_slopes slopes_of(const Kernel& unit, const auto& ij) {
-  const real p_i = ij.own(of_per_support), p_j = ij(of_per_support);
-  // A spline's F̂ is W'(q)/q: 1/q = S/r with the pair's 1/r saves a division. The null particle has 1/S = 0.
-  const auto one = [&](const real& per_S) {
-    real W, F;
-    const real q = ij.r * per_S;
-    if constexpr (requires { Kernel::shape(q, q, W, F); }) {
-      unit.both(q, q, W, F);
-      return real(power<D>(per_S) * per_S * per_S * F);
-    } else {
-      unit.both(q, real(1.0), W, F);
-      return real(power<D>(per_S) * per_S * ij.per_r * F);
-    }
-  };
-  return {one(p_i), one(p_j)};
+  const auto i = kernel_of_end<D>(unit, ij, ij.own(of_per_support)), j = kernel_of_end<D>(unit, ij, ij(of_per_support));
+  return {i.scale * i.F, j.scale * j.F};
 }
 
 // n_i S_i^D and the same of r² F, by which Newton's method finds S at the start.

@@ -24,16 +24,9 @@ template <int D, class Kernel>
 mean_kernel mean_kernel_of(const Kernel& unit, const auto& ij) {
   mean_kernel mean{real(0.0), real(0.0)};
   for (const real& per_S : {real(ij.own(of_per_support)), real(ij(of_per_support))}) {
-    real W, F;
-    const real q = ij.r * per_S, per_volume = 0.5 * power<D>(per_S);
-    if constexpr (requires { Kernel::shape(q, q, W, F); }) {
-      unit.both(q, q, W, F);
-      mean.F += per_volume * per_S * per_S * F;
-    } else {  // a spline's F is W'/r: here W'
-      unit.both(q, real(1.0), W, F);
-      mean.F += per_volume * per_S * ij.per_r * F;
-    }
-    mean.W += per_volume * W;
+    const end_kernel k = kernel_of_end<D>(unit, ij, per_S);
+    mean.F += 0.5 * k.scale * k.F;
+    mean.W += 0.5 * power<D>(per_S) * k.W;
   }
   return mean;
 }

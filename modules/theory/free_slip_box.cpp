@@ -71,6 +71,22 @@ double wave_numbers(const drop_among_free_slip& d, double most) {
   return n;
 }
 
+void check_inside(const drop_among_free_slip& d, std::span<const std::array<double, 3>> centres) {
+  for (const auto& centre : centres)
+    for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
+      if (!(d.radius > 0.0 && d.length[a] > 0.0) ||
+          (!around(d, a) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius)))
+        foundation::fail_input("drop in a free-slip box: every drop must lie inside the box");
+}
+
+// m/s, of one drop of the surroundings' viscosity by the sum of the series.
+double velocity_of(const drop_among_free_slip& d, double sum) {
+  const bool deep = d.dimension == 3;
+  const double volume = pi * d.radius * d.radius * (deep ? 4.0 / 3.0 * d.radius : 1.0);
+  const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
+  return d.density_difference * d.gravity * volume / (d.viscosity * box) * sum;
+}
+
 }  // namespace
 
 double terms_of_fall(const drop_among_free_slip& d) { return wave_numbers(d, largest_ka); }
@@ -82,40 +98,29 @@ double terms_of_mean_fall(const drop_among_free_slip& d, std::size_t centres) {
 
 double fall_velocity(const drop_among_free_slip& d) {
   const bool deep = d.dimension == 3;
-  for (std::size_t a = 0; a < (deep ? 3u : 2u); ++a)
-    if (!(d.radius > 0.0 && d.length[a] > 0.0) ||
-        (!d.periodic[a] && (d.centre[a] < d.radius || d.centre[a] > d.length[a] - d.radius)))
-      foundation::fail_input("drop in a free-slip box: the drop must lie inside the box");
-  const double a = d.radius;
-  const double sum =
-      sum_of(d, {waves(d, 0), waves(d, 1), deep ? waves(d, 2) : std::vector<wave>{{0.0, 1.0, {1.0}}}}, largest_ka);
-  const double volume = deep ? 4.0 / 3.0 * pi * a * a * a : pi * a * a;
-  const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
-  const double weight = d.density_difference * d.gravity, equal = weight * volume / (d.viscosity * box) * sum;
+  check_inside(d, std::span(&d.centre, 1));
+  const double equal = velocity_of(
+      d, sum_of(d, {waves(d, 0), waves(d, 1), deep ? waves(d, 2) : std::vector<wave>{{0.0, 1.0, {1.0}}}}, largest_ka));
   if (d.viscosity == d.drop_viscosity) return equal;
   const double ratio = d.drop_viscosity / d.viscosity;
   if (deep) {
-    const drop one{a, d.density_difference, d.gravity, d.viscosity, d.drop_viscosity},
-        same{a, d.density_difference, d.gravity, d.viscosity, d.viscosity};
+    const drop one{d.radius, d.density_difference, d.gravity, d.viscosity, d.drop_viscosity},
+        same{d.radius, d.density_difference, d.gravity, d.viscosity, d.viscosity};
     return equal + hadamard_rybczynski(one) - hadamard_rybczynski(same);
   }
-  return equal + 0.25 * weight * a * a / d.viscosity * (1.0 / (2.0 + 2.0 * ratio) - 0.25);
+  return equal + 0.25 * d.density_difference * d.gravity * d.radius * d.radius / d.viscosity *
+                     (1.0 / (2.0 + 2.0 * ratio) - 0.25);
 }
 
 double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::array<double, 3>> centres) {
   if (d.viscosity != d.drop_viscosity)
     foundation::fail_input("drops in a free-slip box: their viscosity must be that of the surroundings");
-  const bool deep = d.dimension == 3;
-  const std::size_t axes = deep ? 3 : 2;
-  for (const auto& centre : centres)
-    for (std::size_t a = 0; a < axes; ++a)
-      if (!around(d, a) && (centre[a] < d.radius || centre[a] > d.length[a] - d.radius))
-        foundation::fail_input("drops in a free-slip box: they must lie inside the box");
+  check_inside(d, centres);
   // Along each axis: wave numbers and N_k, and the wave at every centre.
   const double most = largest_of_many(d);
   const auto along = [&](std::size_t a) {
     std::vector<wave> all;
-    if (a >= axes) {
+    if (a >= static_cast<std::size_t>(d.dimension)) {
       all.push_back({0.0, 1.0, std::vector<double>(centres.size(), 1.0)});
       return all;
     }
@@ -131,10 +136,7 @@ double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::ar
       }
     return all;
   };
-  const double sum = sum_of(d, {along(0), along(1), along(2)}, most);
-  const double volume = pi * d.radius * d.radius * (deep ? 4.0 / 3.0 * d.radius : 1.0);
-  const double box = d.length[0] * d.length[1] * (deep ? d.length[2] : 1.0);
-  return d.density_difference * d.gravity * volume / (d.viscosity * box) * sum / static_cast<double>(centres.size());
+  return velocity_of(d, sum_of(d, {along(0), along(1), along(2)}, most)) / static_cast<double>(centres.size());
 }
 
 }  // namespace tetsuame::theory

@@ -28,18 +28,19 @@ struct chebyshev {
   MatrixXd interpolate, differentiate;  // from the extrema to the zeros
 };
 
-double barycentric(const double* x, const double* w, const double* f, Index count, double at) {
+double end_weight(Index j, Index last) { return (j % 2 ? -1.0 : 1.0) * (j == 0 || j == last ? 0.5 : 1.0); }
+
+// At `at`, the polynomial with these values at the extrema x.
+double barycentric(const std::vector<double>& x, const std::vector<double>& values, double at) {
   double above = 0.0, below = 0.0;
-  for (Index j = 0; j < count; ++j) {
-    if (at == x[j]) return f[j];
-    const double c = w[j] / (at - x[j]);
-    above += c * f[j];
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    if (at == x[j]) return values[j];
+    const double c = end_weight(static_cast<Index>(j), static_cast<Index>(x.size()) - 1) / (at - x[j]);
+    above += c * values[j];
     below += c;
   }
   return above / below;
 }
-
-double end_weight(Index j, Index last) { return (j % 2 ? -1.0 : 1.0) * (j == 0 || j == last ? 0.5 : 1.0); }
 
 chebyshev chebyshev_points(Index M) {
   chebyshev c{VectorXd(M + 1), VectorXd(M + 1), VectorXd(M), MatrixXd(M, M + 1), MatrixXd(M, M + 1)};
@@ -67,40 +68,23 @@ chebyshev chebyshev_points(Index M) {
   return c;
 }
 
-struct base_state {
-  std::vector<double> density, compressibility;  // kg/m^3, 1/Pa
-  double end_pressure;                           // Pa, at the last height
-};
-
-// dp/dy = -rho g downward from the pressure at `top` through `heights`, which descend, to `bottom`.
-base_state hydrostatic(const barotrope& material, double g, double top, double p, const std::vector<double>& heights,
-                       double bottom) {
+// dp/dy = -rho g downward: the material at `to` below y, where the pressure is p; both move there.
+material_state descend(const barotrope& material, double g, double to, double& y, double& p) {
   constexpr int steps = 16;
   const auto slope = [&](double pressure) { return material(pressure).density * g; };
-  base_state base;
-  double y = top;
-  const auto descend = [&](double to) {
-    const double d = (y - to) / steps;
-    for (int s = 0; s < steps && d > 0.0; ++s) {
-      const double k1 = slope(p), k2 = slope(p + 0.5 * d * k1), k3 = slope(p + 0.5 * d * k2), k4 = slope(p + d * k3);
-      p += d / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    }
-    y = to;
-  };
-  for (const double height : heights) {
-    descend(height);
-    const material_state at = material(p);
-    if (!(at.density > 0.0 && at.bulk_modulus > 0.0)) {
-      foundation::fail_input(
-          fmt::format("the material has density {} kg/m^3 and bulk modulus {} Pa at {} Pa; both must be > 0",
-                      at.density, at.bulk_modulus, p));
-    }
-    base.density.push_back(at.density);
-    base.compressibility.push_back(1.0 / at.bulk_modulus);
+  const double d = (y - to) / steps;
+  for (int s = 0; s < steps && d > 0.0; ++s) {
+    const double k1 = slope(p), k2 = slope(p + 0.5 * d * k1), k3 = slope(p + 0.5 * d * k2), k4 = slope(p + d * k3);
+    p += d / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
   }
-  descend(bottom);
-  base.end_pressure = p;
-  return base;
+  y = to;
+  const material_state at = material(p);
+  if (!(at.density > 0.0 && at.bulk_modulus > 0.0)) {
+    foundation::fail_input(
+        fmt::format("the material has density {} kg/m^3 and bulk modulus {} Pa at {} Pa; both must be > 0", at.density,
+                    at.bulk_modulus, p));
+  }
+  return at;
 }
 
 struct grid_layer {
@@ -126,23 +110,17 @@ discretisation discretise(const two_layers& flow, Index M) {
   d.upper = {&flow.upper, 0.0, flow.upper.thickness, flow.lid, false, {}, {}, {}, {}};
   double p = flow.top_pressure;
   for (grid_layer* l : {&d.upper, &d.lower}) {
-    std::vector<double> heights;  // extrema and zeros alternate
-    for (Index j = M; j >= 0; --j) {
-      heights.push_back(height(*l, d.points.points[j]));
-      if (j > 0) heights.push_back(height(*l, d.points.zeros[j - 1]));
-    }
-    const base_state base = hydrostatic(l->properties->material, flow.gravity, l->to, p, heights, l->from);
-    p = base.end_pressure;
     for (VectorXd* v : {&l->rho, &l->beta}) v->resize(M);
     for (VectorXd* v : {&l->rho_at, &l->beta_at}) v->resize(M + 1);
-    for (Index j = M; j >= 0; --j) {
-      const auto e = static_cast<std::size_t>(2 * (M - j));
-      l->rho_at[j] = base.density[e];
-      l->beta_at[j] = base.compressibility[e];
-      if (j > 0) {
-        l->rho[j - 1] = base.density[e + 1];
-        l->beta[j - 1] = base.compressibility[e + 1];
-      }
+    double y = l->to;
+    const auto fill = [&](double x, double& rho, double& beta) {
+      const material_state at = descend(l->properties->material, flow.gravity, height(*l, x), y, p);
+      rho = at.density;
+      beta = 1.0 / at.bulk_modulus;
+    };
+    for (Index j = M; j >= 0; --j) {  // extrema and zeros alternate
+      fill(d.points.points[j], l->rho_at[j], l->beta_at[j]);
+      if (j > 0) fill(d.points.zeros[j - 1], l->rho[j - 1], l->beta[j - 1]);
     }
   }
   d.density_jump = d.upper.rho_at[0] - d.lower.rho_at[M];
@@ -379,12 +357,7 @@ mode_values at(const mode& m, double y) {
     foundation::fail_input(
         fmt::format("y = {} m lies outside the layers, {} to {} m", y, m.lower.y.front(), m.upper.y.back()));
   }
-  const auto count = static_cast<Index>(side.y.size());
-  std::vector<double> weights;
-  for (Index j = 0; j < count; ++j) weights.push_back(end_weight(j, count - 1));
-  const auto value = [&](const std::vector<double>& f) {
-    return barycentric(side.y.data(), weights.data(), f.data(), count, y);
-  };
+  const auto value = [&](const std::vector<double>& f) { return barycentric(side.y, f, y); };
   const double u = value(side.u), v = value(side.v);
   return {u / m.growth_rate, v / m.growth_rate, u, v, value(side.pressure), value(side.density)};
 }

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <boost/math/quadrature/gauss.hpp>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
 #include <limits>
 #include <numbers>
 #include <theory/stefan.hpp>
+#include <utility>
 
 namespace tetsuame::theory {
 
@@ -21,6 +24,13 @@ double scaled_erfc(double x) {
 
 // exp(a²) [erf(x) - erf(a)] for x >= a >= 0: a thin mush far out has a in the hundreds.
 double beyond(double a, double x) { return scaled_erfc(a) - std::exp((a - x) * (a + x)) * scaled_erfc(x); }
+
+// Next to where `reached` changes from false at `low` to true at `high`, to rounding: a number where it is false, and
+// one where it is true.
+std::pair<double, double> crossing(const auto& reached, double low, double high) {
+  return boost::math::tools::bisect([&](double x) { return reached(x) ? 1.0 : -1.0; }, low, high,
+                                    boost::math::tools::eps_tolerance<double>());
+}
 
 // From the contact outwards for a temperature of the contact; returns T far away, or infinity where it cannot fall to
 // the next bound.
@@ -45,12 +55,9 @@ double outwards(const melting_contact& p, double contact, std::vector<stefan_sol
     if (last) return T + B * scaled_erfc(start);
     const double wanted = (bound - T) / B;
     if (!(wanted < scaled_erfc(start))) return std::numeric_limits<double>::infinity();
-    double low = start, high = start + 1.0;
+    double high = start + 1.0;
     while (beyond(start, high) < wanted) high += high;
-    for (int k = 0; k < 100 && high - low > 1e-16 * high; ++k) {
-      const double middle = 0.5 * (low + high);
-      (beyond(start, middle) < wanted ? low : high) = middle;
-    }
+    high = crossing([&](double x) { return beyond(start, x) >= wanted; }, start, high).second;
     flux *= std::exp((start - high) * (start + high));
     at = root * high;
     T = bound;
@@ -67,12 +74,8 @@ stefan_solution solve(const melting_contact& p) {
                     "that below the liquidus {} K",
                     p.hot.temperature, p.cold.temperature, p.solidus, p.liquidus));
   stefan_solution s{p, 0.0, {}};
-  double low = p.cold.temperature, high = p.hot.temperature;
-  for (int k = 0; k < 200 && high - low > 1e-15 * high; ++k) {
-    s.contact = 0.5 * (low + high);
-    (outwards(p, s.contact, s.pieces) > p.cold.temperature ? high : low) = s.contact;
-  }
-  s.contact = low;  // from where the far field is reached
+  const auto too_hot = [&](double contact) { return outwards(p, contact, s.pieces) > p.cold.temperature; };
+  s.contact = crossing(too_hot, p.cold.temperature, p.hot.temperature).first;  // from where the far field is reached
   outwards(p, s.contact, s.pieces);
   return s;
 }
@@ -88,7 +91,7 @@ double stefan_solution::temperature(double x, double t) const {
   return p.T + p.B * beyond(p.from / root, at / root);
 }
 
-// Simpson's rule on each side of the place where the liquid ends, outwards to the solidus.
+// Gauss's rule from where the liquid ends outwards to the solidus.
 double stefan_solution::melt_thickness(double t) const {
   double liquid = 0.0, solid = 0.0;  // where they end, x/(2 sqrt t)
   for (const auto& p : pieces) {
@@ -97,14 +100,10 @@ double stefan_solution::melt_thickness(double t) const {
   }
   const double scale = 2.0 * std::sqrt(t);
   if (!(solid > liquid)) return scale * liquid;
-  constexpr int n = 200;
-  double sum = 0.0;
-  for (int k = 0; k <= n; ++k) {
-    const double x = liquid + (solid - liquid) * k / n;
-    const double f = (temperature(scale * x, t) - problem.solidus) / (problem.liquidus - problem.solidus);
-    sum += (k == 0 || k == n ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * f;
-  }
-  return scale * (liquid + (solid - liquid) * sum / (3.0 * n));
+  const auto fraction = [&](double x) {
+    return (temperature(scale * x, t) - problem.solidus) / (problem.liquidus - problem.solidus);
+  };
+  return scale * (liquid + boost::math::quadrature::gauss<double, 30>::integrate(fraction, liquid, solid));
 }
 
 }  // namespace tetsuame::theory

@@ -153,7 +153,7 @@ BOOST_AUTO_TEST_CASE(files) {
   BOOST_TEST(message([&] { namelist::parse_file(absent); }) ==
              absent + ": the input file cannot be opened: is the path right?");
   BOOST_TEST(message([&] { namelist::parse_file(folder); }) ==
-             folder.string() + ": this is a folder, not an input file");
+             folder.string() + ": is a directory, not a namelist file");
   BOOST_TEST(message([&] { namelist::parse_file("/dev/zero"); }) ==
              "/dev/zero:1: longer than 16777216 bytes: this is no input");
 }

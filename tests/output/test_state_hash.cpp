@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
-#include <output/state_hash.hpp>
+#include <output/groups.hpp>
 #include <set>
 
 #include "scratch.hpp"

@@ -211,19 +211,19 @@ BOOST_AUTO_TEST_CASE(backwards_is_the_largest_that_fits) {
   const cost c{.evaluations_per_step = 4, .updates_per_second = 2e6};
   for (const fluid_layer& f : {air(1.0), mantle(2.5e18)}) {
     const auto r = recommend(f, {});
-    const auto n = largest_n_in_steps(f, r, 3e5, 0.1);
+    const auto n = largest_n(f, r, 2, 1.0, 0.1, {}, {.steps = 3e5});
     BOOST_CHECK_GT(n, 10);
     BOOST_CHECK_LE(plan_convection(f, r, n, 2, 1.0, 0.1, c).steps, 3e5);
     BOOST_CHECK_GT(plan_convection(f, r, n + 1, 2, 1.0, 0.1, c).steps, 3e5);
     for (const int d : {2, 3}) {
-      const auto m = largest_n_in_seconds(f, r, d, 2.5, 0.1, c, 3600.0);
+      const auto m = largest_n(f, r, d, 2.5, 0.1, c, {.seconds = 3600.0});
       const auto p = plan_convection(f, r, m, d, 2.5, 0.1, c);
       BOOST_CHECK_LE(p.seconds, 3600.0);
       BOOST_CHECK_GT(plan_convection(f, r, m + 1, d, 2.5, 0.1, c).seconds, 3600.0);
       BOOST_CHECK_CLOSE(p.seconds, p.steps * 4 * 2.5 * std::pow(m, d) / 2e6, 1e-9);
     }
-    BOOST_CHECK_EQUAL(largest_n_in_steps(f, r, 1e-3, 0.1), 0);
-    BOOST_CHECK_THROW(largest_n_in_seconds(f, r, 2, 1.0, 0.1, {}, 3600.0), error);
+    BOOST_CHECK_EQUAL(largest_n(f, r, 2, 1.0, 0.1, {}, {.steps = 1e-3}), 0);
+    BOOST_CHECK_THROW(largest_n(f, r, 2, 1.0, 0.1, {}, {.seconds = 3600.0}), error);
   }
 }
 

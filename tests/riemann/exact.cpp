@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "ideal_gas.hpp"
+
 using namespace tetsuame::riemann;
 namespace foundation = tetsuame::foundation;
 

@@ -3,6 +3,8 @@
 #include <boost/test/unit_test.hpp>
 #include <riemann/approximate.hpp>
 
+#include "ideal_gas.hpp"
+
 using namespace tetsuame::riemann;
 namespace stdx = std::experimental;
 

@@ -167,7 +167,7 @@ class problem : public run::problem_in_a_box<D> {
 
  private:
   convection_state<D> state_;
-  measured<D> measured_;
+  measured measured_;
   bool whole_ = true;        // the next evaluation is one whose lagged terms are kept
   bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
 };

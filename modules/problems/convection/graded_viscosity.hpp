@@ -38,10 +38,10 @@ struct graded_viscosity {
   using real = pairs::real;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = isotropic ? angular_terms : 0;
 
-  const double* root;                                    // ν^½
-  std::array<std::array<const double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
-  std::array<double*, D> out;                            // 1/(m s)
-  std::array<double*, D> slope;                          // ∇ln ν as the lines see it, 1/m
+  const double* root;                              // ν^½
+  std::array<std::array<double*, D>, D> gradient;  // G(v) of this very sum: stands before it in the list of terms
+  std::array<double*, D> out;                      // 1/(m s)
+  std::array<double*, D> slope;                    // ∇ln ν as the lines see it, 1/m
   // Isotropic only: R/(4(d + 4)), m2; ν A of an earlier evaluation, m/s2; A, 1/(m s); a, and the next.
   double beta = 0.0;
   std::array<const double*, D> force = {};

@@ -32,17 +32,9 @@ inline constexpr std::array<const char*, 14> measures{"nusselt_volume",
                                                       "buoyancy_work"};
 inline constexpr std::size_t with_uncertainty = 4;  // the first of them
 
-template <int D>
-struct peak {
-  double value = 0.0;  // m/s
-  std::array<double, D> x{};
-};
-
 // Of the last line.
-template <int D>
 struct measured {
   record samples{measures.size()};
-  std::array<peak<D>, D> peaks{};
   double v_rms = 0.0;  // m/s
   double mach = 0.0, density_drift = 0.0, momentum = 0.0;
   double outside = 0.0;  // the largest share of particles that the viscosity's table did not cover
@@ -83,34 +75,9 @@ std::array<double, 5> means_over_box(const convection_state<D>& state) {
   return mean_over_box(state.world, state.at_start.particles, all);
 }
 
-// Of all ranks' peaks the largest; of equal ones the one lowest in x, then y.
-template <int D>
-void agree_on(const domain::communicator& ranks, peak<D>& mine) {
-  const double largest = ranks.maximum(mine.value);
-  bool candidate = mine.value == largest;
-  mine.value = largest;
-  for (std::size_t b = 0; b < D; ++b) {
-    const double x = ranks.minimum(candidate ? mine.x[b] : std::numeric_limits<double>::infinity());
-    candidate = candidate && mine.x[b] == x;
-    mine.x[b] = x;
-  }
-}
-
-template <int D>
-std::array<peak<D>, D> peaks_of(const convection_state<D>& state) {
-  const auto& s = state.fluid();
-  std::array<peak<D>, D> all{};
-  for (std::size_t a = 0; a < D; ++a) {
-    for (std::size_t i = 0; i < s.fluid; ++i)
-      if (std::abs(s.v[a][i]) > all[a].value) all[a] = {std::abs(s.v[a][i]), cells::position<D>(s.x, i)};
-    agree_on(state.ranks(), all[a]);
-  }
-  return all;
-}
-
 // What should stay zero: the mean of p over that of sound, and the momentum over its parts.
 template <int D>
-void measure_drift(const convection_state<D>& state, measured<D>& m) {
+void measure_drift(const convection_state<D>& state, measured& m) {
   const auto& s = state.fluid();
   const auto& layer = state.layer;
   const auto& ranks = state.ranks();
@@ -139,20 +106,22 @@ void measure_drift(const convection_state<D>& state, measured<D>& m) {
 
 // A line of the history; velocities in kappa/L.
 template <int D>
-std::vector<double> measure(const convection_state<D>& state, double t, measured<D>& m) {
+std::vector<double> measure(const convection_state<D>& state, double t, measured& m) {
   const auto& layer = state.layer;
   const auto& f = layer.fluid;
   const double unit = f.kappa / f.L, heat_unit = layer.heat_capacity * unit / f.L * f.dT;
   measure_drift(state, m);
-  m.peaks = peaks_of(state);
   m.mach = fastest_flow(state) / layer.c_eff;
   const auto [carried, v2, work, cooling, friction] = means_over_box(state);
   m.v_rms = std::sqrt(std::max(v2, 0.0));  // interpolation may overshoot where a few particles hold a roll
   const auto walls =
       wall_heat(state.world, state.at_start.particles, state.input.domain.length[0], f.L / f.dT, layer.conductivity);
-  std::vector<double> line{
-      1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit, m.peaks[0].value / unit,
-      m.peaks[1].value / unit};
+  std::vector<double> line{1.0 + carried / (unit * f.dT), walls.top, walls.bottom, m.v_rms / unit};
+  for (std::size_t a = 0; a < 2; ++a) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < state.fluid().fluid; ++i) largest = std::max(largest, std::abs(state.fluid().v[a][i]));
+    line.push_back(state.ranks().maximum(largest) / unit);
+  }
   line.insert(line.end(), walls.corners.begin(), walls.corners.end());
   // Where the flow is steady viscosity takes what buoyancy gives, <2 nu e:e> = alpha g <v_y T'>.
   line.push_back(1.0 + friction / (f.alpha * f.g * unit * f.dT));
@@ -163,14 +132,14 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
 }
 
 template <int D>
-double window(const convection_state<D>& state, const measured<D>& m) {  // s, of averages
+double window(const convection_state<D>& state, const measured& m) {  // s, of averages
   const auto& f = state.layer.fluid;
   const double diffusion = f.L * f.L / f.kappa, turnover = m.v_rms > 0.0 ? f.L / m.v_rms : diffusion;
   return std::max(turnovers * turnover, least_window * diffusion);
 }
 
 template <int D>
-bool settled(const convection_state<D>& state, const measured<D>& m, double tolerance) {
+bool settled(const convection_state<D>& state, const measured& m, double tolerance) {
   const double span = window(state, m);
   if (m.samples.size() == 0 || m.samples.last_time() < state.layer.ramp + span) return false;
   constexpr std::size_t nusselt_volume = 0, v_rms = 3;
@@ -178,7 +147,7 @@ bool settled(const convection_state<D>& state, const measured<D>& m, double tole
 }
 
 template <int D>
-void report_averages(const convection_state<D>& state, const measured<D>& m, nlohmann::ordered_json& j) {
+void report_averages(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
   const double span = window(state, m);
   for (std::size_t k = 0; k < measures.size(); ++k) {
     const auto a = m.samples.over(k, span);
@@ -189,7 +158,7 @@ void report_averages(const convection_state<D>& state, const measured<D>& m, nlo
 }
 
 template <int D>
-void report_layer(const convection_state<D>& state, const measured<D>& m, nlohmann::ordered_json& j) {
+void report_layer(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
   const auto& layer = state.layer;
   const auto& f = layer.fluid;
   j["rayleigh"] = relaxation::rayleigh(f);
@@ -206,17 +175,11 @@ void report_layer(const convection_state<D>& state, const measured<D>& m, nlohma
 }
 
 template <int D>
-void report(const convection_state<D>& state, const measured<D>& m, bool steady, run::summary& r) {
+void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
   auto& j = r.metrics;
   report_averages(state, m, j);
   j["steady"] = steady;
   j["levels_left"] = state.at_start.level;
-  constexpr std::array<const char*, 3> names{"u_max_at", "v_max_at", "w_max_at"};
-  for (std::size_t a = 0; a < D; ++a) {
-    auto place = nlohmann::ordered_json::array();
-    for (const double x : m.peaks[a].x) place.push_back(x / state.layer.fluid.L);
-    j[names[a]] = place;
-  }
   j["mach"] = m.mach;
   j["mean_density_drift"] = m.density_drift;
   report_layer(state, m, j);

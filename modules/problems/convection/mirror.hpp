@@ -16,17 +16,14 @@ void set_viscosity(convection_state<D>& state, std::size_t i, double y) {
   (*state.viscosity_root)[i] = std::sqrt(nu);
 }
 
-// The values of a source on their way through the walls to its image.
+// The values of a source on their way through the walls to its image: the unknowns, their gradients, and plain
+// Laplacians, of which walls ask for those of velocities.
 template <int D>
 struct reflected {
-  using vector = std::array<double, D>;
-  struct velocity {
-    vector u, curvature;
-    std::array<vector, D> gradient;
-  };
-  double y, T, p;
-  vector gradient_T, gradient_p;
-  velocity v, z;  // z: where the viscous response is relaxed
+  static constexpr std::size_t K = unknown<D>::count_with_z;
+  double y;
+  std::array<double, K> f, curvature;
+  std::array<std::array<double, D>, K> gradient;
 };
 
 // Pa/m, of the pressure at the wall, inwards; y, T: behind it.
@@ -34,85 +31,76 @@ template <int D>
 double pressure_slope(const convection_state<D>& state, const walls::side<D>& wall, std::size_t source,
                       const reflected<D>& inside, double y, double T) {
   const auto& layer = state.layer;
-  const double rho = layer.fluid.rho;
+  const double rho = layer.fluid.rho, T_inside = inside.f[unknown<D>::T], p_inside = inside.f[unknown<D>::p];
   double slope = 0.0;
   if (layer.law.varies)  // normal stress goes on smoothly
-    slope += rho * viscosity(layer, inside.y, inside.T) * state.lagged.stress[wall.axis][source] * wall.inward;
+    slope += rho * viscosity(layer, inside.y, T_inside) * state.lagged.stress[wall.axis][source] * wall.inward;
   if (wall.no_slip) {
-    const auto& flow = layer.relaxed ? inside.z : inside.v;
-    slope += rho * viscosity(layer, inside.y, inside.T) * flow.curvature[wall.axis] * wall.inward;
+    const std::size_t flow = layer.relaxed ? unknown<D>::z : 0;
+    slope += rho * viscosity(layer, inside.y, T_inside) * inside.curvature[flow + wall.axis] * wall.inward;
   }
   if (wall.axis == 1)
     slope +=
-        0.5 * rho * wall.inward * (buoyancy(layer, inside.y, inside.T, inside.p) + buoyancy(layer, y, T, inside.p));
+        0.5 * rho * wall.inward * (buoyancy(layer, inside.y, T_inside, p_inside) + buoyancy(layer, y, T, p_inside));
   return slope;
 }
 
-// d: m, of the source from the wall.
+// d: m, of the source from the wall; first: place of the velocity, v or z, among the unknowns. Slopes along the wall's
+// axis have changed their signs.
 template <int D>
-void reflect_velocity(const walls::side<D>& wall, double d, typename reflected<D>::velocity& flow) {
-  for (auto& of_component : flow.gradient) of_component[wall.axis] = -of_component[wall.axis];
+void reflect_velocity(const walls::side<D>& wall, double d, std::size_t first, reflected<D>& at) {
+  const std::size_t across = first + wall.axis;
   if (!wall.no_slip) {
-    flow.u[wall.axis] = -flow.u[wall.axis];
-    flow.curvature[wall.axis] = -flow.curvature[wall.axis];
-    for (double& g : flow.gradient[wall.axis]) g = -g;
+    at.f[across] = -at.f[across];
+    at.curvature[across] = -at.curvature[across];
+    for (double& g : at.gradient[across]) g = -g;
     return;
   }
   for (std::size_t a = 0; a < D; ++a) {
-    flow.u[a] = 2.0 * wall.velocity[a] - flow.u[a] + d * d * flow.curvature[a];
-    for (double& g : flow.gradient[a]) g = -g;
-    flow.gradient[a][wall.axis] -= 2.0 * d * wall.inward * flow.curvature[a];
+    const double curvature = at.curvature[first + a];
+    at.f[first + a] = 2.0 * wall.velocity[a] - at.f[first + a] + d * d * curvature;
+    for (double& g : at.gradient[first + a]) g = -g;
+    at.gradient[first + a][wall.axis] -= 2.0 * d * wall.inward * curvature;
   }
 }
 
 template <int D>
 void reflect(const convection_state<D>& state, const walls::side<D>& wall, std::size_t source, reflected<D>& at) {
+  constexpr std::size_t T = unknown<D>::T, p = unknown<D>::p;
   const double d = wall.distance(state.fluid().x[wall.axis][source]), conductivity = state.layer.conductivity;
   const reflected<D> inside = at;
   if (wall.axis == 1) at.y = 2.0 * wall.position - at.y;
-  at.gradient_T[wall.axis] = -at.gradient_T[wall.axis];
-  at.gradient_p[wall.axis] = -at.gradient_p[wall.axis];
+  for (auto& of_unknown : at.gradient) of_unknown[wall.axis] = -of_unknown[wall.axis];
   if (wall.thermal == walls::heat::fixed_temperature) {
-    at.T = 2.0 * wall.temperature - at.T;
-    for (double& g : at.gradient_T) g = -g;
+    at.f[T] = 2.0 * wall.temperature - at.f[T];
+    for (double& g : at.gradient[T]) g = -g;
   } else {
-    at.T += 2.0 * d * wall.flux / conductivity;
-    at.gradient_T[wall.axis] -= 2.0 * wall.flux / conductivity * wall.inward;
+    at.f[T] += 2.0 * d * wall.flux / conductivity;
+    at.gradient[T][wall.axis] -= 2.0 * wall.flux / conductivity * wall.inward;
   }
-  const double slope = pressure_slope(state, wall, source, inside, at.y, at.T);
-  at.p -= 2.0 * d * slope;
-  at.gradient_p[wall.axis] += 2.0 * slope * wall.inward;
-  reflect_velocity(wall, d, at.v);
-  if (state.layer.relaxed) reflect_velocity(wall, d, at.z);
+  const double slope = pressure_slope(state, wall, source, inside, at.y, at.f[T]);
+  at.f[p] -= 2.0 * d * slope;
+  at.gradient[p][wall.axis] += 2.0 * slope * wall.inward;
+  reflect_velocity(wall, d, 0, at);
+  if (state.layer.relaxed) reflect_velocity(wall, d, unknown<D>::z, at);
 }
 
-// The image r: of the state, and the gradients that the noise is taken with.
+// The image r: of the unknowns f, and the gradients that the noise is taken with.
 template <int D>
-void mirror_state(convection_state<D>& state, std::size_t r) {
-  auto& s = state.fluid();
+void mirror_state(convection_state<D>& state, const std::vector<double*>& f, std::size_t r) {
+  const auto& s = state.fluid();
   const std::size_t i = s.first_wall() + r, j = state.world.walls.source[r];
-  const auto& laplacian = state.lagged.laplacian;
-  const auto& gradient = state.lagged.gradient;
-  const bool relaxed = state.layer.relaxed;
+  auto& lagged = state.lagged;
   reflected<D> at{};
-  at.y = s.x[1][j], at.T = s.T[j], at.p = state.p[j];
-  for (std::size_t a = 0; a < D; ++a) {
-    at.gradient_T[a] = gradient[unknown<D>::T][a][j], at.gradient_p[a] = gradient[unknown<D>::p][a][j];
-    at.v.u[a] = s.v[a][j], at.v.curvature[a] = (*laplacian[a])[j];
-    for (std::size_t b = 0; b < D; ++b) at.v.gradient[a][b] = gradient[a][b][j];
-    if (!relaxed) continue;
-    at.z.u[a] = state.z[a][j], at.z.curvature[a] = (*laplacian[unknown<D>::z + a])[j];
-    for (std::size_t b = 0; b < D; ++b) at.z.gradient[a][b] = gradient[unknown<D>::z + a][b][j];
+  at.y = s.x[1][j];
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    at.f[k] = f[k][j], at.curvature[k] = (*lagged.laplacian[k])[j];
+    for (std::size_t a = 0; a < D; ++a) at.gradient[k][a] = lagged.gradient[k][a][j];
   }
   walls::for_each_mirror(state.world.walls, r, [&](const walls::side<D>& wall) { reflect(state, wall, j, at); });
-  s.T[i] = at.T, state.p[i] = at.p;
-  for (std::size_t a = 0; a < D; ++a) {
-    gradient[unknown<D>::T][a][i] = at.gradient_T[a], gradient[unknown<D>::p][a][i] = at.gradient_p[a];
-    s.v[a][i] = at.v.u[a];
-    for (std::size_t b = 0; b < D; ++b) gradient[a][b][i] = at.v.gradient[a][b];
-    if (!relaxed) continue;
-    state.z[a][i] = at.z.u[a];
-    for (std::size_t b = 0; b < D; ++b) gradient[unknown<D>::z + a][b][i] = at.z.gradient[a][b];
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    f[k][i] = at.f[k];
+    for (std::size_t a = 0; a < D; ++a) lagged.gradient[k][a][i] = at.gradient[k][a];
   }
   if (!state.layer.law.varies) return;
   set_viscosity(state, i, at.y);
@@ -141,7 +129,8 @@ void end_state(convection_state<D>& state) {
   walls::move_images(state.world.walls, s);
   if (varies)
     foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(state, s.fluid + g, s.x[1][s.fluid + g]); });
-  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) { mirror_state(state, r); });
+  const auto f = unknown_arrays(state);
+  foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) { mirror_state(state, f, r); });
 }
 
 // The viscous force along a wall is even. Across one that lets slip it goes on smoothly through its value there, ν

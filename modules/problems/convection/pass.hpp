@@ -110,21 +110,15 @@ graded_viscosity<D> viscous_term(convection_state<D>& state) {
   const auto& lagged = state.lagged;
   graded_viscosity<D> term{};
   term.root = state.viscosity_root->data();
-  for (std::size_t a = 0; a < D; ++a) {
-    term.out[a] = last.viscous[a].data();
-    term.slope[a] = last.log_slope[a].data();
-    for (std::size_t b = 0; b < D; ++b) term.gradient[a][b] = last.latest.gradient[a][b].data();
-  }
+  term.out = last.viscous.data();
+  term.slope = last.log_slope.data();
+  for (std::size_t a = 0; a < D; ++a) term.gradient[a] = last.latest.gradient[a].data();
   if constexpr (graded_viscosity<D>::isotropic) {
     term.beta = state.at_start.beta * (D + 2.0) / (D + 4.0);
-    for (std::size_t a = 0; a < D; ++a) {
-      term.force[a] = lagged.force[a].data();
-      term.plain[a] = last.plain_viscous[a].data();
-    }
-    for (std::size_t k = 0; k < angular_terms; ++k) {
-      term.angular[k] = lagged.angles[k].data();
-      term.next_angular[k] = last.latest.angles[k].data();
-    }
+    std::ranges::copy(lagged.force.data(), term.force.begin());
+    term.plain = last.plain_viscous.data();
+    std::ranges::copy(lagged.angles.data(), term.angular.begin());
+    term.next_angular = last.latest.angles.data();
   }
   return term;
 }
@@ -155,12 +149,9 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
       smooth.gradients[k * D + a] = lagged.gradient[k][a].data();
     }
   }
-  for (std::size_t k = 0; k < operators::symmetric_terms(D); ++k) {
-    derivatives.B[k] = lagged.tensor[k].data();
-    derivatives.out.next_B[k] = last.latest.tensor[k].data();
-  }
-  unevenness<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, {}, last.W.data()};
-  for (std::size_t a = 0; a < D; ++a) uneven.out[a] = last.uneven[a].data();
+  for (std::size_t k = 0; k < operators::symmetric_terms(D); ++k) derivatives.B[k] = lagged.tensor[k].data();
+  derivatives.out.next_B = last.latest.tensor.data();
+  const unevenness<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, last.uneven.data(), last.W.data()};
   if constexpr (graded && whole)
     w.sum(rows, derivatives, smooth, uneven, viscous_term(state),
           contrast{state.viscosity_root->data(), state.own_viscosity->data(), last.viscous_contrast.data(),

@@ -65,16 +65,13 @@ std::vector<row> rows_of(const std::string& path) {
     ++line;
     const auto words = words_of(text);
     if (words.empty()) continue;
-    if (rows.empty() && !named && words.front().starts_with("temperature")) {
-      named = true;
-      if (words.size() < 3)
-        fail_at(path, line, "three columns are wanted: temperature (K), depth (m), viscosity (Pa s)");
-      continue;
-    }
-    if (words.size() != 3)
+    const bool names = rows.empty() && !named && words.front().starts_with("temperature");
+    if (names ? words.size() < 3 : words.size() != 3)
       fail_at(path, line,
-              fmt::format("three numbers are wanted, temperature (K), depth (m), viscosity (Pa s); there are {}",
-                          words.size()));
+              fmt::format("three {} are wanted, temperature (K), depth (m), viscosity (Pa s); there are {}",
+                          names ? "columns" : "numbers", words.size()));
+    named = named || names;
+    if (names) continue;
     std::array<double, 3> value{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto number = number_of(words[k]);
@@ -102,20 +99,19 @@ viscosity_table viscosity_table::read(const std::string& path) {
   const auto rows = rows_of(path);
   viscosity_table table;
   auto& depths = table.depth_;
+  const auto append = [&](std::vector<double>& list, double value, std::size_t line, const char* what, char unit) {
+    if (!list.empty() && !(value > list.back()))
+      fail_at(path, line, fmt::format("{} must ascend: {} {} comes after {} {}", what, value, unit, list.back(), unit));
+    list.push_back(value);
+  };
   for (const auto& r : rows) {
     if (r.T != rows.front().T) break;
-    if (!depths.empty() && !(r.depth > depths.back()))
-      fail_at(path, r.line, fmt::format("depths must ascend: {} m comes after {} m", r.depth, depths.back()));
-    depths.push_back(r.depth);
+    append(depths, r.depth, r.line, "depths", 'm');
   }
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const auto& r = rows[n];
     const std::size_t k = n % depths.size();
-    if (k == 0) {
-      if (n > 0 && !(r.T > table.T_.back()))
-        fail_at(path, r.line, fmt::format("temperatures must ascend: {} K comes after {} K", r.T, table.T_.back()));
-      table.T_.push_back(r.T);
-    }
+    if (k == 0) append(table.T_, r.T, r.line, "temperatures", 'K');
     if (r.T != table.T_.back() || r.depth != depths[k])
       fail_at(
           path, r.line,

@@ -24,9 +24,11 @@ std::string text_of(const fs::path& path) {
   return all.str();
 }
 
-// On this rank: summary.json of the folder; null: none that can be read.
+// On all, what rank 0 reads: summary.json of the folder; null: none that can be read.
 nlohmann::ordered_json summary_in(const fs::path& folder) {
-  auto j = nlohmann::ordered_json::parse(text_of(folder / "summary.json"), nullptr, false);
+  const auto ranks = domain::communicator::world();
+  const auto text = ranks.broadcast(ranks.rank == 0 ? text_of(folder / "summary.json") : "");
+  auto j = nlohmann::ordered_json::parse(text, nullptr, false);
   return j.is_object() ? j : nlohmann::ordered_json(nullptr);
 }
 
@@ -48,7 +50,7 @@ bool has_checkpoint(const fs::path& folder) {
 }
 
 bool is_done(const fs::path& folder, const std::string& resolved) {
-  return seen([&] { return completed(summary_in(folder)) && text_of(folder / "resolved.nml") == resolved; });
+  return completed(summary_in(folder)) && seen([&] { return text_of(folder / "resolved.nml") == resolved; });
 }
 
 // The limit of the wall clock is that of all runs together.
@@ -61,10 +63,7 @@ void run_within(run::common_options o, std::chrono::steady_clock::time_point beg
 }
 
 level level_in(const fs::path& folder, const options& o) {
-  const auto ranks = domain::communicator::world();
-  std::string text;
-  if (ranks.rank == 0) text = summary_in(folder).dump();
-  const auto summary = nlohmann::ordered_json::parse(ranks.broadcast(text));
+  const auto summary = summary_in(folder);
   level l{o.domain.particles[0]};
   if (!summary.is_object()) return l.message = "its summary.json cannot be read", l;
   l.time = summary.value("time", 0.0);

@@ -218,7 +218,8 @@ void answer_backwards(const question& q, const fluid_layer& f, const recommendat
           {{"within", "n", "particles", "steps", "run time"}},
           {false, true, true, true, true},
           true};
-  const auto add = [&](const std::string& within, const char* key, std::int64_t n) {
+  const auto add = [&](const std::string& within, const char* key, const budget& b) {
+    const std::int64_t n = largest_n(f, r, dimension, ratio, q.fraction, m.cost, b);
     if (n == 0) {
       t.rows.push_back({within, "none", "", "", ""});
       all["backwards"][key] = nullptr;
@@ -229,11 +230,8 @@ void answer_backwards(const question& q, const fluid_layer& f, const recommendat
                       p.seconds > 0.0 ? duration(p.seconds) : "not known"});
     all["backwards"][key] = plan_json(p);
   };
-  if (q.shared.steps)
-    add(number(*q.shared.steps) + " steps", "in_steps", largest_n_in_steps(f, r, *q.shared.steps, q.fraction));
-  if (q.shared.seconds)
-    add(duration(*q.shared.seconds), "in_run_time",
-        largest_n_in_seconds(f, r, dimension, ratio, q.fraction, m.cost, *q.shared.seconds));
+  if (q.shared.steps) add(number(*q.shared.steps) + " steps", "in_steps", {.steps = *q.shared.steps});
+  if (q.shared.seconds) add(duration(*q.shared.seconds), "in_run_time", {.seconds = *q.shared.seconds});
   t.print();
 }
 
