@@ -269,6 +269,26 @@ void schema::add(const std::string& group, const std::string& name, target bound
   g->keys.push_back(std::move(k));
 }
 
+bool schema::has_group(const std::string& name) const {
+  return find_name(groups_, name) != groups_.end() || std::ranges::find(passed_over_, name) != passed_over_.end();
+}
+
+std::string schema::with_group(const std::string& argument) const {
+  const std::string name = lower(argument.substr(0, argument.find_first_of("=( ")));
+  std::vector<std::string> found, known;
+  for (const key_group& g : groups_)
+    for (const key& k : g.keys) {
+      if (k.name == name) found.push_back(g.name + "." + argument);
+      known.push_back(k.name);
+    }
+  if (found.size() == 1) return found.front();
+  const std::string hint = known.empty() ? "there are none" : "the nearest is " + nearest(name, known);
+  foundation::fail_input(
+      fmt::format("--set {}: {}", argument,
+                  found.empty() ? fmt::format("unknown key {}; {}; expected group.key=value", name, hint)
+                                : fmt::format("several groups have this key: write {}", fmt::join(found, " or "))));
+}
+
 void schema::read(const document& input) {
   for (key_group& g : groups_)
     for (key& k : g.keys) {

@@ -105,6 +105,10 @@ class schema {
     add(group, key, target(&bound), std::move(info));
   }
 
+  bool has_group(const std::string& name) const;
+  // "key=value" as "group.key=value", of the one group that declares the key.
+  std::string with_group(const std::string& argument) const;
+
   // Assigns and validates. After an error some targets may have been assigned.
   void read(const document& input);
 

@@ -2,6 +2,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +12,8 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <iostream>
+#include <map>
+#include <namelist/text.hpp>
 #include <new>
 #include <run/command_line.hpp>
 #include <sstream>
@@ -29,11 +33,14 @@ void start_again() {
   execv("/proc/self/exe", arguments);
 }
 
-bool under_a_launcher() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"})
-    if (std::getenv(name) != nullptr) return true;
-  return false;
+// This process's rank as a launcher tells it, before MPI has started; none without a launcher.
+const char* launched_as() {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})
+    if (const char* rank = std::getenv(name)) return rank;
+  return nullptr;
 }
+
+bool first_of_all() { return launched_as() == nullptr || std::atoi(launched_as()) == 0; }
 
 }  // namespace
 
@@ -55,7 +62,7 @@ using foundation::exit_status;
 // that starts or ends at that moment; the one that loses ends in MPI_Init. It is then started once more.
 void start_mpi(int& argc, char**& argv) {
   starts = getpid();
-  if (!under_a_launcher() && std::getenv(mark) == nullptr) arguments = argv;
+  if (launched_as() == nullptr && std::getenv(mark) == nullptr) arguments = argv;
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   arguments = nullptr;
@@ -73,6 +80,37 @@ void take_input_of_run(command_line& line) {
   std::error_code missing;
   if (fs::exists(line.input, missing) && !fs::is_regular_file(line.input, missing))
     throw CLI::ValidationError(line.input + " is not a plain file");
+}
+
+// Whether an argument of --set names the group: group.key=value, not key=value.
+bool has_group(const std::string& argument) {
+  return argument.find('.') < std::min(argument.find('='), argument.size());
+}
+
+// The program that a group of an input is for, where it is for no other.
+std::string problem_of(const std::string& group) {
+  static const std::map<std::string, std::string> of = {{"shock", "shock"},
+                                                        {"convection", "convection"},
+                                                        {"relaxation", "convection"},
+                                                        {"conduction", "conduction"},
+                                                        {"rti", "rti"},
+                                                        {"drop", "drop"},
+                                                        {"machine", "balance"},
+                                                        {"distribution", "balance"},
+                                                        {"smoothing", "disph_a to disph_f"}};
+  const auto found = of.find(group);
+  return found == of.end() ? "" : found->second;
+}
+
+// Of an option that is not there: the nearest that is.
+std::string nearest_option(const CLI::App& app, const std::vector<std::string>& arguments) {
+  std::vector<std::string> known;
+  for (const auto* option : app.get_options())
+    for (const auto& name : option->get_lnames()) known.push_back("--" + name);
+  for (const auto& argument : arguments)
+    if (argument.starts_with("--"))
+      return "; the nearest option is " + namelist::nearest(argument.substr(0, argument.find('=')), known);
+  return "";
 }
 
 // Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
@@ -112,48 +150,73 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
     if (speaks) app.exit(e);
     return 0;
   } catch (const CLI::ParseError& e) {
-    if (speaks) std::cerr << line.program << ": " << e.what() << "\nTry --help, or --describe for the input's keys.\n";
+    const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr;
+    const auto hint = unknown ? nearest_option(app, app.remaining()) : "";
+    if (speaks)
+      std::cerr << line.program << ": " << e.what() << hint << "\nTry --help, or --describe for the input's keys.\n";
     return static_cast<int>(exit_status::bad_input);
   }
   return -1;
 }
 
-int run_guarded(const domain::communicator& ranks, command_line& line, const program_input& in,
-                const std::function<void(const command_line&, const std::string&)>& run) {
+// The input as resolved; none if that is all that was asked for.
+std::string read_input(const std::function<std::string(const std::string&)>& text_of, bool speaks, command_line& line,
+                       const program_input& in) {
+  namelist::document document;
+  if (!line.input.empty()) {
+    document = namelist::parse_text(text_of(line.input), line.input);
+    for (const auto& argument : line.set)
+      if (has_group(argument)) document.set(argument);
+    if (in.choose) in.choose(document);
+  }
+  namelist::schema schema;
+  in.declare(schema);
+  if (line.describe) {
+    if (speaks) schema.describe(std::cout);
+    return "";
+  }
+  for (const auto& argument : line.set)
+    if (!has_group(argument)) document.set(schema.with_group(argument));
+  for (const auto& group : document.groups())
+    if (const auto of = problem_of(group.name); group.line > 0 && !schema.has_group(group.name) && !of.empty())
+      foundation::fail_input(
+          fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
+  schema.read(document);
+  in.complete(schema);
+  std::ostringstream resolved;
+  resolved << "! " << in.program << ", every key as run\n";
+  schema.write_resolved(resolved);
+  if (line.check) {
+    if (speaks) std::cout << resolved.str();
+    return "";
+  }
+  if (in.need) line.particles_at = schema.where("domain", "particles_x") + ": &domain particles_x";
+  return resolved.str();
+}
+
+// The status of the work; an error is told by one.
+int guarded(bool speaks, const std::string& program, const std::function<void()>& work) {
   try {
-    namelist::document document;
-    if (!line.input.empty()) {
-      std::string text;
-      foundation::on_rank_0(ranks.comm, [&] { text = namelist::read_file(line.input); });
-      document = namelist::parse_text(ranks.broadcast(text), line.input);
-      for (const auto& argument : line.set) document.set(argument);
-      if (in.choose) in.choose(document);
-    }
-    namelist::schema schema;
-    in.declare(schema);
-    if (line.describe) {
-      if (ranks.rank == 0) schema.describe(std::cout);
-      return 0;
-    }
-    schema.read(document);
-    in.complete(schema);
-    std::ostringstream resolved;
-    resolved << "! " << in.program << ", every key as run\n";
-    schema.write_resolved(resolved);
-    if (line.check) {
-      if (ranks.rank == 0) std::cout << resolved.str();
-      return 0;
-    }
-    if (in.need)
-      check_memory(ranks, in.program, in.need(), schema.where("domain", "particles_x") + ": &domain particles_x");
-    if (line.output.empty())
-      line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
-    run(line, resolved.str());
+    work();
     return 0;
   } catch (const error& e) {
-    if (ranks.rank == 0) std::cerr << line.program << ": " << e.what() << '\n';
+    if (speaks) std::cerr << program << ": " << e.what() << '\n';
     return static_cast<int>(e.status());
   }
+}
+
+void run_input(const domain::communicator& ranks, command_line& line, const program_input& in,
+               const std::function<void(const command_line&, const std::string&)>& run) {
+  const auto text_of = [&](const std::string& path) {
+    std::string text;
+    foundation::on_rank_0(ranks.comm, [&] { text = namelist::read_file(path); });
+    return ranks.broadcast(text);
+  };
+  const auto resolved = read_input(text_of, ranks.rank == 0, line, in);
+  if (in.need) check_memory(ranks, in.program, in.need(), line.particles_at);
+  if (line.output.empty())
+    line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
+  run(line, resolved);
 }
 
 // Where one rank cannot go on, and the others may be waiting for it.
@@ -167,23 +230,27 @@ void end_all(const domain::communicator& ranks) {
 
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string&)>& run) {
-  start_mpi(argc, argv);
-  const auto ranks = domain::communicator::world();
   command_line line;
   line.program = input.program;
-  int status = parse(argc, argv, ranks.rank == 0, input, line);
-  if (status < 0) {
-    try {
-      status = run_guarded(ranks, line, input, run);
-    } catch (const std::bad_alloc&) {
-      std::fprintf(stderr,
-                   "%s: out of memory on rank %d of %d: take more nodes, fewer ranks on each, or fewer particles\n",
-                   input.program.c_str(), ranks.rank, ranks.size);
-      end_all(ranks);
-    } catch (const std::exception& e) {
-      std::fprintf(stderr, "%s: rank %d: %s\n", input.program.c_str(), ranks.rank, e.what());
-      end_all(ranks);
-    }
+  line.started_as = argv[0];
+  // What only reads needs no MPI: it answers at once, and where none may be started (a cluster's login node).
+  int status = parse(argc, argv, first_of_all(), input, line);
+  if (status >= 0) return status;
+  if (line.check || line.describe)
+    return guarded(first_of_all(), line.program, [&] { read_input(namelist::read_file, first_of_all(), line, input); });
+
+  start_mpi(argc, argv);
+  const auto ranks = domain::communicator::world();
+  try {
+    status = guarded(ranks.rank == 0, line.program, [&] { run_input(ranks, line, input, run); });
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "%s: out of memory on rank %d of %d: take more nodes, fewer ranks on each, or fewer particles\n",
+                 input.program.c_str(), ranks.rank, ranks.size);
+    end_all(ranks);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s: rank %d: %s\n", input.program.c_str(), ranks.rank, e.what());
+    end_all(ranks);
   }
   MPI_Finalize();
   return status;

@@ -11,11 +11,13 @@ namespace tetsuame::run {
 
 struct command_line {
   std::string program;           // disph_c
+  std::string started_as;        // build/programs/disph_c
   std::string input;             // path of the namelist
   std::vector<std::string> set;  // group.key=value
   std::string output;            // directory
   std::string restart;           // checkpoint file, or "latest"; empty: none
   bool check = false, describe = false, force = false;
+  std::string particles_at;  // where their number was given
 };
 
 // A program with an input of its own.

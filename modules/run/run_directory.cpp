@@ -140,6 +140,7 @@ void run_directory::begin() {
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
+  if (ranks.rank == 0) std::fputs(fmt::format("{}: results go to {}\n", line.program, line.output).c_str(), stderr);
   output::write_text(ranks.comm, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }
@@ -298,7 +299,7 @@ void run_directory::complete(std::int64_t step, double t, double t_end, const st
   report.write(ranks, line.output);
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   say(report.message);
-  if (ranks.rank == 0) report.print();
+  if (ranks.rank == 0) report.print(line.output);
 }
 
 bool run_directory::stop_file_is_there() {
@@ -315,12 +316,17 @@ double run_directory::stop_reason(const run_options& o) {
   return o.wall_clock_limit > 0.0 && age() >= o.wall_clock_limit ? wall_clock_reason : no_reason;
 }
 
+std::string run_directory::to_go_on() const {
+  const std::string start = ranks.size > 1 ? fmt::format("mpirun -n {} ", ranks.size) : "";
+  return fmt::format("{}{} --output {} --restart latest", start, line.started_as, line.output);
+}
+
 void run_directory::interrupt(double reason, std::int64_t step, const std::string& of_steps, double t) {
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   throw foundation::error(
       foundation::exit_status::interrupted,
-      fmt::format("stopped {} at step {}{}, t = {:.6g} s, after a checkpoint: continue with --restart latest",
-                  told_by(reason), step, of_steps, t));
+      fmt::format("stopped {} at step {}{}, t = {:.6g} s, after a checkpoint: continue with --restart latest, {}",
+                  told_by(reason), step, of_steps, t, to_go_on()));
 }
 
 void run_directory::fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save) {

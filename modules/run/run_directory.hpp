@@ -48,6 +48,7 @@ struct run_directory {
   void begin();
 
   void say(const std::string& text);   // to the log
+  std::string to_go_on() const;        // the command that continues this run
   void tell(const std::string& text);  // and to the terminal
 
   double age() const { return began_.elapsed(); }                    // s, of this run, by this rank's clock

@@ -90,7 +90,7 @@ void summary::write(const domain::communicator& where, const std::string& direct
   output::write_summary(where.comm, directory + "/summary.json", j);
 }
 
-void summary::print() const {
+void summary::print(const std::string& directory) const {
   std::string text = fmt::format("{}: {} ({:.2f} s, {} evaluations of the right-hand side", program, message,
                                  wall_seconds, statistics.evaluations);
   if (statistics.rejections > 0) text += fmt::format(", {} steps rejected", statistics.rejections);
@@ -105,7 +105,7 @@ void summary::print() const {
   if (metrics.value("wall_crossings", 0) > 0)
     text += fmt::format("  {} particles had to be put back inside the walls\n",
                         metrics["wall_crossings"].get<std::int64_t>());
-  text += fmt::format("  state {}\n", state_hash);
+  text += fmt::format("  state {}\n  results in {}\n", state_hash, directory);
   std::fputs(text.c_str(), stdout);  // whose reader may have gone
 }
 

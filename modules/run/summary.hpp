@@ -54,7 +54,7 @@ struct summary {
   void check_finite(const domain::communicator& where) const;
   // Collective: DIRECTORY/summary.json.
   void write(const domain::communicator& where, const std::string& directory) const;
-  void print() const;
+  void print(const std::string& directory) const;
 };
 
 // Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer, and for

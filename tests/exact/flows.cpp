@@ -15,7 +15,8 @@ bool close(double a, double b, double relative) { return std::abs(a - b) <= rela
 // Sod's tube at t = 0.2: the waves' places from the published star state, u* = 0.927453, shock at
 // 1.752156 [Toro (2009), test 1].
 BOOST_AUTO_TEST_CASE(sod_profile) {
-  const exact::shock_tube sod(riemann::ideal_gas(1.0, 0.0, 1.0, 1.4), riemann::ideal_gas(0.125, 0.0, 0.1, 1.4));
+  const exact::shock_tube sod(riemann::side<double>{1.0, 0.0, 1.0, 1.4, 0.0},
+                              riemann::side<double>{0.125, 0.0, 0.1, 1.4, 0.0});
   const double t = 0.2, contact = 0.927453 * t, shock = 1.752156 * t;
   BOOST_TEST(close(sod.at(contact - 1e-6, t).rho, 0.426319, 2e-6));
   BOOST_TEST(close(sod.at(contact + 1e-6, t).rho, 0.265574, 2e-6));

@@ -85,10 +85,10 @@ class Case(unittest.TestCase):
         self.here = pathlib.Path(tempfile.mkdtemp(prefix="tetsuame_"))
         self.addCleanup(shutil.rmtree, self.here, ignore_errors=True)
 
-    def call(self, program, *arguments, ranks=None, threads=1, directory=None):
-        """Any command line, as it is."""
+    def call(self, program, *arguments, ranks=None, threads=1, directory=None, more=None):
+        """Any command line, as it is. more: variables of the environment."""
         done = subprocess.run(
-            command(program, *arguments, ranks=ranks), cwd=self.here, env=environment(threads, ranks is None),
+            command(program, *arguments, ranks=ranks), cwd=self.here, env=environment(threads, ranks is None) | (more or {}),
             stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LIMIT_S)
         return Result(done.returncode, done.stdout, done.stderr, directory)
 

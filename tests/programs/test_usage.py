@@ -101,6 +101,28 @@ class Refused(Case):
         self.refuse_text(BASE.replace("steps = 3", "steps = -1"), "in.nml:8", "&time steps", "-1")
         self.refuse_text(BASE.replace("steps = 3", "rtol = 0.5"), "in.nml:8", "&time rtol", "0.5", "0.1")
 
+    def test_an_option_that_is_not_there(self):
+        self.refuse(INPUTS / "hydrostatic_12.nml", "--outptu", "here", says=["--outptu", "the nearest option is --output"])
+
+    def test_a_key_without_its_group(self):
+        result = self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--set", "steps=7", "--check")
+        self.assertEqual(result.status, COMPLETED, result.stderr)
+        self.assertRegex(result.stdout, "(?m)^  steps = 7$")
+        self.refuse_set("stps=7", says=["--set stps=7", "unknown key stps", "the nearest is steps"])
+        self.refuse_set("name=x", says=["--set name=x", "several groups", "kernel.name=x"])
+
+    def test_an_input_for_another_program(self):
+        for name, program in [("blankenbach_1a", "convection"), ("sod", "shock"), ("balance_bowl", "balance")]:
+            self.refuse(INPUTS / f"{name}.nml", says=[f"{name}.nml:", f"this input is for program {program}"])
+
+    def test_questions_need_no_mpi(self):
+        """Where MPI may not start: a cluster's login node. (A component that is not there ends MPI_Init.)"""
+        for question in (["--help"], ["--version"], ["--describe"], [INPUTS / "hydrostatic_12.nml", "--check"]):
+            with self.subTest(question):
+                result = self.call("disph_c", *question, more={"OMPI_MCA_pml": "none_such"})
+                self.assertEqual(result.status, COMPLETED, result.stderr)
+                self.assertGreater(len(result.stdout), 5 if question == ["--version"] else 300)
+
     def test_unknown_choice(self):
         self.refuse_text(BASE.replace("steps = 3", "method = 'euller'"), "in.nml:8", "&time method", "'euler'", "'adaptive'")
 
