@@ -181,10 +181,10 @@ class Pages(unittest.TestCase):
                             fail="sod:disph")
         self.assertEqual(done.returncode, 0, done.stderr)
         found = self.results()
-        runs = {(one["test"], one["scheme"], one["n"]): one for one in found["runs"]}
+        runs = {(one["case"], one["variant"], one["n"]): one for one in found["runs"]}
         self.assertEqual(len(runs), 3 * 2 * 2)  # the reference run of the blasts is none of them
         self.assertEqual(runs["sod", "disph", 40]["outcome"], "diverged")
-        order = next(one for one in found["orders"] if (one["test"], one["scheme"]) == ("sod", "gsph"))
+        order = next(one for one in found["orders"] if (one["case"], one["variant"]) == ("sod", "gsph"))
         self.assertAlmostEqual(order["order"], 1.0, places=9)
         self.assertIn("80 particles", runs["blasts", "gsph", 40]["errors_against"])
         self.assertAlmostEqual(runs["blasts", "gsph", 40]["errors"]["density_l1"], 0.5, places=6)

@@ -1,5 +1,4 @@
 """The page of `./run bench`: reads bench.json, writes report.html beside it."""
-from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
@@ -18,24 +17,13 @@ COLOUR = {"program_c": "#0072B2", "program_f": "#009E73", "number_density": "#E6
           "ssph": "#8C8C6E", "disph": "#56B4E9", "gsph": "#A0522D", "gdisph": "#D55E00", "remix": "#6A3D9A"}
 
 
-# Rates of other codes, measured once by the makers of this one on a machine of the same kind: one core, double precision, 2-D with
-# about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler than program C's: the comparison is of
-# orders, not of percents.
-@dataclass(frozen=True)
-class Rate:
-    name: str
-    remark: str
-    low: float    # million particle updates a second and core
-    high: float
-
-
+# Rates of other codes, million particle updates a second and core, least and largest: see other_codes().
 RATES = (
-    Rate("Fortran convection code", "of the notes' author; gfortran -O3 -march=native, n = 100², about 66 neighbours",
-         0.063, 0.063),
-    Rate("sphcode", "DISPH", 0.126, 0.126),
-    Rate("SWIFT", "pressure–energy SPH, quintic spline, adaptive h", 0.50, 0.50),
-    Rate("LAMMPS", "SPH package, half lists, the simplest physics of these", 2.4, 2.6),
-    Rate("plain loops", "full list, density and force, vectorised by the compiler, no walls", 2.2, 2.2),
+    ("Fortran convection code", "of the notes' author; gfortran -O3 -march=native, n = 100², about 66 neighbours", 0.063, 0.063),
+    ("sphcode", "DISPH", 0.126, 0.126),
+    ("SWIFT", "pressure–energy SPH, quintic spline, adaptive h", 0.50, 0.50),
+    ("LAMMPS", "SPH package, half lists, the simplest physics of these", 2.4, 2.6),
+    ("plain loops", "full list, density and force, vectorised by the compiler, no walls", 2.2, 2.2),
 )
 
 
@@ -96,15 +84,6 @@ def count(threads: int) -> str:
     return "1 thread" if threads == 1 else f"{threads} threads"
 
 
-def rate(measured: list[dict]):
-    return over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"],
-                          "million updates a second and core")
-
-
-def pair(measured: list[dict]):
-    return over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)")
-
-
 def stages(measured: list[dict]):
     few = fewest_threads(measured)
     shown = [r for r in (typical(measured, kind, few) for kind in kinds(measured)) if r]
@@ -126,8 +105,8 @@ def beside_others(measured: list[dict]):
     ours = typical(measured, ("program_c", 2), fewest_threads(measured))
     if ours is None:
         return None
-    names = [rate.name for rate in RATES] + [f"Tetsuame, program C, {ours['particles']:,}"]
-    values = [0.5 * (rate.low + rate.high) for rate in RATES] + [1e-6 * ours["updates_per_second_per_core"]]
+    names = [name for name, *_ in RATES] + [f"Tetsuame, program C, {ours['particles']:,}"]
+    values = [0.5 * (low + high) for *_, low, high in RATES] + [1e-6 * ours["updates_per_second_per_core"]]
     figure, ax = style.across(names)
     ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [COLOUR["program_c"]])
     style.say_at_ends(ax, values, [f"{value:.3g}" for value in values])
@@ -185,7 +164,7 @@ CAPTIONS = {
 
 
 def other_codes() -> str:
-    rows = [[r.name, r.remark, f"{r.low:g}" if r.low == r.high else f"{r.low:g}–{r.high:g}"] for r in RATES]
+    rows = [[name, remark, f"{low:g}" if low == high else f"{low:g}–{high:g}"] for name, remark, low, high in RATES]
     return (pages.text_table(["Code", "What", "million updates/s per core"], rows, 2)
             + "\n<p class=\"small\">Measured once by the makers of this code on a machine of the same kind: one core, double "
             "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler.</p>")
@@ -213,7 +192,9 @@ def page(measured: list[dict]) -> str:
     load = max(r["load_average"] for r in measured)
     facts = [escape(str(first["processor"])), f"{first['simd_lanes']} lanes of double", f"version {escape(str(first['version']))}",
              f"load average up to {load:.1f}"]
-    drawn = style.draw_all({"others": beside_others(measured), "rate": rate(measured), "pair": pair(measured), "stages": stages(measured),
+    drawn = style.draw_all({"others": beside_others(measured), "rate": over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"],
+                                                    "million updates a second and core"),
+                            "pair": over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)"), "stages": stages(measured),
                             "scalar": scalar(measured), "threads": threads(measured)})
     parts = [pages.head("Speed of the right-hand side", facts,
                         "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "

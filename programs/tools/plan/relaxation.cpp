@@ -70,44 +70,47 @@ void apply(const question& q, case_data& c) {
       d.particles[a] = std::llround(static_cast<double>(*q.n) * d.length[a] / d.length[1]);
 }
 
-void print_numbers(const fluid_layer& f, const case_data& c) {
+void say_numbers(const fluid_layer& f, const case_data& c, answer& a) {
   const auto& m = c.values.material;
-  table{
-      "Given",
-      {{"L", number(f.L), "m", "height of the box"},
-       {"DeltaT", number(f.dT), "K", "bottom less top"},
-       {"rho_0", number(f.rho), "kg/m^3", "density"},
-       {"alpha", number(f.alpha), "1/K", "thermal expansivity"},
-       {"g", number(f.g), "m/s^2", "gravity"},
-       {"kappa", number(f.kappa), "m^2/s", fmt::format("thermal diffusivity; k = {} W/(m K)", number(m.conductivity))},
-       {"nu", number(f.nu), "m^2/s", fmt::format("kinematic viscosity; eta = {} Pa s", number(m.viscosity))},
-       {"K_0", number(f.K), "Pa", "bulk modulus"}},
-      {false, true, false, false}}
-      .print();
-  table{"Numbers and speeds",
-        {{"Ra", number(rayleigh(f)), "", "alpha g DeltaT L^3/(kappa nu)", "S1 (19)"},
-         {"Pr", number(prandtl(f)), "", "nu/kappa", "S1 (20)"},
-         {"M_th", number(thermal_mach(f)), "", "kappa/(L c_0)", "S1 (21)"},
-         {"eps", number(thermal_strain(f)), "", "alpha DeltaT", "S1 (22)"},
-         {"c_0", number(sound_speed(f)), "m/s", "(K_0/rho_0)^1/2", "S1 (69)"},
-         {"V_s", number(stokes_speed(f, false)), "m/s", "Stokes speed", "S1 (23)"},
-         {"V_f", number(free_fall_speed(f, false)), "m/s", "free-fall speed", "S1 (24)"},
-         {"V_s^tb", number(stokes_speed(f, true)), "m/s", "Stokes speed, boundary layers", "S1 (25)"},
-         {"V_f^tb", number(free_fall_speed(f, true)), "m/s", "free-fall speed, boundary layers", "S1 (26)"}},
-        {false, true, false, false, false}}
-      .print();
+  a.add("Given", {{"L", "/given/L_m", f.L, "m", "height of the box"},
+                  {"DeltaT", "/given/dT_K", f.dT, "K", "bottom less top"},
+                  {"rho_0", "/given/rho_kg_m3", f.rho, "kg/m^3", "density"},
+                  {"alpha", "/given/alpha_1_K", f.alpha, "1/K", "thermal expansivity"},
+                  {"g", "/given/g_m_s2", f.g, "m/s^2", "gravity"},
+                  {"kappa", "/given/kappa_m2_s", f.kappa, "m^2/s",
+                   fmt::format("thermal diffusivity; k = {} W/(m K)", number(m.conductivity))},
+                  {"nu", "/given/nu_m2_s", f.nu, "m^2/s",
+                   fmt::format("kinematic viscosity; eta = {} Pa s", number(m.viscosity))},
+                  {"K_0", "/given/K_Pa", f.K, "Pa", "bulk modulus"}});
+  a.add("Numbers and speeds",
+        {{"Ra", "/numbers/Ra", rayleigh(f), "", "alpha g DeltaT L^3/(kappa nu)", "S1 (19)"},
+         {"Pr", "/numbers/Pr", prandtl(f), "", "nu/kappa", "S1 (20)"},
+         {"M_th", "/numbers/M_th", thermal_mach(f), "", "kappa/(L c_0)", "S1 (21)"},
+         {"eps", "/numbers/eps", thermal_strain(f), "", "alpha DeltaT", "S1 (22)"},
+         {"c_0", "/speeds/c_0_m_s", sound_speed(f), "m/s", "(K_0/rho_0)^1/2", "S1 (69)"},
+         {"V_s", "/speeds/stokes_m_s", stokes_speed(f, false), "m/s", "Stokes speed", "S1 (23)"},
+         {"V_f", "/speeds/free_fall_m_s", free_fall_speed(f, false), "m/s", "free-fall speed", "S1 (24)"},
+         {"V_s^tb", "/speeds/stokes_layers_m_s", stokes_speed(f, true), "m/s", "Stokes speed, boundary layers",
+          "S1 (25)"},
+         {"V_f^tb", "/speeds/free_fall_layers_m_s", free_fall_speed(f, true), "m/s", "free-fall speed, boundary layers",
+          "S1 (26)"}});
 }
 
-void print_rules(const std::vector<rule>& rules, const recommendation& r) {
+void say_rules(const std::vector<rule>& rules, const recommendation& r, answer& a) {
   table t{"Rules: each quantity must lie far below its bound",
           {{"limits", "bound", "formula", "source", "for", ""}},
-          {false, true, false, false, false},
+          {false, true},
           true};
   for (const auto& one : rules) {
     const char* mark = one.source == r.zeta_rule ? "<- sets zeta" : one.source == r.xi_rule ? "<- sets xi" : "";
     t.rows.push_back({one.limits, number(one.bound), one.formula, one.source, one.says, mark});
+    a.all["rules"].push_back({{"limits", one.limits},
+                              {"bound", one.bound},
+                              {"formula", one.formula},
+                              {"source", one.source},
+                              {"for", one.says}});
   }
-  t.print();
+  a.tables.push_back(t);
 }
 
 // "0.1 of S1 (54)": a rule of the list above, and how far below its bound.
@@ -115,49 +118,19 @@ std::string set_by(const std::string& rule, double part) {
   return rule.starts_with("S1") ? fmt::format("{} of {}", number(part), rule) : rule;
 }
 
-void print_choice(const fluid_layer& f, const recommendation& r, const choice& w) {
+void say_choice(const fluid_layer& f, const recommendation& r, const choice& w, answer& a) {
   const double xi_part = r.xi_rule == "S1 (43)" || r.xi_rule == "S1 (44)" ? w.mach : w.phi_xi;
-  table{fmt::format("Recommended: {}, {} boundary layers", r.how, r.layers ? "with" : "without"),
-        {{"zeta", number(r.zeta), "", set_by(r.zeta_rule, w.mach)},
-         {"xi", number(r.xi), "", set_by(r.xi_rule, xi_part)},
-         {"c_eff", number(r.c_eff), "m/s", "c_0/(zeta xi), slowed sound"},
-         {"Pr_eff", number(r.Pr_eff), "", "Pr/xi^2"},
-         {"V", number(r.speed), "m/s",
-          reached_balance(f, r.layers) == relaxation::balance::viscous ? "reached: viscosity balances buoyancy"
-                                                                       : "reached: inertia balances buoyancy"},
-         {"Mach", number(r.mach), "", "V/c_eff"},
-         {"Re_xi", number(r.reynolds), "", "xi^2 V L/nu"}},
-        {false, true, false, false}}
-      .print();
-}
-
-void print_steps(const fluid_layer& f, const recommendation& r, const convection_plan& p, double fraction,
-                 const machine& m) {
-  const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, fraction);
-  const auto mark = [&](const char* which) { return p.dt.binding() == which ? "<- binds" : ""; };
-  const auto part = [](const char* formula, double of) {
-    return of == 1.0 ? std::string(formula) : fmt::format("{}, over {}", formula, number(of));
-  };
-  table t{fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(fraction), p.n, number(p.dx)),
-          {{"", "slowed", "not slowed", "unit", "formula", ""},
-           {"sound", number(p.dt.sound), number(plain.sound), "s", part("zeta xi dx/c_0", r.wave_share), mark("sound")},
-           {"momentum", number(p.dt.momentum), number(plain.momentum), "s", part("xi^2 dx^2/(2 nu)", r.viscous_share),
-            mark("momentum")},
-           {"heat", number(p.dt.heat), number(plain.heat), "s", "dx^2/(2 kappa)", mark("heat")}},
-          {false, true, true, false, false, false},
-          true};
-  t.print();
-  const double before = p.tau / plain.least();
-  table c{"One turnover",
-          {{"tau", number(p.tau), "s", "L/V"},
-           {"steps", number(p.steps), "", fmt::format("tau/dt; not slowed {}", number(before))},
-           {"particles", number(p.particles), "", ""},
-           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note}},
-          {false, true, false, false}};
-  if (p.seconds > 0.0)
-    c.rows.push_back({"run time", duration(p.seconds), "",
-                      fmt::format("at {} right-hand sides a step", number(m.cost.evaluations_per_step))});
-  c.print();
+  const bool viscous = reached_balance(f, r.layers) == relaxation::balance::viscous;
+  a.all["recommended"] = {{"method", r.how}, {"zeta_rule", r.zeta_rule}, {"xi_rule", r.xi_rule}};
+  a.add(fmt::format("Recommended: {}, {} boundary layers", r.how, r.layers ? "with" : "without"),
+        {{"zeta", "/recommended/zeta", r.zeta, "", set_by(r.zeta_rule, w.mach)},
+         {"xi", "/recommended/xi", r.xi, "", set_by(r.xi_rule, xi_part)},
+         {"c_eff", "/recommended/c_eff_m_s", r.c_eff, "m/s", "c_0/(zeta xi), slowed sound"},
+         {"Pr_eff", "/recommended/Pr_eff", r.Pr_eff, "", "Pr/xi^2"},
+         {"V", "/recommended/V_m_s", r.speed, "m/s",
+          fmt::format("reached: {} balances buoyancy", viscous ? "viscosity" : "inertia")},
+         {"Mach", "/recommended/mach", r.mach, "", "V/c_eff"},
+         {"Re_xi", "/recommended/reynolds", r.reynolds, "", "xi^2 V L/nu"}});
 }
 
 json bounds_json(const step_bounds& b) {
@@ -169,55 +142,53 @@ json bounds_json(const step_bounds& b) {
 }
 
 json plan_json(const convection_plan& p) {
-  json j;
-  j["n"] = p.n;
-  j["particles"] = p.particles;
-  j["dx_m"] = p.dx;
-  j["time_step"] = bounds_json(p.dt);
-  j["turnover_s"] = p.tau;
-  j["steps"] = p.steps;
-  j["run_time_s"] = or_null(p.seconds);
-  return j;
+  return {{"n", p.n},
+          {"particles", p.particles},
+          {"dx_m", p.dx},
+          {"time_step", bounds_json(p.dt)},
+          {"turnover_s", p.tau},
+          {"steps", p.steps},
+          {"run_time_s", or_null(p.seconds)}};
 }
 
-json everything(const fluid_layer& f, const std::vector<rule>& rules, const recommendation& r, const convection_plan& p,
-                double fraction, const machine& m) {
-  json j;
-  j["question"] = "relaxation";
-  j["given"] = {{"L_m", f.L},          {"dT_K", f.dT},  {"rho_kg_m3", f.rho},   {"kappa_m2_s", f.kappa},
-                {"nu_m2_s", f.nu},     {"g_m_s2", f.g}, {"alpha_1_K", f.alpha}, {"K_Pa", f.K},
-                {"fraction", fraction}};
-  j["numbers"] = {{"Ra", rayleigh(f)}, {"Pr", prandtl(f)}, {"M_th", thermal_mach(f)}, {"eps", thermal_strain(f)}};
-  j["speeds"] = {{"c_0_m_s", sound_speed(f)},
-                 {"stokes_m_s", stokes_speed(f, false)},
-                 {"free_fall_m_s", free_fall_speed(f, false)},
-                 {"stokes_layers_m_s", stokes_speed(f, true)},
-                 {"free_fall_layers_m_s", free_fall_speed(f, true)}};
-  j["rules"] = json::array();
-  for (const auto& one : rules)
-    j["rules"].push_back({{"limits", one.limits},
-                          {"bound", one.bound},
-                          {"formula", one.formula},
-                          {"source", one.source},
-                          {"for", one.says}});
-  j["recommended"] = {{"method", r.how},      {"zeta", r.zeta},        {"zeta_rule", r.zeta_rule}, {"xi", r.xi},
-                      {"xi_rule", r.xi_rule}, {"c_eff_m_s", r.c_eff},  {"Pr_eff", r.Pr_eff},       {"V_m_s", r.speed},
-                      {"mach", r.mach},       {"reynolds", r.reynolds}};
-  j["plan"] = plan_json(p);
-  j["not_slowed"] = {{"time_step", bounds_json(bounds(f, 1.0, 1.0, p.dx, fraction))}};
-  j["machine"] = as_json(m);
-  return j;
+void say_steps(const fluid_layer& f, const recommendation& r, const convection_plan& p, double fraction,
+               const machine& m, answer& a) {
+  const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, fraction);
+  const auto row = [&](const char* which, double slowed, double not_slowed, const std::string& formula, double over) {
+    return std::vector<std::string>{which,
+                                    number(slowed),
+                                    number(not_slowed),
+                                    "s",
+                                    over == 1.0 ? formula : fmt::format("{}, over {}", formula, number(over)),
+                                    p.dt.binding() == which ? "<- binds" : ""};
+  };
+  a.tables.push_back(
+      {fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(fraction), p.n, number(p.dx)),
+       {{"", "slowed", "not slowed", "unit", "formula", ""},
+        row("sound", p.dt.sound, plain.sound, "zeta xi dx/c_0", r.wave_share),
+        row("momentum", p.dt.momentum, plain.momentum, "xi^2 dx^2/(2 nu)", r.viscous_share),
+        row("heat", p.dt.heat, plain.heat, "dx^2/(2 kappa)", 1.0)},
+       {false, true, true},
+       true});
+  a.all["plan"] = plan_json(p);
+  a.all["not_slowed"] = {{"time_step", bounds_json(plain)}};
+  std::vector<quantity> rows{
+      {"tau", "", p.tau, "s", "L/V"},
+      {"steps", "", p.steps, "", fmt::format("tau/dt; not slowed {}", number(p.tau / plain.least()))}};
+  for (const auto& cost : costs(m, p.particles, p.seconds, "/plan", a)) rows.push_back(cost);
+  a.add("One turnover", rows);
 }
 
 // Backwards: the largest n, with what it costs.
 void answer_backwards(const question& q, const fluid_layer& f, const recommendation& r, const case_data& c,
-                      const machine& m, json& all) {
+                      const machine& m, answer& a) {
   const int dimension = static_cast<int>(c.all.domain.dimension);
   const double ratio = volume_ratio(c.all.domain);
   table t{"Backwards: the largest n for one turnover",
           {{"within", "n", "particles", "steps", "run time"}},
           {false, true, true, true, true},
           true};
+  auto& all = a.all;
   const auto add = [&](const std::string& within, const char* key, const budget& b) {
     const std::int64_t n = largest_n(f, r, dimension, ratio, q.fraction, m.cost, b);
     if (n == 0) {
@@ -232,7 +203,7 @@ void answer_backwards(const question& q, const fluid_layer& f, const recommendat
   };
   if (q.shared.steps) add(number(*q.shared.steps) + " steps", "in_steps", {.steps = *q.shared.steps});
   if (q.shared.seconds) add(duration(*q.shared.seconds), "in_run_time", {.seconds = *q.shared.seconds});
-  t.print();
+  a.tables.push_back(t);
 }
 
 // The part of a wide range in which a turnover fits into the budget at this n, as others are.
@@ -259,7 +230,8 @@ span affordable_span(const std::function<bool(double)>& fits, double value) {
 // L and the viscosity, where the note's rules choose the slowing: with them its steps depend on n far more than on
 // these.
 void answer_others(const question& q, const fluid_layer& f, const choice& w, const case_data& c, const machine& m,
-                   json& all) {
+                   answer& a) {
+  auto& all = a.all;
   const auto& d = c.all.domain;
   const auto plan_of = [&](const fluid_layer& g) {
     return plan_convection(g, recommend(g, w), d.particles[1], static_cast<int>(d.dimension), volume_ratio(d),
@@ -299,7 +271,7 @@ void answer_others(const question& q, const fluid_layer& f, const choice& w, con
   };
   add("L", "L_m", "m", f.L, [](fluid_layer& g, double x) { g.L = x; });
   add("nu", "nu_m2_s", "m^2/s", f.nu, [](fluid_layer& g, double x) { g.nu = x; });
-  t.print();
+  a.tables.push_back(t);
 }
 
 void run(const question& q) {
@@ -328,28 +300,25 @@ void run(const question& q) {
         fmt::print("convection: {} W/m^2 through a side, beside {:.4g} of conduction from bottom to top\n", side.flux,
                    c.values.material.conductivity * f.dT / f.L);
   }
-  const auto rules = all_rules(f, w.phi_xi);
   const auto& d = c.all.domain;
   const int dimension = static_cast<int>(d.dimension);
   const double ratio = volume_ratio(d);
   const machine m = this_machine(q.shared, dimension,
                                  ratio * std::pow(static_cast<double>(d.particles[1]), static_cast<double>(dimension)));
   const auto p = plan_convection(f, r, d.particles[1], dimension, ratio, q.fraction, m.cost);
-  json all = everything(f, rules, r, p, q.fraction, m);
-  check_finite(all);
-
-  print_numbers(f, c);
-  print_rules(rules, r);
-  print_choice(f, r, w);
-  print_steps(f, r, p, q.fraction, m);
+  answer a;
+  a.all["question"] = "relaxation";
+  a.all["given"]["fraction"] = q.fraction;
+  say_numbers(f, c, a);
+  say_rules(all_rules(f, w.phi_xi), r, a);
+  say_choice(f, r, w, a);
+  say_steps(f, r, p, q.fraction, m, a);
   if (q.shared.steps || q.shared.seconds) {
-    answer_backwards(q, f, r, c, m, all);
+    answer_backwards(q, f, r, c, m, a);
     // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.
-    if (!programs_own) answer_others(q, f, w, c, m, all);
-    check_finite(all);
+    if (!programs_own) answer_others(q, f, w, c, m, a);
   }
-  fmt::print("S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)\n");
-  if (!q.shared.json.empty()) tools::write_json(q.shared.json, all);
+  a.give(q.shared, "S1: note of February 2023, S1b: of June 2023");
 }
 
 }  // namespace
@@ -360,15 +329,18 @@ std::function<void()> relaxation_question(CLI::App& app) {
       ->type_name("INPUT.nml");
   tools::add_many(app, "--set", q->set, "group.key=value, over what the file says; may be repeated", "group.key=value");
   app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
-  app.add_option("--L", q->L, "height (m); the box keeps its shape")->check(above_zero());
-  app.add_option("--dT", q->dT, "bottom less top (K)")->check(above_zero());
-  app.add_option("--rho", q->rho, "density (kg/m3)")->check(above_zero());
-  app.add_option("--kappa", q->kappa, "thermal diffusivity (m2/s)")->check(above_zero());
-  app.add_option("--nu", q->nu, "kinematic viscosity (m2/s)")->check(above_zero());
-  app.add_option("--g", q->g, "gravity (m/s2)")->check(above_zero());
-  app.add_option("--alpha", q->alpha, "thermal expansivity (1/K)")->check(above_zero());
-  app.add_option("--c-p", q->c_p, "heat capacity (J/(kg K))")->check(above_zero());
-  app.add_option("--K", q->K, "bulk modulus (Pa)")->check(above_zero());
+  const auto add = [&](const char* option, std::optional<double>& value, const char* meaning) {
+    app.add_option(option, value, meaning)->check(above_zero());
+  };
+  add("--L", q->L, "height (m); the box keeps its shape");
+  add("--dT", q->dT, "bottom less top (K)");
+  add("--rho", q->rho, "density (kg/m3)");
+  add("--kappa", q->kappa, "thermal diffusivity (m2/s)");
+  add("--nu", q->nu, "kinematic viscosity (m2/s)");
+  add("--g", q->g, "gravity (m/s2)");
+  add("--alpha", q->alpha, "thermal expansivity (1/K)");
+  add("--c-p", q->c_p, "heat capacity (J/(kg K))");
+  add("--K", q->K, "bulk modulus (Pa)");
   app.add_option("--n", q->n, "particles along the height")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
   app.add_option("--fraction", q->fraction, "of the largest stable steps")
       ->check(finite(1e-6, 10.0, false))

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <command.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <plan/shared.hpp>
 #include <run/summary.hpp>
 
@@ -16,43 +18,27 @@ namespace {
 const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"order_2", 2}, {"ssp_rk3", 3},
                                                 {"order_3", 3}, {"rk4", 4}, {"order_4", 5}, {"order_5", 6}};
 
-struct measured_speed {
-  double updates_per_second;
-  std::string kind;
-  int threads, dimension;
-  std::int64_t particles;
-  double load_average;
-  std::string processor;
-};
-
-measured_speed record(const nlohmann::json& r) {
-  return {r.at("updates_per_second").get<double>(),
-          r.at("name").get<std::string>(),
-          r.at("threads").get<int>(),
-          r.at("dimension").get<int>(),
-          r.at("particles").get<std::int64_t>(),
-          r.at("load_average").get<double>(),
-          r.at("processor").get<std::string>()};
-}
-
-double distance(const measured_speed& s, double particles) {
-  return std::fabs(std::log(static_cast<double>(s.particles) / particles));
-}
-
-std::optional<measured_speed> read_speed(const shared_options& o, int dimension, double particles) {
+// What bench measured, if it did.
+std::optional<machine> read_speed(const shared_options& o, int dimension, double particles) {
   std::ifstream file(o.bench);
   if (!file && !o.bench_given) return std::nullopt;
   if (!file) foundation::fail_file(o.bench + ": cannot be read; `bench` writes it");
-  std::optional<measured_speed> best;
+  std::optional<machine> best;
+  int best_threads = 0;
+  double best_distance = 0.0;
   try {
     for (const auto& r : nlohmann::json::parse(file)) {
-      const measured_speed found = record(r);
-      if (found.kind != o.kind || found.dimension != dimension) continue;
-      if (o.threads > 0 && found.threads != o.threads) continue;
-      if (!(found.updates_per_second > 0.0) || found.particles < 1) continue;
-      const bool better = !best || (o.threads == 0 && found.threads > best->threads) ||
-                          (found.threads == best->threads && distance(found, particles) < distance(*best, particles));
-      if (better) best = found;
+      const auto rate = r.at("updates_per_second").get<double>(), n = r.at("particles").get<double>();
+      const int threads = r.at("threads").get<int>();
+      if (r.at("name") != o.kind || r.at("dimension") != dimension || !(rate > 0.0) || n < 1.0) continue;
+      if (o.threads > 0 && threads != o.threads) continue;
+      const double distance = std::fabs(std::log(n / particles));
+      if (best && (threads < best_threads || (threads == best_threads && distance >= best_distance))) continue;
+      best_threads = threads;
+      best_distance = distance;
+      best = machine{{.updates_per_second = rate},
+                     fmt::format("bench: {} {}-D, {} particles, threads {}, load average {:.1f}, {}", o.kind, dimension,
+                                 n, threads, r.at("load_average").get<double>(), r.at("processor").get<std::string>())};
     }
   } catch (const nlohmann::json::exception& e) {
     foundation::fail_file(fmt::format("{}: is no file of bench: {}", o.bench, e.what()));
@@ -61,6 +47,26 @@ std::optional<measured_speed> read_speed(const shared_options& o, int dimension,
     foundation::fail_input(fmt::format("{} has no measurement of {} in {} dimensions{}", o.bench, o.kind, dimension,
                                        o.threads > 0 ? fmt::format(" with {} threads", o.threads) : ""));
   return best;
+}
+
+void print(const table& t) {
+  std::vector<std::size_t> width;
+  for (const auto& row : t.rows) {
+    width.resize(std::max(width.size(), row.size()));
+    for (std::size_t k = 0; k < row.size(); ++k) width[k] = std::max(width[k], row[k].size());
+  }
+  fmt::print("{}\n", t.title);
+  for (std::size_t n = 0; n < t.rows.size(); ++n) {
+    std::string line = " ";
+    for (std::size_t k = 0; k < t.rows[n].size(); ++k)
+      line +=
+          fmt::format(fmt::runtime(k < t.right.size() && t.right[k] ? " {:>{}}" : " {:<{}}"), t.rows[n][k], width[k]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
+    if (n == 0 && t.has_head)
+      fmt::print("  {}\n", std::string(std::accumulate(width.begin(), width.end(), width.size() - 1), '-'));
+  }
+  fmt::print("{}\n", t.notes);
 }
 
 }  // namespace
@@ -74,11 +80,6 @@ CLI::Validator finite(double least, double most, bool least_excluded) {
                : fmt::format("expected a number in {}{}, {}], found {}", least_excluded ? '(' : '[', least, most, text);
   };
   return CLI::Validator(refusal, least_excluded ? "POSITIVE" : "NUMBER");
-}
-
-void check_finite(const json& answer) {
-  if (const auto lost = run::first_not_finite(answer); !lost.empty())
-    foundation::fail_calculation(lost + " is not a finite number: what is given lies too far apart");
 }
 
 void add_shared(CLI::App& app, shared_options& o) {
@@ -105,50 +106,48 @@ void add_shared(CLI::App& app, shared_options& o) {
 
 machine this_machine(const shared_options& o, int dimension, double particles) {
   machine m{.cost = {}, .note = "not known: run bench, or give --rate"};
-  m.cost.evaluations_per_step = evaluations.at(o.method);
   if (o.rate) {
-    m.cost.updates_per_second = *o.rate;
-    m.note = "given";
+    m = {{.updates_per_second = *o.rate}, "given"};
   } else if (const auto found = read_speed(o, dimension, particles)) {
-    m.cost.updates_per_second = found->updates_per_second;
-    m.note = fmt::format("bench: {} {}-D, {} particles, threads {}, load average {:.1f}, {}", found->kind,
-                         found->dimension, found->particles, found->threads, found->load_average, found->processor);
+    m = *found;
   }
+  m.cost.evaluations_per_step = evaluations.at(o.method);
   if (o.seconds && !(m.cost.updates_per_second > 0.0))
     foundation::fail_input("--run-time: needs the rate of updates of the machine: run bench, or give --rate");
   return m;
 }
 
-json as_json(const machine& m) {
-  json j;
-  j["evaluations_per_step"] = m.cost.evaluations_per_step;
-  j["updates_per_second"] = or_null(m.cost.updates_per_second);
-  j["source"] = m.note;
-  return j;
+void answer::add(const std::string& title, const std::vector<quantity>& rows) {
+  table t{title, {}, {false, true}};
+  for (const auto& q : rows) {
+    if (!q.place.empty()) all[json::json_pointer(q.place)] = q.value;
+    const auto said = q.value.is_null()           ? "none"
+                      : q.value.is_string()       ? q.value.get<std::string>()
+                      : q.value.is_number_float() ? number(q.value.get<double>())
+                                                  : q.value.dump();
+    t.rows.push_back({q.symbol, said, q.unit, q.meaning, q.source, q.mark});
+  }
+  tables.push_back(t);
 }
 
-void table::print() const {
-  std::vector<std::size_t> width;
-  for (const auto& row : rows)
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      if (k == width.size()) width.push_back(0);
-      width[k] = std::max(width[k], row[k].size());
-    }
-  fmt::print("{}\n", title);
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    std::string line = " ";
-    for (std::size_t k = 0; k < rows[n].size(); ++k)
-      line += k < right.size() && right[k] ? fmt::format(" {:>{}}", rows[n][k], width[k])
-                                           : fmt::format(" {:<{}}", rows[n][k], width[k]);
-    line.erase(line.find_last_not_of(' ') + 1);
-    fmt::print("{}\n", line);
-    if (n == 0 && has_head) {
-      std::size_t all = 1;
-      for (const std::size_t w : width) all += w + 1;
-      fmt::print("  {}\n", std::string(all - 2, '-'));
-    }
-  }
-  fmt::print("\n");
+void answer::give(const shared_options& o, const char* sources) const {
+  if (const auto lost = run::first_not_finite(all); !lost.empty())
+    foundation::fail_calculation(lost + " is not a finite number: what is given lies too far apart");
+  for (const auto& t : tables) print(t);
+  fmt::print("{} (docs/theory/relaxation.md)\n", sources);
+  if (!o.json.empty()) tools::write_json(o.json, all);
+}
+
+std::vector<quantity> costs(const machine& m, double particles, double seconds, const std::string& plan, answer& a) {
+  const double per_step = m.cost.evaluations_per_step;
+  const auto rate = or_null(m.cost.updates_per_second);
+  a.all["machine"] = {{"evaluations_per_step", per_step}, {"updates_per_second", rate}, {"source", m.note}};
+  a.all[json::json_pointer(plan + "/run_time_s")] = or_null(seconds);
+  std::vector<quantity> rows{{"particles", plan + "/particles", particles}, {"rate", "", rate, "1/s", m.note}};
+  if (seconds > 0.0)
+    rows.push_back(
+        {"run time", "", duration(seconds), "", fmt::format("at {} right-hand sides a step", number(per_step))});
+  return rows;
 }
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }

@@ -38,19 +38,37 @@ struct machine {
 // The speed by the record of bench nearest in size (by ratio), of that case, dimension and number of threads. fail_file
 // if the file is damaged, fail_input if it was asked for and has no such record, or a run time needs one.
 machine this_machine(const shared_options& o, int dimension, double particles);
-json as_json(const machine& m);
-
-// fail_calculation where a number of the answer is not finite: those of the question are too far apart.
-void check_finite(const json& answer);
-
 // Rows of texts in aligned columns: the first left, as is the last; `right` says which are set right.
 struct table {
   std::string title;
   std::vector<std::vector<std::string>> rows;  // the first is the head, if has_head
   std::vector<bool> right;
   bool has_head = false;
-  void print() const;
+  std::string notes = {};  // whole lines
 };
+
+// A line of an answer.
+struct quantity {
+  const char* symbol;
+  std::string place;  // in the file, a JSON pointer; empty: nowhere
+  json value;         // null: none
+  const char* unit = "";
+  std::string meaning = {}, source = {}, mark = {};
+};
+
+// Everything said: the file for machines, and the tables.
+struct answer {
+  json all;
+  std::vector<table> tables;
+
+  void add(const std::string& title, const std::vector<quantity>& rows);
+  // Checks, prints, and writes the file if one is wanted. fail_calculation where a number is not finite: those of the
+  // question are too far apart.
+  void give(const shared_options& o, const char* sources) const;
+};
+
+// What the steps cost on this machine; seconds: of the run, 0 where it is not known. `plan`: pointer to their object.
+std::vector<quantity> costs(const machine& m, double particles, double seconds, const std::string& plan, answer& a);
 
 // Four digits: 1000, 2.673e-07, 0.0843
 std::string number(double value);

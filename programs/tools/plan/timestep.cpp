@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <boost/algorithm/string.hpp>
 #include <cmath>
-#include <command.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <map>
@@ -132,25 +131,6 @@ measured_overturn read_run(const std::string& folder) {
   return m;
 }
 
-json as_json(const measured_overturn& m) {
-  const auto or_null = [](const std::optional<double>& x) { return x ? json(*x) : json(nullptr); };
-  return {{"folder", m.folder},
-          {"program", m.program},
-          {"status", m.status},
-          {"n", m.n},
-          {"eta_lower_Pa_s", m.eta_lower},
-          {"eta_upper_Pa_s", m.eta_upper},
-          {"V_m_s", m.V},
-          {"v_rms_max_m_s", or_null(m.v_rms_max)},
-          {"tau_s", or_null(m.tau)},
-          {"steps_to_tau", or_null(m.steps_to_tau)},
-          {"time_s", m.time},
-          {"steps", m.steps},
-          {"rhs_evaluations", m.evaluations},
-          {"dt_s", m.dt},
-          {"run_time_s", or_null(m.seconds)}};
-}
-
 struct question {
   shared_options shared;
   two_layers system;
@@ -159,11 +139,6 @@ struct question {
   std::string run;  // folder of a run; empty: none
   CLI::App* app = nullptr;
   bool given(const char* option) const { return app->get_option(option)->count() > 0; }
-};
-
-// What the note prints for its example, n = 75 in 1500 km: rounded at each step on the way [S0, section 2].
-struct printed {
-  double V = 20.0, tau = 7e4, dt = 2.0, steps = 5e3;
 };
 
 // The system that was run, but for what the command line says.
@@ -179,109 +154,90 @@ void take_over(question& q, const measured_overturn& m) {
   if (!q.given("--dimension")) q.dimension = m.dimension;
 }
 
-void print_beside(const overturn_plan& p, const measured_overturn& m) {
-  const printed note;
-  const auto or_not = [](const std::optional<double>& x) { return x ? number(*x) : std::string("not reached"); };
-  const auto times = [](const std::optional<double>& x, double estimate) {
-    return x && estimate > 0.0 ? fmt::format("{:.3g}", *x / estimate) : std::string();
+// Beside the run; what the note prints for its example, n = 75 in 1500 km, is rounded at each step on the way [S0,
+// section 2].
+void say_beside(const overturn_plan& p, const measured_overturn& m, answer& a) {
+  const auto or_null = [](const std::optional<double>& x) { return x ? json(*x) : json(nullptr); };
+  a.all["measured"] = {{"folder", m.folder},
+                       {"program", m.program},
+                       {"status", m.status},
+                       {"n", m.n},
+                       {"eta_lower_Pa_s", m.eta_lower},
+                       {"eta_upper_Pa_s", m.eta_upper},
+                       {"v_rms_max_m_s", or_null(m.v_rms_max)},
+                       {"steps_to_tau", or_null(m.steps_to_tau)},
+                       {"time_s", m.time},
+                       {"steps", m.steps},
+                       {"rhs_evaluations", m.evaluations},
+                       {"run_time_s", or_null(m.seconds)}};
+  table t{fmt::format("Beside the run {} ({}, {}, n = {})", m.folder, m.program, m.status, m.n),
+          {{"", "note", "estimate", "measured", "measured/estimate", "unit", "measured as"}},
+          {false, true, true, true, true},
+          true};
+  const auto add = [&](const char* name, const char* unit, double note, double estimate, std::optional<double> measured,
+                       const std::string& how) {
+    const auto ratio = measured && estimate > 0.0 ? fmt::format("{:.3g}", *measured / estimate) : "";
+    t.rows.push_back(
+        {name, number(note), number(estimate), measured ? number(*measured) : "not reached", ratio, unit, how});
   };
-  table{fmt::format("Beside the run {} ({}, {}, n = {})", m.folder, m.program, m.status, m.n),
-        {{"", "note", "estimate", "measured", "measured/estimate", "unit", "measured as"},
-         {"V", number(note.V), number(p.V), number(m.V), times(m.V, p.V), "m/s", "largest mean velocity of the metal"},
-         {"tau", number(note.tau), number(p.tau), or_not(m.tau), times(m.tau, p.tau), "s",
-          "until the metal's centroid has fallen by 0.3 L"},
-         {"dt", number(note.dt), number(p.dt), number(m.dt), times(m.dt, p.dt), "s", "mean of the run"},
-         {"steps", number(note.steps), number(p.steps), or_not(m.steps_to_tau), times(m.steps_to_tau, p.steps), "",
-          fmt::format("until then; the whole run {} ({} right-hand sides)", number(m.steps), number(m.evaluations))}},
-        {false, true, true, true, true, false, false},
-        true}
-      .print();
-  if (!m.sound_known) fmt::print("The run's equations of state are not linear: c as given, or the note's.\n");
-  fmt::print(
-      "note: as printed there, for n = 75 and L = 1.5e6 m; estimate: its formulas for what was run, c = {} m/s\n\n",
+  const double V = 20.0, tau = 7e4, dt = 2.0, steps = 5e3;  // of the note
+  a.all["note"] = {{"V_m_s", V}, {"tau_s", tau}, {"dt_s", dt}, {"steps", steps}};
+  a.all["measured"].update({{"V_m_s", m.V}, {"tau_s", or_null(m.tau)}, {"dt_s", m.dt}});
+  add("V", "m/s", V, p.V, m.V, "largest mean velocity of the metal");
+  add("tau", "s", tau, p.tau, m.tau, "until the metal's centroid has fallen by 0.3 L");
+  add("dt", "s", dt, p.dt, m.dt, "mean of the run");
+  add("steps", "", steps, p.steps, m.steps_to_tau,
+      fmt::format("until then; the whole run {} ({} right-hand sides)", number(m.steps), number(m.evaluations)));
+  t.notes = fmt::format(
+      "{}note: as printed there, for n = 75 and L = 1.5e6 m; estimate: its formulas for what was run, c = {} m/s\n",
+      m.sound_known ? "" : "The run's equations of state are not linear: c as given, or the note's.\n",
       number(m.sound_known ? m.system.c : p.dx / p.dt_sound));
+  a.tables.push_back(t);
 }
 
-void print_plan(const question& q, const overturn_plan& p, const machine& m) {
+void say_plan(const question& q, const overturn_plan& p, const machine& m, answer& a) {
   const auto& s = q.system;
-  table{"Given",
-        {{"L", number(s.L), "m", "edge of the box"},
-         {"n", fmt::format("{}", q.n), "", "particles along it"},
-         {"c", number(s.c), "m/s", "speed of sound"},
-         {"rho_min", number(s.rho_min), "kg/m^3", "least density"},
-         {"Delta_rho", number(s.delta_rho), "kg/m^3", "density difference"},
-         {"g", number(s.g), "m/s^2", "gravity"}},
-        {false, true, false, false}}
-      .print();
+  a.add("Given", {{"L", "/given/L_m", s.L, "m", "edge of the box"},
+                  {"n", "/given/n", q.n, "", "particles along it"},
+                  {"c", "/given/c_m_s", s.c, "m/s", "speed of sound"},
+                  {"rho_min", "/given/rho_min_kg_m3", s.rho_min, "kg/m^3", "least density"},
+                  {"Delta_rho", "/given/delta_rho_kg_m3", s.delta_rho, "kg/m^3", "density difference"},
+                  {"g", "/given/g_m_s2", s.g, "m/s^2", "gravity"}});
+  a.all["given"]["dimension"] = q.dimension;
+  a.all["given"]["eta_Pa_s"] = s.eta ? json(*s.eta) : json(nullptr);
   const auto mark = [&](const char* which) { return p.binding == which ? "<- binds" : ""; };
-  table t{
-      "Time steps",
-      {{"dx", number(p.dx), "m", "L/n", "S0 (26)", ""},
-       {"eta", number(p.eta), "Pa s", s.eta ? "given" : "c rho_min dx: sound dies at once", s.eta ? "" : "S0 (18)", ""},
-       {"dt_CFL", number(p.dt_sound), "s", "dx/c", "S0 (9)", mark("sound")},
-       {"dt_mom", number(p.dt_momentum), "s", "rho_min dx^2/eta", "S0 (10)", mark("momentum")},
-       {"dt_heat", s.conductivity > 0.0 ? number(p.dt_heat) : "none", "s", "rho_min c_p dx^2/k", "S0 (11)",
-        mark("heat")}},
-      {false, true, false, false, false, false}};
-  t.print();
-  table e{"One overturn",
-          {{"V", number(p.V), "m/s", "dx^2 Delta_rho g/(2 eta)", "S0 (16)"},
-           {"tau", number(p.tau), "s", "L/V", "S0 (17)"},
-           {"steps", number(p.steps), "", "tau/dt", "S0 (13)"},
-           {"", number(steps_of_20(s, q.n)), "", "2 c^2 rho_min n^2/(L Delta_rho g), at eta of (18)", "S0 (20)"},
-           {"particles", number(p.particles), "", "", ""},
-           {"rate", m.cost.updates_per_second > 0.0 ? number(m.cost.updates_per_second) : "-", "1/s", m.note, ""}},
-          {false, true, false, false, false}};
-  if (p.seconds > 0.0)
-    e.rows.push_back({"run time", duration(p.seconds), "",
-                      fmt::format("at {} right-hand sides a step", number(m.cost.evaluations_per_step)), ""});
-  e.print();
+  a.add("Time steps",
+        {{"dx", "/plan/dx_m", p.dx, "m", "L/n", "S0 (26)"},
+         {"eta", "/plan/eta_Pa_s", p.eta, "Pa s", s.eta ? "given" : "c rho_min dx: sound dies at once",
+          s.eta ? "" : "S0 (18)"},
+         {"dt_CFL", "/plan/dt_sound_s", p.dt_sound, "s", "dx/c", "S0 (9)", mark("sound")},
+         {"dt_mom", "/plan/dt_momentum_s", p.dt_momentum, "s", "rho_min dx^2/eta", "S0 (10)", mark("momentum")},
+         {"dt_heat", "/plan/dt_heat_s", s.conductivity > 0.0 ? json(p.dt_heat) : json(nullptr), "s",
+          "rho_min c_p dx^2/k", "S0 (11)", mark("heat")}});
+  a.all["plan"]["binding"] = p.binding;
+  std::vector<quantity> rows{{"V", "/plan/V_m_s", p.V, "m/s", "dx^2 Delta_rho g/(2 eta)", "S0 (16)"},
+                             {"tau", "/plan/tau_s", p.tau, "s", "L/V", "S0 (17)"},
+                             {"steps", "/plan/steps", p.steps, "", "tau/dt", "S0 (13)"},
+                             {"", "/plan/steps_of_20", steps_of_20(s, q.n), "",
+                              "2 c^2 rho_min n^2/(L Delta_rho g), at eta of (18)", "S0 (20)"}};
+  for (const auto& cost : costs(m, p.particles, p.seconds, "/plan", a)) rows.push_back(cost);
+  a.add("One overturn", rows);
 }
 
-json as_json(const question& q, const overturn_plan& p, const machine& m) {
-  const auto& s = q.system;
-  json j;
-  j["question"] = "timestep";
-  j["given"] = {{"L_m", s.L},
-                {"n", q.n},
-                {"dimension", q.dimension},
-                {"c_m_s", s.c},
-                {"rho_min_kg_m3", s.rho_min},
-                {"delta_rho_kg_m3", s.delta_rho},
-                {"g_m_s2", s.g},
-                {"eta_Pa_s", s.eta ? json(*s.eta) : json(nullptr)}};
-  j["plan"] = {{"dx_m", p.dx},
-               {"eta_Pa_s", p.eta},
-               {"dt_sound_s", p.dt_sound},
-               {"dt_momentum_s", p.dt_momentum},
-               {"dt_heat_s", s.conductivity > 0.0 ? json(p.dt_heat) : json(nullptr)},
-               {"binding", p.binding},
-               {"V_m_s", p.V},
-               {"tau_s", p.tau},
-               {"steps", p.steps},
-               {"steps_of_20", steps_of_20(s, q.n)},
-               {"particles", p.particles},
-               {"run_time_s", or_null(p.seconds)}};
-  j["machine"] = plan::as_json(m);
-  return j;
-}
-
-void answer_backwards(const question& q, const machine& m, json& all) {
+void say_backwards(const question& q, const machine& m, answer& a) {
   budget b;
   if (q.shared.steps) b.steps = *q.shared.steps;
   if (q.shared.seconds) b.seconds = *q.shared.seconds;
-  const affordable a = afford(q.system, q.n, q.dimension, m.cost, b);
+  const affordable f = afford(q.system, q.n, q.dimension, m.cost, b);
   std::string within = q.shared.steps ? number(*q.shared.steps) + " steps" : "";
   if (q.shared.seconds) within += (within.empty() ? "" : " and ") + duration(*q.shared.seconds);
-  table{"Backwards: what fits into " + within,
-        {{"n", a.n > 0 ? fmt::format("{}", a.n) : "none", "", "the largest, at L as given"},
-         {"L", number(a.L), "m", "the smallest, at n as given and eta by (18)"},
-         {"eta", number(a.eta), "Pa s",
-          fmt::format("the largest, at n and L as given; {} of (18){}", number(a.eta_over_damping),
-                      a.eta_over_damping < 1.0 ? ": sound outlives a step" : "")}},
-        {false, true, false, false}}
-      .print();
-  all["backwards"] = {{"n", a.n}, {"L_m", a.L}, {"eta_Pa_s", a.eta}, {"eta_over_damping", a.eta_over_damping}};
+  a.add("Backwards: what fits into " + within,
+        {{"n", "/backwards/n", f.n, "", "the largest, at L as given; 0: none"},
+         {"L", "/backwards/L_m", f.L, "m", "the smallest, at n as given and eta by (18)"},
+         {"eta", "/backwards/eta_Pa_s", f.eta, "Pa s",
+          fmt::format("the largest, at n and L as given; {} of (18){}", number(f.eta_over_damping),
+                      f.eta_over_damping < 1.0 ? ": sound outlives a step" : "")}});
+  a.all["backwards"]["eta_over_damping"] = f.eta_over_damping;
 }
 
 void run(question q) {
@@ -292,19 +248,12 @@ void run(question q) {
   }
   const machine m = this_machine(q.shared, q.dimension, std::pow(static_cast<double>(q.n), q.dimension));
   const auto p = plan_overturn(q.system, q.n, q.dimension, m.cost);
-  json all = as_json(q, p, m);
-  check_finite(all);
-  print_plan(q, p, m);
-  if (measured) {
-    const printed note;
-    print_beside(p, *measured);
-    all["note"] = {{"V_m_s", note.V}, {"tau_s", note.tau}, {"dt_s", note.dt}, {"steps", note.steps}};
-    all["measured"] = as_json(*measured);
-  }
-  if (q.shared.steps || q.shared.seconds) answer_backwards(q, m, all);
-  check_finite(all);
-  fmt::print("S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)\n");
-  if (!q.shared.json.empty()) tools::write_json(q.shared.json, all);
+  answer a;
+  a.all["question"] = "timestep";
+  say_plan(q, p, m, a);
+  if (measured) say_beside(p, *measured, a);
+  if (q.shared.steps || q.shared.seconds) say_backwards(q, m, a);
+  a.give(q.shared, "S0: note of May 2022, section 2: estimates of orders of magnitude");
 }
 
 }  // namespace

@@ -5,18 +5,18 @@ import re
 from html import escape
 from pathlib import Path
 
-from .. import pages
+from .. import pages, style
 from . import fit, references, report
 from .cases import Run, of_size
 from .figures import convection as figures
-from .options import find_inputs
+from .figures import resolution
+from .options import find_inputs, sizes
 from .results import cost, number
 from .runner import COMPLETED, Outcome
 from .table import verdict
 
 NAME = "convection"
 TITLE = "Convection against known steady states"
-PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
 INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
 QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
@@ -24,7 +24,7 @@ QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
 SYMBOL = {"nusselt_volume": "Nu", "nusselt_top": "Nu, top", "nusselt_bottom": "Nu, bottom",
           "nusselt_dissipation": "Nu by friction", "v_rms": "v_rms", "u_max": "u_max", "v_max": "v_max",
           "q1": "q₁", "q2": "q₂", "q3": "q₃", "q4": "q₄"}
-CONVERGENCE = ("nusselt_volume", "v_rms")
+CONVERGENCE = {"nusselt_volume": ("Nu", "#D55E00"), "v_rms": ("v_rms", "#0072B2")}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    particles = sorted(set(given.particles or ((16, 20, 24) if given.quick else (16, 24, 32))))
-    if particles[0] < 8:
-        parser.error("--particles: at least 8, for the kernel reaches 4 spacings")
+    particles = sizes(given, parser, 8, (16, 24, 32), (16, 20, 24))
     inputs = find_inputs(given.inputs or (QUICK if given.quick else INPUTS), root, parser, known=tuple(references.STEADY))
     return [of_size("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
                                             *given.settings)) for path in inputs for n in particles]
@@ -50,19 +48,13 @@ def aspect(path: Path) -> float:
     return float(x[1].lower().replace("d", "e")) / float(y[1].lower().replace("d", "e")) if x and y else 1.0
 
 
-def measure(outcomes: list[Outcome]) -> dict:
-    runs = [row(outcome) for outcome in outcomes]
-    orders = []
-    for case in dict.fromkeys(one["case"] for one in runs):
-        for name in CONVERGENCE:
-            seen = [(one["n"], one["values"][name]) for one in runs
-                    if one["case"] == case and one["outcome"] == COMPLETED and name in one["values"]
-                    and one["values"][name]["error"] is not None]
-            slope = fit.order([n for n, _ in seen], [v["error"] for _, v in seen],
-                              [relative_uncertainty(v) for _, v in seen])
-            if slope:
-                orders.append(fit.entry(slope, case=case, quantity=name) | {"intercept": slope.intercept})
-    return {"study": NAME, "runs": runs, "orders": orders}
+def rows(outcomes: list[Outcome]) -> list[dict]:
+    return [row(outcome) for outcome in outcomes]
+
+
+def judged(one: dict) -> dict[str, tuple[float, float]]:
+    return {name: (value["error"], (value["uncertainty"] or 0.0) / value["reference"]) for name in CONVERGENCE
+            if (value := one["values"].get(name)) and value["error"] is not None}
 
 
 def row(outcome: Outcome) -> dict:
@@ -76,13 +68,9 @@ def row(outcome: Outcome) -> dict:
         right = reference.values.get(name) if reference else None
         values[name] = {"value": value, "uncertainty": number(metrics, name + "_uncertainty"), "reference": right,
                         "error": value / right - 1 if right else None}
-    return {"case": outcome.case.file, "n": outcome.case.n, "outcome": verdict(outcome), "reason": outcome.reason or None,
+    return {"case": outcome.case.file, "variant": "", "n": outcome.case.n, "outcome": verdict(outcome), "reason": outcome.reason or None,
             "source": reference.source if reference else None, "steady": metrics.get("steady"),
             "heat_imbalance": number(metrics, "heat_imbalance"), "values": values, **cost(outcome)}
-
-
-def relative_uncertainty(value: dict) -> float:
-    return (value["uncertainty"] or 0.0) / value["reference"]
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
@@ -94,7 +82,8 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
                          "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's "
                          "direction and strength."),
             "<h2>Convergence</h2>",
-            report.drawn(figures.convergence(measured), folder / "convergence.png",
+            report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
+                                                lambda case, _, name: (case, *CONVERGENCE[name]), "|measured/known − 1|"), folder / "convergence.png",
                          "Distance from the known value over the number of particles along the height. Bars: uncertainty of the "
                          "average over time. Lines: the fitted order; errors within their bar are open and not in the fit."),
             orders_table(measured),
@@ -107,9 +96,8 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
                          "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
                          "history."),
             "<h2>What it costs</h2>",
-            report.drawn(figures.cost(measured), folder / "cost.png",
-                         "Right-hand sides to the steady state, and seconds on one thread; other work on the machine shows in the "
-                         "seconds.")]
+            report.drawn(resolution.cost(measured["runs"], {"": ("", style.SCHEME["gdisph"][1])}, "seconds", "seconds, one thread"),
+                         folder / "cost.png", "To the steady state, at the finest resolution; other work on the machine shows in it.")]
 
 
 def glance(measured: dict, cases: list[str]) -> str:

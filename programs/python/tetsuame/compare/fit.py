@@ -36,13 +36,29 @@ def order(n: list[int], errors: list[float], uncertainties: list[float] | None =
     return Slope(-found.value, found.error, found.intercept, found.points) if found else None
 
 
-def entry(slope: Slope, **of) -> dict:
-    """Of results.json: what it is the order of, and the order."""
-    return of | {"order": slope.value, "standard_error": slope.error, "points": slope.points}
+def series(runs: list[dict], judged) -> dict[tuple[str, str, str], list[tuple[int, float, float]]]:
+    """Of each case, variant and quantity: n, error and its uncertainty. judged(row): the latter two by quantity."""
+    found: dict[tuple[str, str, str], list[tuple[int, float, float]]] = {}
+    for one in runs:
+        for quantity, (error, uncertainty) in judged(one).items():
+            found.setdefault((one["case"], one["variant"], quantity), []).append((one["n"], error, uncertainty))
+    return found
 
 
-def of_entry(found: dict | None) -> str:
-    return said(Slope(found["order"], found["standard_error"], 0.0, found["points"]) if found else None)
+def orders(runs: list[dict], judged) -> list[dict]:
+    """Of results.json: of what, and the order."""
+    fits = [(key, order(*zip(*points))) for key, points in series(runs, judged).items()]
+    return [{"case": case, "variant": variant, "quantity": quantity, "order": slope.value, "standard_error": slope.error,
+             "points": slope.points} for (case, variant, quantity), slope in fits if slope]
+
+
+def order_of(measured: dict, case: str, variant: str) -> str:
+    found = [one for one in measured["orders"] if (one["case"], one["variant"]) == (case, variant)]
+    return of_entry(found[0]) if found else said(None)
+
+
+def of_entry(found: dict) -> str:
+    return said(Slope(found["order"], found["standard_error"], 0.0, found["points"]))
 
 
 def said(slope: Slope | None) -> str:

@@ -14,7 +14,6 @@ from .table import agreement, agreement_in_place, cell, entry_of, error, files, 
 
 NAME = ""
 TITLE = "Programs A to F on hydrostatic states"
-PAGE_TITLE = "programs A to F compared"
 ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
         "Other comparisons: ./run compare convection, shock, rti (each with --help)."
 terminal = table.terminal
@@ -35,10 +34,6 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     if not programs or not inputs:
         parser.error("nothing to run: --programs and --inputs need at least one name each")
     return cases.plan(programs, tuple(inputs), tuple(given.settings))
-
-
-def measure(outcomes: list[Outcome]) -> None:
-    """Its numbers are in table.csv."""
 
 
 def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str]:

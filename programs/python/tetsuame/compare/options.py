@@ -63,3 +63,11 @@ def find_inputs(names: str | tuple[str, ...], root: Path, parser: argparse.Argum
     if len({path.stem for path in found}) != len(found):
         parser.error("--inputs: two files of the same name would share one output folder")
     return found
+
+
+def sizes(given: argparse.Namespace, parser: argparse.ArgumentParser, least: int, usual, quick) -> list[int]:
+    """Of --particles, or else the default."""
+    found = sorted(set(given.particles or (quick if given.quick else usual)))
+    if found[0] < least:
+        parser.error(f"--particles: at least {least}, for the kernel reaches some spacings")
+    return found

@@ -19,12 +19,12 @@ def same_heat(nusselt: float) -> dict[str, float]:
     return {f"nusselt_{where}": nusselt for where in ("volume", "top", "bottom", "dissipation")}
 
 
-def blankenbach(rayleigh, nusselt, v_rms, q1, q2, q3, q4) -> Steady:
-    return Steady(rayleigh, None, {**same_heat(nusselt), "v_rms": v_rms, "q1": q1, "q2": q2, "q3": q3, "q4": q4}, BLANKENBACH)
+def blankenbach(rayleigh, nusselt, *others) -> Steady:
+    return Steady(rayleigh, None, same_heat(nusselt) | dict(zip(("v_rms", "q1", "q2", "q3", "q4"), others)), BLANKENBACH)
 
 
-def square(rayleigh, prandtl, nusselt, v_rms, u_max, v_max) -> Steady:
-    return Steady(rayleigh, prandtl, {**same_heat(nusselt), "v_rms": v_rms, "u_max": u_max, "v_max": v_max}, SQUARE)
+def square(rayleigh, prandtl, nusselt, *others) -> Steady:
+    return Steady(rayleigh, prandtl, same_heat(nusselt) | dict(zip(("v_rms", "u_max", "v_max"), others)), SQUARE)
 
 
 STEADY = {
@@ -43,11 +43,9 @@ STEADY = {
 def of(file: str, metrics: dict) -> Steady | None:
     """The reference of a run, if it ran at the reference's Rayleigh and Prandtl numbers (settings may have changed them)."""
     found = STEADY.get(file)
-    if found is None or not near(metrics.get("rayleigh"), found.rayleigh):
-        return None
-    if found.prandtl is not None and not near(metrics.get("prandtl"), found.prandtl):
-        return None
-    return found
+    fits = found is not None and near(metrics.get("rayleigh"), found.rayleigh) and \
+        (found.prandtl is None or near(metrics.get("prandtl"), found.prandtl))
+    return found if fits else None
 
 
 def near(value, wanted: float) -> bool:

@@ -7,15 +7,15 @@ from .. import pages
 from . import fit, report
 from .cases import Run, of_size
 from .convection import percent, seconds
+from .figures import resolution
 from .figures import rti as figures
-from .options import chosen
+from .options import chosen, sizes
 from .results import cost, history, number
 from .runner import COMPLETED, Outcome
 from .table import stopped_step, verdict
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
-PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the schemes' programs and rti on the same layers of metal over silicate: growth and overturn."
 
 # Name -> its program, and what it is.
@@ -50,12 +50,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
     names = chosen("--schemes", "scheme", given.schemes or ";".join(QUICK if given.quick else SCHEMES), ";", SCHEMES, parser)
-    sizes = sorted(set(given.particles or ((24,) if given.quick else (24, 48))))
+    counts = sizes(given, parser, 12, (24, 48), (24,))
     overturn = given.overturn or (24 if given.quick else 40)
-    if min(*sizes, overturn) < 12:
-        parser.error("--particles, --overturn: at least 12")
+    if overturn < 12:
+        parser.error("--overturn: at least 12")
     return [run(root, name, case, n, given) for name in names
-            for case, n in [*((GROWTH, n) for n in sizes), (OVERTURN, overturn)]]
+            for case, n in [*((GROWTH, n) for n in counts), (OVERTURN, overturn)]]
 
 
 def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> Run:
@@ -67,16 +67,14 @@ def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> 
     return of_size(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case)
 
 
-def measure(outcomes: list[Outcome]) -> dict:
-    runs = [row(outcome) for outcome in outcomes]
-    orders = []
-    for name in dict.fromkeys(one["variant"] for one in runs):
-        seen = [one for one in runs if one["variant"] == name and one["case"] == GROWTH and one["growth_error"] is not None]
-        slope = fit.order([one["n"] for one in seen], [one["growth_error"] for one in seen],
-                          [one["growth_uncertainty"] / one["growth_theory"] for one in seen])
-        if slope:
-            orders.append(fit.entry(slope, variant=name, quantity="growth_rate"))
-    return {"study": NAME, "runs": runs, "orders": orders}
+def rows(outcomes: list[Outcome]) -> list[dict]:
+    return [row(outcome) for outcome in outcomes]
+
+
+def judged(one: dict) -> dict[str, tuple[float, float]]:
+    if one["growth_error"] is None:
+        return {}
+    return {"growth_rate": (one["growth_error"], one["growth_uncertainty"] / one["growth_theory"])}
 
 
 def row(outcome: Outcome) -> dict:
@@ -121,7 +119,9 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
                          "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with compressibility and "
                          "walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some 10 % at any number of "
                          "particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti."),
-            report.drawn(figures.convergence(measured), folder / "convergence.png",
+            report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
+                                                lambda _, name, _quantity: (name, name, figures.colour(name)),
+                                                "|growth rate/theory − 1|"), folder / "convergence.png",
                          "Distance of the growth rate from linear theory; bars: uncertainty of the fit."),
             growth_table(measured, names)]
 
@@ -177,7 +177,7 @@ def growth_table(measured: dict, names: list[str]) -> str:
     rows = []
     for name in names:
         runs = {one["n"]: one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH}
-        slope = fit.of_entry(next((o for o in measured["orders"] if o["variant"] == name), None))
+        slope = fit.order_of(measured, GROWTH, name)
         rows.append(f"<tr>{pages.name(name)}{pages.numbers(*(growth_text(runs.get(n)) for n in sizes), slope)}</tr>")
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
     text = f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else ""

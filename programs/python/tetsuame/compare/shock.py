@@ -11,15 +11,15 @@ from ..style import SCHEME
 from . import fit, report
 from .cases import Run, of_size
 from .convection import count, percent, seconds
+from .figures import resolution
 from .figures import shock as figures
-from .options import chosen
+from .options import chosen, sizes
 from .results import cost, fluid, number
 from .runner import COMPLETED, Outcome
 from .table import place, verdict
 
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
-PAGE_TITLE, INTRODUCTION, AGAIN = TITLE, "", ""
 ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
 SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
@@ -64,35 +64,29 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
     tests = chosen("--tests", "test", given.tests, ",", TESTS, parser)
     schemes = chosen("--schemes", "scheme", given.schemes, ",", SCHEMES, parser)
-    if given.particles and min(given.particles) < 8:
-        parser.error("--particles: at least 8")
     runs = []
     for name in tests:
         test = TESTS[name]
-        sizes = sorted(set(given.particles or (test.quick if given.quick else test.n)))
+        counts = sizes(given, parser, 8, test.n, test.quick)
 
         def run(scheme, n, variant):
             settings = (f"domain.particles_x={n}", f"shock.scheme={scheme}", *test.settings, *given.settings)
             return of_size("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name)
 
-        runs += [run(scheme, n, scheme) for n in sizes for scheme in schemes]
+        runs += [run(scheme, n, scheme) for n in counts for scheme in schemes]
         if test.refined:
-            runs.append(run("gsph", 2 * sizes[-1], "reference"))
+            runs.append(run("gsph", 2 * counts[-1], "reference"))
     return runs
 
 
-def measure(outcomes: list[Outcome]) -> dict:
+def rows(outcomes: list[Outcome]) -> list[dict]:
     fine = {o.case.file: o for o in outcomes if o.case.variant == "reference" and o.kind == COMPLETED}
-    runs = [row(outcome, fine.get(outcome.case.file)) for outcome in outcomes if outcome.case.variant != "reference"]
-    orders = []
-    for test in dict.fromkeys(one["test"] for one in runs):
-        for scheme in SCHEMES:
-            name = figures.judged_by(test)
-            seen = [one for one in runs if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
-            slope = fit.order([one["n"] for one in seen], [one["errors"][name] for one in seen])
-            if slope:
-                orders.append(fit.entry(slope, test=test, scheme=scheme, quantity=name))
-    return {"study": NAME, "runs": runs, "orders": orders}
+    return [row(outcome, fine.get(outcome.case.file)) for outcome in outcomes if outcome.case.variant != "reference"]
+
+
+def judged(one: dict) -> dict[str, tuple[float, float]]:
+    name = figures.judged_by(one["case"])
+    return {name: (one["errors"][name], 0.0)} if one["errors"].get(name) else {}
 
 
 def row(outcome: Outcome, fine: Outcome | None) -> dict:
@@ -107,7 +101,7 @@ def row(outcome: Outcome, fine: Outcome | None) -> dict:
         if value is not None and done:
             exact = number(summary, "metrics", right) if right else None
             values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
-    return {"test": outcome.case.file, "scheme": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
+    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
             "reason": outcome.reason or None, "place": place(outcome) or None,
             "errors": {name: value for name, value in errors.items() if value is not None},
             "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
@@ -133,19 +127,21 @@ def l1(here: dict, there: dict) -> dict[str, float]:
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
-    tests = list(dict.fromkeys(one["test"] for one in measured["runs"]))
+    tests = list(dict.fromkeys(one["case"] for one in measured["runs"]))
     parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and in where "
              "dissipation comes from (artificial viscosity or Riemann problems).</p>",
              "<h2>At a glance</h2>", glance(measured, tests),
              "<h2>Convergence</h2>",
-             report.drawn(figures.convergence(measured), folder / "convergence.png",
+             report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
+                                                 lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"), folder / "convergence.png",
                           "Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. Lines: the fitted order.")]
     for test in tests:
         parts += [f"<h2>{escape(test)}: {escape(TESTS[test].about)}</h2>",
                   report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
-                  test_table([one for one in measured["runs"] if one["test"] == test], measured["orders"])]
+                  test_table(measured, test)]
     parts += ["<h2>What it costs</h2>",
-              report.drawn(figures.cost(measured), folder / "cost.png",
+              report.drawn(resolution.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6),
+                           folder / "cost.png",
                            "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one "
                            "thread; other work on the machine shows in it.")]
     return parts
@@ -153,12 +149,12 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
 
 def glance(measured: dict, tests: list[str]) -> str:
     """Each test at its finest resolution: the density's error, or what stands for it; the least is marked."""
-    schemes = [s for s in SCHEMES if any(one["scheme"] == s for one in measured["runs"])]
+    schemes = [s for s in SCHEMES if any(one["variant"] == s for one in measured["runs"])]
     rows = []
     for test in tests:
-        runs = [one for one in measured["runs"] if one["test"] == test]
+        runs = [one for one in measured["runs"] if one["case"] == test]
         finest = max(one["n"] for one in runs)
-        by_scheme = {one["scheme"]: one for one in runs if one["n"] == finest}
+        by_scheme = {one["variant"]: one for one in runs if one["n"] == finest}
         name = headline(list(by_scheme.values()))
         values = {s: size(one, name) for s, one in by_scheme.items()}
         least = min((v for v in values.values() if v is not None), default=None)
@@ -184,7 +180,7 @@ def headline(runs: list[dict]) -> str:
     for name in ("growth_rate", "square_area_change"):
         if name in names:
             return name
-    return figures.judged_by(next(one["test"] for one in runs))
+    return figures.judged_by(next(one["case"] for one in runs))
 
 
 def headline_name(name: str) -> str:
@@ -212,19 +208,19 @@ def scientific(value: float | None) -> str:
     return "–" if value is None else f"{value:.2e}".replace("e-0", "e-").replace("e+00", "").replace("e+0", "e")
 
 
-def test_table(runs: list[dict], orders: list[dict]) -> str:
+def test_table(measured: dict, test: str) -> str:
+    runs = [one for one in measured["runs"] if one["case"] == test]
     metrics = [name for name in METRICS if any(name in one["metrics"] for one in runs)]
     errors = [name for name in ERRORS if any(name in one["errors"] for one in runs)]
     rows = []
-    for one in sorted(runs, key=lambda r: (SCHEMES.index(r["scheme"]), r["n"])):
-        label, colour = SCHEME[one["scheme"]]
+    for one in sorted(runs, key=lambda r: (SCHEMES.index(r["variant"]), r["n"])):
+        label, colour = SCHEME[one["variant"]]
         first = " class=\"first\"" if one["n"] == min(r["n"] for r in runs) else ""
         said = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
         values = [scientific(one["errors"].get(name)) for name in errors]
-        slope = fit.of_entry(next((o for o in orders if (o["test"], o["scheme"]) == (one["test"], one["scheme"])), None))
         last = one["n"] == max(r["n"] for r in runs)
         if errors:
-            values.append(slope if last else "")
+            values.append(fit.order_of(measured, one["case"], one["variant"]) if last else "")
         for name in metrics:
             value = one["metrics"].get(name)
             values.append("–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else ""))
@@ -242,9 +238,9 @@ def test_table(runs: list[dict], orders: list[dict]) -> str:
 
 def terminal(outcomes: list[Outcome], measured: dict) -> str:
     lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>12}" for s in SCHEMES)]
-    for test in dict.fromkeys(one["test"] for one in measured["runs"]):
-        for n in sorted({one["n"] for one in measured["runs"] if one["test"] == test}):
-            runs = {one["scheme"]: one for one in measured["runs"] if one["test"] == test and one["n"] == n}
+    for test in dict.fromkeys(one["case"] for one in measured["runs"]):
+        for n in sorted({one["n"] for one in measured["runs"] if one["case"] == test}):
+            runs = {one["variant"]: one for one in measured["runs"] if one["case"] == test and one["n"] == n}
             name = headline(list(runs.values()))
             cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
                             for s in SCHEMES)

@@ -1,8 +1,8 @@
 """The comparisons: programs A to F, convection, shocks, metal over silicate. Each subject is a module with
 
-    NAME, TITLE, PAGE_TITLE, ABOUT, INTRODUCTION, AGAIN    of the command line, the page's head and its end
+    NAME, TITLE, ABOUT                   of the command line and the page's head
     add_options(parser), plan(given, root, parser) -> [Run]
-    measure(outcomes) -> dict            everything the page says, for results.json
+    rows(outcomes) -> [dict], judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
     terminal(outcomes, measured) -> str
 """
@@ -14,7 +14,7 @@ from html import escape
 from pathlib import Path
 
 from .. import ROOT, pages
-from . import convection, hydrostatic, options, report, rti, runner, shock
+from . import convection, fit, hydrostatic, options, report, rti, runner, shock
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
 
@@ -37,7 +37,10 @@ def main(arguments: list[str]) -> int:
         parser.error("nothing to run")
     chosen.output.mkdir(parents=True, exist_ok=True)
     outcomes = runner.run_all(runs, chosen)
-    measured = subject.measure(outcomes)
+    measured = None
+    if name:
+        runs = subject.rows(outcomes)
+        measured = {"study": name, "runs": runs, "orders": fit.orders(runs, subject.judged)}
 
     # The page is written only when the runs that it shows, or what writes it, have changed.
     mark, stamp, target = fingerprint(outcomes), chosen.output / "report.stamp", chosen.output / "report.html"
@@ -59,10 +62,10 @@ def page(subject, outcomes: list[runner.Outcome], measured: dict | None, chosen:
         (chosen.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
     for old in chosen.output.glob("*.png"):
         old.unlink()
-    parts = [pages.head(subject.TITLE, report.facts(outcomes, chosen.settings), subject.INTRODUCTION), report.crashes(outcomes),
+    parts = [pages.head(subject.TITLE, report.facts(outcomes, chosen.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
              *subject.sections(outcomes, measured, chosen.output), report.reasons(outcomes),
-             f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{subject.AGAIN}</code></pre>"]
-    return pages.document(subject.PAGE_TITLE, parts)
+             f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{getattr(subject, 'AGAIN', '')}</code></pre>"]
+    return pages.document(subject.TITLE, parts)
 
 
 def fingerprint(outcomes: list[runner.Outcome]) -> str:

@@ -16,10 +16,6 @@ def of_the_machine(row: dict, rows: list[dict]) -> float | None:
     return median(u / c for u, c in zip(row["updates_per_second_readings"], same[0]["updates_per_second_readings"]))
 
 
-def per_core(row: dict) -> float:
-    return row["updates_per_second"] / (row["ranks"] * row["threads"])
-
-
 def result(kind: str, run, readings: list[dict], machine: dict) -> dict:
     """One row of scaling.json from the summaries of a run's repeats."""
     rates = [r["particle_updates_per_second"] for r in readings]
@@ -118,13 +114,19 @@ def ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.3f}"
 
 
+def columns(rows: list[dict]) -> dict[str, list[str]]:
+    """Of the tables on the terminal and on the page."""
+    shown = {"Kind": lambda r: r["kind"], "Ranks": lambda r: str(r["ranks"]), "Threads": lambda r: str(r["threads"]),
+             "Particles": lambda r: f"{r['particles']:,}", "M updates/s": lambda r: f"{1e-6 * r['updates_per_second']:.3f}",
+             "Efficiency": lambda r: f"{r['efficiency']:.3f}", "Of the copies": lambda r: ratio(of_the_machine(r, rows)),
+             "Least–largest": lambda r: f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
+             "Waiting": lambda r: f"{100 * r['waiting_fraction']:.1f} %",
+             "KiB sent a step": lambda r: f"{r['bytes_sent_per_step'] / 1024:.1f}",
+             "Messages": lambda r: f"{r['messages_per_step']:.1f}", "Collectives": lambda r: f"{r['collectives_per_step']:.1f}"}
+    return {head: [text(r) for r in rows] for head, text in shown.items()}
+
+
 def as_text(rows: list[dict]) -> str:
     """A table for the terminal."""
-    lines = [f"{'':7}{'ranks':>6}{'threads':>8}{'particles':>11}{'M updates/s':>13}{'efficiency':>12}{'spread':>16}{'/copies':>9}{'waiting':>9}"
-             f"{'KiB/step':>10}{'messages':>10}"]
-    for r in rows:
-        spread = f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}"
-        lines.append(f"{r['kind']:7}{r['ranks']:6}{r['threads']:8}{r['particles']:11,}{1e-6 * r['updates_per_second']:13.3f}"
-                     f"{r['efficiency']:12.3f}{spread:>16}{ratio(of_the_machine(r, rows)):>9}{100 * r['waiting_fraction']:8.1f}%"
-                     f"{r['bytes_sent_per_step'] / 1024:10.1f}{r['messages_per_step']:10.1f}")
-    return "\n".join(lines)
+    shown = [[head, *texts] for head, texts in columns(rows).items()]
+    return "\n".join("  ".join(text.rjust(max(map(len, of))) for text, of in zip(line, shown)) for line in zip(*shown))

@@ -8,6 +8,8 @@ Analytic: a rank's cell is a block of n^(1/D) spacings a side, its halo the shel
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from .plan import factors
 
 WIDTH = 3.8  # spacings: reach of the kernel (3 h, h = 1.2) and the lists' skin (0.2), as in `balance`
@@ -39,11 +41,9 @@ HDR = Network("InfiniBand HDR, 200 Gbit/s a node of 64 ranks, 1.5 µs", 1.5e-6, 
 def line(points: list[tuple[float, float]]) -> tuple[float, float]:
     """Intercept and slope that leave the least relative errors (weights 1/y²): a latency of µs is not lost under
     messages of ms."""
-    w = [1.0 / y ** 2 for _, y in points]
-    s, sx, sy = sum(w), sum(a * x for a, (x, _) in zip(w, points)), sum(a * y for a, (_, y) in zip(w, points))
-    sxx, sxy = sum(a * x * x for a, (x, _) in zip(w, points)), sum(a * x * y for a, (x, y) in zip(w, points))
-    slope = (s * sxy - sx * sy) / (s * sxx - sx * sx)
-    return (sy - slope * sx) / s, slope
+    x, y = np.array(points).T
+    slope, intercept = np.polyfit(x, y, 1, w=1.0 / y)
+    return intercept, slope
 
 
 def costs_of(rows: list[dict], exchanges: list[dict]) -> Costs | None:

@@ -2,8 +2,7 @@
 from html import escape
 
 from .. import pages, style
-from . import figures, model
-from .analysis import amdahl, of_the_machine, ratio
+from . import analysis, figures, model
 
 CAPTIONS = {
     "measured": ("Measured", "Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest."),
@@ -22,18 +21,14 @@ def page(rows: list[dict], exchanges: list[dict]) -> str:
     return pages.document("scaling", [
         pages.head("Scaling", facts, f"Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. "
                                      "What it means: docs/scaling.md."), numbers(rows),
-        *(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>" for fit in amdahl(rows)),
+        *(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>" for fit in analysis.amdahl(rows)),
         *(pages.section(CAPTIONS[name][0], pages.figure(png, CAPTIONS[name][1])) for name, png in drawn.items()),
         cost_table(costs) if costs else "", exchange_table(exchanges)])
 
 
 def numbers(rows: list[dict]) -> str:
-    lines = [[r["kind"], str(r["ranks"]), str(r["threads"]), f"{r['particles']:,}", f"{1e-6 * r['updates_per_second']:.3f}",
-              f"{r['efficiency']:.3f}", ratio(of_the_machine(r, rows)), f"{r['efficiency_least']:.3f}–{r['efficiency_largest']:.3f}",
-              f"{100 * r['waiting_fraction']:.1f} %", f"{r['bytes_sent_per_step'] / 1024:.1f}", f"{r['messages_per_step']:.1f}",
-              f"{r['collectives_per_step']:.1f}"] for r in rows]
-    return pages.text_table(["Kind", "Ranks", "Threads", "Particles", "M updates/s", "Efficiency", "Of the copies", "Least–largest", "Waiting", "KiB sent a step",
-                  "Messages", "Collectives"], lines, 1, "wide")
+    shown = analysis.columns(rows)
+    return pages.text_table(list(shown), list(zip(*shown.values())), 1, "wide")
 
 
 def cost_table(c: model.Costs) -> str:

@@ -3,16 +3,12 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.ticker import NullLocator
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from ... import style
 from .. import references
 from ..results import fluid, history, resolved
 from ..runner import COMPLETED, Outcome
-from . import convergence as orders
-
-QUANTITY = {"nusselt_volume": ("Nu", "#D55E00"), "v_rms": ("v_rms", "#0072B2")}
 
 
 def by_case(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
@@ -155,41 +151,4 @@ def course(outcomes: list[Outcome]):
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel("Nu")
         ax.legend(fontsize=8, loc="lower right")
-    return figure
-
-
-def convergence(measured: dict):
-    panels = []
-    for case in dict.fromkeys(one["case"] for one in measured["runs"]):
-        curves = []
-        for name, (label, colour) in QUANTITY.items():
-            seen = [(one["n"], one["values"][name]) for one in measured["runs"]
-                    if one["case"] == case and one["values"].get(name, {}).get("error") is not None]
-            curves.append(orders.Curve(label, colour, [n for n, _ in seen], [abs(v["error"]) for _, v in seen],
-                                       [(v["uncertainty"] or 0.0) / v["reference"] for _, v in seen]))
-        panels.append((case, curves))
-    return orders.draw(panels, "|measured/known − 1|")
-
-
-def cost(measured: dict):
-    if not any(one["outcome"] == COMPLETED and (one["right_hand_sides"] or one["seconds"]) for one in measured["runs"]):
-        return None
-    cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
-    figure, axes = style.panels(2, 2, 3.0)
-    for index, case in enumerate(cases):
-        runs = [one for one in measured["runs"] if one["case"] == case and one["outcome"] == COMPLETED]
-        colour = list(style.COLOUR.values())[index % len(style.COLOUR)]
-        for ax, key in zip(axes, ("right_hand_sides", "seconds")):
-            seen = [(one["n"], one[key]) for one in runs if one[key]]
-            if seen:
-                ax.plot(*zip(*seen), "o-", color=colour, markersize=4, label=case)
-    every = sorted({one["n"] for one in measured["runs"]})
-    for ax, label in zip(axes, ("right-hand sides", "seconds, one thread")):
-        ax.set_xscale("log")
-        ax.set_ylim(bottom=0)
-        ax.set_xticks(every, [str(n) for n in every])
-        ax.xaxis.set_minor_locator(NullLocator())
-        ax.set_xlabel("n")
-        ax.set_ylabel(label)
-    axes[0].legend(fontsize=8)
     return figure

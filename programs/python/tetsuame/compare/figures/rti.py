@@ -6,7 +6,6 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from ... import style
 from ..results import fluid, history, last_time, number, resolved
 from ..runner import COMPLETED, Outcome
-from . import convergence as orders
 
 MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
 OTHERS = {"Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
@@ -131,13 +130,3 @@ def growth(outcomes: list[Outcome]):
         cross(axes[0], *stop)
     legend(axes, f"Scheme, n = {finest}")
     return figure
-
-
-def convergence(measured: dict):
-    panels: dict[str, list] = {}
-    for name in dict.fromkeys(one["variant"] for one in measured["runs"]):
-        seen = [one for one in measured["runs"] if one["variant"] == name and one["case"] == "growth" and one["growth_error"] is not None]
-        if len(seen) > 1:
-            panels[name] = [orders.Curve(name, colour(name), [one["n"] for one in seen], [abs(one["growth_error"]) for one in seen],
-                                         [one["growth_uncertainty"] / one["growth_theory"] for one in seen])]
-    return orders.draw(list(panels.items()), "|growth rate/theory − 1|")

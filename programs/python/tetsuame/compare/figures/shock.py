@@ -5,7 +5,6 @@ from matplotlib import colormaps
 from ... import style
 from ..results import fluid, resolved
 from ..runner import COMPLETED, Outcome
-from . import convergence as orders
 
 ORDER = tuple(style.SCHEME)
 MAPS = ("square", "square_equal_mass", "kelvin_helmholtz")   # shown from above; the others over x or the radius
@@ -125,37 +124,3 @@ def frame(row) -> None:
         outside = int(((values < low - margin) | (values > high + margin)).sum())
         if outside:
             ax.text(0.98, 0.96, f"{outside} outside", transform=ax.transAxes, ha="right", va="top", fontsize=7.5, color=style.GREY)
-
-
-def convergence(measured: dict):
-    panels = []
-    for test in dict.fromkeys(one["test"] for one in measured["runs"]):
-        curves, name = [], judged_by(test)
-        for scheme, (label, colour) in style.SCHEME.items():
-            seen = [one for one in measured["runs"] if one["test"] == test and one["scheme"] == scheme and one["errors"].get(name)]
-            curves.append(orders.Curve(label, colour, [one["n"] for one in seen], [one["errors"][name] for one in seen],
-                                       [0.0] * len(seen)))
-        if any(len(curve.n) > 1 for curve in curves):
-            panels.append((test, curves))
-    return orders.draw(panels, "L1 error")
-
-
-def cost(measured: dict):
-    rates: dict[str, dict[str, float]] = {}
-    for one in measured["runs"]:
-        if one["outcome"] == COMPLETED and one["updates_per_second"]:
-            finest = max(r["n"] for r in measured["runs"] if r["test"] == one["test"])
-            if one["n"] == finest:
-                rates.setdefault(one["test"], {})[one["scheme"]] = one["updates_per_second"]
-    if not rates:
-        return None
-    figure, ax = style.across(list(rates), margin=0.3)
-    width = 0.8 / len(ORDER)
-    for k, (scheme, (label, colour)) in enumerate(style.SCHEME.items()):
-        seen = [(row + (k - 0.5 * (len(ORDER) - 1)) * width, found[scheme]) for row, found in enumerate(rates.values()) if scheme in found]
-        if seen:
-            y, values = zip(*seen)
-            ax.barh(y, [value / 1e6 for value in values], height=0.92 * width, color=colour, label=label)
-    ax.set_xlabel("million particle updates a second")
-    style.legend_beside(ax)
-    return figure
