@@ -232,7 +232,7 @@ void explicit_integrator::implementation::build() {
 
   arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
   void* m = arkode.get();
-  if (m == nullptr || ERKStepSetErrHandlerFn(m, sundials_messages::handler, &messages) != ARK_SUCCESS ||
+  if (m == nullptr || !TETSUAME_KEEP_MESSAGES(ERKStepSetErrHandlerFn, m, context, messages) ||
       ERKStepSetUserData(m, this) != ARK_SUCCESS ||
       // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
       ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||

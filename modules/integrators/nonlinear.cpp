@@ -94,7 +94,7 @@ int call_residual(N_Vector x, N_Vector f, void* data) {
   return std::isfinite(p.result.residuals.back()) ? 0 : 1;
 }
 
-int call_product(N_Vector v, N_Vector jv, N_Vector x, booleantype*, void* data) {
+int call_product(N_Vector v, N_Vector jv, N_Vector x, int*, void* data) {
   problem& p = problem_of(data);
   const auto at = p.read(x), direction = p.read(v);
   const auto to = problem::write(jv);
@@ -120,7 +120,7 @@ void set_up(problem& p) {
   N_VConst(1.0, p.ones.get());
   p.kinsol.reset(KINCreate(p.context.get()));
   void* k = p.kinsol.get();
-  if (k == nullptr || KINSetErrHandlerFn(k, sundials_messages::handler, &p.messages) != KIN_SUCCESS ||
+  if (k == nullptr || !TETSUAME_KEEP_MESSAGES(KINSetErrHandlerFn, k, p.context, p.messages) ||
       KINSetUserData(k, &p) != KIN_SUCCESS)
     fail_calculation("KINSOL could not be created: is there enough memory?");
 }

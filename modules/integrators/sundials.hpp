@@ -1,9 +1,10 @@
-// What every use of SUNDIALS here shares: the context all its objects belong to, and a
+// What every use of SUNDIALS here shares, for versions 6.4 to 7: the context all its objects belong to, and a
 // handler that keeps SUNDIALS' messages instead of printing them, so that each becomes
 // a foundation::error or a result's reason. Also carries exceptions through C code.
 #pragma once
 
 #include <fmt/format.h>
+#include <sundials/sundials_config.h>
 #include <sundials/sundials_context.h>
 #include <sundials/sundials_nvector.h>
 
@@ -19,8 +20,12 @@ class sundials_context {
  public:
   sundials_context() {
     SUNContext context = nullptr;
-    if (SUNContext_Create(nullptr, &context) != 0)
-      foundation::fail_calculation("SUNDIALS could not create its context: is there enough memory?");
+#if SUNDIALS_VERSION_MAJOR >= 7
+    const int status = SUNContext_Create(SUN_COMM_NULL, &context);
+#else
+    const int status = SUNContext_Create(nullptr, &context);
+#endif
+    if (status != 0) foundation::fail_calculation("SUNDIALS could not create its context: is there enough memory?");
     context_.reset(context);
   }
   SUNContext get() const { return context_.get(); }
@@ -44,7 +49,24 @@ struct sundials_messages {
     constexpr int warning_code = 99;  // ARK_WARNING and KIN_WARNING
     if (code != warning_code) static_cast<sundials_messages*>(messages)->last = fmt::format("{}: {}", function, text);
   }
+#if SUNDIALS_VERSION_MAJOR >= 7
+  static void of_context(int /*line*/, const char* function, const char* /*file*/, const char* text,
+                         SUNErrCode /*code*/, void* messages, SUNContext /*context*/) {
+    static_cast<sundials_messages*>(messages)->last = fmt::format("{}: {}", function, text);
+  }
+#endif
 };
+
+// Whether a solver's messages are kept from here on. Each solver has a function for it (`set`); since 7 the context
+// has.
+#if SUNDIALS_VERSION_MAJOR >= 7
+#define TETSUAME_KEEP_MESSAGES(set, memory, context, messages) \
+  (SUNContext_ClearErrHandlers((context).get()) == 0 &&        \
+   SUNContext_PushErrHandler((context).get(), sundials_messages::of_context, &(messages)) == 0)
+#else
+#define TETSUAME_KEEP_MESSAGES(set, memory, context, messages) \
+  (set(memory, sundials_messages::handler, &(messages)) == 0)
+#endif
 
 // Calls that SUNDIALS must not see fail with an exception: the first one thrown waits here.
 class exception_carrier {

@@ -9,6 +9,9 @@
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]  # of the repository
+# Where the programs are: built, or installed beside this package.
+PROGRAMS = next((folder for folder in (ROOT / "build/programs", Path(__file__).resolve().parents[2]) if (folder / "rti").exists()),
+                ROOT / "build/programs")
 
 # Exit statuses, the same as the programs'.
 COMPLETED, BAD_INPUT, FAILED, FILE_FAILED = 0, 2, 3, 4

@@ -12,7 +12,7 @@ import sys
 import threading
 from pathlib import Path
 
-from . import COMPLETED, FAILED, ROOT, runs
+from . import COMPLETED, FAILED, PROGRAMS, runs
 from .reading import Unreadable, read_json
 
 ENDED = {0: "completed", 3: "failed"}  # statuses after which the same run again would end the same
@@ -142,7 +142,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--ranks", type=int, default=1, help="MPI processes of each run (%(default)d)")
     parser.add_argument("--submit", metavar="OPTIONS", help="write job scripts instead, by the program submit with these options: "
                         "'--scheduler slurm --time 02:00:00'")
-    parser.add_argument("--programs", metavar="FOLDER", type=Path, default=ROOT / "build/programs", help="where the programs are (%(default)s)")
+    parser.add_argument("--programs", metavar="FOLDER", type=Path, default=PROGRAMS, help="where the programs are (%(default)s)")
     o = parser.parse_args(arguments)
     if not o.input.is_file():
         raise Unreadable(f"{o.input}: no such file")
