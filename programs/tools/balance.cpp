@@ -33,6 +33,7 @@ double seconds_since(clock::time_point begin) { return std::chrono::duration<dou
 // One way to partition, followed through the run.
 struct course {
   std::string name;  // of the keys in summary.json: "rcb"; empty: ours
+  std::string prefix() const { return name.empty() ? name : name + "_"; }
   std::vector<int> owner;
   load now;
   balance::spread times;
@@ -153,44 +154,47 @@ struct virtual_run {
     if (c.last.move) take(c, std::move(owner));
   }
 
-  std::vector<double> row() const {
-    std::vector<double> values;
-    for (const auto& c : courses) {
-      const auto& t = c.times;
-      for (const double v : {t.over_mean(), t.over_maximum(), t.mean > 0.0 ? t.maximum / t.mean : 1.0, t.maximum,
-                             c.last_moved, c.last.gain, c.last.cost, c.last.move ? 1.0 : 0.0})
-        values.push_back(v);
-    }
-    values.push_back(experience.trust);
-    values.push_back(experience.relaxation);
-    return values;
-  }
+  std::vector<double> row() const;
 };
 
-std::vector<output::history_column> columns(const options& o) {
-  std::vector<std::string> prefixes{""};
-  for (const auto& name : o.compare) prefixes.push_back(name + "_");
+// Of history.csv, for each course.
+struct column {
+  const char* name;
+  const char* unit;
+  double (*of)(const course& c);
+};
+constexpr std::array columns_of_a_course{
+    column{"spread", "1", [](const course& c) { return c.times.over_mean(); }},
+    column{"spread_of_maximum", "1", [](const course& c) { return c.times.over_maximum(); }},
+    column{"max_over_mean", "1",
+           [](const course& c) { return c.times.mean > 0.0 ? c.times.maximum / c.times.mean : 1.0; }},
+    column{"slowest_step", "s", [](const course& c) { return c.times.maximum; }},
+    column{"migrated_fraction", "1", [](const course& c) { return c.last_moved; }},
+    column{"gain", "s", [](const course& c) { return c.last.gain; }},
+    column{"cost", "s", [](const course& c) { return c.last.cost; }},
+    column{"moved", "1", [](const course& c) { return c.last.move ? 1.0 : 0.0; }}};
+
+template <int D>
+std::vector<double> virtual_run<D>::row() const {
+  std::vector<double> values;
+  for (const auto& c : courses)
+    for (const auto& one : columns_of_a_course) values.push_back(one.of(c));
+  values.insert(values.end(), {experience.trust, experience.relaxation});
+  return values;
+}
+
+std::vector<output::history_column> columns(const std::vector<course>& courses) {
   std::vector<output::history_column> all;
-  for (const auto& p : prefixes)
-    for (const auto& [name, unit] :
-         std::initializer_list<std::pair<const char*, const char*>>{{"spread", "1"},
-                                                                    {"spread_of_maximum", "1"},
-                                                                    {"max_over_mean", "1"},
-                                                                    {"slowest_step", "s"},
-                                                                    {"migrated_fraction", "1"},
-                                                                    {"gain", "s"},
-                                                                    {"cost", "s"},
-                                                                    {"moved", "1"}})
-      all.push_back({p + name, unit});
-  all.push_back({"trust", "1"});
-  all.push_back({"relaxation", "1"});
+  for (const auto& c : courses)
+    for (const auto& one : columns_of_a_course) all.push_back({c.prefix() + one.name, one.unit});
+  all.insert(all.end(), {{"trust", "1"}, {"relaxation", "1"}});
   return all;
 }
 
 json metrics_of(const std::vector<course>& courses, const ledger& book) {
   json j;
   for (const auto& c : courses) {
-    const std::string p = c.name.empty() ? "" : c.name + "_";
+    const auto p = c.prefix();
     j[p + "spread_initial"] = c.first_times.over_mean();
     j[p + "spread_final"] = c.times.over_mean();
     j[p + "spread_of_maximum_initial"] = c.first_times.over_maximum();
@@ -259,7 +263,7 @@ void carry_out(const run::command_line& line, const options& o, const std::strin
                          {"cuts.csv", "times.csv"});
   output::write_text(MPI_COMM_WORLD, line.output + "/resolved.nml", resolved);
   output::run_log log(MPI_COMM_WORLD, line.output + "/run.log");
-  auto history = output::history::start(MPI_COMM_WORLD, line.output + "/history.csv", columns(o));
+  auto history = output::history::start(MPI_COMM_WORLD, line.output + "/history.csv", columns(v.courses));
   log.write(fmt::format("{} particles, {} ranks, {}-D", v.s.size(), v.slowness.size(), D));
 
   auto first = v.courses[0];  // the run that keeps its first cuts
