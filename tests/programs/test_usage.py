@@ -109,11 +109,12 @@ class Refused(Case):
         self.assertEqual(result.status, COMPLETED, result.stderr)
         self.assertRegex(result.stdout, "(?m)^  steps = 7$")
         self.refuse_set("stps=7", says=["--set stps=7", "unknown key stps", "the nearest is steps"])
-        self.refuse_set("name=x", says=["--set name=x", "several groups", "kernel.name=x"])
+        self.refuse_set("name=x", says=["--set name=x", "several groups", "kernel.name=x"], name="rti_note")
 
     def test_an_input_for_another_program(self):
-        for name, program in [("blankenbach_1a", "convection"), ("sod", "shock"), ("balance_bowl", "balance")]:
-            self.refuse(INPUTS / f"{name}.nml", says=[f"{name}.nml:", f"this input is for program {program}"])
+        for given_to, name, program in [("rti", "blankenbach_1a", "convection"), ("convection", "sod", "shock"), ("shock", "balance_bowl", "balance"),
+                                        ("drop", "rti_note", "rti")]:
+            self.refuse(INPUTS / f"{name}.nml", program=given_to, says=[f"{name}.nml:", f"this input is for program {program}"])
 
     def test_questions_need_no_mpi(self):
         """Where MPI may not start: a cluster's login node. (A component that is not there ends MPI_Init.)"""
