@@ -1,9 +1,10 @@
 """Usage and input errors: exit 2 with file:line, the key and what was expected, and nothing written."""
 
 import pathlib
+import subprocess
 import unittest
 
-from running import ALL, BAD_INPUT, COMPLETED, FILE_FAILED, INPUTS, Case
+from running import ALL, BAD_INPUT, COMPLETED, FILE_FAILED, INPUTS, PROGRAMS, Case
 
 SHORT = {"time.steps": 3, "output.interval": 0}
 
@@ -115,6 +116,18 @@ class Refused(Case):
         for given_to, name, program in [("rti", "blankenbach_1a", "convection"), ("convection", "sod", "shock"), ("shock", "balance_bowl", "balance"),
                                         ("drop", "rti_note", "rti")]:
             self.refuse(INPUTS / f"{name}.nml", program=given_to, says=[f"{name}.nml:", f"this input is for program {program}"])
+
+    def test_completion(self):
+        """What bash would offer for the last word."""
+        completion = pathlib.Path(__file__).resolve().parents[2] / "programs/completion.bash"
+        for words, offered in [(["disph_c", INPUTS / "rti_note.nml", "--set", "rti.viscosity_l"], "rti.viscosity_lower="),
+                               (["rti", "--re"], "--restart"), (["rti", INPUTS / "sedov_oc"], f"{INPUTS}/sedov_octant.nml"), (["./run", "mo"], "movie")]:
+            with self.subTest(words):
+                function = "_tetsuame_run" if words[0] == "./run" else "_tetsuame_program"
+                script = (f"source {completion}; compopt() {{ :; }}; COMP_WORDS=({' '.join(map(str, words))}); COMP_CWORD={len(words) - 1}; {function}; "
+                          'echo "${COMPREPLY[@]}"')
+                said = subprocess.run(["bash", "-c", script], capture_output=True, text=True, env={"PATH": f"{PROGRAMS}:/usr/bin:/bin"})
+                self.assertEqual((said.stdout.strip(), said.stderr), (offered, ""))
 
     def test_questions_need_no_mpi(self):
         """Where MPI may not start: a cluster's login node. (A component that is not there ends MPI_Init.)"""
