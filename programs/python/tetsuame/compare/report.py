@@ -49,3 +49,16 @@ def reasons(outcomes: list[Outcome]) -> str:
 def crash_lines(outcomes: list[Outcome]) -> list[str]:
     """For the terminal."""
     return [f"CRASHED: {o.case.label} on {o.case.file}: {o.reason}" for o in outcomes if o.kind == CRASHED]
+
+
+def said(value: float | None, form: str = "{:.3g}") -> str:
+    return "–" if value is None else form.format(value)
+
+
+def percent(value: float | None) -> str:
+    shown = said(value and 100 * value, "{:+.2f} %").replace("-", "−")
+    return "0.00 %" if shown[1:] == "0.00 %" else shown
+
+
+def count(value: float | None) -> str:
+    return said(value, "{:,.0f}").replace(",", " ")

@@ -2,7 +2,7 @@
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
     add_options(parser), plan(given, root, parser) -> [Run]
-    rows(outcomes) -> [dict], judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
+    row(outcome, outcomes) -> dict or None, judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
     terminal(outcomes, measured) -> str
 """
@@ -14,7 +14,7 @@ from html import escape
 from pathlib import Path
 
 from .. import ROOT, pages
-from . import convection, fit, hydrostatic, options, report, rti, runner, shock
+from . import convection, fit, hydrostatic, options, report, results, rti, runner, shock, table
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
 
@@ -39,7 +39,7 @@ def main(arguments: list[str]) -> int:
     outcomes = runner.run_all(runs, chosen)
     measured = None
     if name:
-        runs = subject.rows(outcomes)
+        runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
         measured = {"study": name, "runs": runs, "orders": fit.orders(runs, subject.judged)}
 
     # The page is written only when the runs that it shows, or what writes it, have changed.
@@ -55,6 +55,12 @@ def main(arguments: list[str]) -> int:
         print("Nothing has changed since these runs; --fresh runs them again.")
     print(f"Report: {target}")
     return 1 if any(outcome.kind == runner.CRASHED for outcome in outcomes) else 0  # a crash is none of the results
+
+
+def common(outcome: runner.Outcome) -> dict:
+    """What results.json has of every run."""
+    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": table.verdict(outcome),
+            "reason": outcome.reason or None, **results.cost(outcome)}
 
 
 def page(subject, outcomes: list[runner.Outcome], measured: dict | None, chosen: options.Common, again: str) -> str:
