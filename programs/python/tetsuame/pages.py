@@ -77,3 +77,8 @@ def text_table(header: list[str], rows: list[list[str]], words: int, kind: str =
     """Of plain text: the first `words` columns are words, the others numbers."""
     lines = [[cell(escape(text), "" if index < words else "number") for index, text in enumerate(row)] for row in rows]
     return table([escape(text) for text in header], lines, kind)
+
+
+def text_columns(of: list, made: dict, words: int, kind: str = "") -> str:
+    """As columns(), of plain text."""
+    return text_table(list(made), [[make(one) for make in made.values()] for one in of], words, kind)

@@ -163,7 +163,7 @@ def growth_table(measured: dict, names: list[str]) -> str:
     return pages.columns(names, columns) + (f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else "")
 
 
-def terminal(outcomes: list[Outcome], measured: dict) -> str:
+def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'scheme':<18}{'case':<10}{'n':>4}  {'outcome':<11}{'until':>8}  {'growth, error':>13}{'centroid':>10}  why"]
     for one in measured["runs"]:
         until = said(one["time"], "{:.0f} s")
@@ -171,4 +171,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
         centroid = f"{one['metal_centroid']:.3f}" if one["case"] == OVERTURN and one["metal_centroid"] is not None else ""
         lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
                      f"{short(one['reason'])}")
-    return "\n".join(lines + report.crash_lines(outcomes))
+    return lines

@@ -234,7 +234,7 @@ def test_table(measured: dict, test: str) -> str:
         (f"<p class=\"small\">Errors against {escape(note)}</p>" if note else "")
 
 
-def terminal(outcomes: list[Outcome], measured: dict) -> str:
+def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>12}" for s in SCHEMES)]
     for test in dict.fromkeys(one["case"] for one in measured["runs"]):
         for n in sorted({one["n"] for one in measured["runs"] if one["case"] == test}):
@@ -243,4 +243,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
             cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
                             for s in SCHEMES)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
-    return "\n".join(lines + report.crash_lines(outcomes))
+    return lines

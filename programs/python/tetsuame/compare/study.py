@@ -4,7 +4,7 @@
     add_options(parser), plan(given, root, parser) -> [Run]
     row(outcome, outcomes) -> dict or None, judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
-    terminal(outcomes, measured) -> str
+    terminal(outcomes, measured) -> [lines]
 """
 import argparse
 import hashlib
@@ -50,7 +50,7 @@ def main(arguments: list[str]) -> int:
         again = arguments if name else [word for setting in chosen.settings for word in ("--set", setting)]
         target.write_text(page(subject, outcomes, measured, chosen, " ".join([command, *again])), encoding="utf-8")
         stamp.write_text(mark)
-    print(subject.terminal(outcomes, measured))
+    print("\n".join(subject.terminal(outcomes, measured) + report.crash_lines(outcomes)))
     if unchanged:
         print("Nothing has changed since these runs; --fresh runs them again.")
     print(f"Report: {target}")
