@@ -31,24 +31,24 @@ def main(arguments: list[str]) -> int:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
     options.add_common(parser, ROOT, f"output/compare/{name}".rstrip("/"))
     given = parser.parse_args(arguments)
-    chosen = options.common(given, parser)
+    options.check_common(given, parser)
     runs = subject.plan(given, ROOT, parser)
     if not runs:
         parser.error("nothing to run")
-    chosen.output.mkdir(parents=True, exist_ok=True)
-    outcomes = runner.run_all(runs, chosen)
+    given.output.mkdir(parents=True, exist_ok=True)
+    outcomes = runner.run_all(runs, given)
     measured = None
     if name:
         runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
         measured = {"study": name, "runs": runs, "orders": fit.orders(runs, subject.judged)}
 
     # The page is written only when the runs that it shows, or what writes it, have changed.
-    mark, stamp, target = fingerprint(outcomes), chosen.output / "report.stamp", chosen.output / "report.html"
+    mark, stamp, target = fingerprint(outcomes), given.output / "report.stamp", given.output / "report.html"
     unchanged = all(outcome.reused for outcome in outcomes)
     if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
         stamp.unlink(missing_ok=True)
-        again = arguments if name else [word for setting in chosen.settings for word in ("--set", setting)]
-        target.write_text(page(subject, outcomes, measured, chosen, " ".join([command, *again])), encoding="utf-8")
+        again = arguments if name else [word for setting in given.settings for word in ("--set", setting)]
+        target.write_text(page(subject, outcomes, measured, given, " ".join([command, *again])), encoding="utf-8")
         stamp.write_text(mark)
     print("\n".join(subject.terminal(outcomes, measured) + report.crash_lines(outcomes)))
     if unchanged:
@@ -63,13 +63,13 @@ def common(outcome: runner.Outcome) -> dict:
             "reason": outcome.reason or None, **results.cost(outcome)}
 
 
-def page(subject, outcomes: list[runner.Outcome], measured: dict | None, chosen: options.Common, again: str) -> str:
+def page(subject, outcomes: list[runner.Outcome], measured: dict | None, given: argparse.Namespace, again: str) -> str:
     if measured is not None:
-        (chosen.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
-    for old in chosen.output.glob("*.png"):
+        (given.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
+    for old in given.output.glob("*.png"):
         old.unlink()
-    parts = [pages.head(subject.TITLE, report.facts(outcomes, chosen.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
-             *subject.sections(outcomes, measured, chosen.output), report.reasons(outcomes),
+    parts = [pages.head(subject.TITLE, report.facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
+             *subject.sections(outcomes, measured, given.output), report.reasons(outcomes),
              f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{getattr(subject, 'AGAIN', '')}</code></pre>"]
     return pages.document(subject.TITLE, parts)
 
