@@ -199,15 +199,20 @@ std::uint64_t create_layout(const std::string& path, layout& contents) {
 }
 
 double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {
+  const auto values = read_real_attributes(path, object, name);
+  if (values.size() != 1)
+    foundation::fail_file(fmt::format("cannot read {}: {}/{} is not one number", path, object, name));
+  return values[0];
+}
+
+std::vector<double> read_real_attributes(const std::string& path, const std::string& object, const std::string& name) {
   const opened_file opened(path);
   const auto& [silence, file, root] = opened;
   const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
   const handle space(file.check(H5Aget_space(a)), H5Sclose);
-  if (H5Sget_simple_extent_npoints(space) != 1)
-    foundation::fail_file(fmt::format("cannot read {}: {}/{} is not one number", path, object, name));
-  double value = 0.0;
-  file.check(H5Aread(a, H5T_NATIVE_DOUBLE, &value));
-  return value;
+  std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
+  file.check(H5Aread(a, H5T_NATIVE_DOUBLE, values.data()));
+  return values;
 }
 
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {

@@ -52,6 +52,7 @@ struct stored_dataset {
 };
 // Throw fail_file with HDF5's reason.
 double read_real_attribute(const std::string& path, const std::string& object, const std::string& name);
+std::vector<double> read_real_attributes(const std::string& path, const std::string& object, const std::string& name);
 // The datasets right in the group, by name; "/" is the root. Empty if there is no such group.
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group);
 

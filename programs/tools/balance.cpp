@@ -9,9 +9,7 @@
 #include <mpi.h>
 
 #include <chrono>
-#include <cmath>
 #include <foundation/agree.hpp>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>

@@ -9,7 +9,6 @@
 #include <bench/measure.hpp>
 #include <cmath>
 #include <command.hpp>
-#include <cstdlib>
 #include <domain/communicator.hpp>
 #include <filesystem>
 #include <fstream>

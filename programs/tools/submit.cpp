@@ -105,11 +105,15 @@ long seconds_of(const std::string& time) {
 }
 
 // Schedulers read these from comment lines, each with quoting of its own.
-void refuse_odd(const std::string& option, const std::string& text) {
-  static const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+=,:@";
-  if (const auto at = text.find_first_not_of(plain); at != std::string::npos)
-    fail_input(fmt::format("{} {}: '{}' cannot stand in a job script's directives; letters, digits and _-./+=,:@ can",
-                           option, text, text[at]));
+void refuse_odd(const submit::options& o) {
+  for (const auto& [option, text] : {std::pair{"--output", o.output},
+                                     {"--name", o.name},
+                                     {"--queue", o.queue},
+                                     {"--account", o.account},
+                                     {"--group", o.group}})
+    if (const auto at = text.find_first_not_of(submit::plain); at != std::string::npos)
+      fail_input(fmt::format("{} {}: '{}' cannot stand in a job script's directives; letters, digits and _-./+=,:@ can",
+                             option, text, text[at]));
 }
 
 void refuse_line_ends(int argc, char** argv) {
@@ -129,9 +133,7 @@ std::string resolved_program(const std::string& name) {
         access(entry.path().c_str(), X_OK) == 0)
       known.push_back(entry.path().filename().string());
   std::sort(known.begin(), known.end());
-  std::string list;
-  for (const auto& each : known) list += (list.empty() ? "" : ", ") + each;
-  fail_input(fmt::format("program {}: {} is no program; there are {}", name, path.string(), list));
+  fail_input(fmt::format("program {}: {} is no program; there are {}", name, path.string(), fmt::join(known, ", ")));
 }
 
 // Runs a command; its standard output comes back, its messages go where ours go.
@@ -177,11 +179,7 @@ void complete(submit::options& o) {
   o.output = fs::absolute(o.output).lexically_normal().string();
   if (o.output.size() > 1 && o.output.back() == '/') o.output.pop_back();
   if (o.name.empty()) o.name = program_name;
-  refuse_odd("--output", o.output);
-  refuse_odd("--name", o.name);
-  refuse_odd("--queue", o.queue);
-  refuse_odd("--account", o.account);
-  refuse_odd("--group", o.group);
+  refuse_odd(o);
 }
 
 // Results without a checkpoint would be lost by the first job.

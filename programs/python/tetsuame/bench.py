@@ -5,17 +5,11 @@ from pathlib import Path
 from . import pages, style
 from .reading import Unreadable, read_json
 
-CASES = {"program_c": "program C", "program_f": "program F", "number_density": "number density",
-         "transport": "C with conduction and own viscosities", "ssph": "gas, SSPH", "disph": "gas, DISPH",
-         "gsph": "gas, GSPH", "gdisph": "gas, Godunov DISPH", "remix": "gas, REMIX"}
-
-# In the order of a step; whatever else bench names comes after them.
-STAGES = ("lists", "halo", "volume", "walls", "pressure", "densities", "corrections", "gradient",
-          "gradients", "forces", "rates", "integration", "rest")
-
-COLOUR = {"program_c": "#0072B2", "program_f": "#009E73", "number_density": "#E69F00", "transport": "#CC79A7",
-          "ssph": "#8C8C6E", "disph": "#56B4E9", "gsph": "#A0522D", "gdisph": "#D55E00", "remix": "#6A3D9A"}
-
+# Of each case its name and colour.
+CASES = {"program_c": ("program C", "#0072B2"), "program_f": ("program F", "#009E73"), "number_density": ("number density", "#E69F00"),
+         "transport": ("C with conduction and own viscosities", "#CC79A7"), "ssph": ("gas, SSPH", "#8C8C6E"),
+         "disph": ("gas, DISPH", "#56B4E9"), "gsph": ("gas, GSPH", "#A0522D"), "gdisph": ("gas, Godunov DISPH", "#D55E00"),
+         "remix": ("gas, REMIX", "#6A3D9A")}
 
 # Rates of other codes, million particle updates a second and core, least and largest: see other_codes().
 RATES = (
@@ -34,8 +28,16 @@ def read(path: Path) -> list[dict]:
     return measured
 
 
+def title(name: str) -> str:
+    return CASES.get(name, (name, style.INK))[0]
+
+
+def colour(name: str) -> str:
+    return CASES.get(name, (name, style.INK))[1]
+
+
 def label(result: dict) -> str:
-    return f"{CASES.get(result['name'], result['name'])}, {result['dimension']}-D"
+    return f"{title(result['name'])}, {result['dimension']}-D"
 
 
 def kinds(measured: list[dict]) -> list[tuple[str, int]]:
@@ -70,7 +72,7 @@ def over_particles(measured: list[dict], value, text: str):
                 continue
             found = choose(measured, kind, few)
             ax.plot([r["particles"] for r in found], [value(r) for r in found], marker="o", markersize=4,
-                    color=COLOUR.get(kind[0], style.INK), label=label(found[0]))
+                    color=colour(kind[0]), label=label(found[0]))
         ax.set_xscale("log")
         ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
         ax.set_xlabel("particles")
@@ -87,17 +89,11 @@ def count(threads: int) -> str:
 def stages(measured: list[dict]):
     few = fewest_threads(measured)
     shown = [r for r in (typical(measured, kind, few) for kind in kinds(measured)) if r]
-    names = [*STAGES, *sorted({name for r in shown for name in r["stages"]} - set(STAGES))]
-    figure, ax = style.across([f"{label(r)}, {r['particles']:,}" for r in shown])
-    left = [0.0] * len(shown)
-    for name in names:
-        shares = [100.0 * r["stages"].get(name, 0.0) for r in shown]
-        if not any(shares):
-            continue
-        left = style.stack(ax, shares, left, style.STAGE.get(name, style.GREY), name)
-    ax.set_xlabel(f"share of a step (%), {count(few)}")
+    others = {name for r in shown for name in r["stages"]} - set(style.STAGE)
+    parts = {name: (style.STAGE.get(name, style.GREY), [100.0 * r["stages"].get(name, 0.0) for r in shown])
+             for name in (*style.STAGE, *sorted(others))}
+    figure, ax, _ = style.stacked([f"{label(r)}, {r['particles']:,}" for r in shown], parts, f"share of a step (%), {count(few)}")
     ax.set_xlim(0, 100)
-    style.legend_beside(ax)
     return figure
 
 
@@ -108,7 +104,7 @@ def beside_others(measured: list[dict]):
     names = [name for name, *_ in RATES] + [f"Tetsuame, program C, {ours['particles']:,}"]
     values = [0.5 * (low + high) for *_, low, high in RATES] + [1e-6 * ours["updates_per_second_per_core"]]
     figure, ax = style.across(names)
-    ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [COLOUR["program_c"]])
+    ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [colour("program_c")])
     style.say_at_ends(ax, values, [f"{value:.3g}" for value in values])
     ax.set_xlabel("million particle updates a second and core, 2-D")
     return figure
@@ -120,7 +116,7 @@ def scalar(measured: list[dict]):
         return None
     compared.sort(key=lambda r: (r["dimension"], r["particles"], r["threads"]))
     figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}" for r in compared], 0.3)
-    ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=COLOUR["program_c"])
+    ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=colour("program_c"))
     ax.axvline(1.0, color=style.INK, linewidth=0.8)
     ax.set_xlabel("program C's two sums: time of the scalar loop / time of the pair engine")
     return figure
@@ -139,7 +135,7 @@ def threads(measured: list[dict]):
             continue
         ax.plot([r["threads"] for r in found],
                 [r["updates_per_second"] / one[largest]["updates_per_second"] for r in found], marker="o", markersize=4,
-                color=COLOUR.get(kind[0], style.INK), linestyle="-" if kind[1] == 2 else (0, (4, 2)),
+                color=colour(kind[0]), linestyle="-" if kind[1] == 2 else (0, (4, 2)),
                 label=f"{label(found[0])}, {largest:,}")
     ax.plot([few, many], [1, many / few], color=style.GREY, linewidth=0.8, label="ideal")
     ax.set_xticks(sorted({r["threads"] for r in measured}))
@@ -170,21 +166,22 @@ def other_codes() -> str:
             "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler.</p>")
 
 
+def speedup(result: dict) -> str:
+    return f"{result['speedup_over_scalar']:.2f}" if "speedup_over_scalar" in result else ""
+
+
 def numbers(measured: list[dict]) -> str:
-    rows = []
-    for r in measured:
-        walls = 100.0 * r["stages"].get("walls", 0.0)
-        speedup = r.get("speedup_over_scalar")
-        rows.append([CASES.get(r["name"], r["name"]), f"{r['dimension']}", f"{r['particles']:,}", f"{r['threads']}",
-                     f"{r['neighbours']:.1f}", f"{1e-6 * r['updates_per_second_per_core']:.3g}",
-                     f"{1e-6 * r['pairs_per_second_per_core']:.4g}", f"{r['ns_per_pair']:.2f}",
-                     "" if speedup is None else f"{speedup:.2f}", f"{walls:.1f} %", f"{r['bytes_per_particle']:.0f}",
-                     f"{r['list_bytes_per_particle']:.0f}", f"{r['load_average']:.1f}"])
-    return ("<h2>All numbers</h2>\n"
-            + pages.text_table(["Case", "D", "Particles", "Threads", "Neighbours", "M updates/s per core", "M pairs/s per core",
-                     "ns per pair", "Over scalar", "Walls", "Bytes/particle", "List bytes", "Load"], rows, 1, "wide")
-            + "\n<p class=\"small\">Neighbours: within the kernel's support, a particle. Bytes: all memory in use but the "
-            "lists; ghosts and walls make it large for small boxes. Everything is in bench.json beside this page.</p>")
+    columns = {"Case": lambda r: title(r["name"]), "D": lambda r: str(r["dimension"]), "Particles": lambda r: f"{r['particles']:,}",
+               "Threads": lambda r: str(r["threads"]), "Neighbours": lambda r: f"{r['neighbours']:.1f}",
+               "M updates/s per core": lambda r: f"{1e-6 * r['updates_per_second_per_core']:.3g}",
+               "M pairs/s per core": lambda r: f"{1e-6 * r['pairs_per_second_per_core']:.4g}",
+               "ns per pair": lambda r: f"{r['ns_per_pair']:.2f}", "Over scalar": speedup,
+               "Walls": lambda r: f"{100.0 * r['stages'].get('walls', 0.0):.1f} %",
+               "Bytes/particle": lambda r: f"{r['bytes_per_particle']:.0f}", "List bytes": lambda r: f"{r['list_bytes_per_particle']:.0f}",
+               "Load": lambda r: f"{r['load_average']:.1f}"}
+    return pages.section("All numbers", pages.text_columns(measured, columns, 1, "wide"),
+                         "<p class=\"small\">Neighbours: within the kernel's support, a particle. Bytes: all memory in use but the "
+                         "lists; ghosts and walls make it large for small boxes. Everything is in bench.json beside this page.</p>")
 
 
 def page(measured: list[dict]) -> str:

@@ -39,29 +39,46 @@ def figure(png: bytes, caption: str) -> str:
             f"<figcaption>{caption}</figcaption></figure>")
 
 
-def numbers(*texts) -> str:
-    """Cells that stand to the right."""
-    return "".join(f"<td class=\"number\">{text}</td>" for text in texts)
+def cell(text, kind: str = "", columns: int = 1) -> str:
+    """`text` is HTML; `kind`: number (it stands to the right), good, stop, bad (colours), or several of them."""
+    marks = (f" colspan=\"{columns}\"" if columns > 1 else "") + (f" class=\"{kind}\"" if kind else "")
+    return f"<td{marks}>{text}</td>"
+
+
+def number(text) -> str:
+    return cell(text, "number")
 
 
 def name(text: str, colour: str = "") -> str:
     """The cell a line begins with, and the colour that it has in the figures."""
     key = f"<span class=\"key\" style=\"background:{colour}\"></span>" if colour else ""
-    return f"<td class=\"name\">{key}{escape(text)}</td>"
+    return cell(key + escape(text), "name")
 
 
-def table(header: list[str], rows: list[str], kind: str = "", numbers: frozenset[int] = frozenset()) -> str:
-    """`rows` are HTML, from <tr> to </tr>; `numbers`: the columns whose heads stand to the right."""
-    cells = "".join(f"<th{' class=' + chr(34) + 'number' + chr(34) if index in numbers else ''}>{text}</th>"
-                    for index, text in enumerate(header))
-    return (f"<div class=\"scroll\"><table{f' class={chr(34)}{kind}{chr(34)}' if kind else ''}>\n<thead><tr>{cells}</tr></thead>\n<tbody>\n"
-            + "\n".join(rows) + "\n</tbody></table></div>")
+def table(header: list[str], rows: list[list[str]], kind: str = "", groups=()) -> str:
+    """`rows` of cells; heads of numbers stand to the right. `groups`: of each row, where a line stands above the first of each."""
+    def head(index: int, text: str) -> str:
+        right = any(len(row) == len(header) and row[index].startswith("<td class=\"number") for row in rows)
+        return f"<th class=\"number\">{text}</th>" if right else f"<th>{text}</th>"
+
+    begins = {index for index, group in enumerate(groups) if index == 0 or group != groups[index - 1]}
+    lines = [("<tr class=\"first\">" if index in begins else "<tr>") + "".join(row) + "</tr>" for index, row in enumerate(rows)]
+    marks = f" class=\"{kind}\"" if kind else ""
+    return (f"<div class=\"scroll\"><table{marks}>\n<thead><tr>{''.join(head(*each) for each in enumerate(header))}</tr></thead>\n<tbody>\n"
+            + "\n".join(lines) + "\n</tbody></table></div>")
+
+
+def columns(of: list, made: dict, kind: str = "", group=None) -> str:
+    """A table with a row for each of `of`: the head of each column, and what makes its cell."""
+    return table(list(made), [[make(one) for make in made.values()] for one in of], kind, [group(one) for one in of] if group else ())
 
 
 def text_table(header: list[str], rows: list[list[str]], words: int, kind: str = "") -> str:
     """Of plain text: the first `words` columns are words, the others numbers."""
-    def cell(index: int, text: str) -> str:
-        return f"<td{' class=' + chr(34) + 'number' + chr(34) if index >= words else ''}>{escape(text)}</td>"
+    lines = [[cell(escape(text), "" if index < words else "number") for index, text in enumerate(row)] for row in rows]
+    return table([escape(text) for text in header], lines, kind)
 
-    lines = ["<tr>" + "".join(cell(index, text) for index, text in enumerate(row)) + "</tr>" for row in rows]
-    return table([escape(text) for text in header], lines, kind, frozenset(range(words, len(header))))
+
+def text_columns(of: list, made: dict, words: int, kind: str = "") -> str:
+    """As columns(), of plain text."""
+    return text_table(list(made), [[make(one) for make in made.values()] for one in of], words, kind)

@@ -17,10 +17,10 @@ DASHED = {"E"}
 SCHEME = {"ssph": ("SSPH", "#E69F00"), "disph": ("DISPH", "#56B4E9"), "gsph": ("GSPH", "#D55E00"),
           "gdisph": ("Godunov DISPH", "#0072B2"), "remix": ("REMIX", "#009E73")}
 
-# The stages of a step.
+# The stages of a step, in its order.
 STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#CC3311", "pressure": "#66A5CC",
-         "gradient": "#4477AA", "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4",
-         "densities": "#99C7DB", "corrections": "#7FA889", "gradients": "#66A5CC", "forces": "#4477AA"}
+         "densities": "#99C7DB", "corrections": "#7FA889", "gradient": "#4477AA", "gradients": "#66A5CC", "forces": "#4477AA",
+         "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4"}
 
 INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
 WIDTH = 10.4  # inches: the report's column
@@ -66,10 +66,17 @@ def across(names: list[str], height: float = 0.42, margin: float = 1.2):
     return figure, ax
 
 
-def stack(ax, widths: list[float], left: list[float], colour: str, label: str) -> list[float]:
-    """Bars of across() that begin where those before end; where these end."""
-    ax.barh(range(len(widths)), widths, left=left, height=0.68, color=colour, edgecolor="white", linewidth=0.6, label=label)
-    return [start + width for start, width in zip(left, widths)]
+def stacked(names: list[str], parts: dict[str, tuple[str, list[float]]], label: str, **options):
+    """Bars of across(), each of the parts (by name: colour and widths) that are there; the figure, its axes and where the bars end."""
+    figure, ax = across(names, **options)
+    ends = [0.0] * len(names)
+    for name, (colour, widths) in parts.items():
+        if any(widths):
+            ax.barh(range(len(names)), widths, left=ends, height=0.68, color=colour, edgecolor="white", linewidth=0.6, label=name)
+            ends = [end + width for end, width in zip(ends, widths)]
+    ax.set_xlabel(label)
+    legend_beside(ax)
+    return figure, ax, ends
 
 
 def say_at_ends(ax, ends: list[float], texts: list[str]) -> None:

@@ -38,23 +38,13 @@ double heap_bytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-namespace {
-
-std::vector<result> with_threads(const result& found, const std::vector<int>& threads) {
-  std::vector<result> all;
-  for (const int n : threads) {
-    all.push_back(found);
-    all.back().threads = n;
-    if (double load = 0.0; getloadavg(&load, 1) == 1) all.back().load_average = load;
-  }
-  return all;
-}
-
-}  // namespace
-
 std::vector<result> time_steps(const result& found, const request& asked, const std::function<void()>& make_lists,
                                const std::function<void()>& step, foundation::stage_times& times) {
-  std::vector<result> all = with_threads(found, asked.threads);
+  std::vector<result> all(asked.threads.size(), found);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].threads = asked.threads[k];
+    if (double load = 0.0; getloadavg(&load, 1) == 1) all[k].load_average = load;
+  }
   struct record {
     std::vector<double> lists, steps, rounds;  // s, s, and s an ordinary step of a round with its share of the lists
     std::map<std::string, double> seconds;

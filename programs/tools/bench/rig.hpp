@@ -12,6 +12,7 @@
 #include <gas/world.hpp>
 #include <hydrostatic/options.hpp>
 #include <liquid/passes.hpp>
+#include <output/hash.hpp>
 #include <problems/make.hpp>
 #include <programs/schemes.hpp>
 #include <run/box.hpp>
@@ -64,13 +65,10 @@ inline gas::options box_of_gas(const request& asked) {
   return o;
 }
 
-// In [-1, 1), of a particle's ID and a salt (SplitMix64's finaliser, by S. Vigna).
+// In [-1, 1), of a particle's ID and a salt.
 inline double scatter(std::int64_t id, std::uint64_t salt) {
-  std::uint64_t z = (static_cast<std::uint64_t>(id) + 1) * 0x9e3779b97f4a7c15U + salt * 0xd1342543de82ef95U;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  z ^= z >> 31;
-  return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
+  const auto z = (static_cast<std::uint64_t>(id) + 1) * 0x9e3779b97f4a7c15U + salt * 0xd1342543de82ef95U;
+  return static_cast<double>(output::mix(z) >> 11) * 0x1p-52 - 1.0;
 }
 
 template <int D>

@@ -17,20 +17,15 @@ struct quintic {
     for (int k = 0; k < n; ++k) product *= x;
     return product;
   }
-  double W(double r) const {
-    const double q = r / h;
-    double sum = power(3.0 - q, 5);
-    if (q < 2.0) sum -= 6.0 * power(2.0 - q, 5);
-    if (q < 1.0) sum += 15.0 * power(1.0 - q, 5);
-    return scale * sum;
+  // The spline's three pieces, each to the n-th power.
+  static double sum(double q, int n) {
+    double pieces = power(3.0 - q, n);
+    if (q < 2.0) pieces -= 6.0 * power(2.0 - q, n);
+    if (q < 1.0) pieces += 15.0 * power(1.0 - q, n);
+    return pieces;
   }
-  double gradient_over_r(double r) const {
-    const double q = r / h;
-    double sum = power(3.0 - q, 4);
-    if (q < 2.0) sum -= 6.0 * power(2.0 - q, 4);
-    if (q < 1.0) sum += 15.0 * power(1.0 - q, 4);
-    return -5.0 * scale / (h * r) * sum;
-  }
+  double W(double r) const { return scale * sum(r / h, 5); }
+  double gradient_over_r(double r) const { return -5.0 * scale / (h * r) * sum(r / h, 4); }
 };
 
 template <int D>

@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <convection/options.hpp>
-
 #include <cmath>
 #include <command.hpp>
-#include <foundation/error.hpp>
+#include <convection/options.hpp>
 #include <functional>
 #include <iostream>
 #include <memory>

@@ -23,6 +23,9 @@ struct options {
   double own_limit = 0;  // s, run.wall_clock_limit of the resolved input
 };
 
+// What needs no quotes anywhere.
+inline constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+=,:@";
+
 // In single quotes where the shell would read it otherwise.
 std::string quoted(const std::string& word);
 

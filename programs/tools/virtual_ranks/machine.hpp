@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 #include <virtual_ranks/scene.hpp>
 
@@ -25,21 +26,35 @@ inline double seconds_of(const cost_options& c, kind k) {
   return std::array{c.fluid, c.wall, c.marker, c.metal}[static_cast<std::size_t>(k)];
 }
 
+// Who has how many particles in each bin.
 struct share {
   int rank;
   double particles;
 };
+struct shares {
+  std::vector<std::size_t> first{0};  // of each bin; one more than bins
+  std::vector<share> all;
 
-// Who has how many particles in a bin.
-inline void shares_of(const std::vector<int>& owner, std::size_t begin, std::size_t end, std::vector<share>& found) {
-  found.clear();
-  for (std::size_t i = begin; i < end; ++i) {
-    auto at = std::find_if(found.begin(), found.end(), [&](const share& s) { return s.rank == owner[i]; });
-    if (at == found.end())
-      found.push_back({owner[i], 1.0});
-    else
-      at->particles += 1.0;
+  std::span<const share> of(std::size_t bin) const {
+    return std::span(all).subspan(first[bin], first[bin + 1] - first[bin]);
   }
+};
+
+template <int D>
+shares shares_of(const scene<D>& s, const std::vector<int>& owner) {
+  shares found;
+  for (std::size_t b = 0; b + 1 < s.first.size(); ++b) {
+    for (std::size_t i = s.first[b]; i < s.first[b + 1]; ++i) {
+      const auto here = found.all.begin() + static_cast<std::ptrdiff_t>(found.first[b]);
+      const auto at = std::find_if(here, found.all.end(), [&](const share& one) { return one.rank == owner[i]; });
+      if (at == found.all.end())
+        found.all.push_back({owner[i], 1.0});
+      else
+        at->particles += 1.0;
+    }
+    found.first.push_back(found.all.size());
+  }
+  return found;
 }
 
 // The bins around a bin, itself included.
@@ -61,17 +76,6 @@ void keep_each_once(auto& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-constexpr int nobody = -1, several = -2;
-// Whose particles are in each bin.
-template <int D>
-std::vector<int> sole_owners(const scene<D>& s, const std::vector<int>& owner) {
-  std::vector<int> only(s.first.size() - 1, nobody);
-  for (std::size_t b = 0; b < only.size(); ++b)
-    for (std::size_t i = s.first[b]; i < s.first[b + 1] && only[b] != several; ++i)
-      only[b] = only[b] == nobody || only[b] == owner[i] ? owner[i] : several;
-  return only;
-}
-
 template <int D>
 load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_options& cost,
              const std::vector<double>& slowness) {
@@ -88,35 +92,22 @@ load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_option
   l.work = l.time.computing;
   for (std::size_t r = 0; r < ranks; ++r) l.time.computing[r] *= slowness[r];
 
-  const auto only = sole_owners(s, owner);
+  const auto held = shares_of(s, owner);
   std::vector<std::uint64_t> pairs;
-  std::vector<share> here, there;
   std::vector<int> near;
-  for (std::size_t b = 0; b < only.size(); ++b) {
-    if (only[b] == nobody) continue;
-    bool border = only[b] == several;
-    if (!border)
-      visit_around<D>(s, b, [&](std::size_t n) { border = border || (only[n] != nobody && only[n] != only[b]); });
-    if (!border) continue;
-    shares_of(owner, s.first[b], s.first[b + 1], here);
+  for (std::size_t b = 0; b + 1 < s.first.size(); ++b) {
+    if (held.of(b).empty()) continue;
     near.clear();
     visit_around<D>(s, b, [&](std::size_t n) {
-      if (only[n] >= 0) {
-        near.push_back(only[n]);
-      } else if (only[n] == several) {
-        shares_of(owner, s.first[n], s.first[n + 1], there);
-        for (const auto& t : there) near.push_back(t.rank);
-      }
+      for (const auto& there : held.of(n)) near.push_back(there.rank);
     });
     keep_each_once(near);
-    const auto all = static_cast<double>(s.first[b + 1] - s.first[b]);
     for (const int p : near) {
-      double others = all;
-      for (const auto& h : here) {
-        if (h.rank == p)
-          others -= h.particles;
-        else
-          pairs.push_back(static_cast<std::uint64_t>(p) * ranks + static_cast<std::uint64_t>(h.rank));
+      double others = 0.0;
+      for (const auto& here : held.of(b)) {
+        if (here.rank == p) continue;
+        others += here.particles;
+        pairs.push_back(static_cast<std::uint64_t>(p) * ranks + static_cast<std::uint64_t>(here.rank));
       }
       l.time.communication[static_cast<std::size_t>(p)] += cost.halo * others;
     }

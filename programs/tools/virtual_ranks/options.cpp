@@ -92,6 +92,16 @@ void declare(namelist::schema& schema, schedule_options& o) {
               .meaning = "steps whose gain is set against the cost of a move; 0: steps_between"});
 }
 
+// Dimension and box of the snapshot o.file. Throws fail_file.
+void read_box(distribution_options& o) {
+  o.dimension = output::read_real_attribute(o.file, "/Header", "Dimension") == 3.0 ? 3 : 2;
+  const auto length = output::read_real_attributes(o.file, "/Header", "BoxLengths");
+  if (length.size() != 3) foundation::fail_file(o.file + ": BoxLengths are not three: not a snapshot of ours");
+  std::copy_n(length.begin(), o.dimension, o.length.begin());
+  if (!std::all_of(o.length.begin(), o.length.begin() + o.dimension, [](double v) { return v > 0.0 && v < HUGE_VAL; }))
+    foundation::fail_file(o.file + ": the box has no size");
+}
+
 // A lattice of about so many particles must have a row along each edge.
 void check_shape(const namelist::schema& schema, const distribution_options& d) {
   const auto end = d.length.begin() + d.dimension;

@@ -1,8 +1,6 @@
 // The particles of a virtual run: places, kinds and the bins that find who is near whom.
 #pragma once
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <array>
 #include <balance/cuts.hpp>
@@ -13,6 +11,7 @@
 #include <numeric>
 #include <optional>
 #include <output/hash.hpp>
+#include <output/hdf5_layout.hpp>
 #include <vector>
 #include <virtual_ranks/options.hpp>
 
@@ -121,30 +120,18 @@ void fill(scene<D>& s, const distribution_options& o, double halo_width) {
   }
 }
 
-// An open HDF5 object, closed at the end of its scope.
-struct handle {
-  hid_t id;
-  herr_t (*close)(hid_t);
-  ~handle() {
-    if (id >= 0) close(id);
-  }
-};
-
 template <int D>
-void read_positions(scene<D>& s, hid_t file, const std::string& path, const std::string& name, kind as) {
-  const handle data{H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose};
-  if (data.id < 0) return;  // a snapshot without walls
-  const handle space{H5Dget_space(data.id), H5Sclose};
-  std::array<hsize_t, 2> shape{};
-  if (H5Sget_simple_extent_ndims(space.id) != 2 || H5Sget_simple_extent_dims(space.id, shape.data(), nullptr) < 0 ||
-      shape[1] != 3)
+void read_positions(scene<D>& s, const std::string& path, const std::string& group, kind as) {
+  const auto all = output::list_datasets(path, group);
+  const auto found = std::find_if(all.begin(), all.end(), [](const auto& set) { return set.name == "Coordinates"; });
+  if (found == all.end()) return;  // a snapshot without walls
+  const auto name = group + "/Coordinates";
+  if (found->shape.size() != 2 || found->shape[1] != 3)
     foundation::fail_file(path + ": " + name + " is not an array of three columns");
-  std::vector<double> all(shape[0] * 3);
-  if (H5Dread(data.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
-    foundation::fail_file(path + ": " + name + " cannot be read; the file is damaged");
-  for (std::size_t k = 0; k < shape[0]; ++k) {
+  const auto values = output::read_reals(path, name);
+  for (std::size_t k = 0; k < found->shape[0]; ++k) {
     std::array<double, D> x{};
-    for (std::size_t a = 0; a < D; ++a) x[a] = all[3 * k + a];
+    for (std::size_t a = 0; a < D; ++a) x[a] = values[3 * k + a];
     if (!std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); }))
       foundation::fail_file(path + ": " + name + " holds values that are not finite");
     s.x.push_back(x);
@@ -152,27 +139,10 @@ void read_positions(scene<D>& s, hid_t file, const std::string& path, const std:
   }
 }
 
-inline hid_t open_file(const std::string& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) foundation::fail_file(path + ": cannot be read as an HDF5 file; is the path right?");
-  return file;
-}
-
-// An attribute of the header, as many values as it must have.
-inline void read_header(hid_t file, const std::string& path, const char* name, hsize_t count, double* values) {
-  const handle attribute{H5Aopen_by_name(file, "/Header", name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose};
-  const handle space{attribute.id < 0 ? -1 : H5Aget_space(attribute.id), H5Sclose};
-  if (space.id < 0 || H5Sget_simple_extent_npoints(space.id) != static_cast<hssize_t>(count) ||
-      H5Aread(attribute.id, H5T_NATIVE_DOUBLE, values) < 0)
-    foundation::fail_file(path + ": no " + name + " in /Header: not a snapshot of ours");
-}
-
 template <int D>
 void read(scene<D>& s, const distribution_options& o) {
-  const handle file{open_file(o.file), H5Fclose};
-  read_positions(s, file.id, o.file, "/PartType0/Coordinates", kind::fluid);
-  read_positions(s, file.id, o.file, "/PartType1/Coordinates", kind::marker);
+  read_positions(s, o.file, "/PartType0", kind::fluid);
+  read_positions(s, o.file, "/PartType1", kind::marker);
   if (s.x.empty()) foundation::fail_file(o.file + ": no /PartType0/Coordinates: not a snapshot of ours");
   // Positions begin at the box's corner in our snapshots; walls outside belong to the outermost cells.
   const auto fluid = std::max<std::ptrdiff_t>(std::count(s.kinds.begin(), s.kinds.end(), kind::fluid), 1);
@@ -227,20 +197,6 @@ void sort_into_bins(scene<D>& s, double halo_width) {
   }
   s.x.swap(x);
   s.kinds.swap(kinds);
-}
-
-// Dimension and box of the snapshot o.file. Throws fail_file.
-inline void read_box(distribution_options& o) {
-  const handle file{open_file(o.file), H5Fclose};
-  double dimension = 0.0;
-  read_header(file.id, o.file, "Dimension", 1, &dimension);
-  o.dimension = dimension == 3.0 ? 3 : 2;
-  std::array<double, 3> length{};
-  read_header(file.id, o.file, "BoxLengths", 3, length.data());
-  for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimension); ++a) {
-    if (!(length[a] > 0.0) || !std::isfinite(length[a])) foundation::fail_file(o.file + ": the box has no size");
-    o.length[a] = length[a];
-  }
 }
 
 // Kinds after so many steps; true if any has changed. Only falling blobs change theirs.

@@ -11,9 +11,9 @@ from .cases import Run, of_size
 from .figures import convection as figures
 from .figures import resolution
 from .options import find_inputs, sizes
-from .results import cost, number
+from .report import count, percent, said
+from .results import number
 from .runner import COMPLETED, Outcome
-from .table import verdict
 
 NAME = "convection"
 TITLE = "Convection against known steady states"
@@ -48,16 +48,12 @@ def aspect(path: Path) -> float:
     return float(x[1].lower().replace("d", "e")) / float(y[1].lower().replace("d", "e")) if x and y else 1.0
 
 
-def rows(outcomes: list[Outcome]) -> list[dict]:
-    return [row(outcome) for outcome in outcomes]
-
-
 def judged(one: dict) -> dict[str, tuple[float, float]]:
     return {name: (value["error"], (value["uncertainty"] or 0.0) / value["reference"]) for name in CONVERGENCE
             if (value := one["values"].get(name)) and value["error"] is not None}
 
 
-def row(outcome: Outcome) -> dict:
+def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     metrics = outcome.summary.get("metrics") or {}
     reference = references.of(outcome.case.file, metrics)
     values = {}
@@ -68,9 +64,8 @@ def row(outcome: Outcome) -> dict:
         right = reference.values.get(name) if reference else None
         values[name] = {"value": value, "uncertainty": number(metrics, name + "_uncertainty"), "reference": right,
                         "error": value / right - 1 if right else None}
-    return {"case": outcome.case.file, "variant": "", "n": outcome.case.n, "outcome": verdict(outcome), "reason": outcome.reason or None,
-            "source": reference.source if reference else None, "steady": metrics.get("steady"),
-            "heat_imbalance": number(metrics, "heat_imbalance"), "values": values, **cost(outcome)}
+    return {"source": reference.source if reference else None, "steady": metrics.get("steady"),
+            "heat_imbalance": number(metrics, "heat_imbalance"), "values": values}
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
@@ -101,51 +96,46 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
 
 
 def glance(measured: dict, cases: list[str]) -> str:
-    rows = []
-    for case in cases:
-        runs = [one for one in measured["runs"] if one["case"] == case]
-        done = [one for one in runs if one["outcome"] == COMPLETED]
-        best = done[-1] if done else runs[-1]
-        values = [text for name in CONVERGENCE for text in (shown(best, name), error(best, name))]
-        values += [percent(best["heat_imbalance"]), count(best["right_hand_sides"])]
-        rows.append(f"<tr>{pages.name(case)}{pages.numbers(best['n'])}{state(best)}{pages.numbers(*values)}</tr>")
-    return pages.table(["Case", "n", "Outcome", "Nu", "error", "v_rms (κ/L)", "error", "heat in − out", "right-hand sides"], rows,
-                        numbers=frozenset({1, *range(3, 9)}))
+    best = {}  # of each case the finest run, if one completed the finest of these
+    for one in sorted(measured["runs"], key=lambda one: (one["outcome"] == COMPLETED, one["n"])):
+        best[one["case"]] = one
+    columns = {"Case": lambda one: pages.name(one["case"]), "n": lambda one: pages.number(one["n"]), "Outcome": state,
+               "Nu": lambda one: pages.number(shown(one, "nusselt_volume")), "Nu, error": lambda one: pages.number(error(one, "nusselt_volume")),
+               "v_rms (κ/L)": lambda one: pages.number(shown(one, "v_rms")), "v_rms, error": lambda one: pages.number(error(one, "v_rms")),
+               "heat in − out": lambda one: pages.number(percent(one["heat_imbalance"])),
+               "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"]))}
+    return pages.columns([best[case] for case in cases], columns)
 
 
 def case_table(measured: dict, case: str) -> str:
     """Quantities down, resolutions across, the known value last."""
     runs = [one for one in measured["runs"] if one["case"] == case]
-    names = [name for name in SYMBOL if any(name in one["values"] for one in runs)]
     known = next((one for one in runs if one["source"]), None)
-    rows = ["<tr><td>outcome</td>" + "".join(state(one, 2) for one in runs) + "<td></td></tr>"]
-    for name in names:
-        cells = "".join(f"{pages.numbers(shown(one, name))}<td class=\"number small\">{error(one, name)}</td>" for one in runs)
-        rows.append(f"<tr>{pages.name(SYMBOL[name])}{cells}<td class=\"number\"><b>{right(known, name) if known else ''}</b></td></tr>")
-    for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
-                        ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: seconds(one["seconds"]))):
-        rows.append(f"<tr>{pages.name(label)}{''.join(pages.numbers(text(one)) + '<td></td>' for one in runs)}<td></td></tr>")
     head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
-    source = f"<p class=\"small\">Known: {escape(known['source'])}.</p>" if known else \
-        "<p class=\"small\">No value known for this case as run.</p>"
-    return f"<h3>{escape(case)}</h3>\n" + pages.table(head, rows, "", frozenset(range(1, len(head)))) + source
+    rows = [[pages.cell("outcome"), *(state(one, 2) for one in runs), pages.cell("")]]
+    for name in (name for name in SYMBOL if any(name in one["values"] for one in runs)):
+        cells = [each for one in runs for each in (pages.number(shown(one, name)), pages.cell(error(one, name), "number small"))]
+        rows.append([pages.name(SYMBOL[name]), *cells, pages.number(f"<b>{right(known, name) if known else ''}</b>")])
+    for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
+                        ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: said(one["seconds"]))):
+        rows.append([pages.name(label), *(each for one in runs for each in (pages.number(text(one)), pages.cell(""))), pages.cell("")])
+    source = f"Known: {escape(known['source'])}." if known else "No value known for this case as run."
+    return f"<h3>{escape(case)}</h3>\n{pages.table(head, rows)}<p class=\"small\">{source}</p>"
 
 
 def orders_table(measured: dict) -> str:
     if not measured["orders"]:
         return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
-    rows = [f"<tr><td>{escape(one['case'])}</td><td>{SYMBOL[one['quantity']]}</td>"
-            f"{pages.numbers(fit.of_entry(one), one['points'])}</tr>" for one in measured["orders"]]
-    return pages.table(["Case", "Quantity", "Order p of |error| ~ n⁻ᵖ", "points"], rows, numbers=frozenset({2, 3})) + \
+    columns = {"Case": lambda one: pages.cell(escape(one["case"])), "Quantity": lambda one: pages.cell(SYMBOL[one["quantity"]]),
+               "Order p of |error| ~ n⁻ᵖ": lambda one: pages.number(fit.of_entry(one)), "points": lambda one: pages.number(one["points"])}
+    return pages.columns(measured["orders"], columns) + \
         ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
          "passes through zero on the way looks small by chance.</p>")
 
 
 def state(one: dict, columns: int = 1) -> str:
-    wide = f" colspan=\"{columns}\"" if columns > 1 else ""
-    if one["outcome"] != COMPLETED:
-        return f"<td{wide} class=\"{'bad' if one['outcome'] == 'crashed' else 'stop'}\">{escape(one['outcome'])}</td>"
-    return f"<td{wide} class=\"good\">steady</td>" if one["steady"] else f"<td{wide} class=\"stop\">not steady yet</td>"
+    said = one["outcome"] if one["outcome"] != COMPLETED else "steady" if one["steady"] else "not steady yet"
+    return pages.cell(escape(said), report.state_class(one["outcome"]) if said != "not steady yet" else "stop", columns)
 
 
 def shown(one: dict, name: str) -> str:
@@ -170,22 +160,7 @@ def error(one: dict, name: str) -> str:
     return percent(value["error"] if value else None)
 
 
-def percent(value: float | None) -> str:
-    if value is None:
-        return "–"
-    shown = f"{100 * value:+.2f} %".replace("-", "−")
-    return "0.00 %" if shown[1:] == "0.00 %" else shown
-
-
-def count(value: float | None) -> str:
-    return "–" if value is None else f"{value:,.0f}".replace(",", " ")
-
-
-def seconds(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
-
-
-def terminal(outcomes: list[Outcome], measured: dict) -> str:
+def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'case':<16}{'n':>5}{'Nu':>22}{'error':>10}{'v_rms':>22}{'error':>10}{'rhs':>10}"]
     for one in measured["runs"]:
         if one["outcome"] == COMPLETED:
@@ -196,4 +171,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
             lines.append(f"{one['case']:<16}{one['n']:>5}  {one['outcome']}: {one['reason']}")
     for one in measured["orders"]:
         lines.append(f"order of {SYMBOL[one['quantity']]} in {one['case']}: {fit.of_entry(one)}")
-    return "\n".join(lines + report.crash_lines(outcomes))
+    return lines

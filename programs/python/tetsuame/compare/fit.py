@@ -19,11 +19,8 @@ def line(x: np.ndarray, y: np.ndarray) -> Slope | None:
     x, y = x[good], y[good]
     if len(set(x.tolist())) < 2:
         return None
-    spread = ((x - x.mean()) ** 2).sum()
-    slope = ((x - x.mean()) * (y - y.mean())).sum() / spread
-    intercept = y.mean() - slope * x.mean()
-    left = y - intercept - slope * x
-    error = float(np.sqrt((left**2).sum() / (len(x) - 2) / spread)) if len(x) > 2 else None
+    slope, intercept = np.polyfit(x, y, 1)
+    error = float(np.sqrt(np.polyfit(x, y, 1, cov=True)[1][0, 0])) if len(x) > 2 else None
     return Slope(float(slope), error, float(intercept), len(x))
 
 

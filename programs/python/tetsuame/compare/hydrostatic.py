@@ -40,24 +40,24 @@ def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str
     table.write_csv(outcomes, folder / "table.csv")
     shown = files(outcomes)
     return [overview(outcomes), beside_the_note(outcomes),
-            section("Why the plain iteration diverges", prose.iteration(outcomes)),
+            explained("Why the plain iteration diverges", prose.iteration(outcomes)),
             report.drawn(figures.residual(outcomes, shown), folder / "residual.png",
                          "Residual of the iteration by pass. Plain runs are shown in the evaluation that diverged (×: last value), the others "
                          "in the one with most passes. Broad grey: the growth |G| = (κ − 1)(1 − S_min) from the first residual."),
-            section("A limit that no solver removes", prose.limit(outcomes)),
-            section("What the walls do", prose.walls(outcomes)),
+            explained("A limit that no solver removes", prose.limit(outcomes)),
+            explained("What the walls do", prose.walls(outcomes)),
             report.drawn(figures.pressure(outcomes, shown), folder / "pressure.png",
                          "Relative pressure error of the last snapshot, mean over each row of particles. Runs that stopped are not shown; A and B "
                          "are shown with the first solver that completes."),
             displacements(outcomes, folder),
-            section("What it costs", prose.cost(outcomes)),
+            explained("What it costs", prose.cost(outcomes)),
             report.drawn(figures.cost(outcomes, shown), folder / "cost.png",
                          "Time a step by stage; A and B with the first solver that completes."),
             all_runs(outcomes)]
 
 
-def section(title: str, paragraphs: list[str]) -> str:
-    return f"<h2>{title}</h2>\n" + "\n".join(f"<p>{text}</p>" for text in paragraphs)
+def explained(title: str, paragraphs: list[str]) -> str:
+    return pages.section(title, *(f"<p>{text}</p>" for text in paragraphs))
 
 
 # Displacement maps that show what file 13's show, only smaller or alike: folded when others are there.
@@ -80,53 +80,49 @@ def program_cell(label: str) -> str:
 
 def overview(outcomes: list[Outcome]) -> str:
     by_place = {(o.case.label, o.case.file): o for o in outcomes}
-    columns, rows = files(outcomes), []
-    for label in labels(outcomes):
+
+    def method(label: str) -> str:
         described = note.TABLE_1[label[0]]
-        method = "" if "(" in label else ", ".join(
-            part for part in (described.volume, f"walls {described.wall}", described.gradient, described.remark) if part)
-        row = program_cell(label) + f"<td>{method}</td>"
-        for name in columns:
-            outcome = by_place.get((label, name))
-            kind = f" {report.state_class(outcome.kind)}" if outcome else ""
-            row += f"<td class=\"number{kind}\">{escape(cell(outcome))}</td>"
-        rows.append(f"<tr>{row}</tr>")
-    return ("<h2>At a glance</h2>\n"
-            + pages.table(["Program", "Method", *(f"File {escape(name)}" for name in columns)], rows,
-                    numbers=frozenset(range(2, 2 + len(columns))))
-            + "\n<p class=\"small\">Green: completed, with the mean of |p − p_ref|/p_ref at the end. Yellow: stopped by the program's "
-            "own checks, with step/iteration. Red: the program crashed.</p>")
+        parts = (described.volume, f"walls {described.wall}", described.gradient, described.remark)
+        return "" if "(" in label else ", ".join(part for part in parts if part)
+
+    def result(label: str, file: str) -> str:
+        outcome = by_place.get((label, file))
+        return pages.cell(escape(cell(outcome)), f"number {report.state_class(outcome.kind)}" if outcome else "number")
+
+    shown = files(outcomes)
+    return pages.section("At a glance", pages.table(
+        ["Program", "Method", *(f"File {escape(file)}" for file in shown)],
+        [[program_cell(label), pages.cell(method(label)), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
+        "<p class=\"small\">Green: completed, with the mean of |p − p_ref|/p_ref at the end. Yellow: stopped by the program's "
+        "own checks, with step/iteration. Red: the program crashed.</p>")
+
+
+def outcome_cell(outcome: Outcome, said: str) -> str:
+    return pages.cell(escape(f"{said}, {where}" if (where := place(outcome)) else said), report.state_class(outcome.kind))
+
+
+def error_cell(what: str):
+    return lambda outcome: pages.number(scientific(error(outcome, what)))
 
 
 def beside_the_note(outcomes: list[Outcome]) -> str:
     ours = [outcome for outcome in outcomes if entry_of(outcome) is not None]
     if not ours:
         return ""
-    rows, last_file = [], None
-    for outcome in ours:
-        rows.append(row_beside_the_note(outcome, outcome.case.file != last_file))
-        last_file = outcome.case.file
-    return ("<h2>Table 2 of the note, beside ours</h2>\n"
-            + pages.table(["Program", "File", "Δt (s)", "p (Pa)", "Iteration", "The note", "These runs", "same outcome",
-                           "same step and iteration", "mean pressure error", "max displacement/Δx"], rows, "wide",
-                          numbers=frozenset({2, 3, 9, 10}))
-            + f"\n<p class=\"small\">Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
-            "The note gives no figures for the errors but “1 % without boundary correction, 0.1 % or less with it”. The files' "
-            "names are the note's. Iteration: the solver and the tolerance of these runs.</p>\n"
-            + "\n".join(f"<p>{text}</p>" for text in prose.beside_the_note(ours)))
-
-
-def row_beside_the_note(outcome: Outcome, first_of_file: bool) -> str:
-    entry = entry_of(outcome)
-    said = verdict(outcome)
-    ours = "completes" if outcome.kind == COMPLETED else \
-        f"{'diverges' if said == 'diverged' else said}{', ' + place(outcome) if place(outcome) else ''}"
-    return (f"<tr{' class=' + chr(34) + 'first' + chr(34) if first_of_file else ''}>{program_cell(outcome.case.program)}"
-            f"<td>{escape(outcome.case.file)}</td>"
-            f"{pages.numbers(entry.dt, entry.pressure)}<td>{escape(iteration_of(outcome))}</td>"
-            f"<td>{note_says(outcome)}</td><td class=\"{report.state_class(outcome.kind)}\">{escape(ours)}</td>"
-            f"<td>{agreement(outcome)}</td><td>{agreement_in_place(outcome) or ''}</td>"
-            f"{pages.numbers(*(scientific(error(outcome, what)) for what in ('pressure_mean', 'displacement_max_over_dx')))}</tr>")
+    words = {"completed": "completes", "diverged": "diverges"}
+    columns = {"Program": lambda o: program_cell(o.case.program), "File": lambda o: pages.cell(escape(o.case.file)),
+               "Δt (s)": lambda o: pages.number(entry_of(o).dt), "p (Pa)": lambda o: pages.number(entry_of(o).pressure),
+               "Iteration": lambda o: pages.cell(escape(iteration_of(o))), "The note": lambda o: pages.cell(note_says(o)),
+               "These runs": lambda o: outcome_cell(o, words.get(verdict(o), verdict(o))),
+               "same outcome": lambda o: pages.cell(agreement(o)), "same step and iteration": lambda o: pages.cell(agreement_in_place(o) or ""),
+               "mean pressure error": error_cell("pressure_mean"), "max displacement/Δx": error_cell("displacement_max_over_dx")}
+    return pages.section(
+        "Table 2 of the note, beside ours", pages.columns(ours, columns, "wide", lambda o: o.case.file),
+        f"<p class=\"small\">Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
+        "The note gives no figures for the errors but “1 % without boundary correction, 0.1 % or less with it”. The files' "
+        "names are the note's. Iteration: the solver and the tolerance of these runs.</p>",
+        *(f"<p>{text}</p>" for text in prose.beside_the_note(ours)))
 
 
 def iteration_of(outcome: Outcome) -> str:
@@ -144,21 +140,16 @@ def scientific(value: float | None) -> str:
 
 
 def all_runs(outcomes: list[Outcome]) -> str:
-    rows, last_file = [], None
-    for o in outcomes:
-        # The time of a step and its shares mean something only over many steps.
-        share, cost = (wall_share(o), cost_per_step(o)) if o.kind == COMPLETED else (None, None)
-        values = [*(scientific(error(o, name)) for name in
-                    ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
-                  "" if cost is None else f"{1e3 * cost:.2g}", "" if share is None else f"{100 * share:.0f} %"]
-        where = f", {place(o)}" if place(o) else ""
-        first = " class=\"first\"" if o.case.file != last_file else ""
-        last_file = o.case.file
-        rows.append(f"<tr{first}><td>{escape(o.case.file)}</td>{program_cell(o.case.label)}"
-                    f"<td class=\"{report.state_class(o.kind)}\">{escape(verdict(o) + where)}</td>"
-                    f"{pages.numbers(*values)}</tr>")
-    return ("<h2>All runs</h2>\n"
-            + pages.table(["File", "Program", "Outcome", "p error, mean", "p error, max", "ρ error, max",
-                     "moved/Δx, max", "ms/step", "walls"], rows, "wide", frozenset(range(3, 9)))
-            + "\n<p class=\"small\">Errors are relative; walls: their share of the time. With more columns: table.csv "
-            "beside this page; every run's output: the folder runs.</p>" )
+    def of_completed(text):
+        """The time of a step and its shares mean something only over many steps."""
+        return lambda o: pages.number(text(o) if o.kind == COMPLETED else "")
+
+    columns = {"File": lambda o: pages.cell(escape(o.case.file)), "Program": lambda o: program_cell(o.case.label),
+               "Outcome": lambda o: outcome_cell(o, verdict(o)),
+               "p error, mean": error_cell("pressure_mean"), "p error, max": error_cell("pressure_max"),
+               "ρ error, max": error_cell("density_max"), "moved/Δx, max": error_cell("displacement_max_over_dx"),
+               "ms/step": of_completed(lambda o: f"{1e3 * cost:.2g}" if (cost := cost_per_step(o)) else ""),
+               "walls": of_completed(lambda o: "" if (share := wall_share(o)) is None else f"{100 * share:.0f} %")}
+    return pages.section("All runs", pages.columns(outcomes, columns, "wide", lambda o: o.case.file),
+                         "<p class=\"small\">Errors are relative; walls: their share of the time. With more columns: table.csv "
+                         "beside this page; every run's output: the folder runs.</p>")

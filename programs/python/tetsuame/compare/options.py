@@ -1,20 +1,9 @@
 """What the command lines of all comparisons have in common."""
 import argparse
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 from .cases import SHIPPED_INPUTS
-
-
-@dataclass(frozen=True)
-class Common:
-    output: Path
-    binaries: Path                 # where the programs lie
-    jobs: int                      # programs at a time
-    settings: tuple[str, ...]      # group.key=value, for every run
-    time_limit: float              # s, for one run
-    fresh: bool                    # run again what has not changed
 
 
 def add_common(parser: argparse.ArgumentParser, root: Path, output: str) -> None:
@@ -32,14 +21,13 @@ def add_common(parser: argparse.ArgumentParser, root: Path, output: str) -> None
                         help="run again also what has not changed since the last report")
 
 
-def common(given: argparse.Namespace, parser: argparse.ArgumentParser) -> Common:
+def check_common(given: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
     if given.jobs < 1:
         parser.error("--jobs: needs at least 1")
     for setting in given.settings:
         group, _, rest = setting.partition(".")
         if not group or "=" not in rest:
             parser.error(f"--set: '{setting}' is not of the form group.key=value")
-    return Common(given.output, given.binaries, given.jobs, tuple(given.settings), given.time_limit, given.fresh)
 
 
 def chosen(option: str, what: str, text: str, between: str, known, parser: argparse.ArgumentParser) -> tuple[str, ...]:

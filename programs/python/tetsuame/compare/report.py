@@ -4,7 +4,7 @@ from html import escape
 from pathlib import Path
 
 from .. import pages, style
-from .runner import COMPLETED, CRASHED, Outcome
+from .runner import COMPLETED, CRASHED, Outcome, terminal_of
 
 
 def drawn(figure, path: Path, text: str) -> str:
@@ -48,4 +48,19 @@ def reasons(outcomes: list[Outcome]) -> str:
 
 def crash_lines(outcomes: list[Outcome]) -> list[str]:
     """For the terminal."""
-    return [f"CRASHED: {o.case.label} on {o.case.file}: {o.reason}" for o in outcomes if o.kind == CRASHED]
+    return [line for o in outcomes if o.kind == CRASHED
+            for line in (f"CRASHED: {o.case.label} on file {o.case.file}: {o.reason}",
+                         f"         what it said: {terminal_of(o.folder)}" if terminal_of(o.folder).is_file() else "") if line]
+
+
+def said(value: float | None, form: str = "{:.3g}") -> str:
+    return "–" if value is None else form.format(value)
+
+
+def percent(value: float | None) -> str:
+    shown = said(value and 100 * value, "{:+.2f} %").replace("-", "−")
+    return "0.00 %" if shown[1:] == "0.00 %" else shown
+
+
+def count(value: float | None) -> str:
+    return said(value, "{:,.0f}").replace(",", " ")

@@ -6,13 +6,13 @@ from pathlib import Path
 from .. import pages
 from . import fit, report
 from .cases import Run, of_size
-from .convection import percent, seconds
 from .figures import resolution
 from .figures import rti as figures
 from .options import chosen, sizes
-from .results import cost, history, number
+from .report import percent, said
+from .results import history, number
 from .runner import COMPLETED, Outcome
-from .table import stopped_step, verdict
+from .table import stopped_step
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
@@ -67,39 +67,26 @@ def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> 
     return of_size(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case)
 
 
-def rows(outcomes: list[Outcome]) -> list[dict]:
-    return [row(outcome) for outcome in outcomes]
-
-
 def judged(one: dict) -> dict[str, tuple[float, float]]:
     if one["growth_error"] is None:
         return {}
     return {"growth_rate": (one["growth_error"], one["growth_uncertainty"] / one["growth_theory"])}
 
 
-def row(outcome: Outcome) -> dict:
+def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     metrics = outcome.summary.get("metrics") or {}
     growth, theory = number(metrics, "growth_rate"), number(metrics, "growth_rate_theory")
     is_growth = outcome.case.file == GROWTH
     last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
     # Of a run that stopped, what it measured before is no growth rate of the whole window.
     measured = growth if is_growth and outcome.kind == COMPLETED else None
-    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
-            "reason": outcome.reason or None, "stopped_step": stopped_step(outcome), "time": stopped_time(outcome),
+    return {"stopped_step": stopped_step(outcome), "time": number(outcome.summary, "time") or last.get("time"),
             "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
             "growth_error": measured / theory - 1 if measured is not None and theory else None,
             "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
             "density_ratio": [number(metrics, f"density_ratio_{end}") or last.get(f"density_ratio_{end}") for end in ("min", "max")],
             "pressure_min": number(metrics, "pressure_min") or last.get("pressure_min"),
-            "energy_residual": number(metrics, "energy_residual") or last.get("energy_residual"), **cost(outcome)}
-
-
-def stopped_time(outcome: Outcome) -> float | None:
-    """The time reached (s): of the summary, else of the last line of history.csv."""
-    if (time := number(outcome.summary, "time")) is not None:
-        return time
-    columns = history(outcome.folder)
-    return float(columns["time"][-1]) if columns else None
+            "energy_residual": number(metrics, "energy_residual") or last.get("energy_residual")}
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
@@ -127,33 +114,28 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
 
 
 def outcome_table(measured: dict, names: list[str]) -> str:
-    rows = []
-    for name in names:
-        growths = [one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH]
-        finest = max(growths, key=lambda one: one["n"], default=None)
-        over = next((one for one in measured["runs"] if one["variant"] == name and one["case"] == OVERTURN), None)
-        rows.append(f"<tr>{pages.name(name, figures.colour(name))}{pages.numbers(growth_text(finest))}{outcome_cells(over)}</tr>")
-    return pages.table(["Scheme", "growth rate, error", "overturn", "until", "why", "centroid/L", "ρ/ρ_start", "energy residual",
-                         "seconds"], rows, numbers=frozenset({1, 3, 5, 6, 7, 8})) + \
-        "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
+    finest = {one["variant"]: one for one in sorted(measured["runs"], key=lambda one: one["n"]) if one["case"] == GROWTH}
+    over = {one["variant"]: one for one in measured["runs"] if one["case"] == OVERTURN}
+
+    def ratio(one: dict) -> str:
+        low, high = one["density_ratio"]
+        return "–" if low is None or high is None else f"{low:.2f} to {high:.2f}"
+
+    of_overturn = {"overturn": lambda one: pages.cell(escape(one["outcome"]), report.state_class(one["outcome"])),
+                   "until": lambda one: pages.number(said(one["time"], "{:.0f} s")), "why": lambda one: pages.cell(escape(cause(one["reason"]))),
+                   "centroid/L": lambda one: pages.number(said(one["metal_centroid"], "{:.3f}")), "ρ/ρ_start": lambda one: pages.number(ratio(one)),
+                   "energy residual": lambda one: pages.number(said(one["energy_residual"], "{:.1e}")),
+                   "seconds": lambda one: pages.number(said(one["seconds"]))}
+    columns = {"Scheme": lambda name: pages.name(name, figures.colour(name)),
+               "growth rate, error": lambda name: pages.number(growth_text(finest.get(name))),
+               **{head: lambda name, made=made: made(over[name]) if name in over else pages.cell("") for head, made in of_overturn.items()}}
+    return pages.columns(names, columns) + "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
 
 
 def growth_text(one: dict | None) -> str:
     if one is None:
         return "–"
     return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["outcome"])
-
-
-def outcome_cells(one: dict | None) -> str:
-    if one is None:
-        return "<td></td>" * 7
-    low, high = one["density_ratio"]
-    ratio = f"{low:.2f} to {high:.2f}" if low is not None and high is not None else "–"
-    until = f"{one['time']:.0f} s" if one["time"] is not None else "–"
-    rest = [f"{one['metal_centroid']:.3f}" if one["metal_centroid"] is not None else "–", ratio,
-            f"{one['energy_residual']:.1e}" if one["energy_residual"] is not None else "–", seconds(one["seconds"])]
-    return (f"<td class=\"{report.state_class(one['outcome'])}\">{escape(one['outcome'])}</td>{pages.numbers(until)}"
-            f"<td>{escape(cause(one['reason']))}</td>{pages.numbers(*rest)}")
 
 
 def cause(reason: str | None) -> str:
@@ -173,23 +155,20 @@ def short(reason: str | None) -> str:
 
 
 def growth_table(measured: dict, names: list[str]) -> str:
-    sizes = sorted({one["n"] for one in measured["runs"] if one["case"] == GROWTH})
-    rows = []
-    for name in names:
-        runs = {one["n"]: one for one in measured["runs"] if one["variant"] == name and one["case"] == GROWTH}
-        slope = fit.order_of(measured, GROWTH, name)
-        rows.append(f"<tr>{pages.name(name)}{pages.numbers(*(growth_text(runs.get(n)) for n in sizes), slope)}</tr>")
+    runs = {(one["variant"], one["n"]): one for one in measured["runs"] if one["case"] == GROWTH}
+    columns = {"Scheme": pages.name,
+               **{f"error, n = {n}": lambda name, n=n: pages.number(growth_text(runs.get((name, n)))) for n in sorted({n for _, n in runs})},
+               "order": lambda name: pages.number(fit.order_of(measured, GROWTH, name))}
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
-    text = f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else ""
-    return pages.table(["Scheme", *(f"error, n = {n}" for n in sizes), "order"], rows, numbers=frozenset(range(1, 2 + len(sizes)))) + text
+    return pages.columns(names, columns) + (f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else "")
 
 
-def terminal(outcomes: list[Outcome], measured: dict) -> str:
+def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'scheme':<18}{'case':<10}{'n':>4}  {'outcome':<11}{'until':>8}  {'growth, error':>13}{'centroid':>10}  why"]
     for one in measured["runs"]:
-        until = f"{one['time']:.0f} s" if one["time"] is not None else "-"
+        until = said(one["time"], "{:.0f} s")
         growth = growth_text(one) if one["case"] == GROWTH and one["outcome"] == COMPLETED else ""
         centroid = f"{one['metal_centroid']:.3f}" if one["case"] == OVERTURN and one["metal_centroid"] is not None else ""
         lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
                      f"{short(one['reason'])}")
-    return "\n".join(lines + report.crash_lines(outcomes))
+    return lines

@@ -1,4 +1,5 @@
 """Runs the cases, several at a time, and tells a calculation that failed from a program that did."""
+import argparse
 import hashlib
 import json
 import os
@@ -12,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .cases import Run
-from .options import Common
 
 COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
 CALCULATION_FAILED = 3  # the exit status by which a program says so itself
@@ -28,12 +28,12 @@ class Outcome:
     reused: bool     # the last report's run: nothing it depends on has changed
 
 
-def run_all(cases: list[Run], options: Common) -> list[Outcome]:
-    """The outcomes in the order of the cases."""
+def run_all(cases: list[Run], given: argparse.Namespace) -> list[Outcome]:
+    """The outcomes in the order of the cases; `given`: of options.add_common."""
     progress = Progress(len(cases))
     outcomes: dict[Run, Outcome] = {}
-    with ThreadPoolExecutor(options.jobs) as pool:
-        futures = {pool.submit(run_one, case, options, progress): case for case in cases}
+    with ThreadPoolExecutor(given.jobs) as pool:
+        futures = {pool.submit(run_one, case, given, progress): case for case in cases}
         for future in as_completed(futures):
             outcome = future.result()
             outcomes[outcome.case] = outcome
@@ -42,15 +42,15 @@ def run_all(cases: list[Run], options: Common) -> list[Outcome]:
     return [outcomes[case] for case in cases]
 
 
-def run_one(case: Run, options: Common, progress: "Progress") -> Outcome:
-    folder = options.output.resolve() / "runs" / case.folder
-    program = options.binaries.resolve() / case.binary
+def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outcome:
+    folder = given.output.resolve() / "runs" / case.folder
+    program = given.binaries.resolve() / case.binary
     if not program.is_file():
         return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
 
     mark = fingerprint(program, case)
     record = record_of(folder)
-    if not options.fresh and (status := recorded_status(record, mark)) is not None:
+    if not given.fresh and (status := recorded_status(record, mark)) is not None:
         outcome = judge(case, folder, status, True)
         if outcome.kind != CRASHED:
             return outcome
@@ -67,9 +67,9 @@ def run_one(case: Run, options: Common, progress: "Progress") -> Outcome:
         try:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                     env=os.environ | {"OMP_NUM_THREADS": "1"},
-                                    timeout=options.time_limit).returncode
+                                    timeout=given.time_limit).returncode
         except subprocess.TimeoutExpired:
-            return Outcome(case, CRASHED, f"did not end within {options.time_limit:g} s", folder, {}, False)
+            return Outcome(case, CRASHED, f"did not end within {given.time_limit:g} s", folder, {}, False)
         except OSError as error:
             return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
     record.write_text(json.dumps({"fingerprint": mark, "status": status}))

@@ -10,13 +10,13 @@ from .. import pages
 from ..style import SCHEME
 from . import fit, report
 from .cases import Run, of_size
-from .convection import count, percent, seconds
 from .figures import resolution
 from .figures import shock as figures
 from .options import chosen, sizes
-from .results import cost, fluid, number
+from .report import count, percent, said
+from .results import fluid, number
 from .runner import COMPLETED, Outcome
-from .table import place, verdict
+from .table import place
 
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
@@ -79,20 +79,18 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     return runs
 
 
-def rows(outcomes: list[Outcome]) -> list[dict]:
-    fine = {o.case.file: o for o in outcomes if o.case.variant == "reference" and o.kind == COMPLETED}
-    return [row(outcome, fine.get(outcome.case.file)) for outcome in outcomes if outcome.case.variant != "reference"]
-
-
 def judged(one: dict) -> dict[str, tuple[float, float]]:
     name = figures.judged_by(one["case"])
     return {name: (one["errors"][name], 0.0)} if one["errors"].get(name) else {}
 
 
-def row(outcome: Outcome, fine: Outcome | None) -> dict:
+def row(outcome: Outcome, outcomes: list[Outcome]) -> dict | None:
+    if outcome.case.variant == "reference":
+        return None
     summary, done = outcome.summary, outcome.kind == COMPLETED
     errors = {name: number(summary, "errors", name) for name in ERRORS} if done else {}
     against = "exact solution"
+    fine = next((o for o in outcomes if (o.case.file, o.case.variant, o.kind) == (outcome.case.file, "reference", COMPLETED)), None)
     if done and fine is not None:
         errors, against = errors_against(outcome.folder, fine.folder), f"gsph with {fine.case.n} particles"
     values = {}
@@ -101,11 +99,9 @@ def row(outcome: Outcome, fine: Outcome | None) -> dict:
         if value is not None and done:
             exact = number(summary, "metrics", right) if right else None
             values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
-    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": verdict(outcome),
-            "reason": outcome.reason or None, "place": place(outcome) or None,
-            "errors": {name: value for name, value in errors.items() if value is not None},
+    return {"place": place(outcome) or None, "errors": {name: value for name, value in errors.items() if value is not None},
             "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
-            "energy_drift": number(summary, "conservation", "energy") if done else None, **cost(outcome)}
+            "energy_drift": number(summary, "conservation", "energy") if done else None}
 
 
 def errors_against(folder: Path, fine: Path) -> dict[str, float]:
@@ -158,19 +154,18 @@ def glance(measured: dict, tests: list[str]) -> str:
         name = headline(list(by_scheme.values()))
         values = {s: size(one, name) for s, one in by_scheme.items()}
         least = min((v for v in values.values() if v is not None), default=None)
-        cells = ""
-        for scheme in schemes:
+
+        def result(scheme: str) -> str:
             one = by_scheme.get(scheme)
             if one is None:
-                cells += "<td></td>"
-            elif one["outcome"] != COMPLETED:
-                cells += f"<td class=\"stop\">{escape(one['outcome'])}{', ' + one['place'] if one['place'] else ''}</td>"
-            else:
-                best = values[scheme] is not None and least is not None and values[scheme] <= max(1.001 * least, 1e-9)
-                cells += f"<td class=\"number{' good' if best else ''}\">{headline_text(one, name)}</td>"
-        rows.append(f"<tr>{pages.name(test)}{pages.numbers(finest)}<td>{headline_name(name)}</td>{cells}</tr>")
-    return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows,
-                        numbers=frozenset({1, *range(3, 3 + len(schemes))})) + \
+                return pages.cell("")
+            if one["outcome"] != COMPLETED:
+                return pages.cell(escape(", ".join(filter(None, (one["outcome"], one["place"])))), "stop")
+            best = values[scheme] is not None and values[scheme] <= max(1.001 * least, 1e-9)
+            return pages.cell(headline_text(one, name), "number good" if best else "number")
+
+        rows.append([pages.name(test), pages.number(finest), pages.cell(headline_name(name)), *map(result, schemes)])
+    return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows) + \
         "<p class=\"small\">Green: the least error. A run that stopped says why below its test.</p>"
 
 
@@ -205,38 +200,41 @@ def headline_text(one: dict, name: str) -> str:
 
 
 def scientific(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2e}".replace("e-0", "e-").replace("e+00", "").replace("e+0", "e")
+    return said(value, "{:.2e}").replace("e-0", "e-").replace("e+00", "").replace("e+0", "e")
 
 
 def test_table(measured: dict, test: str) -> str:
-    runs = [one for one in measured["runs"] if one["case"] == test]
-    metrics = [name for name in METRICS if any(name in one["metrics"] for one in runs)]
-    errors = [name for name in ERRORS if any(name in one["errors"] for one in runs)]
-    rows = []
-    for one in sorted(runs, key=lambda r: (SCHEMES.index(r["variant"]), r["n"])):
-        label, colour = SCHEME[one["variant"]]
-        first = " class=\"first\"" if one["n"] == min(r["n"] for r in runs) else ""
-        said = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
-        values = [scientific(one["errors"].get(name)) for name in errors]
-        last = one["n"] == max(r["n"] for r in runs)
-        if errors:
-            values.append(fit.order_of(measured, one["case"], one["variant"]) if last else "")
-        for name in metrics:
-            value = one["metrics"].get(name)
-            values.append("–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else ""))
-        values += [scientific(one["energy_drift"]), count(one["right_hand_sides"]), seconds(one["seconds"])]
-        rows.append(f"<tr{first}>{pages.name(label, colour)}{pages.numbers(one['n'])}<td class=\"{report.state_class(one['outcome'])}\">{escape(said)}</td>"
-                    f"{pages.numbers(*values)}</tr>")
+    runs = sorted((one for one in measured["runs"] if one["case"] == test), key=lambda one: (SCHEMES.index(one["variant"]), one["n"]))
+    finest = max(one["n"] for one in runs)
+
+    def metric(one: dict, name: str) -> str:
+        value = one["metrics"].get(name)
+        return "–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else "")
+
+    def order(one: dict) -> str:
+        return pages.number(fit.order_of(measured, test, one["variant"]) if one["n"] == finest else "")
+
+    def outcome(one: dict) -> str:
+        text = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
+        return pages.cell(escape(text), report.state_class(one["outcome"]))
+
     names = {"density_l1": "L1 of ρ", "velocity_l1": "L1 of v", "pressure_l1": "L1 of p"}
-    head = ["Scheme", "n", "Outcome", *(names[name] for name in errors), *(["order"] if errors else []),
-            *(METRICS[name][0] for name in metrics), "energy drift", "right-hand sides", "seconds"]
+    errors = {names[name]: lambda one, name=name: pages.number(scientific(one["errors"].get(name)))
+              for name in ERRORS if any(name in one["errors"] for one in runs)}
+    metrics = {METRICS[name][0]: lambda one, name=name: pages.number(metric(one, name))
+               for name in METRICS if any(name in one["metrics"] for one in runs)}
+    columns = {"Scheme": lambda one: pages.name(*SCHEME[one["variant"]]), "n": lambda one: pages.number(one["n"]), "Outcome": outcome,
+               **errors, **({"order": order} if errors else {}), **metrics,
+               "energy drift": lambda one: pages.number(scientific(one["energy_drift"])),
+               "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"])),
+               "seconds": lambda one: pages.number(said(one["seconds"]))}
     against = next((one["errors_against"] for one in runs if one["errors_against"]), None)
-    note = f"<p class=\"small\">Errors against the {escape(against)}.</p>" if against and against.startswith("exact") else \
-        f"<p class=\"small\">Errors against {escape(against)}: what both have wrong does not show.</p>" if against else ""
-    return pages.table(head, rows, "wide", frozenset({1, *range(3, len(head))})) + note
+    note = "" if not against else f"the {against}." if against.startswith("exact") else f"{against}: what both have wrong does not show."
+    return pages.columns(runs, columns, "wide", lambda one: one["variant"]) + \
+        (f"<p class=\"small\">Errors against {escape(note)}</p>" if note else "")
 
 
-def terminal(outcomes: list[Outcome], measured: dict) -> str:
+def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>12}" for s in SCHEMES)]
     for test in dict.fromkeys(one["case"] for one in measured["runs"]):
         for n in sorted({one["n"] for one in measured["runs"] if one["case"] == test}):
@@ -245,4 +243,4 @@ def terminal(outcomes: list[Outcome], measured: dict) -> str:
             cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
                             for s in SCHEMES)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
-    return "\n".join(lines + report.crash_lines(outcomes))
+    return lines

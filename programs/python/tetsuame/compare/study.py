@@ -2,9 +2,9 @@
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
     add_options(parser), plan(given, root, parser) -> [Run]
-    rows(outcomes) -> [dict], judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
+    row(outcome, outcomes) -> dict or None, judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
-    terminal(outcomes, measured) -> str
+    terminal(outcomes, measured) -> [lines]
 """
 import argparse
 import hashlib
@@ -14,7 +14,7 @@ from html import escape
 from pathlib import Path
 
 from .. import ROOT, pages
-from . import convection, fit, hydrostatic, options, report, rti, runner, shock
+from . import convection, fit, hydrostatic, options, report, results, rti, runner, shock, table
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
 
@@ -31,39 +31,45 @@ def main(arguments: list[str]) -> int:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
     options.add_common(parser, ROOT, f"output/compare/{name}".rstrip("/"))
     given = parser.parse_args(arguments)
-    chosen = options.common(given, parser)
+    options.check_common(given, parser)
     runs = subject.plan(given, ROOT, parser)
     if not runs:
         parser.error("nothing to run")
-    chosen.output.mkdir(parents=True, exist_ok=True)
-    outcomes = runner.run_all(runs, chosen)
+    given.output.mkdir(parents=True, exist_ok=True)
+    outcomes = runner.run_all(runs, given)
     measured = None
     if name:
-        runs = subject.rows(outcomes)
+        runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
         measured = {"study": name, "runs": runs, "orders": fit.orders(runs, subject.judged)}
 
     # The page is written only when the runs that it shows, or what writes it, have changed.
-    mark, stamp, target = fingerprint(outcomes), chosen.output / "report.stamp", chosen.output / "report.html"
+    mark, stamp, target = fingerprint(outcomes), given.output / "report.stamp", given.output / "report.html"
     unchanged = all(outcome.reused for outcome in outcomes)
     if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
         stamp.unlink(missing_ok=True)
-        again = arguments if name else [word for setting in chosen.settings for word in ("--set", setting)]
-        target.write_text(page(subject, outcomes, measured, chosen, " ".join([command, *again])), encoding="utf-8")
+        again = arguments if name else [word for setting in given.settings for word in ("--set", setting)]
+        target.write_text(page(subject, outcomes, measured, given, " ".join([command, *again])), encoding="utf-8")
         stamp.write_text(mark)
-    print(subject.terminal(outcomes, measured))
+    print("\n".join(subject.terminal(outcomes, measured) + report.crash_lines(outcomes)))
     if unchanged:
         print("Nothing has changed since these runs; --fresh runs them again.")
     print(f"Report: {target}")
     return 1 if any(outcome.kind == runner.CRASHED for outcome in outcomes) else 0  # a crash is none of the results
 
 
-def page(subject, outcomes: list[runner.Outcome], measured: dict | None, chosen: options.Common, again: str) -> str:
+def common(outcome: runner.Outcome) -> dict:
+    """What results.json has of every run."""
+    return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": table.verdict(outcome),
+            "reason": outcome.reason or None, **results.cost(outcome)}
+
+
+def page(subject, outcomes: list[runner.Outcome], measured: dict | None, given: argparse.Namespace, again: str) -> str:
     if measured is not None:
-        (chosen.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
-    for old in chosen.output.glob("*.png"):
+        (given.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
+    for old in given.output.glob("*.png"):
         old.unlink()
-    parts = [pages.head(subject.TITLE, report.facts(outcomes, chosen.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
-             *subject.sections(outcomes, measured, chosen.output), report.reasons(outcomes),
+    parts = [pages.head(subject.TITLE, report.facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
+             *subject.sections(outcomes, measured, given.output), report.reasons(outcomes),
              f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{getattr(subject, 'AGAIN', '')}</code></pre>"]
     return pages.document(subject.TITLE, parts)
 

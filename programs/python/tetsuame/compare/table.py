@@ -6,28 +6,20 @@ from pathlib import Path
 
 from . import note
 from .results import cost_per_step, number, resolved, wall_share
-from .runner import COMPLETED, CRASHED, STOPPED, Outcome, terminal_of
-
-COLUMNS = (
-    "file", "program", "variant", "outcome", "step", "iteration", "reason", "note", "agrees", "agrees_in_place",
-    "pressure_error_mean", "pressure_error_max", "density_error_max", "displacement_max_over_dx",
-    "steps", "seconds_per_step", "wall_correction_share", "mass_drift", "momentum_drift", "energy_drift", "state_hash",
-)
-
+from .runner import COMPLETED, CRASHED, STOPPED, Outcome
 
 def row(outcome: Outcome) -> dict:
-    """One run by COLUMNS; None where there is no value."""
+    """Of table.csv; None where there is no value."""
     summary, case = outcome.summary, outcome.case
-    step, iteration = stopped_step(outcome), number(summary, "diverged_iteration")
-    return dict(zip(COLUMNS, (
-        case.file, case.program, case.variant, verdict(outcome), step, iteration, outcome.reason or None,
-        note_says(outcome), agreement(outcome), agreement_in_place(outcome),
-        *(error(outcome, name) for name in
-          ("pressure_mean", "pressure_max", "density_max", "displacement_max_over_dx")),
-        number(summary, "steps"), cost_per_step(outcome), wall_share(outcome),
-        *(number(summary, "conservation", name) for name in ("mass", "momentum", "energy")),
-        summary.get("state_hash"),
-    )))
+    return {"file": case.file, "program": case.program, "variant": case.variant, "outcome": verdict(outcome),
+            "step": stopped_step(outcome), "iteration": number(summary, "diverged_iteration"), "reason": outcome.reason or None,
+            "note": note_says(outcome), "agrees": agreement(outcome), "agrees_in_place": agreement_in_place(outcome),
+            "pressure_error_mean": error(outcome, "pressure_mean"), "pressure_error_max": error(outcome, "pressure_max"),
+            "density_error_max": error(outcome, "density_max"),
+            "displacement_max_over_dx": error(outcome, "displacement_max_over_dx"), "steps": number(summary, "steps"),
+            "seconds_per_step": cost_per_step(outcome), "wall_correction_share": wall_share(outcome),
+            **{f"{name}_drift": number(summary, "conservation", name) for name in ("mass", "momentum", "energy")},
+            "state_hash": summary.get("state_hash")}
 
 
 def error(outcome: Outcome, name: str) -> float | None:
@@ -121,10 +113,11 @@ def accuracy_order(outcomes: list[Outcome], file: str) -> str | None:
 
 
 def write_csv(outcomes: list[Outcome], path: Path) -> None:
+    rows = [row(outcome) for outcome in outcomes]
     with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, rows[0])
         writer.writeheader()
-        writer.writerows(row(outcome) for outcome in outcomes)
+        writer.writerows(rows)
 
 
 def cell(outcome: Outcome | None) -> str:
@@ -141,8 +134,8 @@ def cell(outcome: Outcome | None) -> str:
     return "completed" if value is None else f"{value:.1e}"
 
 
-def terminal(outcomes: list[Outcome], _measured: None) -> str:
-    """Programs down, files across, then every crash in full."""
+def terminal(outcomes: list[Outcome], _measured: None) -> list[str]:
+    """Programs down, files across."""
     by_place = {(outcome.case.label, outcome.case.file): outcome for outcome in outcomes}
     columns = files(outcomes)
     lines = ["Mean pressure error |p - p_ref|/p_ref, or where it stopped (step/iteration):", ""]
@@ -157,14 +150,10 @@ def terminal(outcomes: list[Outcome], _measured: None) -> str:
         lines.append(line)
     lines.append("")
     for outcome in outcomes:
-        if outcome.kind == CRASHED:
-            lines.append(f"CRASHED: {outcome.case.label} on file {outcome.case.file}: {outcome.reason}")
-            if terminal_of(outcome.folder).is_file():
-                lines.append(f"         what it said: {terminal_of(outcome.folder)}")
-        elif agreement(outcome) == "no":
+        if agreement(outcome) == "no" and outcome.kind != CRASHED:
             lines.append(f"Not as in the note: {outcome.case.label} on file {outcome.case.file}: "
                          f"{verdict(outcome)}; the note: {note_says(outcome)}")
         elif agreement_in_place(outcome) == "no":
             lines.append(f"Not where the note has it: {outcome.case.label} on file {outcome.case.file}: "
                          f"{verdict(outcome)}, {place(outcome)}; the note: {note_says(outcome)}")
-    return "\n".join(lines)
+    return lines

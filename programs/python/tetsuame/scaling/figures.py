@@ -6,7 +6,6 @@ from .analysis import base_of
 COLOUR = {"strong": "#0072B2", "weak": "#E69F00"}
 SIZES = {1e7: "#56B4E9", 1e8: "#0072B2", 1e9: "#222222"}  # particles in all
 LOADS = {1e3: "#F0C674", 1e4: "#E69F00", 1e6: "#D55E00"}  # particles a rank
-STAGES = ("lists", "halo", "volume", "walls", "pressure", "gradient", "rates", "integration")
 RANKS = [1 << k for k in range(15)]
 
 
@@ -40,14 +39,12 @@ def measured(rows: list[dict]):
 def stages(rows: list[dict]):
     """Core time of the first rank by stage, per particle: what grows with the cores does not scale. Start included."""
     shown = of_kind(rows, "strong")
-    figure, ax = style.across([named(r) for r in shown], 0.5)
-    left = [0.0] * len(shown)
-    for name in STAGES:
-        value = [1e9 * r["stages"].get(name, 0.0) * r["ranks"] * r["threads"] / (r["steps"] * r["particles"]) for r in shown]
-        left = style.stack(ax, value, left, style.STAGE[name], name)
-    ax.set_xlabel("core time per particle and step (ns), lists made once")
-    style.legend_beside(ax)
-    return figure
+
+    def nanoseconds(row: dict, name: str) -> float:
+        return 1e9 * row["stages"].get(name, 0.0) * row["ranks"] * row["threads"] / (row["steps"] * row["particles"])
+
+    parts = {name: (colour, [nanoseconds(r, name) for r in shown]) for name, colour in style.STAGE.items()}
+    return style.stacked([named(r) for r in shown], parts, "core time per particle and step (ns), lists made once", height=0.5)[0]
 
 
 def prediction(costs: model.Costs, network: model.Network = model.HDR, beside: dict | None = None):

@@ -211,21 +211,13 @@ def cost(outcomes: list[Outcome], files: list[str]):
     seen = [name for name in total if name not in walls and total[name] > SMALL * sum(total.values())]
     others = sorted(seen, key=total.get, reverse=True)[:len(OTHERS)]
 
-    figure, ax = style.across([outcome.case.label for outcome in runs], margin=1.3)
-    left = [0.0] * len(runs)
-
-    def segment(name, colour, seconds):
-        """Milliseconds a step, stacked on what stands there."""
-        left[:] = style.stack(ax, [1e3 * value / o.summary["steps"] for value, o in zip(seconds, runs)], left, colour, name)
-
-    if walls:
-        segment("wall correction", WALL, [sum(stages(o).get(name, 0.0) for name in walls) for o in runs])
-    for name, colour in zip(others, OTHERS):
-        segment(name.replace("_", " "), colour, [stages(o).get(name, 0.0) for o in runs])
-    shown = {*walls, *others}
-    segment("everything else", REST, [sum(value for name, value in stages(o).items() if name not in shown) for o in runs])
-    style.say_at_ends(ax, left, [f"{end:.2g} ms" for end in left])
-    ax.set_xlabel("time a step without output (ms), one thread")
+    # Of each part its colour and the stages in it.
+    parts = {"wall correction": (WALL, walls)} | {name.replace("_", " "): (colour, [name]) for name, colour in zip(others, OTHERS)}
+    rest = [name for name in total if name not in {*walls, *others}]
+    milliseconds = {label: (colour, [1e3 * sum(stages(o).get(name, 0.0) for name in names) / o.summary["steps"] for o in runs])
+                    for label, (colour, names) in (parts | {"everything else": (REST, rest)}).items()}
+    figure, ax, ends = style.stacked([outcome.case.label for outcome in runs], milliseconds, "time a step without output (ms), one thread",
+                                     margin=1.3)
+    style.say_at_ends(ax, ends, [f"{end:.2g} ms" for end in ends])
     ax.set_title(f"File {file}")
-    style.legend_beside(ax)
     return figure
