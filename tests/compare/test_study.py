@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from tetsuame.compare import convection, fit, references, rti, shock, study
-from tetsuame.compare.figures.convection import level_means, with_walls
 from tetsuame.compare.figures.rti import nearest
 from test_compare import Balance
 
@@ -88,15 +87,6 @@ class Parts(unittest.TestCase):
         self.assertAlmostEqual(errors["density_l1"], 0.25, places=12)
         self.assertAlmostEqual(errors["velocity_l1"], 0.0, places=12)
         self.assertEqual(errors["pressure_l1"], 0.0)
-
-    def test_means_along_lines(self):
-        random = np.random.default_rng(1)
-        x, y = random.random(400), random.random(400)
-        x, y = np.clip(x, 0.02, 0.98), np.clip(y, 0.02, 0.98)
-        px, py, T = with_walls(x, y, 1 - y, 0.05, 1.0)
-        heights, means = level_means(px, py, T, 1.0, np.array([0.0, 0.3, 0.8, 1.0]))
-        np.testing.assert_allclose(means[1:3], [0.7, 0.2], atol=5e-3)
-        np.testing.assert_allclose(means[[0, 3]], [1.0, 0.0], atol=1e-9)
 
     def test_nearest_particle(self):
         picture = nearest(np.array([0.25, 0.75]), np.array([0.5, 0.5]), np.array([0.0, 1.0]), 8)

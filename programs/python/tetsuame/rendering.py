@@ -12,7 +12,7 @@ import numpy as np
 REACH = 2.0  # the kernel's support, in spacings of a particle
 PIXELS_A_SPACING = 2  # more would only cost time
 BEYOND = 0.03  # of a field's range: so far may its values go at a wall, half a spacing from the last particle
-NEAR, ASIDE = 1.5, 0.6  # spacings: where no particle is so near, and the mean of those within reach is so far, nothing is
+NEAR, ASIDE = 1.5, 1.3  # spacings: where no particle is so near, and the mean of those within reach is so far, nothing is
 
 
 @dataclass

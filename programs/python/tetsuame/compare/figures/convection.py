@@ -3,11 +3,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from ... import style
+from ...fields import look
+from ...rendering import slice_of
+from ...runs import Snapshot
 from .. import references
-from ..results import fluid, history, resolved
+from ..results import history, resolved
 from ..runner import COMPLETED, Outcome
 
 
@@ -19,30 +21,21 @@ def by_case(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
     return cases
 
 
-def state(folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float] | None:
-    """x and y over the height, temperature from 0 (top) to 1 (bottom), velocity, spacing over the height."""
-    fields = fluid(folder)
-    if fields is None or "Temperature" not in fields:
+def state(folder: Path):
+    """The last snapshot, rendered: temperature from 0 (top) to 1 (bottom), the square of the horizontal velocity, and the height;
+    None if there is none."""
+    shown = sorted(folder.glob("snapshot_*.h5"))
+    if not shown or "Temperature" not in Snapshot(shown[-1]):
         return None
-    height = resolved(folder, "domain", "length_y")
+    snapshot, height = Snapshot(shown[-1]), resolved(folder, "domain", "length_y")
     top, bottom = (resolved(folder, "walls", f"temperature_{side}") for side in ("top", "bottom"))
-    x = fields["Coordinates"][:, :2] / height
-    return x[:, 0], x[:, 1], (fields["Temperature"] - top) / (bottom - top), fields["Velocities"][:, :2], \
-        1 / resolved(folder, "domain", "particles_y")
+    temperature = slice_of(snapshot, (snapshot["Temperature"] - top) / (bottom - top), 400, 2, None)
+    return snapshot, temperature, slice_of(snapshot, snapshot["Velocities"][:, 0] ** 2, 400, 2, None), height
 
 
 def width_of(outcome: Outcome) -> float:
     """Of the box, over its height."""
     return resolved(outcome.folder, "domain", "length_x") / resolved(outcome.folder, "domain", "length_y")
-
-
-def with_walls(x, y, T, dx, width):
-    """The particles, and points on the walls: fixed temperature below and above, that of the neighbour at the sides."""
-    near = {"left": x < 1.1 * dx, "right": x > width - 1.1 * dx, "bottom": y < 1.1 * dx, "top": y > 1 - 1.1 * dx}
-    xs = [x, np.zeros(near["left"].sum()), np.full(near["right"].sum(), width), x[near["bottom"]], x[near["top"]], [0, width, 0, width]]
-    ys = [y, y[near["left"]], y[near["right"]], np.zeros(near["bottom"].sum()), np.ones(near["top"].sum()), [0, 0, 1, 1]]
-    Ts = [T, T[near["left"]], T[near["right"]], np.ones(near["bottom"].sum()), np.zeros(near["top"].sum()), [1, 1, 0, 0]]
-    return np.concatenate(xs), np.concatenate(ys), np.concatenate(Ts)
 
 
 def fields(outcomes: list[Outcome]):
@@ -54,12 +47,11 @@ def fields(outcomes: list[Outcome]):
     widest = max(width for *_, width in states)
     figure, axes = style.panels(len(states), columns, 3.5 / max(1.0, 0.75 * widest))
     image = None
-    for ax, (case, (x, y, T, v, dx), width) in zip(axes, states):
-        px, py, pT = with_walls(x, y, T, dx, width)
-        mesh = Triangulation(px, py)
-        image = ax.tripcolor(mesh, pT, shading="gouraud", cmap=colormaps["RdYlBu_r"], vmin=0, vmax=1, rasterized=True)
-        ax.tricontour(mesh, pT, levels=np.arange(0.1, 0.95, 0.1), colors="white", linewidths=0.7, alpha=0.85)
-        draw_arrows(ax, x, y, v, width)
+    for ax, (case, (snapshot, T, _, height), width) in zip(axes, states):
+        image = ax.imshow(T.values, origin="lower", extent=[edge / height for edge in T.extent], cmap=look("Temperature").colours, vmin=0, vmax=1,
+                          interpolation="bilinear")
+        ax.contour(T.x / height, T.y / height, T.values, levels=np.arange(0.1, 0.95, 0.1), colors="white", linewidths=0.7, alpha=0.85)
+        draw_arrows(ax, *(snapshot["Coordinates"] / height).T[:2], snapshot["Velocities"][:, :2], width)
         ax.set_title(f"{case.file}, n = {case.n}")
         style.as_map(ax, (0, width), (0, 1))
         ax.set_xticks([0, width], ["0", f"{width:g}"])
@@ -85,13 +77,6 @@ def shade(index: int, count: int) -> tuple:
     return colormaps["viridis_r"](0.15 + 0.8 * (index + 1) / count)
 
 
-def level_means(x, y, values, width: float, heights) -> tuple[np.ndarray, np.ndarray]:
-    """Means along horizontal lines, of values linear between particles."""
-    across = (np.arange(200) + 0.5) / 200 * width
-    there = LinearTriInterpolator(Triangulation(x, y), values)(*np.meshgrid(across, heights))
-    return np.asarray(heights), np.ma.mean(there, axis=1)
-
-
 def profiles(outcomes: list[Outcome]):
     cases = by_case(outcomes)
     if not cases:
@@ -103,16 +88,12 @@ def profiles(outcomes: list[Outcome]):
             got = state(outcome.folder)
             if got is None:
                 continue
-            x, y, T, v, dx = got
-            width = width_of(outcome)
+            _, T, square, height = got
             colour = shade(index, len(runs))
-            px, py, pT = with_walls(x, y, T, dx, width)
-            height, mean = level_means(px, py, pT, width, np.linspace(0, 1, 2 * round(1 / dx) + 1))
-            above.plot(mean, height, color=colour, label=f"n = {outcome.case.n}")
-            height, square = level_means(x, y, v[:, 0] ** 2, width, np.linspace(0.6 * dx, 1 - 0.6 * dx, 2 * round(1 / dx)))
+            above.plot(np.nanmean(T.values, axis=1), T.y / height, color=colour, label=f"n = {outcome.case.n}")
             columns = history(outcome.folder)
             unit = columns["v_rms_si"][-1] / columns["v_rms"][-1] if columns and columns["v_rms"][-1] > 0 else 1.0
-            below.plot(np.sqrt(square) / unit, height, color=colour)
+            below.plot(np.sqrt(np.maximum(np.nanmean(square.values, axis=1), 0)) / unit, square.y / height, color=colour)
         above.set_title(name)
         above.set_xlim(0, 1)
         above.set_xlabel("mean temperature")
