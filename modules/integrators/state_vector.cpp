@@ -198,7 +198,11 @@ void destroy(N_Vector v) {
   N_VFreeEmpty(v);
 }
 
+#if SUNDIALS_VERSION_MAJOR >= 7
+SUNComm communicator(N_Vector v) { return of(v).shared->communicator; }
+#else
 void* communicator(N_Vector v) { return &of(v).shared->communicator; }
+#endif
 sunindextype global_length(N_Vector v) { return family_of(v).global_length; }
 
 void linear_sum(double a, N_Vector x, double b, N_Vector y, N_Vector z) {

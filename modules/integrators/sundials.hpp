@@ -12,6 +12,7 @@
 #include <foundation/error.hpp>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace tetsuame::integrators {
@@ -34,7 +35,7 @@ class sundials_context {
   struct release {
     void operator()(SUNContext context) const { SUNContext_Free(&context); }
   };
-  std::unique_ptr<_SUNContext, release> context_;
+  std::unique_ptr<std::remove_pointer_t<SUNContext>, release> context_;
 };
 
 struct release_vector {
