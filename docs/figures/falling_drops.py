@@ -18,7 +18,7 @@ for panel, folder, radius in zip(axes, sys.argv[1:], (0.005, 0.010)):
     for k, name in enumerate(sorted(pathlib.Path(folder).glob("snapshot_*.h5"))[::3]):
         with h5py.File(name) as file:
             fluid = file["PartType0"]
-            metal = np.array(fluid["Metal"]) > 0.5
+            metal = np.array(fluid["Material"]) > 0.5
             x = np.array(fluid["Coordinates"])[metal, :2] / radius
         panel.plot(x[:, 0], x[:, 1], ".", markersize=1.6, color=plt.cm.viridis(k / 6))
     panel.set(aspect="equal", xlim=(0, 8), ylim=(0, 20), xlabel="x/R", title=f"R = {1e3 * radius:g} mm")

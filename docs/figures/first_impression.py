@@ -17,7 +17,7 @@ overturn, roll = (tetsuame.load(folder) for folder in sys.argv[1:])
 figure, axes = style.plt.subplots(1, 5, figsize=(10.4, 2.4))
 for ax, time in zip(axes, (750, 1500, 1750, 2250)):
     snapshot = overturn.snapshot(time)
-    picture = snapshot.map("Metal")
+    picture = snapshot.map("Material")
     ax.imshow(picture.values, origin="lower", cmap="copper", vmin=0, vmax=1, interpolation="bilinear")
     ax.set_title(when(snapshot))
 picture = roll.snapshot().map("Temperature")

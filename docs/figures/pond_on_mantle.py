@@ -16,7 +16,7 @@ fig, axes = plt.subplots(2, len(chosen), figsize=(2.6 * len(chosen), 5.4), share
 for column, name in zip(axes.T, chosen):
     with h5py.File(name) as file:
         fluid, t = file["PartType0"], file["Header"].attrs["Time"]
-        x, metal, melt = fluid["Coordinates"][:] / 1e3, fluid["Metal"][:] > 0, fluid["MeltFraction"][:]
+        x, metal, melt = fluid["Coordinates"][:] / 1e3, fluid["Material"][:] > 0, fluid["MeltFraction"][:]
         T, size = fluid["Temperature"][:], 2e4 / len(x)
     column[0].scatter(*x[~metal, :2].T, c=melt[~metal], s=size, cmap="YlOrRd", vmin=0, vmax=1, lw=0)
     column[0].scatter(*x[metal, :2].T, c="0.2", s=size, lw=0)

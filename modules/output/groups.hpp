@@ -1,4 +1,5 @@
-// Particles as the output sees them: named columns of plain arrays, without physics.
+// Particles as the output sees them: named columns of plain arrays, without physics. Every snapshot has Coordinates,
+// Velocities, Masses, Density, Pressure, Temperature, SmoothingLength, ParticleIDs and Material.
 #pragma once
 
 #include <mpi.h>
@@ -6,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 namespace tetsuame::output {
@@ -18,6 +19,7 @@ struct column {
   std::string name, units, description;
   std::vector<const double*> components;
   bool vector = false;
+  bool integer = false;  // written as such
 };
 
 // The part of a group that this rank holds. Type, and names and order of the columns,
@@ -27,23 +29,33 @@ struct particle_group {
   std::size_t n = 0;
   const std::int64_t* ids = nullptr;
   std::vector<column> columns;
+  int dimension = 3;
 };
 
-// components: arrays, one a dimension.
-template <class Arrays>
-column vector_column(std::string name, std::string units, std::string description, const Arrays& components) {
-  column c{std::move(name), std::move(units), std::move(description), {}, true};
-  for (const auto& component : components) c.components.push_back(component.data());
-  return c;
+// Adds a quantity of the table in groups.cpp, which knows unit and meaning: a name has the same in every program.
+// components: one, or one a dimension, each from the group's first particle on.
+void add_quantity(particle_group& g, std::string_view name, std::vector<const double*> components);
+
+// `n` particles from `begin` on, with what is the same in all programs; the rest is added by name.
+template <class Particles>
+particle_group group_of(const Particles& s, int type, std::size_t begin, std::size_t n) {
+  particle_group g{type, n, s.id.data() + begin, {}, static_cast<int>(s.x.size())};
+  const auto add = [&](const char* name, const auto& vector) {
+    std::vector<const double*> components;
+    for (const auto& component : vector) components.push_back(component.data() + begin);
+    add_quantity(g, name, components);
+  };
+  add("Coordinates", s.x);
+  add("Velocities", s.v);
+  return g;
 }
 
-// What every snapshot of particles begins with.
-template <class Particles>
-particle_group fluid_in_motion(const Particles& s) {
-  return {0,
-          s.fluid,
-          s.id.data(),
-          {vector_column("Coordinates", "m", "position", s.x), vector_column("Velocities", "m/s", "velocity", s.v)}};
+// An array made for the occasion: value(i) of n particles. It stays where it is as long as `made`.
+template <class Arrays, class Value>
+const double* make_array(Arrays& made, std::size_t n, Value&& value) {
+  auto& a = made.emplace_back(n);
+  for (std::size_t i = 0; i < n; ++i) a[i] = value(i);
+  return a.data();
 }
 
 // A fingerprint of a state: equal for equal particles, however they lie on ranks,

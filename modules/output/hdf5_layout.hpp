@@ -1,9 +1,9 @@
 // The skeleton of an HDF5 file, made by one rank: groups, attributes and datasets
 // without their values, each dataset one contiguous block at a known place in the file.
 //
-// All ranks then write their rows to these places by plain pwrite (shared_file.hpp), at the price of no compression: in
-// parallel HDF5 a write that fails on one rank (disk full, quota) can leave the others waiting for ever, and the file
-// cannot be reserved on the disk beforehand.
+// All ranks then write their rows to these places by plain pwrite (shared_file.hpp); who wants them compressed has the
+// whole file made anew by one rank: in parallel HDF5 a write that fails on one rank (disk full, quota) can leave the
+// others waiting for ever, and the file cannot be reserved on the disk beforehand.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ using attribute_value = std::variant<double, std::int64_t, std::string, std::vec
                                      std::vector<std::uint32_t>, std::vector<std::uint64_t>>;
 using attributes = std::vector<std::pair<std::string, attribute_value>>;
 
-enum class element { real, integer, index, text };  // double, int64, int32, a fixed-length string of bytes
+// double, float, int64, int32, a fixed-length string of bytes
+enum class element { real, single, integer, index, text };
 
 struct dataset {
   std::string path;
@@ -42,6 +43,11 @@ struct layout {
 // the size of the file. HDF5 prints nothing: its reason becomes part of the message.
 // Throws fail_file.
 std::uint64_t create_layout(const std::string& path, layout& contents);
+
+// On this rank alone. Makes the file at path, which create_layout laid out and which holds its values, anew with its
+// numbers compressed (deflate behind a shuffle of bytes, which every HDF5 library reads). Throws fail_file; the file is
+// then as it was.
+void compress(const std::string& path, layout contents);
 
 // What an existing file says about itself, for series.xdmf: read on this rank alone.
 struct stored_dataset {

@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <foundation/agree.hpp>
@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t gadget_types = 6;
 
 attributes header_attributes(const snapshot_header& header, const std::vector<particle_group>& groups,
-                             const std::vector<id_order>& orders) {
+                             const std::vector<id_order>& orders, const snapshot_form& form) {
   std::vector<std::uint64_t> here(gadget_types, 0);
   std::vector<std::uint32_t> low(gadget_types, 0), high(gadget_types, 0);
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -44,7 +44,7 @@ attributes header_attributes(const snapshot_header& header, const std::vector<pa
           {"Flag_Metals", flag(0)},
           {"Flag_Feedback", flag(0)},
           {"Flag_Entropy_ICs", flag(0)},
-          {"Flag_DoublePrecision", flag(1)},
+          {"Flag_DoublePrecision", flag(form.single ? 0 : 1)},
           {"Dimension", flag(header.dimension)},
           {"Step", header.step},
           {"BoxLengths", std::vector<double>(box.begin(), box.end())},
@@ -56,7 +56,12 @@ attributes header_attributes(const snapshot_header& header, const std::vector<pa
 
 std::uint64_t width_of(const column& c) { return c.vector ? 3 : c.components.size(); }
 
-void add_group(const particle_group& group, std::uint64_t rows, layout& contents) {
+element type_of(const column& c, const snapshot_form& form) {
+  if (c.integer) return element::index;
+  return form.single && c.name != "Coordinates" ? element::single : element::real;
+}
+
+void add_group(const particle_group& group, std::uint64_t rows, const snapshot_form& form, layout& contents) {
   const auto folder = fmt::format("/PartType{}", group.type);
   contents.groups.push_back({folder, {}});
   contents.datasets.push_back(
@@ -68,7 +73,7 @@ void add_group(const particle_group& group, std::uint64_t rows, layout& contents
     std::vector<std::uint64_t> shape{rows};
     if (width_of(c) > 1) shape.push_back(width_of(c));
     contents.datasets.push_back(
-        {folder + "/" + c.name, element::real, shape, {{"units", c.units}, {"description", c.description}}});
+        {folder + "/" + c.name, type_of(c, form), shape, {{"units", c.units}, {"description", c.description}}});
   }
   const bool fits = rows <= std::numeric_limits<std::int32_t>::max();
   contents.datasets.push_back({fmt::format("/Connectivity{}", group.type),
@@ -99,7 +104,15 @@ void write_rows(shared_file& file, const dataset& d, const id_order& order, cons
 void write_group(shared_file& file, const particle_group& group, const id_order& order,
                  std::vector<dataset>::const_iterator& next) {
   write_rows(file, *next++, order, order.ids);
-  for (const auto& c : group.columns) write_rows(file, *next++, order, rows_of(c, order));
+  for (const auto& c : group.columns) {
+    const auto rows = rows_of(c, order);
+    if (next->type == element::index)
+      write_rows(file, *next++, order, std::vector<std::int32_t>(rows.begin(), rows.end()));
+    else if (next->type == element::single)
+      write_rows(file, *next++, order, std::vector<float>(rows.begin(), rows.end()));
+    else
+      write_rows(file, *next++, order, rows);
+  }
   std::vector<std::int64_t> numbers(order.rows());
   std::iota(numbers.begin(), numbers.end(), static_cast<std::int64_t>(order.first_row));
   if (next->type == element::index)
@@ -112,17 +125,31 @@ void write_group(shared_file& file, const particle_group& group, const id_order&
 
 std::string snapshot_name(int number) { return fmt::format("snapshot_{:04}.h5", number); }
 
+void check_fields(const snapshot_form& form, const particle_group& group, const std::string& place) {
+  std::vector<std::string> known{"ParticleIDs"};
+  for (const auto& c : group.columns) known.push_back(c.name);
+  for (const auto& name : form.fields)
+    if (std::ranges::find(known, name) == known.end())
+      foundation::fail_input(fmt::format("{}: '{}' is no field of this run's snapshots: expected some of {}", place,
+                                         name, fmt::join(known, ", ")));
+}
+
 void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
-                    const std::vector<particle_group>& groups, const provenance& origin) {
+                    std::vector<particle_group> groups, const provenance& origin, const snapshot_form& form) {
+  const auto left_out = [&](const column& c) {
+    return c.name != "Coordinates" && std::ranges::find(form.fields, c.name) == form.fields.end();
+  };
+  if (!form.fields.empty())
+    for (auto& group : groups) std::erase_if(group.columns, left_out);
   std::vector<id_order> orders;
   for (const auto& group : groups) orders.push_back(order_by_id(comm, group.n, group.ids));
 
   const auto input = foundation::broadcast(comm, origin.resolved_input);
   layout contents;
-  contents.groups = {{"/Header", header_attributes(header, groups, orders)},
+  contents.groups = {{"/Header", header_attributes(header, groups, orders, form)},
                      {"/Provenance", {{"Program", origin.program}, {"Version", origin.version}}}};
   for (std::size_t g = 0; g < groups.size(); ++g)
-    if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, contents);
+    if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, form, contents);
   contents.datasets.push_back({"/Provenance/ResolvedInput", element::text, {input.size()}, {}});
 
   shared_file file(comm, path, contents);
@@ -131,6 +158,7 @@ void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_heade
     if (orders[g].total_rows > 0) write_group(file, groups[g], orders[g], next);
   if (foundation::rank_of(comm) == 0) file.write(*next, 0, input.c_str(), next->bytes);
   file.finish();
+  if (form.compressed) foundation::on_rank_0(comm, [&] { compress(path, contents); });
 }
 
 }  // namespace tetsuame::output

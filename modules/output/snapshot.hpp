@@ -7,8 +7,9 @@
 //   /Connectivity0, 1 0 … N-1, which ParaView needs to draw points (series.hpp)
 //   /Provenance       ResolvedInput, and Program and Version as attributes
 //
-// Double precision, no compression (hdf5_layout.hpp says why), rows in the order of
-// the particle IDs: the same bytes on any number of ranks.
+// Rows in the order of the particle IDs: the same bytes on any number of ranks. Two lines more make yt read SI:
+//
+//   yt.load(file, unit_base={"length": (1.0, "m"), "mass": (1.0, "kg"), "velocity": (1.0, "m/s")})
 #pragma once
 
 #include <mpi.h>
@@ -34,9 +35,19 @@ struct provenance {
 
 std::string snapshot_name(int number);  // snapshot_0007.h5
 
+// What of the columns is written, and how.
+struct snapshot_form {
+  std::vector<std::string> fields;  // none: all; Coordinates and ParticleIDs stand in every file
+  bool single = false;  // real columns but Coordinates, of which rounding could carry a particle out of its box
+  bool compressed = false;
+};
+
+// Throws fail_input, after `place`, where a field is none of the first group's columns.
+void check_fields(const snapshot_form& form, const particle_group& group, const std::string& place);
+
 // Collective. Written under a temporary name, then renamed. Throws fail_file on every
 // rank with path and reason (disk full, no permission), and leaves an older file as it was.
 void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
-                    const std::vector<particle_group>& groups, const provenance& origin);
+                    std::vector<particle_group> groups, const provenance& origin, const snapshot_form& form = {});
 
 }  // namespace tetsuame::output

@@ -100,11 +100,8 @@ auto& extra(P& s, std::string_view name) {
 }
 
 struct field_info {
-  const char* name;  // of the data set
-  const char* unit;
-  const char* description;
+  const char* name;  // in checkpoints
   role kind;
-  bool in_snapshot;
 };
 
 // Visits every field: f(field_info, arrays of its components).
@@ -117,31 +114,25 @@ void for_each_field(P& s, F&& f) {
     return all;
   };
   using enum role;
-  f(field_info{"Coordinates", "m", "position", integrated, true}, components(s.x));
-  f(field_info{"Velocities", "m/s", "velocity", integrated, true}, components(s.v));
-  f(field_info{"Density", "kg/m^3", "mass density", integrated, true}, list{&s.rho});
-  f(field_info{"Temperature", "K", "temperature", integrated, true}, list{&s.T});
-  f(field_info{"Weight", "J", "DISPH weight Y = p dV", integrated, true}, list{&s.Y});
-  f(field_info{"InternalEnergyGain", "J/kg", "specific internal energy gained since the start", integrated, true},
-    list{&s.u});
-  f(field_info{"Masses", "kg", "mass (2-D: per metre of depth)", constant, true}, list{&s.m});
-  f(field_info{"Viscosity", "Pa s", "dynamic viscosity", constant, true}, list{&s.eta});
-  f(field_info{"Conductivity", "W/(m K)", "thermal conductivity", constant, false}, list{&s.k});
-  if (s.keeps_start)
-    f(field_info{"StartCoordinates", "m", "position at the start, less periodic jumps", constant, false},
-      components(s.x_start));
-  f(field_info{"ListCoordinates", "m", "position when the neighbour lists were made", memory, false},
-    components(s.x_list));
-  f(field_info{"PressureEOS", "Pa", "pressure straight from the equation of state", derived, true}, list{&s.p_eos});
-  f(field_info{"Pressure", "Pa", "pressure in the forces: smoothed, or that of the equation of state", derived, true},
-    list{&s.p});
-  f(field_info{"Volume", "m^D", "volume element", derived, false}, list{&s.dV});
-  f(field_info{"BulkModulus", "Pa", "isothermal bulk modulus", derived, false}, list{&s.K_T});
-  f(field_info{"ThermalExpansivity", "1/K", "thermal expansivity", derived, false}, list{&s.alpha});
-  f(field_info{"HeatCapacity", "J/(kg K)", "heat capacity at constant volume", derived, false}, list{&s.c_V});
-  f(field_info{"SoundSpeed", "m/s", "adiabatic sound speed", derived, true}, list{&s.c});
-  for (auto& e : s.extras)
-    f(field_info{e.name.c_str(), e.unit.c_str(), e.description.c_str(), e.kind, false}, list{&e.values});
+  f(field_info{"Coordinates", integrated}, components(s.x));
+  f(field_info{"Velocities", integrated}, components(s.v));
+  f(field_info{"Density", integrated}, list{&s.rho});
+  f(field_info{"Temperature", integrated}, list{&s.T});
+  f(field_info{"Weight", integrated}, list{&s.Y});
+  f(field_info{"InternalEnergyGain", integrated}, list{&s.u});
+  f(field_info{"Masses", constant}, list{&s.m});
+  f(field_info{"Viscosity", constant}, list{&s.eta});
+  f(field_info{"Conductivity", constant}, list{&s.k});
+  if (s.keeps_start) f(field_info{"StartCoordinates", constant}, components(s.x_start));
+  f(field_info{"ListCoordinates", memory}, components(s.x_list));
+  f(field_info{"PressureEOS", derived}, list{&s.p_eos});
+  f(field_info{"Pressure", derived}, list{&s.p});
+  f(field_info{"Volume", derived}, list{&s.dV});
+  f(field_info{"BulkModulus", derived}, list{&s.K_T});
+  f(field_info{"ThermalExpansivity", derived}, list{&s.alpha});
+  f(field_info{"HeatCapacity", derived}, list{&s.c_V});
+  f(field_info{"SoundSpeed", derived}, list{&s.c});
+  for (auto& e : s.extras) f(field_info{e.name.c_str(), e.kind}, list{&e.values});
 }
 
 // A particle's own data: what moves with it between ranks and stands in a checkpoint.

@@ -41,6 +41,11 @@ void declare(namelist::schema& schema, output_options& o) {
              {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
   schema.add("output", "history_interval", o.history_interval,
              {.minimum = 1, .meaning = "steps between lines of history.csv"});
+  schema.add("output", "fields", o.fields,
+             {.meaning = "of snapshots, beside Coordinates and ParticleIDs; not given: all that the program has"});
+  schema.add("output", "precision", o.precision,
+             {.choices = {"double", "single"}, .meaning = "of numbers in snapshots; Coordinates stay double"});
+  schema.add("output", "compress", o.compress, {.meaning = "snapshots, by deflate; one process does it"});
 }
 
 void declare(namelist::schema& schema, balance_options& o) {
@@ -152,6 +157,7 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
 
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
+  if (!o.output.fields.empty()) o.output.fields_place = schema.where("output", "fields") + ": &output fields";
   if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;

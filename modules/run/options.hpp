@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <namelist/schema.hpp>
 #include <optional>
+#include <output/snapshot.hpp>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,12 @@ struct kernel_options {
 struct output_options {
   double interval = 0.0;               // s
   std::int64_t history_interval = 10;  // steps
+  std::vector<std::string> fields;     // of snapshots; none: all
+  std::string fields_place;            // where that was said, for the message
+  std::string precision = "double";
+  bool compress = false;
+
+  output::snapshot_form form() const { return {fields, precision == "single", compress}; }
 };
 
 struct run_options {

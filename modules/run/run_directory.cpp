@@ -210,13 +210,14 @@ next_end run_directory::end_of_fixed_step(double t, double dt, const integrators
   return {n <= 1.0 ? stop : t + rest / n, rest / n < 0.9 * h ? "output" : most.name};
 }
 
-void run_directory::write_snapshot(const output::snapshot_header& header,
-                                   const std::vector<output::particle_group>& groups, double interval) {
+void run_directory::write_snapshot(const output::snapshot_header& header, std::vector<output::particle_group> groups,
+                                   const output_options& o) {
   const std::string name = output::snapshot_name(static_cast<int>(snapshots_));
-  output::write_snapshot(ranks.comm, path_of(name), header, groups, {line.program, version(), resolved});
+  output::write_snapshot(ranks.comm, path_of(name), header, std::move(groups), {line.program, version(), resolved},
+                         o.form());
   output::add_to_series(ranks.comm, line.output, name, series_);
   ++snapshots_;
-  if (interval > 0.0) next_snapshot = next_multiple(interval, header.time);
+  if (o.interval > 0.0) next_snapshot = next_multiple(o.interval, header.time);
 }
 
 void run_directory::keep_good(const std::string& checkpoint) {

@@ -73,9 +73,9 @@ struct run_directory {
   double last_end(double t_end, double interval) const {
     return interval > 0.0 ? std::min(t_end, next_snapshot) : t_end;
   }
-  // The header's time and step say when. interval: s, of the model, from one to the next; 0: none is due.
-  void write_snapshot(const output::snapshot_header& header, const std::vector<output::particle_group>& groups,
-                      double interval);
+  // The header's time and step say when.
+  void write_snapshot(const output::snapshot_header& header, std::vector<output::particle_group> groups,
+                      const output_options& o);
 
   // Adds to what the run has put into g what all have, the integrator's memory among it.
   void write_checkpoint(std::int64_t step, const integrators::explicit_integrator& integrator,

@@ -64,7 +64,7 @@ void start_from_file(const start_options& o, const taken_from_file& taken, state
   auto& s = box.w.s;
   std::vector<std::string> fields{"Coordinates", "Temperature"};
   if (taken.motion) fields.insert(fields.end(), {"Velocities", "Density", "Masses"});
-  if (taken.material) fields.emplace_back("Metal");
+  if (taken.material) fields.emplace_back("Material");
   const auto row = detail::rows_of_file(o, D, box.fluid_total, fields);
   // All ranks check all particles, so that they fail alike.
   const auto take = [&](const char* name, auto&& allowed, auto&& give) {
@@ -90,7 +90,7 @@ void start_from_file(const start_options& o, const taken_from_file& taken, state
   });
   take("Temperature", finite, [&](std::size_t i, const double* T) { s.T[i] = *T; });
   if (taken.material)
-    take("Metal", finite, [&](std::size_t i, const double* metal) { s.material[i] = *metal > 0.5 ? 1 : 0; });
+    take("Material", finite, [&](std::size_t i, const double* of) { s.material[i] = *of > 0.5 ? 1 : 0; });
   if (!taken.motion) return;
   take("Velocities", all_finite, [&](std::size_t i, const double* v) {
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];

@@ -277,8 +277,15 @@ struct loop {
     header.time = integrator->time();
     header.step = step;
     std::vector<particles::array> extra;
-    files.write_snapshot(header, p.snapshot(extra), o.output.interval);
+    files.write_snapshot(header, p.snapshot(extra), o.output);
     snapshot_step = step;
+  }
+
+  // Before anything is written.
+  void check_fields() {
+    std::vector<particles::array> extra;
+    if (!o.output.fields.empty())
+      output::check_fields(o.output.form(), p.snapshot(extra).front(), o.output.fields_place);
   }
 
   void write_checkpoint() {
@@ -303,6 +310,7 @@ struct loop {
     p.rebuild(false);
     p.set_time(0.0);
     make_integrator();
+    check_fields();
     files.begin();
     files.start_history(columns());
     p.begin_tables(files);
@@ -322,6 +330,7 @@ struct loop {
     const bool as_before = method_of(g.texts.at("input")) == o.time.method;
     make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
     if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
+    check_fields();
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
     line_step = g.integers.at("line_step");

@@ -90,7 +90,7 @@ def rti(n, source, settings, stopped):
                "metal_centroid": 0.3, "density_ratio_min": 0.9, "density_ratio_max": 1.15, "pressure_min": 1e9, "energy_residual": 1e-4}
     columns = {"time": t, "centroid": 0.75 - 1e-4 * t, "density_ratio_min": 1 - 1e-5 * t, "density_ratio_max": 1 + 1e-5 * t,
                "mode_amplitude": 750 * np.exp(theory * t)}
-    fields = {"Coordinates": 1.5e6 * x, "Metal": (x[:, 1] > 0.5).astype(float)}
+    fields = {"Coordinates": 1.5e6 * x, "Material": (x[:, 1] > 0.5).astype(float)}
     return None, metrics, fields, columns, {"domain": {"length_x": 1.5e6, "length_y": 1.5e6}}
 
 

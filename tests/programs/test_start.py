@@ -48,7 +48,7 @@ class Snapshot(Case):
                 settings = {**self.settings, "time.steps": 4, "time.dt": 2.0}
                 whole = self.run_program(program, "rti_linear", settings)
                 start = fluid(whole.directory / "snapshot_0000.h5")
-                for field in ["ParticleIDs", "Coordinates", "Velocities", "Masses", "Metal"]:
+                for field in ["ParticleIDs", "Coordinates", "Velocities", "Masses", "Material"]:
                     self.assertTrue((start[field] == wanted[field]).all(), field)
                 for ranks in (2, 3):
                     self.assertEqual(outcome(self.run_program(program, "rti_linear", settings, ranks=ranks).summary), outcome(whole.summary))

@@ -106,12 +106,18 @@ class problem : public run::problem_in_a_box<D> {
     return {e.l2, e.maximum, e.heat};
   }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>&) override {
+  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = world_.w.s;
-    output::particle_group g{0, s.fluid, s.id.data(), {}};
-    output::column x{"Coordinates", "m", "position", {}, true};
-    for (const auto& component : s.x) x.components.push_back(component.data());
-    g.columns = {x, {"Temperature", "K", "temperature", {s.T.data()}, false}};
+    auto g = output::group_of(s, 0, 0, s.fluid);
+    const auto add = [&](const char* name, double value) {
+      output::add_quantity(g, name, {output::make_array(extra, s.fluid, [&](auto) { return value; })});
+    };
+    output::add_quantity(g, "Temperature", {s.T.data()});
+    add("Masses", volume_);  // nothing moves, and conduction knows no density: that of a body of 1 kg/m3
+    add("Density", 1.0);
+    add("Pressure", 0.0);
+    add("SmoothingLength", o_.common.kernel.h_over_dx * world_.w.dx);
+    add("Material", 0.0);
     return {g};
   }
 

@@ -112,17 +112,18 @@ class problem : public run::problem_in_a_box<D> {
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = state_.fluid();
-    auto g = output::fluid_in_motion(s);
-    enum : std::size_t { eta, volume, made };
-    extra.assign(made, particles::array(s.fluid));
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      extra[eta][i] = state_.viscosity(i) * state_.layer.fluid.rho;
-      extra[volume][i] = 1.0 / state_.last.W[i];
-    }
-    g.columns.push_back({"Temperature", "K", "temperature", {s.T.data()}, false});
-    g.columns.push_back({"Pressure", "Pa", "pressure beyond that of the conductive state", {state_.p.data()}, false});
-    g.columns.push_back({"Viscosity", "Pa s", "dynamic viscosity", {extra[eta].data()}, false});
-    g.columns.push_back({"Volume", D == 2 ? "m^2" : "m^3", "1/sum of W", {extra[volume].data()}, false});
+    auto g = output::group_of(s, 0, 0, s.fluid);
+    const auto add = [&](const char* name, const double* values) { output::add_quantity(g, name, {values}); };
+    const auto make = [&](auto&& value) { return output::make_array(extra, s.fluid, value); };
+    const double rho = state_.layer.fluid.rho;
+    add("Masses", make([&](auto i) { return rho / state_.last.W[i]; }));
+    add("Density", make([&](auto) { return rho; }));
+    add("Pressure", state_.p.data());
+    add("Temperature", s.T.data());
+    add("SmoothingLength", make([&](auto) { return state_.input.common.kernel.h_over_dx * state_.world.w.dx; }));
+    add("Material", make([](auto) { return 0.0; }));
+    add("Viscosity", make([&](auto i) { return state_.viscosity(i) * rho; }));
+    add("Volume", make([&](auto i) { return 1.0 / state_.last.W[i]; }));
     return {g};
   }
 

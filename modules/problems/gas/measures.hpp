@@ -85,34 +85,29 @@ nlohmann::ordered_json errors(const world<D>& g, double t) {
   return {{"density_l1", mean(rho)}, {"velocity_l1", mean(v)}, {"pressure_l1", mean(p)}};
 }
 
-// extra: h, and the exact density, pressure and velocity where there are any
+// extra: what is made for the snapshot
 template <int D>
 output::particle_group snapshot(world<D>& g, double t, std::vector<particles::array>& extra) {
   const auto& s = g.w.s;
-  auto group = output::fluid_in_motion(s);
-  extra.assign(g.test.exact ? 3 + D : 1, particles::array(s.fluid));
-  for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = g.S[i] / g.support_over_h;
-  const auto scalar = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
-    group.columns.push_back({name, unit, about, {a.data()}, false});
-  };
-  scalar("Masses", "kg", "mass", s.m);
-  scalar("Density", "kg/m^3", "mass density", g.told_density());
-  scalar("Pressure", "Pa", "pressure", s.p);
-  scalar("InternalEnergy", "J/kg", "specific internal energy", s.u);
-  if (g.o.any_eos()) scalar("Temperature", "K", "temperature", s.T);
-  scalar("SmoothingLength", "m", "smoothing length h", extra[0]);
-  if (g.has_alpha()) scalar("ArtificialViscosity", "1", "alpha", g.alpha);
+  auto group = output::group_of(s, 0, 0, s.fluid);
+  const auto add = [&](const char* name, const double* values) { output::add_quantity(group, name, {values}); };
+  const auto make = [&](auto&& value) { return output::make_array(extra, s.fluid, value); };
+  add("Masses", s.m.data());
+  add("Density", g.told_density().data());
+  add("Pressure", s.p.data());
+  add("Temperature", g.o.any_eos() ? s.T.data() : make([](auto) { return 0.0; }));
+  add("SmoothingLength", make([&](auto i) { return g.S[i] / g.support_over_h; }));
+  add("Material", make([&](auto i) { return s.material[i]; }));
+  add("InternalEnergy", s.u.data());
+  if (g.has_alpha()) add("ArtificialViscosity", g.alpha.data());
   if (!g.test.exact) return group;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const state right = g.test.exact(g.place(i), t);
-    extra[1][i] = right.rho;
-    extra[2][i] = right.p;
-    for (std::size_t a = 0; a < D; ++a) extra[3 + a][i] = right.v[a];
-  }
-  scalar("DensityReference", "kg/m^3", "exact mass density at this place", extra[1]);
-  scalar("PressureReference", "Pa", "exact pressure at this place", extra[2]);
-  group.columns.push_back(
-      output::vector_column("VelocitiesReference", "m/s", "exact velocity at this place", std::span(extra).subspan(3)));
+  std::vector<state> exact;
+  for (std::size_t i = 0; i < s.fluid; ++i) exact.push_back(g.test.exact(g.place(i), t));
+  add("DensityReference", make([&](auto i) { return exact[i].rho; }));
+  add("PressureReference", make([&](auto i) { return exact[i].p; }));
+  std::vector<const double*> v;
+  for (std::size_t a = 0; a < D; ++a) v.push_back(make([&](auto i) { return exact[i].v[a]; }));
+  output::add_quantity(group, "VelocitiesReference", v);
   return group;
 }
 

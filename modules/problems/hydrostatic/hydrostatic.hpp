@@ -29,53 +29,36 @@ std::vector<integrators::field> state_fields(scene<D>& scene, volume::carries ca
   return all;
 }
 
-template <int D>
-output::particle_group group_of(const particles::particles<D>& s, int type, std::size_t begin, std::size_t n) {
-  output::particle_group g{type, n, s.id.data() + begin, {}};
-  particles::for_each_field<D>(s, [&](const particles::field_info& field, const auto& components) {
-    if (!field.in_snapshot) return;
-    const std::string unit = field.unit != std::string("m^D") ? field.unit : D == 2 ? "m^2" : "m^3";
-    output::column c{field.name, unit, field.description, {}, components.size() > 1};
-    for (const auto* a : components) c.components.push_back(a->data() + begin);
-    g.columns.push_back(std::move(c));
-  });
-  return g;
-}
-
-// Fluid and walls for a snapshot, with the smoothing length and, of the fluid, the displacement and the exact solution
-// beside the fields of the table; `extra` holds what is made for the occasion.
+// Fluid and walls for a snapshot; of the fluid, displacement and exact solution too. `extra` holds what is made for the
+// occasion.
 template <int D>
 std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, double h,
                                                     std::vector<particles::array>& extra) {
   const auto& s = scene.w.s;
-  enum : std::size_t { smoothing_length, pressure, density, moved };
-  extra.assign(moved + D, particles::array(s.fluid, 0.0));
-  extra[smoothing_length].assign(s.total(), h);
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto row = start_place(scene, s.id[i])[1];
-    extra[pressure][i] = scene.p_exact[row];
-    extra[density][i] = scene.rho_exact[row];
-    const auto d = displacement(scene, i);
-    for (std::size_t a = 0; a < D; ++a) extra[moved + a][i] = d[a];
-  }
   std::vector<output::particle_group> groups;
-  const auto add = [&](int type, std::size_t begin, std::size_t n) {
-    auto g = group_of<D>(s, type, begin, n);
-    g.columns.push_back(
-        {"SmoothingLength", "m", "smoothing length h", {extra[smoothing_length].data() + begin}, false});
-    if (type == 0) {
-      g.columns.push_back(
-          {"PressureReference", "Pa", "pressure of the exact solution", {extra[pressure].data()}, false});
-      g.columns.push_back(
-          {"DensityReference", "kg/m^3", "density of the exact solution", {extra[density].data()}, false});
-      g.columns.push_back(
-          output::vector_column("Displacement", "m", "position less start position", std::span(extra).subspan(moved)));
-    }
-    groups.push_back(std::move(g));
+  const auto begin_group = [&](int type, std::size_t begin, std::size_t n) {
+    auto& g = groups.emplace_back(output::group_of(s, type, begin, n));
+    const auto make = [&](auto&& value) { return output::make_array(extra, n, value); };
+    using named = std::pair<const char*, const particles::array*>;
+    for (const auto& [name, values] :
+         {named{"Density", &s.rho}, named{"Temperature", &s.T}, named{"Weight", &s.Y},
+          named{"InternalEnergyGain", &s.u}, named{"Masses", &s.m}, named{"Viscosity", &s.eta},
+          named{"PressureEOS", &s.p_eos}, named{"Pressure", &s.p}, named{"SoundSpeed", &s.c}})
+      output::add_quantity(g, name, {values->data() + begin});
+    output::add_quantity(g, "SmoothingLength", {make([&](auto) { return h; })});
+    output::add_quantity(g, "Material", {make([&](auto i) { return s.material[begin + i]; })});
   };
-  add(0, 0, s.fluid);
+  begin_group(0, 0, s.fluid);
+  const auto row = [&](std::size_t i) { return start_place(scene, s.id[i])[1]; };
+  const auto make = [&](auto&& value) { return output::make_array(extra, s.fluid, value); };
+  output::add_quantity(groups[0], "PressureReference", {make([&](auto i) { return scene.p_exact[row(i)]; })});
+  output::add_quantity(groups[0], "DensityReference", {make([&](auto i) { return scene.rho_exact[row(i)]; })});
+  std::vector<const double*> moved;
+  for (std::size_t a = 0; a < D; ++a) moved.push_back(make([&](auto i) { return displacement(scene, i)[a]; }));
+  output::add_quantity(groups[0], "Displacement", moved);
   // Images are the fluid again.
-  if (!scene.mirrors() && scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0) add(1, s.first_wall(), s.walls);
+  if (!scene.mirrors() && scene.w.d.ranks.sum(static_cast<std::int64_t>(s.walls)) > 0)
+    begin_group(1, s.first_wall(), s.walls);
   return groups;
 }
 

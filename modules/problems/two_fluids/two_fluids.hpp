@@ -184,24 +184,24 @@ class problem : public run::problem_in_a_box<D> {
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
     const auto& s = f_.world.w.s;
-    auto g = output::fluid_in_motion(s);
-    extra.assign(1, particles::array(s.fluid));
-    for (std::size_t i = 0; i < s.fluid; ++i) extra[0][i] = f_.is_metal(i) ? 1.0 : 0.0;
-    const auto add = [&](const char* name, const char* unit, const char* about, const particles::array& a) {
-      g.columns.push_back({name, unit, about, {a.data()}, false});
-    };
-    add("Masses", D == 2 ? "kg/m" : "kg", "mass", s.m);
-    add("Density", "kg/m^3", "mass density", s.rho);
-    add("Pressure", "Pa", "pressure in the forces", s.p);
-    add("Temperature", "K", "temperature", s.T);
-    add("Volume", D == 2 ? "m^2" : "m^3", "volume element", s.dV);
-    add("Metal", "1", "1: the denser material of the start, or the drop", extra[0]);
-    add("DensityReference", "kg/m^3", "density at the start, at rest", f_.rho_start());
-    if (f_.follows) add("Support", "m", "support of the kernel", f_.S);
-    if (f_.dissolved) add("Concentration", "1", "of the element, amount per mass", f_.element());
+    auto g = output::group_of(s, 0, 0, s.fluid);
+    const auto add = [&](const char* name, const double* values) { output::add_quantity(g, name, {values}); };
+    const auto& of_kernel = kernels::find(f_.o.common.kernel.name);
+    const double h = f_.o.common.kernel.h_over_dx * f_.world.w.dx;
+    add("Masses", s.m.data());
+    add("Density", s.rho.data());
+    add("Pressure", s.p.data());
+    add("Temperature", s.T.data());
+    add("SmoothingLength", output::make_array(extra, s.fluid, [&](auto i) {
+          return f_.follows ? f_.S[i] / of_kernel.support_over_h : h;
+        }));
+    add("Material", output::make_array(extra, s.fluid, [&](auto i) { return f_.is_metal(i) ? 1.0 : 0.0; }));
+    add("Volume", s.dV.data());
+    add("DensityReference", f_.rho_start().data());
+    if (f_.dissolved) add("Concentration", f_.element().data());
     if (f_.enthalpy) {
-      add("Viscosity", "Pa s", "dynamic viscosity", s.eta);
-      add("MeltFraction", "1", "liquid part of the lower material; 0 in the metal", f_.melt);
+      add("Viscosity", s.eta.data());
+      add("MeltFraction", f_.melt.data());
     }
     return {g};
   }

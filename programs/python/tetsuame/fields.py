@@ -14,12 +14,12 @@ class Look:
 # Sequential colours: a diverging map would set a value apart that means nothing.
 LOOKS = {
     "Pressure": Look("pressure", "viridis"), "Density": Look("density", "cividis"), "Temperature": Look("temperature", "inferno"),
-    "Speed": Look("speed", "magma"), "Metal": Look("metal", "copper"), "Material": Look("material", "copper"),
+    "Speed": Look("speed", "magma"), "Material": Look("material", "copper"),
     "Viscosity": Look("viscosity", "cividis", logarithmic=True), "InternalEnergy": Look("internal energy", "inferno"),
     "MeltFraction": Look("melt fraction", "inferno"), "Volume": Look("volume", "cividis")}
 
 # What is shown if nothing is asked for, in this order, where it is there and varies.
-FIRST = ["Temperature", "Metal", "Material", "Density", "Pressure", "Speed"]
+FIRST = ["Temperature", "Material", "Density", "Pressure", "Speed"]
 NOT_SHOWN = {"Coordinates", "Velocities", "ParticleIDs", "Masses"}
 
 # Powers of ten that a reader knows the name of.

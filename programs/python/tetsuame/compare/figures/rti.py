@@ -47,7 +47,7 @@ def nearest(x, y, values, points: int = 160) -> np.ndarray:
 
 
 def states(outcomes: list[Outcome]):
-    runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Metal" in fields]
+    runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Material" in fields]
     if not runs:
         return None
     columns = min(5, len(runs))
@@ -55,7 +55,7 @@ def states(outcomes: list[Outcome]):
     for ax, (o, fields) in zip(axes, runs):
         length = resolved(o.folder, "domain", "length_x")
         x, y = fields["Coordinates"][:, :2].T / length
-        ax.imshow(nearest(x, y, fields["Metal"] > 0.5), origin="lower", extent=(0, 1, 0, 1), cmap=MATERIALS, vmin=0, vmax=1,
+        ax.imshow(nearest(x, y, fields["Material"] > 0.5), origin="lower", extent=(0, 1, 0, 1), cmap=MATERIALS, vmin=0, vmax=1,
                   interpolation="nearest")
         ax.set_title(o.case.variant, pad=15)
         until = number(o.summary, "time")
