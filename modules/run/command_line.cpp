@@ -115,7 +115,7 @@ std::string nearest_option(const CLI::App& app, const std::vector<std::string>& 
 
 // Parses on every rank alike; only rank 0 speaks. Returns a status to leave with, or -1 to go on.
 int parse(int argc, char** argv, bool speaks, const program_input& in, command_line& line) {
-  CLI::App app{"Tetsuame " + version() + ": density-independent SPH for planetary interiors", line.program};
+  CLI::App app{"Tetsuame " + release() + ": density-independent SPH for planetary interiors", line.program};
   app.add_option("INPUT", line.input, "namelist file")->type_name("INPUT.nml");
   app.add_option("--set", line.set, "group.key=value, over what the file says; may be repeated")
       ->expected(1)
@@ -137,7 +137,7 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
   app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
   app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");
-  app.set_version_flag("--version", version());
+  app.set_version_flag("--version", fmt::format("{} {}, commit {}", line.program, release(), version()));
   try {
     app.parse(argc, argv);
     if (line.input.empty() && !line.restart.empty()) take_input_of_run(line);

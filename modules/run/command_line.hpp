@@ -46,7 +46,8 @@ struct program_input {
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string& resolved)>& run);
 
-// Of the source: the git commit it was built from.
+// Of the source: the git commit it was built from; and the last number of CHANGELOG.md.
 std::string version();
+std::string release();
 
 }  // namespace tetsuame::run

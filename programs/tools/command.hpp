@@ -16,7 +16,7 @@ namespace tetsuame::tools {
 // Status to leave with, or -1 to go on. check: what options must be together; throws CLI::ParseError.
 inline int parse(
     CLI::App& app, int argc, char** argv, const std::function<void()>& check = [] {}) {
-  app.set_version_flag("--version", run::version());
+  app.set_version_flag("--version", fmt::format("{} {}, commit {}", app.get_name(), run::release(), run::version()));
   try {
     app.parse(argc, argv);
     check();
