@@ -4,7 +4,7 @@
 - Every relative link leads to a file, and its #part to a heading there.
 - Every file or folder of the repository that a page names in backticks is there.
 - Every file of docs/ that a source, an input or a test names is there.
-- A page of docs/theory has at most 1500 words: what was measured or tried stands in docs/studies.
+- A page of docs/theory has at most 1500 words, equations apart: what was measured or tried stands in docs/studies.
 """
 import re
 import sys
@@ -24,14 +24,15 @@ def without_blocks(text: str) -> str:
     return re.sub(r"```.*?```", lambda block: "\n" * block[0].count("\n"), text, flags=re.DOTALL)
 
 
+def part_name(heading: str) -> str:
+    """That GitHub gives a heading."""
+    words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
+    return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+
+
 @cache
 def parts(page: Path) -> frozenset[str]:
-    """The names that GitHub gives a page's headings."""
-    found = []
-    for heading in re.findall(r"^#+ +(.*)$", without_blocks(page.read_text()), flags=re.MULTILINE):
-        words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
-        found.append(re.sub(r"[^\w\- ]", "", words).replace(" ", "-"))
-    return frozenset(found)
+    return frozenset(part_name(heading) for heading in re.findall(r"^#+ +(.*)$", without_blocks(page.read_text()), flags=re.MULTILINE))
 
 
 def broken(page: Path, target: str) -> bool:
@@ -46,7 +47,7 @@ def of_page(page: Path) -> list[str]:
         wrong = [target for target in LINK.findall(line) if not re.match(r"[a-z]+:", target) and broken(page, target)]
         wrong += [name for name in NAMED.findall(line) if not (ROOT / name).exists()]
         found += [f"{page.relative_to(ROOT)}:{number}: there is no {name}" for name in wrong]
-    words = len(page.read_text().split())
+    words = len(without_blocks(page.read_text()).split())
     if page.parent == ROOT / "docs" / "theory" and words > WORDS:
         found.append(f"{page.relative_to(ROOT)}: {words} words, more than {WORDS}")
     return found
