@@ -91,7 +91,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
                          std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")});
   if (of_problem.diffuses)
     schema.add("time", "error_control", o.error_control,
-               {.meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
+               {.expert = true, .meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
   schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .meaning = "at most"});
   schema.add("time", "t_end", o.t_end,
              {.unit = "s",

@@ -85,6 +85,7 @@ class RayleighTaylor(Case):
         self.assertLess(m["time_of_fall_0.1"], m["time_of_fall_0.2"])
         self.assertLess(m["v_rms_max_time"], 3000)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_no_particle_lies_on_a_wall(self):
         """Without a force of the walls themselves the last guard turns particles round at every step, 422 times by then."""
         settings = {**size(32), "time.t_end": 3000, "output.interval": 0}
@@ -290,6 +291,7 @@ class Drop(Case):
         m = self.run_program("drop", CYLINDER, {"output.interval": 0, **({} if SLOW else size(32))}).summary["metrics"]
         self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03 if SLOW else 0.05)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_sphere(self):
         """Four and a half spacings in the radius are too few for better than 6 %; the shipped input has 7.2."""
         settings = {**size(18, 3), "drop.radius": 3.75e5, "drop.y": 9.75e5, "drop.measure_at": 0.6, "time.t_end": 900}
@@ -321,6 +323,7 @@ class Emulsion(Case):
         other = self.run_program("drop", EMULSION, {**settings, "drop.seed": 2}).summary
         self.assertNotEqual(other["state_hash"], whole["state_hash"])
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_coalescence(self):
         """Two drops side by side, without weight: tension draws them into one, whose circumference is 1/sqrt(2) of both theirs (0.98 of
         it, as the colour finds it); without tension nothing moves."""

@@ -3,7 +3,7 @@
 import math
 import unittest
 
-from running import BAD_INPUT, INTERRUPTED, Case
+from running import BAD_INPUT, INTERRUPTED, SLOW, Case
 
 SCHEMES = ["ssph", "disph", "gsph", "gdisph", "remix"]
 
@@ -56,6 +56,7 @@ class Shock(Case):
                 else:
                     self.assertGreater(m["square_area_change"], 0.05)
 
+    @unittest.skipUnless(SLOW, "slow")
     def test_square_of_equal_masses(self):
         """Two lattices that do not fit: held where the forces know that supports follow the number density. A corner may
         be off by a spacing of the thin gas, 1/32."""
@@ -128,8 +129,8 @@ class Shock(Case):
 
     def test_growth(self):
         """Instabilities grow as linear theory says, to a tenth."""
-        for name, particles in [("rayleigh_taylor", 32), ("kelvin_helmholtz", 48)]:
-            for scheme in ["disph", "gdisph"]:
+        for name, particles in [("rayleigh_taylor", 32), ("kelvin_helmholtz", 48)] if SLOW else [("rayleigh_taylor", 32)]:
+            for scheme in ["disph", "gdisph"] if SLOW else ["gdisph"]:
                 with self.subTest(name, scheme=scheme):
                     m = self.summary(name, {"domain.particles_x": particles, "shock.scheme": scheme})["metrics"]
                     self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=0.1)

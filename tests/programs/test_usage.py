@@ -254,6 +254,16 @@ class Describe(Case):
                 checked = self.call(program, f"{program}.nml", "--check")
                 self.assertEqual(checked.status, COMPLETED, checked)
 
+    def test_at_most_sixty_keys_before_expert(self):
+        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock"]]
+        asked += [("disph_c", INPUTS / f"{name}.nml") for name in ("rti_linear", "drop_cylinder", "conduction_plate", "pond_on_mantle")]
+        for words in asked:
+            with self.subTest(words=words):
+                ordinary = self.call(*words, "--describe").stdout.split("&expert\n")[0]
+                keys = [line for line in ordinary.splitlines() if " =" in line and not line.lstrip().startswith("!")]
+                self.assertGreater(len(keys), 30)
+                self.assertLessEqual(len(keys), 60)
+
     def test_states_the_defaults(self):
         """As an input it gives what an input without a key gives."""
         (self.here / "described.nml").write_text(self.call("disph_c", "--describe").stdout)
