@@ -133,6 +133,10 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
     app.add_option(in.shorthands[k].option, short_values[k],
                    in.shorthands[k].meaning + ": --set " + in.shorthands[k].key + "=" + in.shorthands[k].type)
         ->type_name(in.shorthands[k].type);
+  if (in.restarts)
+    app.add_flag("--plan", line.plan,
+                 "take a few steps, tell what the whole run will need of steps, time and memory, and stop; nothing is "
+                 "written");
   for (const auto& f : in.flags) app.add_flag(f.option, *f.given, f.meaning);
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
   app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
@@ -144,6 +148,8 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
     if (!line.describe && line.input.empty()) throw CLI::RequiredError("INPUT");
     if (line.force && line.restart == "latest")
       throw CLI::ValidationError("--force and --restart latest exclude each other");
+    if (line.plan && !line.restart.empty())
+      throw CLI::ValidationError("--plan tells of a run from its start, and --restart excludes it");
     for (std::size_t k = 0; k < short_values.size(); ++k)
       if (!short_values[k].empty()) line.set.push_back(in.shorthands[k].key + "=" + short_values[k]);
   } catch (const CLI::Success& e) {

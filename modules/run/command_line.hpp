@@ -16,7 +16,7 @@ struct command_line {
   std::vector<std::string> set;  // group.key=value
   std::string output;            // directory
   std::string restart;           // checkpoint file, or "latest"; empty: none
-  bool check = false, describe = false, force = false;
+  bool check = false, describe = false, force = false, plan = false;
   std::string particles_at;  // where their number was given
 };
 

@@ -82,7 +82,12 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   schema.add("time", "method", o.method,
              {.choices = methods,
               .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control"});
-  schema.add("time", "order", o.order, {.minimum = 2, .maximum = 5, .meaning = "of the adaptive method"});
+  schema.add("time", "order", o.order,
+             {.minimum = 2,
+              .maximum = 5,
+              .expert = true,
+              .expert_name = "adaptive_order",
+              .meaning = "of the adaptive method"});
   schema.add("time", "dt", o.dt,
              {.unit = "s",
               .minimum = 0.0,
@@ -107,6 +112,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
     schema.add("time", "diffusive", o.diffusive,
                {.minimum = 1e-9,
                 .stays_open = !o.diffusive,
+                .expert = true,
                 .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 

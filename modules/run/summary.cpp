@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <output/file.hpp>
 #include <run/command_line.hpp>
@@ -111,8 +113,11 @@ void summary::print(const std::string& directory) const {
 
 namespace {
 
-// Of &domain and &expert who does the work.
-bool may_change(const std::string& key) { return key == "ranks_x" || key == "balance" || key.starts_with("balancer_"); }
+// Of &domain and &expert: who does the work, and what belongs to &time.
+bool may_change(const std::string& key) {
+  constexpr std::array names{"ranks_x", "balance", "error_control", "adaptive_order", "diffusive"};
+  return key.starts_with("balancer_") || std::find(names.begin(), names.end(), key) != names.end();
+}
 
 // Lines of the groups that must be the same: all but how long, how to write, and who does the work.
 std::vector<std::string> binding_lines(const std::string& input) {

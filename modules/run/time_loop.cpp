@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <output/progress.hpp>
+#include <run/plan.hpp>
 #include <run/problem.hpp>
 #include <run/run_directory.hpp>
 
@@ -359,6 +360,49 @@ struct loop {
                              limit.name, limit.dt));
   }
 
+  // A few steps from the start, of which the first is not timed: it makes lists and evaluates twice.
+  void plan() {
+    constexpr std::int64_t most = 20;
+    constexpr double long_enough = 5.0;  // s
+    report.dimension = p.header().dimension;
+    count_particles();
+    p.rebuild(false);
+    p.set_time(0.0);
+    make_integrator();
+    check_fields();
+    hear_news(false);
+    trial of_steps{.particles = report.fluid_particles, .dimension = report.dimension};
+    long long evaluations = 0;
+    foundation::stopwatch watch;
+    double elapsed = 0.0;
+    while (!finished() && step < most && elapsed < long_enough) {
+      refresh_lists();
+      take_step();
+      complete_step();
+      if (step == 1) {
+        watch = {};
+        evaluations = integrator->statistics().evaluations;
+      }
+      elapsed = ranks.maximum(watch.elapsed());
+    }
+    const auto& s = integrator->statistics();
+    std::vector<particles::array> extra;
+    of_steps.steps = step;
+    of_steps.steps_timed = std::max<std::int64_t>(0, step - 1);
+    of_steps.seconds = elapsed;
+    of_steps.dt = s.last_dt;
+    of_steps.dt_is = controls_error() ? "by error control" : dt_is;
+    if (step > 1)
+      of_steps.evaluations_per_step = static_cast<double>(s.evaluations - evaluations) / static_cast<double>(step - 1);
+    of_steps.bytes_of_snapshot = bytes_of(p.snapshot(extra), o.output.form());
+    const auto text = plan_text(ranks, of_steps,
+                                {.steps = steps_asked().value_or(0),
+                                 .t = integrator->time(),
+                                 .t_end = t_end(),
+                                 .output_interval = o.output.interval});
+    if (ranks.rank == 0) fmt::print("{} {}\n{}", line.program, line.input, text);
+  }
+
   void carry_out() {
     report.dimension = p.header().dimension;
     count_particles();
@@ -391,7 +435,8 @@ struct loop {
 }  // namespace
 
 void carry_out(problem& p, const common_options& o, const run::command_line& line, const std::string& resolved) {
-  loop{p, o, line, resolved}.carry_out();
+  loop run{p, o, line, resolved};
+  line.plan ? run.plan() : run.carry_out();
 }
 
 }  // namespace tetsuame::run

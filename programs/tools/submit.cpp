@@ -7,10 +7,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <command.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <foundation/error.hpp>
+#include <kernels/kernel.hpp>
+#include <namelist/document.hpp>
+#include <numbers>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <regex>
@@ -154,6 +158,36 @@ outcome called(const std::vector<std::string>& words) {
   return o;
 }
 
+// The number that key has in the group of the resolved input; 1 where there is none.
+double number_in(const namelist::document& resolved, const std::string& group, const std::string& key) {
+  for (const auto& g : resolved.groups())
+    for (const auto& a : g.assignments)
+      if (g.name == group && a.key == key && !a.values.empty() && a.values[0].what == namelist::value::kind::word)
+        return std::stod(a.values[0].content);
+  return 1.0;
+}
+
+// A rank with fewer particles than one kernel holds would compute copies of others' for the most part.
+void refuse_too_many_ranks(const submit::options& o, const namelist::document& resolved) {
+  const auto dimension = std::llround(number_in(resolved, "domain", "dimension"));
+  double particles = 1.0;
+  std::string kernel;
+  for (const char* axis : {"x", "y", "z"})
+    if (axis[0] - 'x' < dimension) particles *= number_in(resolved, "domain", std::string("particles_") + axis);
+  for (const auto& g : resolved.groups())
+    for (const auto& a : g.assignments)
+      if (g.name == "kernel" && a.key == "name") kernel = a.values.at(0).content;
+  if (kernel.empty()) return;
+  const double r = kernels::find(kernel).support_over_h * number_in(resolved, "kernel", "h_over_dx");
+  const double neighbours = dimension == 1   ? 2.0 * r
+                            : dimension == 2 ? std::numbers::pi * r * r
+                                             : 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  const double most = std::max(1.0, std::floor(particles / neighbours));
+  if (o.ranks > most)
+    fail_input(fmt::format("--ranks {}: for {:.0f} particles, of which a kernel holds {:.0f}, at most {:.0f} fit",
+                           o.ranks, particles, neighbours, most));
+}
+
 // PROGRAM INPUT --check; what it refuses, it has said itself. Returns the status, and the limit in the input.
 int check_input(submit::options& o) {
   std::vector<std::string> words{o.program, o.input};
@@ -163,6 +197,7 @@ int check_input(submit::options& o) {
   if (status != 0) return status;
   std::smatch m;
   if (std::regex_search(text, m, std::regex("\\bwall_clock_limit *= *([^ ,\n]+)"))) o.own_limit = std::stod(m[1]);
+  refuse_too_many_ranks(o, namelist::parse_text(text, "the resolved input"));
   return 0;
 }
 

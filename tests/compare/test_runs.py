@@ -94,14 +94,16 @@ class Loading(Case):
         self.assert_refused(call("plot", self.here / "none"), "none", "no such directory")
         self.assert_refused(call("plot", self.here / "empty"), "no resolved.nml")
         self.assert_refused(call("plot", run, "--fields", "Magnetism"), "no field 'Magnetism'", "Temperature")
-        for command in ("plot", "movie", "view"):
+        three = self.here / "three.js"  # any text: these runs are refused before a browser sees it
+        three.write_text("")
+        for command, *options in (("plot",), ("movie",), ("view", "--three", three)):
             for size in (0, 100, len(whole) // 2):
                 with self.subTest(command, size=size):
                     (run / "snapshot_0002.h5").write_bytes(whole[:size])
-                    self.assert_refused(call(command, run), "snapshot_0002.h5")
+                    self.assert_refused(call(command, run, *options), "snapshot_0002.h5")
         with h5py.File(run / "snapshot_0002.h5", "w") as file:
             file["something"] = 1
-        self.assert_refused(call("view", run), "not a snapshot of these programs")
+        self.assert_refused(call("view", run, "--three", three), "not a snapshot of these programs")
         (run / "snapshot_0002.h5").unlink()
         (run / "history.csv").write_text("time [s]\nzero\n")
         self.assert_refused(call("plot", run), "history.csv", "not a table")

@@ -302,6 +302,13 @@ class Convection(Case):
                         whole = self.run_program("convection", MANTLE, then).summary
                         self.assertEqual(outcome(s), outcome(whole))
 
+    def test_restart_with_other_keys_of_time_in_expert(self):
+        settings = {**size(10), "time.method": "rkl2", "time.t_end": 2e13, "time.steps": 4, "run.checkpoint_interval": 4}
+        self.run_program("convection", MANTLE, settings, output="part")
+        changed = {**settings, "time.steps": 8, "time.error_control": ".false.", "time.diffusive": 1e5, "expert.adaptive_order": 4}
+        s = self.run_program("convection", MANTLE, changed, output="part", options=["--restart", "latest"]).summary
+        self.assertEqual(s["steps"], 8)
+
     def test_restart_over_a_method_that_keeps_less(self):
         """What the first run kept of the step before was given up by the second: the third starts from nothing, not from zeros."""
         settings = {**size(10), "initial.perturbation": 0.2, "time.dt": 1e12, "time.error_control": ".false.", "output.history_interval": 1, "run.checkpoint_interval": 1}

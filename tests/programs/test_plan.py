@@ -4,7 +4,9 @@ import json
 import math
 import unittest
 
-from running import BAD_INPUT, COMPLETED, FILE_FAILED, Case
+import h5py
+
+from running import BAD_INPUT, COMPLETED, FILE_FAILED, INPUTS, Case
 
 # [S1, table 1]; Ra = 1e4, 1e5, 1e6 by dT = 1e-2, 1e-1, 1
 AIR = ["--L", 0.1, "--rho", 1, "--kappa", 1e-5, "--nu", 7.1e-6, "--g", 10, "--alpha", 7.1e-3, "--c-p", 1e3, "--K", 1.4e5]
@@ -36,6 +38,57 @@ class Plan(Case):
         folder = self.here / "output" / "bench"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "bench.json").write_text(json.dumps(records))
+
+
+class OfAnInput(Case):
+    """By a few steps of the run itself, which leaves nothing behind."""
+
+    SMALL = ["--set", "domain.particles_x=20", "--set", "domain.particles_y=20"]
+
+    def figures(self, result):
+        """The value and the remark of each line."""
+        self.assertEqual(result.status, COMPLETED, result)
+        lines = [line for line in result.stdout.splitlines() if line.startswith("  ")]
+        return {line[2:12].strip(): line[13:].strip() for line in lines}
+
+    def test_every_program(self):
+        before = self.listing()
+        for name, program, settings in [("hydrostatic_12", "disph_c", []), ("rti_linear", "rti", []), ("drop_cylinder", "drop", []),
+                                        ("conduction_plate", "conduction", []), ("blankenbach_1a", "convection", []), ("sod", "shock", [])]:
+            with self.subTest(name):
+                small = self.SMALL if program != "shock" else self.SMALL[:2]
+                result = self.call("plan", INPUTS / f"{name}.nml", *small, *settings)
+                said = self.figures(result)
+                self.assertTrue(result.stdout.startswith(program + " "), result.stdout)
+                self.assertEqual(list(said), ["particles", "dt", "steps", "a step", "run time", "memory", "snapshots"])
+        self.assertEqual(self.listing(), before)
+
+    def test_is_what_the_run_takes(self):
+        """The number of steps and the size of a snapshot, against those of the run."""
+        for fields in ([], ["--set", "output.fields='Density', 'Velocities'", "--set", "output.precision=single"]):
+            words = [INPUTS / "rti_linear.nml", *self.SMALL, "--set", "time.t_end=60", "--set", "output.interval=20", *fields]
+            said = self.figures(self.call("disph_c", *words, "--plan"))
+            run = self.call("disph_c", *words, "--output", f"out_{len(fields)}")
+            self.assertEqual(run.status, COMPLETED, run)
+            summary = json.loads((self.here / f"out_{len(fields)}" / "summary.json").read_text())
+            self.assertAlmostEqual(float(said["steps"].split()[0]) / summary["steps"], 1, delta=0.05)
+            self.assertEqual(int(said["particles"].split()[0]), summary["fluid_particles"])
+            files = sorted((self.here / f"out_{len(fields)}").glob("snapshot_*.h5"))
+            self.assertEqual(int(said["snapshots"].split()[0]), len(files))
+            with h5py.File(files[-1]) as file:
+                size = sum(data.nbytes for group in ("PartType0", "PartType1") if group in file for data in file[group].values())
+            value, unit = said["snapshots"].split("of ")[1].split(" each")[0].split()
+            self.assertAlmostEqual(float(value) * {"kB": 1e3, "MB": 1e6}[unit] / size, 1, delta=0.01)
+
+    def test_ranks(self):
+        said = self.figures(self.call("plan", INPUTS / "hydrostatic_12.nml", *self.SMALL, "--ranks", 2))
+        self.assertIn("on 2 x ", said["a step"])
+
+    def test_refusals(self):
+        self.assert_says(self.call("plan", "none.nml"), BAD_INPUT, "none.nml")
+        self.assert_says(self.call("plan", INPUTS / "sod.nml", "--program", "rtii"), BAD_INPUT, "rtii", "no program")
+        self.assert_says(self.call("plan", INPUTS / "sod.nml", "--set", "time.dt=-1"), BAD_INPUT, "dt")
+        self.assert_says(self.call("disph_c", INPUTS / "hydrostatic_12.nml", "--plan", "--restart", "latest"), BAD_INPUT, "--plan", "--restart")
 
 
 class Relaxation(Plan):

@@ -110,6 +110,10 @@ class Refused(Submit):
         self.refused("--chain", "ahead", says=["--max-jobs"])
         self.refused("--chain", "ahead", "--max-jobs", 3, scheduler="nqsv", says=["nqsv"])
 
+    def test_more_ranks_than_fit(self):
+        self.refused(ranks=900, says=["--ranks 900", "at most"])
+        self.accepted(ranks=4)
+
     def test_program_and_input(self):
         self.refused(program="disph_z", says=["disph_z", "disph_a, disph_b"])
         self.refused(program="./disph_f", says=["no program"])

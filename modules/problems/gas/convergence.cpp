@@ -115,7 +115,7 @@ std::vector<coarser_input> coarser_inputs(const namelist::schema& schema, option
 
 void run_all(const options& o, const std::string& resolved, const std::vector<coarser_input>& coarser,
              const run::command_line& line, const maker& make) {
-  if (coarser.empty()) return run::carry_out(*make(o, {}), o.common, line, resolved);
+  if (coarser.empty() || line.plan) return run::carry_out(*make(o, {}), o.common, line, resolved);
   using mode = output::directory_mode;
   const auto ranks = domain::communicator::world();
   const auto began = std::chrono::steady_clock::now();

@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+#include <omp.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <run/plan.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+std::int64_t resident_bytes() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return std::int64_t{1024} * used.ru_maxrss;
+}
+
+std::string duration(double seconds) {
+  if (seconds < 60.0) return fmt::format("{:.3g} s", seconds);
+  if (seconds < 3600.0) return fmt::format("{:.3g} min", seconds / 60.0);
+  if (seconds < 86400.0) return fmt::format("{:.3g} h", seconds / 3600.0);
+  return fmt::format("{:.3g} days", seconds / 86400.0);
+}
+
+std::string size(double bytes) {
+  for (const auto& [unit, name] : {std::pair{1e12, "TB"}, {1e9, "GB"}, {1e6, "MB"}})
+    if (bytes >= unit) return fmt::format("{:.3g} {}", bytes / unit, name);
+  return fmt::format("{:.3g} kB", bytes / 1e3);
+}
+
+std::string line(const char* name, const std::string& value, const std::string& remark) {
+  return fmt::format("  {:<10} {:<14} {}\n", name, value, remark);
+}
+
+}  // namespace
+
+std::int64_t bytes_of(const std::vector<output::particle_group>& groups, const output::snapshot_form& form) {
+  const auto& chosen = form.fields;
+  std::int64_t bytes = 0;
+  for (const auto& g : groups) {
+    std::int64_t each = 8;  // the ID
+    for (const auto& c : g.columns) {
+      const bool always = c.name == "Coordinates";
+      if (!always && !chosen.empty() && std::find(chosen.begin(), chosen.end(), c.name) == chosen.end()) continue;
+      each += (c.vector ? 3 : 1) * (form.single && !c.integer && !always ? 4 : 8);
+    }
+    bytes += each * static_cast<std::int64_t>(g.n);
+  }
+  return bytes;
+}
+
+std::string plan_text(const domain::communicator& ranks, const trial& of_steps, const extent& whole) {
+  const auto memory = static_cast<double>(ranks.sum(resident_bytes()));
+  const auto snapshot = static_cast<double>(ranks.sum(of_steps.bytes_of_snapshot));
+  const double left = of_steps.dt > 0.0 ? std::ceil((whole.t_end - whole.t) / of_steps.dt * (1.0 - 1e-9)) : 0.0;
+  const double steps =
+      whole.steps > 0 ? static_cast<double>(whole.steps) : static_cast<double>(of_steps.steps) + std::max(0.0, left);
+  const double each = of_steps.steps_timed > 0 ? of_steps.seconds / static_cast<double>(of_steps.steps_timed) : 0.0;
+  const double snapshots = whole.output_interval > 0.0 && whole.t_end > 0.0
+                               ? 1.0 + std::ceil(whole.t_end / whole.output_interval * (1.0 - 1e-9))
+                               : 2.0;
+  return line("particles", fmt::format("{}", of_steps.particles), fmt::format("in {} dimensions", of_steps.dimension)) +
+         line("dt", fmt::format("{:.4g} s", of_steps.dt),
+              fmt::format("{}, after {} steps", of_steps.dt_is, of_steps.steps)) +
+         line("steps", fmt::format("{:.4g}", steps),
+              whole.steps > 0 ? "as asked for" : fmt::format("to t = {:.4g} s with this dt", whole.t_end)) +
+         line("a step", fmt::format("{:.3g} s", each),
+              fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", of_steps.steps_timed,
+                          of_steps.evaluations_per_step, ranks.size, omp_get_max_threads())) +
+         line("run time", duration(steps * each), "without output") +
+         line("memory", size(memory), "of all ranks together") +
+         line("snapshots", fmt::format("{:.4g}", snapshots),
+              fmt::format("of {} each, {} together", size(snapshot), size(snapshots * snapshot)));
+}
+
+}  // namespace tetsuame::run
