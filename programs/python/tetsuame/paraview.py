@@ -1,0 +1,146 @@
+"""`tetsuame paraview`: a state for ParaView (5.11 or newer) that opens series.xdmf as particles with colours.
+
+A state names each proxy (a source, a view, …) and the properties that are not at their defaults. ParaView takes a relative name of a
+file as one in the folder where it was started, so the state has the absolute one.
+"""
+import argparse
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from . import COMPLETED, FILE_FAILED, fields, movie, runs, style, view
+from .reading import Unreadable
+
+PIXELS = (1200, 900)  # of pictures that pvbatch makes; the window of ParaView has a size of its own
+TOP_LEFT, POINT_DATA, RGB, NEVER, AT_SNAPSHOTS, CIRCLE, SPHERE = 4, 0, 0, -1, 2, 3, 1  # as ParaView numbers them
+INK, GREY = (0.13, 0.13, 0.13), (0.6, 0.6, 0.6)
+
+
+def series(run: runs.Run) -> Path:
+    """The absolute path of series.xdmf, which is whole and names files that are there."""
+    path = run.directory.resolve() / "series.xdmf"
+    try:
+        named = {item.text.partition(":/")[0].strip() for item in ElementTree.parse(path).iter("DataItem") if item.text}
+    except OSError as problem:
+        raise Unreadable(f"{path}: {problem.strerror}") from None
+    except ElementTree.ParseError as problem:
+        raise Unreadable(f"{path}: is damaged ({problem}); `--restart` writes it anew") from None
+    for name in sorted(named):
+        if not (path.parent / name).is_file():
+            raise Unreadable(f"{path}: names {name}, which is not there")
+    return path
+
+
+def camera(run: runs.Run) -> dict:
+    """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, the last axis up."""
+    low, high = view.bounds(run.snapshots)
+    wall = run.snapshots[0].wall("Coordinates")
+    if len(wall):
+        low, high = np.minimum(low, wall.min(axis=0)), np.maximum(high, wall.max(axis=0))
+    middle, size = (low + high) / 2, high - low
+    if len(middle) == 2:
+        half = 0.53 * max(size[1], size[0] * PIXELS[1] / PIXELS[0] / 0.8)
+        focus = np.array([*middle, 0.0]) + (0.1 * 2 * half * PIXELS[0] / PIXELS[1], 0, 0)
+        return {"CameraParallelProjection": 1, "CameraParallelScale": half, "CameraFocalPoint": focus, "CenterOfRotation": focus,
+                "CameraPosition": focus + (0, 0, 4 * half), "CameraViewUp": (0, 1, 0)}
+    half, towards = np.linalg.norm(size) / 2, np.array([0.45, -1.0, 0.4])
+    return {"CameraParallelProjection": 0, "CameraParallelScale": half, "CameraFocalPoint": middle, "CenterOfRotation": middle,
+            "CameraPosition": middle + towards / np.linalg.norm(towards) * half / np.sin(np.radians(15)), "CameraViewUp": (0, 0, 1),
+            "CameraViewAngle": 30}
+
+
+def colours(look: fields.Look, low: float, high: float) -> dict:
+    logarithmic = look.logarithmic and low > 0
+    values = np.geomspace(low, high, 33) if logarithmic else np.linspace(low, high, 33)
+    table = style.plt.get_cmap(look.colours)(np.linspace(0, 1, 33))[:, :3]
+    return {"RGBPoints": np.column_stack([values, table]).ravel(), "ColorSpace": RGB, "UseLogScale": int(logarithmic), "NanColor": GREY,
+            "ScalarRangeInitialized": 1, "AutomaticRescaleRangeMode": NEVER}
+
+
+class State:
+    """The XML, proxy after proxy."""
+
+    def __init__(self):
+        self.root = ElementTree.Element("GenericParaViewApplication")
+        self.body = ElementTree.SubElement(self.root, "ServerManagerState", version="5.11.0")
+        self.listed: dict[str, list] = {}
+
+    def add(self, collection: str, name: str, group: str, kind: str, properties: dict, **proxies) -> ElementTree.Element:
+        """Properties are numbers, texts or sequences of these; `proxies`: properties that are other proxies of this state."""
+        identity = str(100 + sum(map(len, self.listed.values())))
+        proxy = ElementTree.SubElement(self.body, "Proxy", group=group, type=kind, id=identity, servers="1" if group == "sources" else "21")
+        for key, values in properties.items():
+            values = [values] if isinstance(values, str) or np.ndim(values) == 0 else list(values)
+            place = self._property(proxy, key, len(values))
+            for index, value in enumerate(values):
+                ElementTree.SubElement(place, "Element", index=str(index), value=value if isinstance(value, str) else f"{value:.17g}")
+        for key, others in proxies.items():
+            place = self._property(proxy, key, len(others))
+            for other in others:
+                ElementTree.SubElement(place, "Proxy", value=other.get("id"), **({"output_port": "0"} if key == "Input" else {}))
+        self.listed.setdefault(collection, []).append((identity, name))
+        return proxy
+
+    @staticmethod
+    def _property(proxy, key: str, count: int):
+        return ElementTree.SubElement(proxy, "Property", name=key, id=f"{proxy.get('id')}.{key}", number_of_elements=str(count))
+
+    def text(self) -> str:
+        for collection, items in self.listed.items():
+            place = ElementTree.SubElement(self.body, "ProxyCollection", name=collection)
+            for identity, name in items:
+                ElementTree.SubElement(place, "Item", id=identity, name=name)
+        self.listed = {}
+        ElementTree.indent(self.root)
+        return '<?xml version="1.0"?>\n' + ElementTree.tostring(self.root, encoding="unicode") + "\n"
+
+
+def state(run: runs.Run, name: str) -> str:
+    last, path = run.snapshot(), series(run)
+    if name != "Speed" and last[name].ndim > 1:
+        raise Unreadable(f"{last.path}: {name} is a vector; colours are of a number (Speed is the length of Velocities)")
+    array = "Velocities" if name == "Speed" else name
+    flat = last.dimension == 2
+    times = [snapshot.time for snapshot in run.snapshots]
+    size, unit = fields.scaled("s", times[-1])
+    made = State()
+    reader = made.add("sources", path.name, "sources", "Xdmf3ReaderS", {"FileName": str(path)})
+    clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:g}} {unit}", "Scale": 1 / size}, Input=[reader])
+    table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable",
+                     colours(fields.look(name), *movie.limits(run.snapshots, name)))
+    particles = made.add("representations", "particles", "representations", "UnstructuredGridRepresentation",
+                         {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
+                          "ShaderPreset": CIRCLE if flat else SPHERE, "ColorArrayName": ("", "", "", POINT_DATA, array),
+                          "AmbientColor": GREY, "DiffuseColor": GREY}, Input=[reader], LookupTable=[table])
+    when = made.add("representations", "when", "representations", "TextSourceRepresentation",
+                    {"WindowLocation": TOP_LEFT, "Color": INK, "FontSize": 18}, Input=[clock])
+    bar = made.add("scalar_bars", "bar", "representations", "ScalarBarWidgetRepresentation",
+                   {"Title": fields.label(name, last.unit(name)), "ComponentTitle": "", "TitleColor": INK, "LabelColor": INK, "Visibility": 1, "Enabled": 1,
+                    "WindowLocation": 0, "Position": (0.87, 0.25), "ScalarBarLength": 0.5}, LookupTable=[table])
+    shown = made.add("views", "RenderView1", "views", "RenderView",
+                     {"ViewSize": PIXELS, "Background": (1, 1, 1), "UseColorPaletteForBackground": 0, "OrientationAxesLabelColor": INK,
+                      "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
+    keeper = made.add("timekeeper", "TimeKeeper1", "misc", "TimeKeeper", {"Time": times[0]}, TimeSources=[reader], Views=[shown])
+    made.add("animation", "AnimationScene1", "animation", "AnimationScene",
+             {"AnimationTime": times[0], "StartTime": times[0], "EndTime": times[-1], "PlayMode": AT_SNAPSHOTS}, TimeKeeper=[keeper], ViewModules=[shown])
+    return made.text()
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="tetsuame paraview", description="Writes DIR/series.pvsm: File > Load State of ParaView, or "
+                                     "paraview --state=DIR/series.pvsm. To be written anew when the folder was moved.")
+    parser.add_argument("directory", metavar="DIR", help="of the run")
+    parser.add_argument("--field", metavar="A", help="that gives the colours (the first that varies)")
+    o = parser.parse_args(arguments)
+    run = runs.load(o.directory)
+    text = state(run, fields.shown(run.snapshot(), o.field and [o.field], most=1)[0])
+    target = run.directory / "series.pvsm"
+    try:
+        target.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        print(f"tetsuame paraview: {target}: {problem.strerror}", file=sys.stderr)
+        return FILE_FAILED
+    print(target)
+    return COMPLETED
