@@ -13,8 +13,10 @@ import numpy as np
 from . import COMPLETED, FILE_FAILED, fields, movie, runs, style, view
 from .reading import Unreadable
 
-PIXELS = (1200, 900)  # of pictures that pvbatch makes; the window of ParaView has a size of its own
+PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
 TOP_LEFT, POINT_DATA, RGB, NEVER, AT_SNAPSHOTS, CIRCLE, SPHERE = 4, 0, 0, -1, 2, 3, 1  # as ParaView numbers them
+# The reader calls the blocks of its time steps fluid, fluid[1], fluid[2], …
+FLUID = '//*[starts-with(name(), "fluid")]'
 INK, GREY = (0.13, 0.13, 0.13), (0.6, 0.6, 0.6)
 
 
@@ -37,7 +39,7 @@ def camera(run: runs.Run) -> dict:
     """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, the last axis up."""
     low, high = view.bounds(run.snapshots)
     wall = run.snapshots[0].wall("Coordinates")
-    if len(wall):
+    if len(wall) and len(low) == 2:
         low, high = np.minimum(low, wall.min(axis=0)), np.maximum(high, wall.max(axis=0))
     middle, size = (low + high) / 2, high - low
     if len(middle) == 2:
@@ -46,7 +48,7 @@ def camera(run: runs.Run) -> dict:
         return {"CameraParallelProjection": 1, "CameraParallelScale": half, "CameraFocalPoint": focus, "CenterOfRotation": focus,
                 "CameraPosition": focus + (0, 0, 4 * half), "CameraViewUp": (0, 1, 0)}
     half, towards = np.linalg.norm(size) / 2, np.array([0.45, -1.0, 0.4])
-    return {"CameraParallelProjection": 0, "CameraParallelScale": half, "CameraFocalPoint": middle, "CenterOfRotation": middle,
+    return {"CameraParallelProjection": 0, "CameraFocalPoint": middle, "CenterOfRotation": middle,
             "CameraPosition": middle + towards / np.linalg.norm(towards) * half / np.sin(np.radians(15)), "CameraViewUp": (0, 0, 1),
             "CameraViewAngle": 30}
 
@@ -106,22 +108,26 @@ def state(run: runs.Run, name: str) -> str:
     times = [snapshot.time for snapshot in run.snapshots]
     size, unit = fields.scaled("s", times[-1])
     made = State()
-    reader = made.add("sources", path.name, "sources", "Xdmf3ReaderS", {"FileName": str(path)})
+    reader = made.add("sources", path.name, "sources", "Xdmf3ReaderT", {"FileName": str(path)})
+    seen = reader
+    if not flat and len(run.snapshots[0].wall("Coordinates")):  # it would hide the fluid
+        seen = made.add("sources", "fluid", "filters", "ExtractBlock", {"Selectors": FLUID}, Input=[reader])
     clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:g}} {unit}", "Scale": 1 / size}, Input=[reader])
     table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable",
                      colours(fields.look(name), *movie.limits(run.snapshots, name)))
     particles = made.add("representations", "particles", "representations", "UnstructuredGridRepresentation",
                          {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
                           "ShaderPreset": CIRCLE if flat else SPHERE, "ColorArrayName": ("", "", "", POINT_DATA, array),
-                          "AmbientColor": GREY, "DiffuseColor": GREY}, Input=[reader], LookupTable=[table])
+                          "AmbientColor": GREY, "DiffuseColor": GREY}, Input=[seen], LookupTable=[table])
     when = made.add("representations", "when", "representations", "TextSourceRepresentation",
-                    {"WindowLocation": TOP_LEFT, "Color": INK, "FontSize": 18}, Input=[clock])
+                    {"WindowLocation": TOP_LEFT, "Color": INK, "FontSize": FONT}, Input=[clock])
     bar = made.add("scalar_bars", "bar", "representations", "ScalarBarWidgetRepresentation",
                    {"Title": fields.label(name, last.unit(name)), "ComponentTitle": "", "TitleColor": INK, "LabelColor": INK, "Visibility": 1, "Enabled": 1,
-                    "WindowLocation": 0, "Position": (0.87, 0.25), "ScalarBarLength": 0.5}, LookupTable=[table])
+                    "WindowLocation": 0, "Position": (0.87, 0.25), "ScalarBarLength": 0.5,
+                    "TitleFontSize": FONT, "LabelFontSize": FONT, "RangeLabelFormat": "%.4g"}, LookupTable=[table])
     shown = made.add("views", "RenderView1", "views", "RenderView",
-                     {"ViewSize": PIXELS, "Background": (1, 1, 1), "UseColorPaletteForBackground": 0, "OrientationAxesLabelColor": INK,
-                      "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
+                     {"ViewSize": PIXELS, "Background": (1, 1, 1), "UseColorPaletteForBackground": 0, "OrientationAxesVisibility": int(not flat),
+                      "OrientationAxesLabelColor": INK, "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
     keeper = made.add("timekeeper", "TimeKeeper1", "misc", "TimeKeeper", {"Time": times[0]}, TimeSources=[reader], Views=[shown])
     made.add("animation", "AnimationScene1", "animation", "AnimationScene",
              {"AnimationTime": times[0], "StartTime": times[0], "EndTime": times[-1], "PlayMode": AT_SNAPSHOTS}, TimeKeeper=[keeper], ViewModules=[shown])
