@@ -128,6 +128,9 @@ def state(run: runs.Run, name: str) -> str:
     shown = made.add("views", "RenderView1", "views", "RenderView",
                      {"ViewSize": PIXELS, "Background": (1, 1, 1), "UseColorPaletteForBackground": 0, "OrientationAxesVisibility": int(not flat),
                       "OrientationAxesLabelColor": INK, "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
+    # Without a layout ParaView's window would not show the view.
+    place = ElementTree.SubElement(made.add("layouts", "Layout #1", "misc", "ViewLayout", {}), "Layout", number_of_elements="1")
+    ElementTree.SubElement(place, "Item", direction="0", fraction="0.5", view=shown.get("id"))
     keeper = made.add("timekeeper", "TimeKeeper1", "misc", "TimeKeeper", {"Time": times[0]}, TimeSources=[reader], Views=[shown])
     made.add("animation", "AnimationScene1", "animation", "AnimationScene",
              {"AnimationTime": times[0], "StartTime": times[0], "EndTime": times[-1], "PlayMode": AT_SNAPSHOTS}, TimeKeeper=[keeper], ViewModules=[shown])
