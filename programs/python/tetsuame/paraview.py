@@ -113,8 +113,12 @@ def state(run: runs.Run, name: str) -> str:
     if not flat and len(run.snapshots[0].wall("Coordinates")):  # it would hide the fluid
         seen = made.add("sources", "fluid", "filters", "ExtractBlock", {"Selectors": FLUID}, Input=[reader])
     clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:g}} {unit}", "Scale": 1 / size}, Input=[reader])
-    table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable",
-                     colours(fields.look(name), *movie.limits(run.snapshots, name)))
+    low, high = movie.limits(run.snapshots, name)
+    # ParaView's editor of colours ends ParaView where a table has no opacity.
+    opacity = made.add("piecewise_functions", f"{array}.PiecewiseFunction", "piecewise_functions", "PiecewiseFunction",
+                       {"Points": (low, 0, 0.5, 0, high, 1, 0.5, 0), "ScalarRangeInitialized": 1})
+    table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable", colours(fields.look(name), low, high),
+                     ScalarOpacityFunction=[opacity])
     particles = made.add("representations", "particles", "representations", "UnstructuredGridRepresentation",
                          {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
                           "ShaderPreset": CIRCLE if flat else SPHERE, "ColorArrayName": ("", "", "", POINT_DATA, array),
