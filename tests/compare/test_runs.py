@@ -261,7 +261,7 @@ class ForParaView(Case):
         self.assertEqual((flat["CameraParallelProjection"], flat["CameraPosition"][:2]), (["1"], flat["CameraFocalPoint"][:2]))
         self.assertGreater(2 * float(flat["CameraParallelScale"][0]), LENGTH)
         made = self.state(write_series(write_run(self.here / "deep", 3, 4)))
-        self.assertEqual((made["RenderView"]["CameraParallelProjection"], made["RenderView"]["CameraViewUp"]), (["0"], ["0", "0", "1"]))
+        self.assertEqual((made["RenderView"]["CameraParallelProjection"], made["RenderView"]["CameraViewUp"]), (["0"], ["0", "1", "0"]))
         self.assertNotIn("ExtractBlock", made)
         run = write_run(self.here / "walls", 3, 4)
         write_wall(run)

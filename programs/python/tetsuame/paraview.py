@@ -17,7 +17,7 @@ PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of 
 TOP_LEFT, POINT_DATA, RGB, NEVER, AT_SNAPSHOTS, CIRCLE, SPHERE = 4, 0, 0, -1, 2, 3, 1  # as ParaView numbers them
 # The reader calls the blocks of its time steps fluid, fluid[1], fluid[2], …
 FLUID = '//*[starts-with(name(), "fluid")]'
-INK, GREY = (0.13, 0.13, 0.13), (0.6, 0.6, 0.6)
+BACKGROUND, GREY = (0.32, 0.34, 0.43), (0.6, 0.6, 0.6)  # ParaView's own, on which it writes in white; walls
 
 
 def series(run: runs.Run) -> Path:
@@ -36,20 +36,21 @@ def series(run: runs.Run) -> Path:
 
 
 def camera(run: runs.Run) -> dict:
-    """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, the last axis up."""
+    """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, aslant; y up, as gravity is along -y."""
     low, high = view.bounds(run.snapshots)
     wall = run.snapshots[0].wall("Coordinates")
-    if len(wall) and len(low) == 2:
+    if len(wall) and len(low) < 3:
         low, high = np.minimum(low, wall.min(axis=0)), np.maximum(high, wall.max(axis=0))
-    middle, size = (low + high) / 2, high - low
-    if len(middle) == 2:
+    flat = len(low) < 3
+    middle, size = (np.pad(pair, (0, 3 - len(low))) for pair in ((low + high) / 2, high - low))
+    if flat:
         half = 0.53 * max(size[1], size[0] * PIXELS[1] / PIXELS[0] / 0.8)
-        focus = np.array([*middle, 0.0]) + (0.1 * 2 * half * PIXELS[0] / PIXELS[1], 0, 0)
+        focus = middle + (0.1 * 2 * half * PIXELS[0] / PIXELS[1], 0, 0)
         return {"CameraParallelProjection": 1, "CameraParallelScale": half, "CameraFocalPoint": focus, "CenterOfRotation": focus,
                 "CameraPosition": focus + (0, 0, 4 * half), "CameraViewUp": (0, 1, 0)}
-    half, towards = np.linalg.norm(size) / 2, np.array([0.45, -1.0, 0.4])
+    half, towards = np.linalg.norm(size) / 2, np.array([0.45, 0.4, 1.0])
     return {"CameraParallelProjection": 0, "CameraFocalPoint": middle, "CenterOfRotation": middle,
-            "CameraPosition": middle + towards / np.linalg.norm(towards) * half / np.sin(np.radians(15)), "CameraViewUp": (0, 0, 1),
+            "CameraPosition": middle + towards / np.linalg.norm(towards) * half / np.sin(np.radians(15)), "CameraViewUp": (0, 1, 0),
             "CameraViewAngle": 30}
 
 
@@ -104,7 +105,7 @@ def state(run: runs.Run, name: str) -> str:
     if name != "Speed" and last[name].ndim > 1:
         raise Unreadable(f"{last.path}: {name} is a vector; colours are of a number (Speed is the length of Velocities)")
     array = "Velocities" if name == "Speed" else name
-    flat = last.dimension == 2
+    flat = last.dimension < 3
     times = [snapshot.time for snapshot in run.snapshots]
     size, unit = fields.scaled("s", times[-1])
     made = State()
@@ -124,14 +125,14 @@ def state(run: runs.Run, name: str) -> str:
                           "ShaderPreset": CIRCLE if flat else SPHERE, "ColorArrayName": ("", "", "", POINT_DATA, array),
                           "AmbientColor": GREY, "DiffuseColor": GREY}, Input=[seen], LookupTable=[table])
     when = made.add("representations", "when", "representations", "TextSourceRepresentation",
-                    {"WindowLocation": TOP_LEFT, "Color": INK, "FontSize": FONT}, Input=[clock])
+                    {"WindowLocation": TOP_LEFT, "FontSize": FONT}, Input=[clock])
     bar = made.add("scalar_bars", "bar", "representations", "ScalarBarWidgetRepresentation",
-                   {"Title": fields.label(name, last.unit(name)), "ComponentTitle": "", "TitleColor": INK, "LabelColor": INK, "Visibility": 1, "Enabled": 1,
+                   {"Title": fields.label(name, last.unit(name)), "ComponentTitle": "", "Visibility": 1, "Enabled": 1,
                     "WindowLocation": 0, "Position": (0.87, 0.25), "ScalarBarLength": 0.5,
                     "TitleFontSize": FONT, "LabelFontSize": FONT, "RangeLabelFormat": "%.4g"}, LookupTable=[table])
     shown = made.add("views", "RenderView1", "views", "RenderView",
-                     {"ViewSize": PIXELS, "Background": (1, 1, 1), "UseColorPaletteForBackground": 0, "OrientationAxesVisibility": int(not flat),
-                      "OrientationAxesLabelColor": INK, "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
+                     {"ViewSize": PIXELS, "Background": BACKGROUND, "UseColorPaletteForBackground": 0, "OrientationAxesVisibility": int(not flat),
+                      "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
     # Without a layout ParaView's window would not show the view.
     place = ElementTree.SubElement(made.add("layouts", "Layout #1", "misc", "ViewLayout", {}), "Layout", number_of_elements="1")
     ElementTree.SubElement(place, "Item", direction="0", fraction="0.5", view=shown.get("id"))
