@@ -36,7 +36,7 @@ def series(run: runs.Run) -> Path:
 
 
 def camera(run: runs.Run) -> dict:
-    """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, aslant; y up, as gravity is along -y."""
+    """In 2-D from above, with room for the colour bar on the right; in 3-D all of the box, aslant, y up, as gravity is along -y."""
     low, high = view.bounds(run.snapshots)
     wall = run.snapshots[0].wall("Coordinates")
     if len(wall) and len(low) < 3:
@@ -44,7 +44,7 @@ def camera(run: runs.Run) -> dict:
     flat = len(low) < 3
     middle, size = (np.pad(pair, (0, 3 - len(low))) for pair in ((low + high) / 2, high - low))
     if flat:
-        half = 0.53 * max(size[1], size[0] * PIXELS[1] / PIXELS[0] / 0.8)
+        half = 0.55 * max(size[1], size[0] * PIXELS[1] / PIXELS[0] / 0.8)
         focus = middle + (0.1 * 2 * half * PIXELS[0] / PIXELS[1], 0, 0)
         return {"CameraParallelProjection": 1, "CameraParallelScale": half, "CameraFocalPoint": focus, "CenterOfRotation": focus,
                 "CameraPosition": focus + (0, 0, 4 * half), "CameraViewUp": (0, 1, 0)}
@@ -54,10 +54,11 @@ def camera(run: runs.Run) -> dict:
             "CameraViewAngle": 30}
 
 
-def colours(look: fields.Look, low: float, high: float) -> dict:
+def colours(look: fields.Look, low: float, high: float, flat: bool) -> dict:
+    """Spheres are shaded, which black would not show."""
     logarithmic = look.logarithmic and low > 0
     values = np.geomspace(low, high, 33) if logarithmic else np.linspace(low, high, 33)
-    table = style.plt.get_cmap(look.colours)(np.linspace(0, 1, 33))[:, :3]
+    table = style.plt.get_cmap(look.colours)(np.linspace(0 if flat else 0.15, 1, 33))[:, :3]
     return {"RGBPoints": np.column_stack([values, table]).ravel(), "ColorSpace": RGB, "UseLogScale": int(logarithmic), "NanColor": GREY,
             "ScalarRangeInitialized": 1, "AutomaticRescaleRangeMode": NEVER}
 
@@ -72,7 +73,7 @@ class State:
 
     def add(self, collection: str, name: str, group: str, kind: str, properties: dict, **proxies) -> ElementTree.Element:
         """Properties are numbers, texts or sequences of these; `proxies`: properties that are other proxies of this state."""
-        identity = str(100 + sum(map(len, self.listed.values())))
+        identity = str(self.next_id)
         proxy = ElementTree.SubElement(self.body, "Proxy", group=group, type=kind, id=identity, servers="1" if group == "sources" else "21")
         for key, values in properties.items():
             values = [values] if isinstance(values, str) or np.ndim(values) == 0 else list(values)
@@ -85,6 +86,10 @@ class State:
                 ElementTree.SubElement(place, "Proxy", value=other.get("id"), **({"output_port": "0"} if key == "Input" else {}))
         self.listed.setdefault(collection, []).append((identity, name))
         return proxy
+
+    @property
+    def next_id(self) -> int:
+        return 100 + sum(map(len, self.listed.values()))
 
     @staticmethod
     def _property(proxy, key: str, count: int):
@@ -113,12 +118,15 @@ def state(run: runs.Run, name: str) -> str:
     seen = reader
     if not flat and len(run.snapshots[0].wall("Coordinates")):  # it would hide the fluid
         seen = made.add("sources", "fluid", "filters", "ExtractBlock", {"Selectors": FLUID}, Input=[reader])
-    clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:g}} {unit}", "Scale": 1 / size}, Input=[reader])
+    clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:.4g}} {unit}", "Scale": 1 / size}, Input=[reader])
+    if not flat:
+        plane = made.add(f"pq_helper_proxies.{made.next_id + 1}", "ClipFunction", "implicit_functions", "Plane", {"Origin": last.lengths / 2, "Normal": (0, 0, 1)})
+        seen = made.add("sources", "half", "filters", "Clip", {"Invert": 1}, Input=[seen], ClipFunction=[plane])
     low, high = movie.limits(run.snapshots, name)
     # ParaView's editor of colours ends ParaView where a table has no opacity.
     opacity = made.add("piecewise_functions", f"{array}.PiecewiseFunction", "piecewise_functions", "PiecewiseFunction",
                        {"Points": (low, 0, 0.5, 0, high, 1, 0.5, 0), "ScalarRangeInitialized": 1})
-    table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable", colours(fields.look(name), low, high),
+    table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable", colours(fields.look(name), low, high, flat),
                      ScalarOpacityFunction=[opacity])
     particles = made.add("representations", "particles", "representations", "UnstructuredGridRepresentation",
                          {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
