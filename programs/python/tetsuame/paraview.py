@@ -122,6 +122,9 @@ def state(run: runs.Run, name: str) -> str:
     if not flat:
         plane = made.add(f"pq_helper_proxies.{made.next_id + 1}", "ClipFunction", "implicit_functions", "Plane", {"Origin": last.lengths / 2, "Normal": (0, 0, 1)})
         seen = made.add("sources", "half", "filters", "Clip", {"Invert": 1}, Input=[seen], ClipFunction=[plane])
+        # What its window offers as the kind of cut.
+        choice = ElementTree.SubElement(seen.find("Property[@name='ClipFunction']"), "Domain", name="proxy_list", id=f"{seen.get('id')}.ClipFunction.proxy_list")
+        ElementTree.SubElement(choice, "Proxy", value=plane.get("id"))
     low, high = movie.limits(run.snapshots, name)
     # ParaView's editor of colours ends ParaView where a table has no opacity.
     opacity = made.add("piecewise_functions", f"{array}.PiecewiseFunction", "piecewise_functions", "PiecewiseFunction",
