@@ -1,4 +1,4 @@
-"""`tetsuame paraview`: a state for ParaView (5.11 or newer) that opens series.xdmf as particles with colours.
+"""`tetsuame paraview`: a state for ParaView (made for 5.11, Debian 12's) that opens series.xdmf as particles with colours.
 
 A state names each proxy (a source, a view, …) and the properties that are not at their defaults. ParaView takes a relative name of a
 file as one in the folder where it was started, so the state has the absolute one.
@@ -120,10 +120,12 @@ def state(run: runs.Run, name: str) -> str:
         seen = made.add("sources", "fluid", "filters", "ExtractBlock", {"Selectors": FLUID}, Input=[reader])
     clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:.4g}} {unit}", "Scale": 1 / size}, Input=[reader])
     if not flat:
-        plane = made.add(f"pq_helper_proxies.{made.next_id + 1}", "ClipFunction", "implicit_functions", "Plane", {"Origin": last.lengths / 2, "Normal": (0, 0, 1)})
+        plane = made.add(f"pq_helper_proxies.{made.next_id + 1}", "ClipFunction", "implicit_functions", "Plane",
+                         {"Origin": last.lengths / 2, "Normal": (0, 0, 1)})
         seen = made.add("sources", "half", "filters", "Clip", {"Invert": 1}, Input=[seen], ClipFunction=[plane])
         # What its window offers as the kind of cut.
-        choice = ElementTree.SubElement(seen.find("Property[@name='ClipFunction']"), "Domain", name="proxy_list", id=f"{seen.get('id')}.ClipFunction.proxy_list")
+        choice = ElementTree.SubElement(seen.find("Property[@name='ClipFunction']"), "Domain", name="proxy_list",
+                                        id=f"{seen.get('id')}.ClipFunction.proxy_list")
         ElementTree.SubElement(choice, "Proxy", value=plane.get("id"))
     low, high = movie.limits(run.snapshots, name)
     # ParaView's editor of colours ends ParaView where a table has no opacity.
