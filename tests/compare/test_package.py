@@ -21,7 +21,7 @@ class Commands(unittest.TestCase):
         said = call("--help")
         self.assertEqual(said.returncode, 0, said.stderr)
         for command, option in (("compare", "--programs"), ("bench", "folder"), ("balance", "folder"), ("scaling", "--ranks"), ("plot", "--fields"), ("movie", "--gif"), ("view", "--megabytes"),
-                                ("sweep", "--set")):
+                                ("paraview", "--field"), ("sweep", "--set")):
             with self.subTest(command):
                 self.assertRegex(said.stdout, rf"(?m)^  {command} ")
                 own = call(command, "--help")
@@ -31,7 +31,7 @@ class Commands(unittest.TestCase):
     def test_unknown_command_is_refused_in_a_sentence(self):
         said = call("contrast", "--programs", "A")
         self.assertEqual((said.returncode, said.stdout), (2, ""))
-        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling, plot, movie, view, sweep)\n")
+        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling, plot, movie, view, paraview, sweep)\n")
 
     def test_no_command(self):
         said = call()

@@ -11,6 +11,7 @@ import time
 import unittest
 import zlib
 from pathlib import Path
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -63,6 +64,38 @@ def write_run(directory, dimension=2, n=12, times=(0, 10, 20, 30), warmer=0.0, *
     return directory
 
 
+def write_wall(directory):
+    """Markers below the box, in each snapshot."""
+    for path in directory.glob("snapshot_*.h5"):
+        with h5py.File(path, "a") as file:
+            x = (np.arange(20) + 0.5) * LENGTH / 20
+            file["PartType1/Coordinates"] = np.column_stack([x, np.full(20, -5.0), np.zeros(20)])
+            file["PartType1/ParticleIDs"] = np.arange(20)
+
+
+def write_series(directory):
+    """series.xdmf as the programs write it, and the rows' numbers that it names."""
+    def item(path, data):
+        return (f'<DataItem Format="HDF" NumberType="{"Float" if data.dtype.kind == "f" else "Int"}" Precision="{data.dtype.itemsize}" '
+                f'Dimensions="{" ".join(map(str, data.shape))}">{path.name}:{data.name}</DataItem>')
+
+    text = '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0"><Domain><Grid Name="series" GridType="Collection" CollectionType="Temporal">'
+    for path in sorted(directory.glob("snapshot_*.h5")):
+        with h5py.File(path, "a") as file:
+            text += f'\n<Grid Name="{path.name}" GridType="Collection" CollectionType="Spatial"><Time Value="{file["Header"].attrs["Time"]}"/>'
+            for group, name in (("PartType0", "fluid"), ("PartType1", "wall")):
+                if group in file:
+                    n = len(file[group]["Coordinates"])
+                    numbers = file.create_dataset(f"Connectivity{group[-1]}", data=np.arange(n, dtype=np.int32)[:, None])
+                    text += (f'<Grid Name="{name}" GridType="Uniform"><Topology TopologyType="Polyvertex" NumberOfElements="{n}" NodesPerElement="1">'
+                             f'{item(path, numbers)}</Topology><Geometry GeometryType="XYZ">{item(path, file[group]["Coordinates"])}</Geometry>')
+                    text += "".join(f'<Attribute Name="{key}" AttributeType="{"Scalar" if data.ndim == 1 else "Vector"}" Center="Node">{item(path, data)}'
+                                    "</Attribute>" for key, data in file[group].items() if key != "Coordinates") + "</Grid>"
+            text += "</Grid>"
+    (directory / "series.xdmf").write_text(text + "</Grid></Domain></Xdmf>\n")
+    return directory
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -96,7 +129,7 @@ class Loading(Case):
         self.assert_refused(call("plot", run, "--fields", "Magnetism"), "no field 'Magnetism'", "Temperature")
         three = self.here / "three.js"  # any text: these runs are refused before a browser sees it
         three.write_text("")
-        for command, *options in (("plot",), ("movie",), ("view", "--three", three)):
+        for command, *options in (("plot",), ("movie",), ("view", "--three", three), ("paraview",)):
             for size in (0, 100, len(whole) // 2):
                 with self.subTest(command, size=size):
                     (run / "snapshot_0002.h5").write_bytes(whole[:size])
@@ -193,6 +226,114 @@ class Pictures(Case):
 
     def test_one_snapshot_is_no_movie(self):
         self.assert_refused(call("movie", write_run(self.here / "a", times=(0,))), "one snapshot is no movie")
+
+
+class ForParaView(Case):
+    def state(self, run, *options):
+        """The proxies by their kind: each a dictionary of lists."""
+        said = call("paraview", run, *options)
+        self.assertEqual((said.returncode, said.stdout), (0, f"{run / 'series.pvsm'}\n"), said.stderr)
+        proxies = {}
+        root = ElementTree.parse(run / "series.pvsm").getroot()
+        for proxy in root.iter("Proxy"):
+            if "type" in proxy.attrib:
+                proxies[proxy.get("type")] = {place.get("name"): [item.get("value") for item in place] for place in proxy.iter("Property")}
+        named = {item.get("id") for item in root.findall(".//ProxyCollection/Item")}
+        self.assertEqual(named, {proxy.get("id") for proxy in root.iter("Proxy") if "type" in proxy.attrib})
+        self.assertLessEqual({proxy.get("value") for proxy in root.findall(".//Property/Proxy")}, named)
+        return proxies
+
+    def test_particles_colours_and_times(self):
+        run = write_series(write_run(self.here / "a & b"))
+        made = self.state(run)
+        self.assertEqual(made["Xdmf3ReaderT"]["FileName"], [str((run / "series.xdmf").resolve())])
+        particles = made["UnstructuredGridRepresentation"]
+        self.assertEqual((particles["Representation"], particles["ColorArrayName"][-1]), (["Point Gaussian"], "Temperature"))
+        self.assertAlmostEqual(float(particles["GaussianRadius"][0]), 0.55 * LENGTH / 12, delta=0.01 * LENGTH / 12)
+        self.assertEqual((made["ScalarBarWidgetRepresentation"]["Title"], made["TimeToTextConvertor"]["Format"]), (["temperature [K]"], ["t = {time:.4g} s"]))
+        scene = made["AnimationScene"]
+        self.assertEqual((scene["StartTime"], scene["EndTime"]), (["0"], ["30"]))
+        values = [float(value) for value in made["PVLookupTable"]["RGBPoints"]]
+        temperatures = np.concatenate([snapshot["Temperature"] for snapshot in tetsuame.load(run).snapshots])
+        self.assertTrue(temperatures.min() <= values[0] < values[-4] <= temperatures.max())
+        self.assertTrue(all(0 <= values[i] <= 1 for i in range(len(values)) if i % 4))
+
+    def test_two_dimensions_are_seen_from_above_and_three_aslant(self):
+        flat = self.state(write_series(write_run(self.here / "flat")))["RenderView"]
+        self.assertEqual((flat["CameraParallelProjection"], flat["CameraPosition"][:2]), (["1"], flat["CameraFocalPoint"][:2]))
+        self.assertGreater(2 * float(flat["CameraParallelScale"][0]), LENGTH)
+        made = self.state(write_series(write_run(self.here / "deep", 3, 4)))
+        self.assertEqual((made["RenderView"]["CameraParallelProjection"], made["RenderView"]["CameraViewUp"]), (["0"], ["0", "1", "0"]))
+        self.assertNotIn("ExtractBlock", made)
+        run = write_run(self.here / "walls", 3, 4)
+        write_wall(run)
+        made = self.state(write_series(run))
+        self.assertEqual(made["Clip"]["Input"], [self.number(run, "ExtractBlock")])
+        self.assertEqual(made["UnstructuredGridRepresentation"]["Input"], [self.number(run, "Clip")])
+
+    def number(self, run, kind):
+        return ElementTree.parse(run / "series.pvsm").getroot().find(f".//Proxy[@type='{kind}']").get("id")
+
+    def test_other_fields(self):
+        run = write_series(write_run(self.here / "a"))
+        for field, title in (("Density", "density [kg/m³]"), ("Speed", "speed [m/s]")):
+            made = self.state(run, "--field", field)
+            array = made["UnstructuredGridRepresentation"]["ColorArrayName"][-1]
+            self.assertEqual((array, made["ScalarBarWidgetRepresentation"]["Title"]), ({"Speed": "Velocities"}.get(field, field), [title]))
+
+    def test_what_cannot_be_shown(self):
+        run = write_run(self.here / "a")
+        self.assert_refused(call("paraview", self.here), "no resolved.nml")
+        self.assert_refused(call("paraview", run), "series.xdmf", "No such file")
+        write_series(run)
+        self.assert_refused(call("paraview", run, "--field", "Magnetism"), "no field 'Magnetism'")
+        self.assert_refused(call("paraview", run, "--field", "Velocities"), "Velocities is a vector")
+        whole = (run / "series.xdmf").read_text()
+        (run / "series.xdmf").write_text(whole[:700])
+        self.assert_refused(call("paraview", run), "series.xdmf", "damaged")
+        (run / "series.xdmf").write_text(whole)
+        (run / "snapshot_0002.h5").unlink()
+        self.assert_refused(call("paraview", run), "names snapshot_0002.h5, which is not there")
+        for path in run.glob("snapshot_*.h5"):
+            path.unlink()
+        self.assert_refused(call("paraview", run), "no snapshot in it")
+        self.assertFalse((run / "series.pvsm").exists())
+
+    @unittest.skipUnless(shutil.which("pvbatch") and shutil.which("xvfb-run"), "Debian's paraview, python3-paraview and xvfb are not installed")
+    def test_paraview_draws_it(self):
+        """From another folder, after the run was moved and the command was run again: fluid and wall at each time, in their colours."""
+        script = self.here / "draw.py"
+        script.write_text("""
+import sys
+from paraview.simple import *
+LoadState(sys.argv[1] + "/series.pvsm")
+view = GetRenderViews()[0]
+scene = GetAnimationScene()
+scene.GoToFirst()
+for index in range(4):
+    SaveScreenshot(f"{sys.argv[1]}/{index}.png", view)
+    print("seen", view.ViewTime, view.Representations[0].GetRepresentedDataInformation().GetNumberOfPoints(), flush=True)
+    scene.GoToNext()
+""")
+        moved = []
+        for dimension, n in ((2, 12), (3, 6)):
+            run = write_run(self.here / f"{dimension} before", dimension, n)
+            write_wall(run)
+            self.state(write_series(run))
+            moved.append(run.rename(self.here / f"{dimension} after"))
+            self.state(moved[-1])
+        said = subprocess.run(["xvfb-run", "-a", "sh", "-c", f'for run; do pvbatch {script} "$run" || exit; done', "sh", *moved], capture_output=True, text=True,
+                              cwd="/", timeout=200, env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"})
+        self.assertEqual(re.findall("seen (.*)", said.stdout), [f"{t}.0 {shown}" for shown in (144 + 20, 6**3 // 2) for t in (0, 10, 20, 30)],
+                         said.stdout + said.stderr)
+        for run in moved:
+            pictures = [np.asarray(Image.open(run / f"{index}.png").convert("RGB")).astype(int) for index in range(4)]
+            self.assertEqual(pictures[0].shape, (900, 1200, 3))
+            coloured = np.ptp(pictures[0], axis=2) > 40  # more than ParaView's background
+            self.assertGreater(coloured.mean(), 0.15)
+            rows, columns = np.nonzero(coloured[:, :1000])
+            self.assertTrue(rows.min() > 5 and rows.max() < 895 and columns.min() > 5, "the particles do not fit the picture")
+            self.assertGreater(np.abs(pictures[3] - pictures[0]).max(), 20)
 
 
 class Beside(Case):

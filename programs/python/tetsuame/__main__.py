@@ -9,7 +9,7 @@ from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
 MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
-           "plot": ".plots", "movie": ".movie", "view": ".view", "sweep": ".sweep"}
+           "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep"}
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Draw cuts.png and course.png.", "output directory of balance; the pictures go there too")}
@@ -23,6 +23,7 @@ def main(arguments: list[str]) -> int:
                "  plot      draw a run: its history, maps and profiles of its fields\n"
                "  movie     a run's snapshots as MP4 or GIF\n"
                "  view      one HTML file that plays a run in a browser\n"
+               "  paraview  a state for ParaView: its particles with colours, ready to play\n"
                "  compare   DIR DIR …: runs side by side; else: run programs on inputs, and report what is seen\n"
                "  sweep     run a program with many settings of one input\n"
                "  bench     write report.html from the bench.json of a folder\n"
