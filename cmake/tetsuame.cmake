@@ -11,7 +11,13 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 
-set(TETSUAME_ARCH "x86-64-v3" CACHE STRING "-march= of every target (native: this machine only)")
+# Processors with AVX2 and later; elsewhere those that the compiler itself compiles for.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+  set(arch x86-64-v3)
+else()
+  set(arch "")
+endif()
+set(TETSUAME_ARCH "${arch}" CACHE STRING "-march= of every target (native: this machine only; empty: the compiler's own)")
 option(TETSUAME_AVX512 "The programs marked WIDE can be built for AVX-512 too" ON)
 option(TETSUAME_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
 
@@ -20,7 +26,7 @@ add_library(tetsuame_options INTERFACE)
 # in the modules the compiler may not fuse differently in a loop's body and tail.
 target_compile_options(tetsuame_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
-  -march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
+  $<$<BOOL:${TETSUAME_ARCH}>:-march=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>,x86-64-v4,${TETSUAME_ARCH}>> -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:TETSUAME_FUSE>>,fast,off> -fno-math-errno -fno-trapping-math)
 # g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
 target_compile_options(tetsuame_options INTERFACE
   "$<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized;-Wno-uninitialized>")
@@ -187,7 +193,7 @@ function(tetsuame_test name)
   if(arg_RANKS)
     foreach(ranks IN LISTS arg_RANKS)
       add_test(NAME ${name}.${ranks}
-        COMMAND ${MPIEXEC_EXECUTABLE} --bind-to none -n ${ranks} $<TARGET_FILE:test_${name}>)
+        COMMAND ${MPIEXEC_EXECUTABLE} --bind-to none -n ${ranks} ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:test_${name}>)
       set_tests_properties(${name}.${ranks} PROPERTIES LABELS "${arg_LABELS};mpi"
         ENVIRONMENT "${mpi_environment}" TIMEOUT ${arg_TIMEOUT} PROCESSORS ${ranks})
     endforeach()

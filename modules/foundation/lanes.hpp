@@ -9,6 +9,8 @@
 #include <type_traits>
 #if defined(__AVX__)
 #include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 namespace tetsuame::foundation {
@@ -123,6 +125,11 @@ template <class R>
   if constexpr (is_register<R, 4>)
     return R(_mm256_blendv_pd(static_cast<__m256d>(other), static_cast<__m256d>(greater(a, b)),
                               _mm256_castsi256_pd(detail::lanes_of(bits))));
+#endif
+#if defined(__aarch64__)
+  if constexpr (is_register<R, 2>)
+    return R(vbslq_f64(vtstq_u64(vdupq_n_u64(bits), uint64x2_t{1, 2}), static_cast<float64x2_t>(greater(a, b)),
+                       static_cast<float64x2_t>(other)));
 #endif
   R c = greater(a, b);
   for (std::size_t lane = 0; lane < R::size(); ++lane)

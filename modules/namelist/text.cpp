@@ -106,7 +106,7 @@ std::string excerpt(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string result(text.substr(0, longest));
   for (char& c : result)
-    if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
   // Do not cut a UTF-8 character in two.
   if (text.size() > longest) {
     while (!result.empty() && (static_cast<unsigned char>(text[result.size()]) & 0xc0) == 0x80) result.pop_back();
