@@ -371,6 +371,7 @@ struct loop {
     make_integrator();
     check_fields();
     hear_news(false);
+    files.next_snapshot = o.output.interval;  // as if the first were written
     trial of_steps{.particles = report.fluid_particles, .dimension = report.dimension};
     long long evaluations = 0;
     foundation::stopwatch watch;
