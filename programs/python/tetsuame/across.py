@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from . import COMPLETED, fields, pages, plots, runs, style
-from .reading import Unreadable
+from .reading import Unreadable, read_keys
 
 SHOWN = 4  # maps of so many runs fit beside each other
 
@@ -27,18 +27,6 @@ def inputs_that_differ(of: list[tuple[str, runs.Run]]) -> str:
     names = dict.fromkeys(name for each in keys for name in each)
     rows = [[name, *(each.get(name, "–") for each in keys)] for name in names if len({each.get(name) for each in keys}) > 1]
     return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else "<p>None: the inputs are the same.</p>"
-
-
-def read_keys(path: Path) -> dict[str, str]:
-    """group.key and its value as text, from a file as our programs write it: a line a key."""
-    found, group = {}, ""
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if line.startswith("&"):
-            group = line[1:].strip()
-        elif " = " in line:
-            key, _, value = line.partition(" = ")
-            found[f"{group}.{key.strip()}"] = value.strip()
-    return found
 
 
 def metrics(of: list[tuple[str, runs.Run]]) -> str:
