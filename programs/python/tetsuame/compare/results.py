@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from ..reading import read_columns, read_keys, real
+from ..runs import Snapshot
 from .runner import Outcome
 
 
@@ -71,10 +72,10 @@ def lattice(folder: Path) -> tuple[tuple[float, float], float]:
     return lengths, lengths[1] / resolved(folder, "domain", "particles_y")
 
 
-def last_time(folder: Path) -> float:
-    """Of the last state on disk (s)."""
-    with h5py.File(sorted(folder.glob("snapshot_*.h5"))[-1]) as file:
-        return float(file["Header"].attrs["Time"])
+def last_snapshot(folder: Path) -> Snapshot | None:
+    """The last state on disk; None if there is none."""
+    names = sorted(folder.glob("snapshot_*.h5"))
+    return Snapshot(names[-1]) if names else None
 
 
 def history(folder: Path, name: str = "history.csv") -> dict[str, np.ndarray]:

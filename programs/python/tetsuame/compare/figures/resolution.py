@@ -7,6 +7,9 @@ from .. import fit
 from ..runner import COMPLETED
 
 
+LINES = "Lines: the fitted order; dotted: too few points for one."  # of captions
+
+
 def convergence(series: dict, look, ylabel: str):
     """`series`: of fit.series; look(case, variant, quantity): the title of the panel, the label and the colour of the curve."""
     panels: dict[str, list] = {}
