@@ -30,6 +30,7 @@ STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#
          "densities": "#99C7DB", "corrections": "#7FA889", "gradient": "#4477AA", "gradients": "#66A5CC", "forces": "#4477AA",
          "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4"}
 
+ABOUT_ONE = "RdBu_r"  # the colours of a ratio to a mean: more and less are told apart
 WIDTH = 10.4  # inches: the report's column
 
 plt.rcParams.update({

@@ -103,7 +103,7 @@ def glance(measured: dict, cases: list[str]) -> str:
                "v_rms (κ/L)": lambda one: pages.number(shown(one, "v_rms")), "v_rms, error": lambda one: error_cell(one, "v_rms"),
                "heat in − out": lambda one: report.error_cell(one["heat_imbalance"]),
                "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"]))}
-    return pages.columns([best[case] for case in cases], columns) + pages.error_key()
+    return pages.columns([best[case] for case in cases], columns, "wide") + pages.error_key()
 
 
 def case_table(measured: dict, case: str) -> str:

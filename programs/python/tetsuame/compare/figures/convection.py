@@ -56,8 +56,8 @@ def draw_arrows(ax, x, y, v, width, across: int = 11) -> None:
     step = 1 / across
     chosen = [int(np.argmin((x - a) ** 2 + (y - b) ** 2)) for a in np.arange(step / 2, width, step) for b in np.arange(step / 2, 1, step)]
     arrows = v[chosen] / speed * 1.3 * step
-    ax.quiver(x[chosen], y[chosen], *arrows.T, angles="xy", scale_units="xy", scale=1, pivot="mid", color=style.INK, alpha=0.75,
-              width=0.0045, headwidth=4, headlength=4, headaxislength=3.5)
+    ax.quiver(x[chosen], y[chosen], *arrows.T, angles="xy", scale_units="xy", scale=1, pivot="mid", color="white", edgecolor=style.INK,
+              linewidth=0.35, width=0.006, headwidth=4, headlength=4, headaxislength=3.5)
 
 
 def shade(index: int, count: int) -> tuple:
