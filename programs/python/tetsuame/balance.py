@@ -112,7 +112,7 @@ def results(run: Run) -> str:
                "moved an update": lambda p: pages.number(percent(of(p, "migrated_fraction_per_update"))),
                "run time (s)": lambda p: plain(p, "run_time_balanced", "{:.4g}"),
                "saved": lambda p: pages.number(percent(of(p, "run_time_reduction")))}
-    return pages.columns(list(courses(run)), columns) + pages.small(
+    return pages.columns(list(courses(run)), columns, "wide") + pages.small(
         "Spread: (max − min)/mean of the ranks' times. Until 5 %: decisions until the spread was as small; –: it never was. "
         "Saved: of the run time with the first cuts kept.")
 

@@ -70,7 +70,7 @@ def over_particles(measured: list[dict], value, text: str):
     """One line a case over the number of particles, 2-D left and 3-D right, one thread."""
     few = fewest_threads(measured)
     dimensions = sorted({r["dimension"] for r in measured})
-    figure, axes = style.panels(len(dimensions), 2, 3.8)
+    figure, axes = style.panels(len(dimensions), 2, 3.2)
     for ax, dimension in zip(axes, dimensions):
         for kind in kinds(measured):
             if kind[1] != dimension:
@@ -81,8 +81,8 @@ def over_particles(measured: list[dict], value, text: str):
         ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
         ax.set_xlabel("particles")
         ax.set_title(f"{dimension}-D, {count(few)}")
-        ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0, -0.18), ncols=2)
     axes[0].set_ylabel(text)
+    style.legend_above(figure, axes)
     return figure
 
 

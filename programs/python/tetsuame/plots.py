@@ -38,7 +38,7 @@ def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, 
     for ax in panels[-3:]:
         ax.set_xlabel(f"time [{unit}]")
     if len(of) > 1:
-        style.legend_above(figure, panels[0])
+        style.legend_above(figure, panels)
     return figure
 
 
@@ -101,7 +101,7 @@ def profiles(of: list, names: list[str], axis: int | None = None):
         last = of[0][1].dimension - 1 if axis is None else axis
         ax.set_ylabel(f"{'xyz'[last]} [{length}]")
     if len(of) > 1:
-        style.legend_above(figure, panels[0])
+        style.legend_above(figure, panels)
     return figure
 
 

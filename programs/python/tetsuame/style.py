@@ -37,7 +37,7 @@ plt.rcParams.update({
     "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.edgecolor": GREY, "axes.labelcolor": INK, "axes.linewidth": 0.7,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": FAINT,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True, "grid.color": FAINT,
     "grid.linewidth": 0.6, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK,
     "ytick.labelcolor": INK, "legend.frameon": False, "lines.linewidth": 1.6, "text.color": INK,
 })
@@ -73,7 +73,7 @@ def map_panels(count: int, wide: float = 1.0, columns: int = 3, bars: bool = Tru
     """As panels(), of maps `wide` times as wide as high: about so many columns that no row is half empty, and a figure no wider than
     they need. bars: each has a colour bar of its own; else one stands beside all."""
     near = [few for few in range(max(columns - 1, 1), columns + 2) if few <= count] or [count]
-    columns = min(near, key=lambda few: (-count % few / few, abs(few - columns)))
+    columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), -few))
     rows = -(-count // columns)
     beside, for_all = (1.3, 0.0) if bars else (0.5, 1.0)
     width = min((WIDTH - for_all) / columns, max(3.5 * wide, 2.0) + beside)
@@ -86,9 +86,8 @@ def across(names: list[str], height: float = 0.42, margin: float = 1.2):
     """A figure of horizontal bars, one line a name from the top down, and its axes."""
     figure, (ax,) = panels(1, 1, height * len(names) + margin)
     ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
+    ax.set_ylim(len(names) - 0.4, -0.6)
     ax.grid(axis="y", visible=False)
-    ax.set_axisbelow(True)
     return figure, ax
 
 
@@ -115,9 +114,16 @@ def legend_beside(ax) -> None:
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
 
 
-def legend_above(figure, ax) -> None:
-    """Of all panels, from one of them: beside no line that it could cover."""
-    figure.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=4, fontsize=8)
+def legend_above(figure, axes) -> None:
+    """Of all panels, each label once, in a strip above: there it covers no line."""
+    found = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels())}
+    labels, handles = list(found), list(found.values())
+    width, height = figure.get_size_inches()
+    columns = min(max(int(width / (0.6 + 0.075 * max(map(len, labels)))), 1), len(labels))
+    strip = 0.12 + 0.19 * -(-len(labels) // columns)  # inches
+    figure.set_size_inches(width, height + strip)
+    figure.get_layout_engine().set(rect=(0, 0, 1, height / (height + strip)))
+    figure.legend(handles, labels, loc="upper left", ncol=columns, fontsize=8)
 
 
 def stopped(ax, x: float, y: float | None, colour: str) -> None:

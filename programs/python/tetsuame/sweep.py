@@ -178,8 +178,10 @@ def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> by
                 ax.plot(*zip(*points), marker="o", markersize=3.5, label=title, **style.numbered(index))
         ax.set_title(measure.replace("_", " "))
         ax.set_xlabel(key)
+        if len(values[key]) <= 8:
+            ax.set_xticks(sorted(values[key]))
     if others:
-        style.legend_above(figure, panels[0])
+        style.legend_above(figure, panels)
     return style.png(figure)
 
 
