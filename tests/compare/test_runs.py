@@ -130,6 +130,45 @@ class Rendering(Case):
                     exact = np.clip(3 * x - y + 7, *(values.min() - 0.03 * np.ptp(values), values.max() + 0.03 * np.ptp(values)))
                     self.assertLess(np.abs(picture.values - exact).max(), 1e-9 * np.ptp(values))
 
+    def insulated(self, **keys):
+        """A snapshot beside the input of a run that conducts, insulated at the sides."""
+        keys = {"thermal": "'adiabatic'", "thermal_bottom": "'fixed'", "thermal_top": "'fixed'", "temperature_bottom": "1.0",
+                "temperature_top": "0.0"} | keys
+        (self.here / "resolved.nml").write_text("! convection, every key as run\n&material\n  conductivity = 2.0\n/\n&walls\n"
+                                                + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
+        return self.snapshot(places_of(10, 2))
+
+    def test_isotherms_meet_insulating_walls_at_a_right_angle(self):
+        snapshot = self.insulated()
+        self.assertEqual([(wall.axis, wall.place, wall.value) for wall in snapshot.mirrors],
+                         [(0, 0.0, None), (0, LENGTH, None), (1, 0.0, 1.0), (1, LENGTH, 0.0)])
+        x, y = snapshot["Coordinates"].T / LENGTH
+        field = 1 - y + 0.3 * np.cos(np.pi * x) * np.sin(np.pi * y)  # nothing flows through the sides; 1 and 0 below and above
+        mirrored = rendering.slice_of(snapshot, field, 200, 2, None, snapshot.mirrors)
+        plain = rendering.slice_of(snapshot, field, 200, 2, None)
+        across = np.gradient(mirrored.values, mirrored.x, axis=1) * LENGTH, np.gradient(plain.values, plain.x, axis=1) * LENGTH
+        inner = slice(4, -4)
+        steepest = np.abs(across[0][inner]).max()
+        # The slope at the very wall, from half a pixel: of the fitted plane alone it is a good part of the steepest.
+        for column in (0, -1):
+            self.assertLess(np.abs(across[0][inner, column]).max(), 0.15 * steepest)
+            self.assertGreater(np.abs(across[1][inner, column]).max(), 1.5 * np.abs(across[0][inner, column]).max())
+        for row, value in ((0, 1.0), (-1, 0.0)):
+            depth = 0.5 / len(mirrored.y)
+            self.assertLess(np.abs(mirrored.values[row] - value).max(), 2.5 * depth)
+        exact = 1 - mirrored.y[:, None] / LENGTH + 0.3 * np.cos(np.pi * mirrored.x / LENGTH) * np.sin(np.pi * mirrored.y[:, None] / LENGTH)
+        self.assertLess(np.abs(mirrored.values - exact).max(), 0.03)
+
+    def test_walls_in_which_nothing_is_seen(self):
+        self.assertEqual(len(self.insulated(thermal_bottom="'flux'").mirrors), 3)
+        self.assertEqual(len(self.insulated(slip_top="'free_surface'").mirrors), 3)
+        self.assertEqual([wall.value for wall in self.insulated(thermal="'fixed'", thermal_top="'inherit'", temperature_left="5.0",
+                                                                temperature_right="6.0").mirrors], [5.0, 6.0, 1.0, 0.0])
+        (self.here / "resolved.nml").write_text("&material\n  conductivity = 0.0\n/\n&walls\n  thermal = 'adiabatic'\n/\n")
+        self.assertEqual(self.snapshot(places_of(4, 2)).mirrors, ())
+        (self.here / "resolved.nml").unlink()
+        self.assertEqual(self.snapshot(places_of(4, 2)).mirrors, ())
+
     def test_a_periodic_border_leaves_no_trace(self):
         places = places_of(20, 2) % LENGTH
         snapshot = self.snapshot(places, periodic=True)
@@ -203,6 +242,8 @@ class Beside(Case):
         self.assertRegex(page, r"growth rate</td><td class=\"number\">0\.5</td><td class=\"number\">0\.75<")
         self.assertRegex(page, r"Pressure \[Pa\]</td><td class=\"number\">144</td><td class=\"number\">0\.25</td><td class=\"number\">0\.25<")
         self.assertRegex(page, r"Temperature \[K\]</td><td class=\"number\">144</td><td class=\"number\">0<")
+        self.assertRegex(page, r"Density \[kg/m\^?3?³?\]</td>.*<td class=\"number e0\">0<")
+        self.assertRegex(page, r"Pressure \[Pa\]</td>(<td class=\"number\">[\d.]+</td>){3}<td class=\"number e5\">0\.05<")
         self.assertGreater(page.count("<img"), 2)
 
 
@@ -245,6 +286,16 @@ echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, 
         self.assertIn("--force", (self.here / "calls").read_text().splitlines()[-1])
         table = (self.here / "out/sweep.csv").read_text().splitlines()
         self.assertEqual((table[0], table[3]), ("rti.n,rti.word,status,steps,wall_seconds,n_squared", "3,\"'a,b'\",completed,1,0.1,9"))
+
+    def test_page(self):
+        (self.here / "mended").touch()
+        said = call(*self.command)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(said.stdout.splitlines()[-1], f"Report: {self.here / 'out/report.html'}")
+        page = (self.here / "out/report.html").read_text()
+        self.assertEqual(page.count("data:image/png;base64,iVBOR"), 1)
+        self.assertIn("<td class=\"good\">completed</td>", page)
+        self.assertRegex(page, r"<td>3</td><td>&#x27;a,b&#x27;</td>.*<td class=\"number\">9</td>")
 
     def test_another_input_is_not_taken_for_this_one(self):
         call(*self.command)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 STYLE = Path(__file__).parent / "report.css"
 FULL = 1560  # pixels of a picture as wide as the page (style.WIDTH)
+LEAST = 640  # its width on a narrow window, where it scrolls: smaller letters could not be read
 
 # The colours e0, e1, … of report.css are those of errors up to these; the last one is of larger ones.
 ERRORS = (1e-12, 1e-8, 1e-5, 1e-3, 1e-2, 5e-2, 0.2)
@@ -69,11 +70,11 @@ def write(folder: Path, page: str) -> str:
 
 
 def figure(png: bytes, caption: str) -> str:
-    """`caption` is HTML. The picture is shown as wide as it was drawn, on narrow windows as wide as these."""
+    """`caption` is HTML. The picture is shown as wide as it was drawn; it shrinks with the window down to `LEAST`."""
     data = base64.b64encode(png).decode()
-    share = min(100.0 * struct.unpack(">I", png[16:20])[0] / FULL, 100.0)
+    share = min(struct.unpack(">I", png[16:20])[0] / FULL, 1.0)
     plain = escape(re.sub(r"<[^>]*>", "", caption).replace("\n", " "), quote=True)
-    return (f"<figure><img style=\"--share: {share:.1f}%\" alt=\"{plain}\" src=\"data:image/png;base64,{data}\">"
+    return (f"<figure><img style=\"--share: {100 * share:.1f}%; --least: {LEAST * share:.0f}px\" alt=\"{plain}\" src=\"data:image/png;base64,{data}\">"
             f"<figcaption>{caption}</figcaption></figure>")
 
 
@@ -99,13 +100,13 @@ def error_class(value: float | None) -> str:
 
 
 def error_key(before: str = "") -> str:
-    """What the colours of errors mean. before: what stands in the cells, HTML."""
+    """What the colours of errors mean, below a remark (HTML) on what stands in the cells."""
     def said(limit: float) -> str:
         return f"{100 * limit:g} %" if limit >= 1e-3 else f"{limit:.0e}".replace("e-0", "e-")
 
     steps = [f"<span class=\"step e{index}\">≤ {said(limit)}</span>" for index, limit in enumerate(ERRORS)]
     steps.append(f"<span class=\"step e{len(ERRORS)}\">more</span>")
-    return small(f"{before} Colours of errors: {''.join(steps)}".strip())
+    return (small(before) if before else "") + small(f"Colours of errors: {''.join(steps)}")
 
 
 def name(text: str, colour: str = "") -> str:

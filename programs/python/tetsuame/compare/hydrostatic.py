@@ -97,9 +97,9 @@ def overview(outcomes: list[Outcome]) -> str:
     shown = files(outcomes)
     return pages.section("At a glance", pages.table(
         ["Program", "Method", *(f"File {escape(file)}" for file in shown)],
-        [[program_cell(label), pages.cell(method(label)), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
+        [[program_cell(label), pages.cell(method(label), "words"), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
         pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with step/iteration; "
-                        "no solution: the solver saw before its first pass that no state with p &gt; 0 exists. Red: the program crashed.<br>"))
+                        "no solution: the solver saw before its first pass that no state with p &gt; 0 exists. Red: the program crashed."))
 
 
 def outcome_cell(outcome: Outcome, said: str) -> str:
@@ -159,4 +159,4 @@ def all_runs(outcomes: list[Outcome]) -> str:
                "walls": of_completed(lambda o: "" if (share := wall_share(o)) is None else f"{100 * share:.0f} %")}
     return pages.section("All runs", pages.columns(outcomes, columns, "wide", lambda o: o.case.file),
                          pages.error_key("Errors are relative; walls: their share of the time. With more columns: table.csv "
-                                         "beside this page; every run's output: the folder runs.<br>"))
+                                         "beside this page; every run's output: the folder runs."))

@@ -132,7 +132,7 @@ def outcome_table(measured: dict, names: list[str]) -> str:
     columns = {"Scheme": lambda name: pages.name(name, figures.colour(name)),
                "growth rate, error": lambda name: growth_cell(finest.get(name)),
                **{head: lambda name, made=made: made(over[name]) if name in over else pages.cell("") for head, made in of_overturn.items()}}
-    return pages.columns(names, columns) + pages.error_key("Of a run that stopped: as on the last line of its history.<br>")
+    return pages.columns(names, columns) + pages.error_key("Of a run that stopped: as on the last line of its history.")
 
 
 def growth_cell(one: dict | None) -> str:

@@ -172,7 +172,7 @@ def glance(measured: dict, tests: list[str]) -> str:
 
         rows.append([pages.name(test), pages.number(finest), pages.cell(headline_name(name)), *map(result, schemes)])
     return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows) + \
-        pages.error_key(f"Bold: the least error. {OVER} A run that stopped says why below its test.<br>")
+        pages.error_key(f"Bold: the least error. {OVER} A run that stopped says why below its test.")
 
 
 def headline(runs: list[dict]) -> str:
