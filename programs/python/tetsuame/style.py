@@ -73,7 +73,7 @@ def map_panels(count: int, wide: float = 1.0, columns: int = 3, bars: bool = Tru
     """As panels(), of maps `wide` times as wide as high: about so many columns that no row is half empty, and a figure no wider than
     they need. bars: each has a colour bar of its own; else one stands beside all."""
     near = [few for few in range(max(columns - 1, 1), columns + 2) if few <= count] or [count]
-    columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), -few))
+    columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), few == 1, few))
     rows = -(-count // columns)
     beside, for_all = (1.3, 0.0) if bars else (0.5, 1.0)
     width = min((WIDTH - for_all) / columns, max(3.5 * wide, 2.0) + beside)
