@@ -126,13 +126,13 @@ def legend_above(figure, axes) -> None:
     figure.legend(handles, labels, loc="upper left", ncol=columns, fontsize=8)
 
 
-def stopped(ax, x: float, y: float | None, colour: str) -> None:
-    """A cross where a run stopped, wholly within the axes, whose limits are kept; y None: at the upper edge."""
+def stopped(ax, x: float, y: float | None, colour: str, below: int = 0) -> None:
+    """A cross where a run stopped, wholly within the axes, whose limits are kept. y None: at the upper edge, below so many others."""
     def within(value: float, axis) -> float:
         low, high, here = axis.get_transform().transform(np.array([*axis.get_view_interval(), value], float))
         return min(max((here - low) / (high - low), 0.03), 0.96) if np.isfinite(here) else 0.96
 
-    up = 0.96 if y is None else within(y, ax.yaxis)
+    up = 0.96 - 0.08 * below if y is None else within(y, ax.yaxis)
     ax.plot(within(x, ax.xaxis), up, "x", color=colour, markersize=7, markeredgewidth=2, zorder=5, transform=ax.transAxes)
 
 

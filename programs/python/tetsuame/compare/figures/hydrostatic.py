@@ -140,7 +140,7 @@ def residual(outcomes: list[Outcome], files: list[str]):
         if not ax.lines:  # nothing but crosses
             ax.set_ylim(1e-3, 1.0)
         ends = [*ax.get_xlim(), *(x for x, *_ in crosses)] if ax.lines else [x for x, *_ in crosses]
-        ax.set_xlim(min(ends) - 0.3, max(ends) + 0.3)
+        ax.set_xlim(min(min(ends) - 0.3, 0.7), max(max(ends) + 0.3, 2.3))
         for cross in crosses:
             style.stopped(ax, *cross)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -159,8 +159,8 @@ def draw_line(ax, outcome: Outcome, history: Residuals, crosses: list) -> None:
     passes, values = history.iteration[good], history.residual[good]
     colour = style.COLOUR[outcome.case.program]
     if stopped and not good[-1]:
-        # p^ <= 0: the logarithm has no value. The cross stands at the upper edge.
-        crosses.append((history.iteration[-1], None, colour))
+        # p^ <= 0: the logarithm has no value. The cross stands at the upper edge, B's below A's.
+        crosses.append((history.iteration[-1], None, colour, int(outcome.case.program == "B")))
     if len(passes) == 0:
         return
     # A single value makes no line.
