@@ -4,7 +4,7 @@ from html import escape
 from pathlib import Path
 
 from .. import pages
-from . import fit, report
+from . import fit, report, table
 from .cases import Run, of_size
 from .figures import resolution
 from .figures import rti as figures
@@ -12,7 +12,6 @@ from .options import chosen, sizes
 from .report import percent, said
 from .results import history, number
 from .runner import COMPLETED, Outcome
-from .table import stopped_step
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
@@ -80,7 +79,7 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
     # Of a run that stopped, what it measured before is no growth rate of the whole window.
     measured = growth if is_growth and outcome.kind == COMPLETED else None
-    return {"stopped_step": stopped_step(outcome), "time": number(outcome.summary, "time") or last.get("time"),
+    return {"stopped_step": table.stopped_step(outcome), "said": table.said(outcome), "time": number(outcome.summary, "time") or last.get("time"),
             "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
             "growth_error": measured / theory - 1 if measured is not None and theory else None,
             "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
@@ -124,7 +123,7 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         low, high = one["density_ratio"]
         return "–" if low is None or high is None else f"{low:.2f} to {high:.2f}"
 
-    of_overturn = {"overturn": lambda one: pages.cell(escape(one["outcome"]), report.state_class(one["outcome"])),
+    of_overturn = {"overturn": lambda one: pages.cell(escape(one["said"]), report.state_class(one["outcome"])),
                    "until": lambda one: pages.number(said(one["time"], "{:.0f} s")), "why": lambda one: pages.cell(escape(cause(one["reason"]))),
                    "centroid/L": lambda one: pages.number(said(one["metal_centroid"], "{:.3f}")), "ρ/ρ_start": lambda one: pages.number(ratio(one)),
                    "energy residual": lambda one: pages.error(one["energy_residual"], said(one["energy_residual"], "{:.1e}")),
@@ -142,12 +141,14 @@ def growth_cell(one: dict | None) -> str:
 def growth_text(one: dict | None) -> str:
     if one is None:
         return "–"
-    return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["outcome"])
+    return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["said"])
 
 
 def cause(reason: str | None) -> str:
     """What stopped a run, in a few words: the message itself stands at the end of the page."""
     text = reason or ""
+    if "no state with p > 0 exists" in text:
+        return "no solution"
     if "not positive" in text and ("weight Y" in text or "pressure" in text):
         return "Y ≤ 0" if "weight Y" in text else "p ≤ 0"
     if "particles moved" in text:
