@@ -174,6 +174,12 @@ class Figures(unittest.TestCase):
         box = ax.get_window_extent().transformed(figure.transFigure.inverted())
         self.assertGreater(box.width, 0.6)
 
+    def test_isolines_reach_the_edges(self):
+        x, y = (np.arange(8) + 0.5) / 8, (np.arange(4) + 0.5) / 4
+        wider = plots.to_the_edges(2 * x + 3 * y[:, None])
+        np.testing.assert_allclose(wider, 2 * np.r_[0, x, 1] + 3 * np.r_[0, y, 1][:, None], atol=1e-12)
+        self.assertEqual(plots.to_the_edges(np.ones((1, 3))).shape, (3, 5))
+
     def test_magnitudes_have_sequential_colours(self):
         for name in ("Temperature", "Pressure", "Density", "Speed", "Viscosity"):
             with self.subTest(name):

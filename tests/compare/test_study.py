@@ -165,7 +165,7 @@ class Pages(unittest.TestCase):
         self.assertIn("blown up", broken["reason"])
         page = self.check_page(5)
         self.assertIn("blown up", page)
-        self.assertIn('<td class="number small e4">+0.17 %</td>', page)
+        self.assertIn('<td class="number e4">+0.17 %</td>', page)
         self.assertIn(fit.WHY_NONE, page)
         self.assertIn("Nothing has changed", self.compare("convection", "--inputs", "blankenbach_1a,air_1e4", "--particles", "16", "24", "32",
                                                           fail="air_1e4:16").stdout)

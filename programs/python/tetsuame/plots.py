@@ -63,8 +63,22 @@ def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | No
 
 
 def isolines(ax, picture, levels) -> None:
-    """Over a map of draw_map, in the units of the picture's places."""
-    ax.contour(picture.x, picture.y, picture.values, levels=levels, colors="white", linewidths=0.7, alpha=0.85)
+    """Over a map of draw_map, in the units of the picture's places, from edge to edge."""
+    left, right, low, high = picture.extent
+    ax.contour(np.r_[left, picture.x, right], np.r_[low, picture.y, high], to_the_edges(picture.values), levels=levels, colors="white",
+               linewidths=0.7, alpha=0.85)
+
+
+def to_the_edges(values: np.ndarray) -> np.ndarray:
+    """With a row and a column more at each side, half a pixel beyond the last: as the last two go on."""
+    if min(values.shape) < 2:
+        return np.pad(values, 1, mode="edge")
+    wider = np.pad(values, 1, mode="reflect", reflect_type="odd")
+    for axis in (0, 1):
+        for edge, last in ((0, 1), (-1, -2)):
+            rows = np.moveaxis(wider, axis, 0)
+            rows[edge] = 0.5 * (rows[edge] + rows[last])
+    return wider
 
 
 def wide(picture) -> float:

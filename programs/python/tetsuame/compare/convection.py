@@ -113,7 +113,7 @@ def case_table(measured: dict, case: str) -> str:
     head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
     rows = [[pages.cell("outcome"), *(state(one, 2) for one in runs), pages.cell("")]]
     for name in (name for name in SYMBOL if any(name in one["values"] for one in runs)):
-        cells = [each for one in runs for each in (pages.number(shown(one, name)), error_cell(one, name, "small"))]
+        cells = [each for one in runs for each in (pages.number(shown(one, name)), error_cell(one, name))]
         rows.append([pages.name(SYMBOL[name]), *cells, pages.number(f"<b>{right(known, name) if known else ''}</b>")])
     for label, made in (("heat in − out", lambda one: report.error_cell(one["heat_imbalance"])),
                         ("right-hand sides", lambda one: pages.number(count(one["right_hand_sides"]))),
@@ -160,9 +160,9 @@ def error(one: dict, name: str) -> str:
     return percent(value["error"] if value else None)
 
 
-def error_cell(one: dict, name: str, kind: str = "") -> str:
+def error_cell(one: dict, name: str) -> str:
     value = one["values"].get(name)
-    return report.error_cell(value["error"] if value else None, kind)
+    return report.error_cell(value["error"] if value else None)
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:

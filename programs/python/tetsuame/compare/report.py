@@ -50,9 +50,9 @@ def crash_lines(outcomes: list[Outcome]) -> list[str]:
                          f"         what it said: {terminal_of(o.folder)}" if terminal_of(o.folder).is_file() else "") if line]
 
 
-def error_cell(value: float | None, kind: str = "") -> str:
+def error_cell(value: float | None) -> str:
     """A relative error in percent, coloured by its size."""
-    return pages.error(value, percent(value), kind)
+    return pages.error(value, percent(value))
 
 
 def said(value: float | None, form: str = "{:.3g}") -> str:
