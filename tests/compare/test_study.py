@@ -189,6 +189,8 @@ class Pages(unittest.TestCase):
         self.assertAlmostEqual(order["order"], 1.0, places=9)
         self.assertIn("80 particles", runs["blasts", "gsph", 40]["errors_against"])
         self.assertAlmostEqual(runs["blasts", "gsph", 40]["errors"]["density_l1"], 0.5, places=6)
+        self.assertAlmostEqual(runs["blasts", "gsph", 40]["sizes"]["density_l1"], 2.0, delta=0.02)  # of the reference run, not its own 2.5
+        self.assertAlmostEqual(shock.relative(runs["sod", "gsph", 40], "density_l1"), 0.025 / 2, delta=2e-4)
         self.check_page(5)  # convergence, three tests, cost
         self.assertRegex(done.stdout, r"sod +40 .*diverged")
 

@@ -126,7 +126,8 @@ def outcome_table(measured: dict, names: list[str]) -> str:
     of_overturn = {"overturn": lambda one: pages.cell(escape(one["said"]), report.state_class(one["outcome"])),
                    "until": lambda one: pages.number(said(one["time"], "{:.0f} s")), "why": lambda one: pages.cell(escape(cause(one["reason"]))),
                    "centroid/L": lambda one: pages.number(said(one["metal_centroid"], "{:.3f}")), "ρ/ρ_start": lambda one: pages.number(ratio(one)),
-                   "energy residual": lambda one: pages.error(one["energy_residual"], said(one["energy_residual"], "{:.1e}")),
+                   "energy residual": lambda one: pages.error(one["energy_residual"] if one["outcome"] == COMPLETED else None,
+                                                              said(one["energy_residual"], "{:.1e}")),
                    "seconds": lambda one: pages.number(said(one["seconds"]))}
     columns = {"Scheme": lambda name: pages.name(name, figures.colour(name)),
                "growth rate, error": lambda name: growth_cell(finest.get(name)),

@@ -48,7 +48,7 @@ TESTS = {
     "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is"),
     "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory"),
 }
-OVER = "Errors of ρ, v and p are coloured by their part of the field's largest value."
+OVER = "Errors of ρ, v and p are coloured by their part of the exact field's largest value."
 WIDE = max(len(name) for name, _ in SCHEME.values()) + 2  # of a column on the terminal
 ERRORS = ("density_l1", "velocity_l1", "pressure_l1")
 METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate": ("growth rate", "growth_rate_theory"),
@@ -101,16 +101,17 @@ def row(outcome: Outcome, outcomes: list[Outcome]) -> dict | None:
         if value is not None and done:
             exact = number(summary, "metrics", right) if right else None
             values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
-    return {"place": place(outcome) or None, "sizes": sizes_of(outcome.folder) if done else {}, "errors": {name: value for name, value in errors.items() if value is not None},
+    return {"place": place(outcome) or None, "sizes": sizes_of(outcome, fine) if done else {}, "errors": {name: value for name, value in errors.items() if value is not None},
             "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
             "energy_drift": number(summary, "conservation", "energy") if done else None}
 
 
-def sizes_of(folder: Path) -> dict[str, float]:
-    """Of each field that an L1 error is of, the largest value: the errors are shown over them."""
-    fields = fluid(folder)
-    return {} if fields is None else {name: float(np.abs(values).max()) for name, values in
-                                      (("density_l1", fields["Density"]), ("velocity_l1", fields["Velocities"]), ("pressure_l1", fields["Pressure"]))}
+def sizes_of(outcome: Outcome, fine: Outcome | None) -> dict[str, float]:
+    """Of each field that an L1 error is of, the largest value in the solution it is held against: the errors are shown over them."""
+    fields = fluid((fine or outcome).folder) or {}
+    ending = "" if fine else "Reference"
+    return {error: float(np.abs(fields[name + ending]).max()) for error, name in
+            (("density_l1", "Density"), ("velocity_l1", "Velocities"), ("pressure_l1", "Pressure")) if name + ending in fields}
 
 
 def errors_against(folder: Path, fine: Path) -> dict[str, float]:

@@ -109,9 +109,14 @@ def scatter(runs, fine, test: str):
 
 def frame(row) -> None:
     """Single particles far off must not press all others flat: the frame holds the lines and all but a hundredth of each panel's
-    particles, and what is outside is counted."""
-    low = min(min(np.quantile(line.get_ydata(), 0.005 if line.get_marker() == "." else 0) for line in ax.lines) for ax in row)
-    high = max(max(np.quantile(line.get_ydata(), 0.995 if line.get_marker() == "." else 1) for line in ax.lines) for ax in row)
+    particles, as far as these are not off by more than the lines' own height; what is outside is counted."""
+    particles = [line.get_ydata() for ax in row for line in ax.lines if line.get_marker() == "."]
+    lines = [line.get_ydata() for ax in row for line in ax.lines if line.get_marker() != "."]
+    low, high = min(np.quantile(values, 0.005) for values in particles), max(np.quantile(values, 0.995) for values in particles)
+    if lines:
+        least, most = min(values.min() for values in lines), max(values.max() for values in lines)
+        far = (most - least) or np.inf
+        low, high = min(least, max(low, least - far)), max(most, min(high, most + far))
     margin = 0.08 * (high - low) or 0.05 * abs(high) or 1.0
     for ax in row:
         ax.set_ylim(low - margin, high + margin)
