@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 
 import tetsuame
-from tetsuame import reading, rendering, runs, view
+from tetsuame import plots, reading, rendering, runs, view
 
 SOURCES = Path(__file__).resolve().parents[2] / "programs/python"
 LENGTH = 100.0
@@ -212,6 +212,25 @@ class Pictures(Case):
                 self.assertEqual(names, ["history.png", "map.png", "profile.png"])
                 for name in names:
                     self.assertGreater(np.asarray(Image.open(run / "plots" / name)).std(), 10)
+
+    def test_a_run_in_one_dimension_has_a_profile_without_gaps(self):
+        run = write_run(self.here / "tube", n=4)
+        x = np.r_[np.linspace(1, 50, 50), np.linspace(55, 95, 9)][:, None]  # dense, then thin: layers between the particles are empty
+        for path in run.glob("snapshot_*.h5"):
+            path.unlink()
+        with h5py.File(run / "snapshot_0000.h5", "w") as file:
+            file.create_group("Header").attrs.update({"Time": 0.0, "Step": 0, "Dimension": 1, "BoxLengths": [LENGTH] * 3, "Periodic": [0] * 3})
+            for name, values in (("Coordinates", np.pad(x, [(0, 0), (0, 2)])), ("Velocities", np.zeros((59, 3))), ("ParticleIDs", np.arange(59)),
+                                 ("Volume", np.r_[np.full(50, 1.0), np.full(9, 5.0)]), ("Density", np.r_[np.full(50, 5.0), np.full(9, 1.0)])):
+                file[f"PartType0/{name}"] = values
+        last = runs.load(run).snapshot()
+        line = plots.profiles([("", last)], ["Density"]).axes[0].lines[0]
+        self.assertTrue(np.isfinite(line.get_ydata()).all())
+        self.assertGreater(line.get_xdata().max(), 90)
+        said = call("plot", run)
+        self.assertEqual((said.returncode, [Path(name).name for name in said.stdout.split()]), (0, ["history.png", "profile.png"]), said.stderr)
+        said = call("compare", run, run, "--output", self.here / "page")
+        self.assertEqual(said.returncode, 0, said.stderr)
 
     def test_movies(self):
         run = write_run(self.here / "a")

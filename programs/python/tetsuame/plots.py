@@ -104,16 +104,21 @@ def maps(snapshot, names: list[str], pixels: int = 400):
 
 def profiles(of: list, names: list[str], axis: int | None = None):
     """Layer means of the fields of several snapshots: (title, snapshot)."""
+    last = of[0][1].dimension - 1 if axis is None else axis
     figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
     for ax, name in zip(panels, names):
-        lines = [(title, *snapshot.profile(name, axis)) for title, snapshot in of]
+        lines = []
+        for title, snapshot in of:
+            places, values = snapshot.profile(name, axis)
+            filled = np.isfinite(values)  # a layer may lie between two particles
+            lines.append((title, places[filled], values[filled]))
         size, unit = fields.scaled(of[0][1].unit(name), max(np.nanmax(np.abs(values)) for _, _, values in lines))
         across, length = fields.scaled("m", max(places.max() for _, places, _ in lines))
         for index, (title, places, values) in enumerate(lines):
-            ax.plot(values / size, places / across, **style.numbered(index), label=title)
-        ax.set_xlabel(fields.label(name, unit))
-        last = of[0][1].dimension - 1 if axis is None else axis
-        ax.set_ylabel(f"{'xyz'[last]} [{length}]")
+            # A height stands upright.
+            ax.plot(*((places / across, values / size) if last == 0 else (values / size, places / across)), **style.numbered(index), label=title)
+        labels = fields.label(name, unit), f"{'xyz'[last]} [{length}]"
+        ax.set(**dict(zip(("ylabel", "xlabel") if last == 0 else ("xlabel", "ylabel"), labels)))
     if len(of) > 1:
         style.legend_above(figure, panels)
     return figure
