@@ -129,11 +129,11 @@ def decisions(run: Run) -> str:
 def page(run: Run, pictures: dict[str, bytes]) -> str:
     s = run.summary
     counts = " × ".join(str(n) for n in s["counts"])
-    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{sum(s.get(f'{kind}_particles', 0) for kind in ('fluid', 'wall')):,} "
-             "particles", f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
+    particles = s.get("fluid_particles", 0) + s.get("wall_particles", 0)
+    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles", f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
     return pages.document("load balance", [
-        pages.head("Load balance on virtual ranks", facts, "The balancer of the programs, which sees the ranks' times, on times of a cost model. What it "
-                   "means: docs/load_balancer.md."),
+        pages.head("Load balance on virtual ranks", facts, "The balancer of the programs, which sees the ranks' times, on times of a cost "
+                   "model. What it means: docs/load_balancer.md."),
         pages.section("At a glance", results(run)),
         pages.section("Cuts", pages.figure(pictures["cuts"], "Cells of the ranks after decisions, coloured by their time over the mean.")),
         pages.section("Course", pages.figure(pictures["course"], "Left: spread of the ranks' times. Right: particles that have changed their rank.")),

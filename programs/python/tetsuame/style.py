@@ -74,7 +74,6 @@ def map_panels(count: int, wide: float = 1.0, columns: int = 3, bars: bool = Tru
     they need. bars: each has a colour bar of its own; else one stands beside all."""
     near = [few for few in range(max(columns - 1, 1), columns + 2) if few <= count] or [count]
     columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), few == 1, few))
-    rows = -(-count // columns)
     beside, for_all = (1.7, 0.0) if bars else (0.5, 1.0)
     width = min((WIDTH - for_all) / columns, max(3.5 * wide, 2.0) + beside)
     figure, axes = panels(count, columns, (width - beside) / wide + 0.8, **options)

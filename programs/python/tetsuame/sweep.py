@@ -131,7 +131,8 @@ class Sweep:
                           pages.small("Numbers of summary.json that are not the same in all runs"
                                       + (f", the first {MOST} of {len(measures)}" if len(measures) > MOST else "")
                                       + "; all of them stand in sweep.csv beside this page.")),
-            pages.section("Over the settings", pages.figure(drawn, "Numbers of summary.json over the setting that has most values.") if drawn else "")]))
+            pages.section("Over the settings",
+                          pages.figure(drawn, "Numbers of summary.json over the setting that has most values.") if drawn else "")]))
 
     def scripts(self) -> list[str]:
         """Job scripts by `submit`, one for each run that is not at its end."""
