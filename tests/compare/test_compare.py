@@ -64,6 +64,24 @@ class Compare(unittest.TestCase):
         self.assertIn("file 12: F &gt; C = E &gt; D", self.page())
         self.assertIn("file column: F &gt; C &gt; E &gt; D", self.page())
 
+    def test_what_has_no_solution_has_not_diverged(self):
+        done = self.run_compare("--programs", "A", "--inputs", "11")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^A +diverged 2/2$")
+        self.assertRegex(done.stdout, r"(?m)^A \(newton\) +no solution$")
+        row = self.rows()["11", "A", "newton"]
+        self.assertEqual((row["outcome"], row["step"], row["iteration"]), ("diverged", "1", "0"))
+        page = self.page()
+        self.assertIn('<td class="number stop">no solution</td>', page)
+        self.assertNotIn("diverged 1", page)
+
+    def test_errors_are_coloured_by_their_size(self):
+        self.run_compare("--programs", "C,D,F", "--inputs", "12")
+        page = self.page()
+        for text, shade in (("5.6e-05", 3), ("4.9e-02", 5), ("0", 0)):
+            self.assertIn(f'<td class="number e{shade}">{text}</td>', page)
+        self.assertIn('<span class="step e0">', page)
+
     def test_divergence_is_a_result_and_a_crash_is_not(self):
         said = {"exit4": "exit 4: disk full", "abort": "killed by SIGABRT", "no_summary": "exit 0, but left no summary.json",
                 "bad_json": "exit 3, but left a summary.json that is no JSON",

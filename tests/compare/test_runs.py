@@ -18,7 +18,7 @@ import numpy as np
 from PIL import Image
 
 import tetsuame
-from tetsuame import reading, rendering, runs, view
+from tetsuame import plots, reading, rendering, runs, view
 
 SOURCES = Path(__file__).resolve().parents[2] / "programs/python"
 LENGTH = 100.0
@@ -165,6 +165,43 @@ class Rendering(Case):
                     exact = np.clip(3 * x - y + 7, *(values.min() - 0.03 * np.ptp(values), values.max() + 0.03 * np.ptp(values)))
                     self.assertLess(np.abs(picture.values - exact).max(), 1e-9 * np.ptp(values))
 
+    def insulated(self, **keys):
+        """A snapshot beside the input of a run that conducts, insulated at the sides."""
+        keys = {"thermal": "'adiabatic'", "thermal_bottom": "'fixed'", "thermal_top": "'fixed'", "temperature_bottom": "1.0",
+                "temperature_top": "0.0"} | keys
+        (self.here / "resolved.nml").write_text("! convection, every key as run\n&material\n  conductivity = 2.0\n/\n&walls\n"
+                                                + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
+        return self.snapshot(places_of(10, 2))
+
+    def test_isotherms_meet_insulating_walls_at_a_right_angle(self):
+        snapshot = self.insulated()
+        self.assertEqual([(wall.axis, wall.place, wall.value) for wall in snapshot.mirrors],
+                         [(0, 0.0, None), (0, LENGTH, None), (1, 0.0, 1.0), (1, LENGTH, 0.0)])
+        x, y = snapshot["Coordinates"].T / LENGTH
+        field = 1 - y + 0.3 * np.cos(np.pi * x) * np.sin(np.pi * y)  # nothing flows through the sides; 1 and 0 below and above
+        mirrored = rendering.slice_of(snapshot, field, 200, 2, None, snapshot.mirrors)
+        plain = rendering.slice_of(snapshot, field, 200, 2, None)
+        right, up = mirrored.x / LENGTH, mirrored.y[:, None] / LENGTH
+        exact = 1 - up + 0.3 * np.cos(np.pi * right) * np.sin(np.pi * up)
+        # What falls or rises between the two pixels next to a side: with the planes of the particles on one side alone far too much.
+        for near, next_to_it in ((0, 1), (-1, -2)):
+            found, without, true = (field[:, next_to_it] - field[:, near] for field in (mirrored.values, plain.values, exact))
+            self.assertLess(np.abs(found - true).max(), 0.005)
+            self.assertGreater(np.abs(without - true).max(), 1.5 * np.abs(found - true).max())
+        for row in (0, -1):
+            self.assertLess(np.abs(mirrored.values[row] - exact[row]).max(), 0.01)
+        self.assertLess(np.abs(mirrored.values - exact).max(), 0.03)
+
+    def test_walls_in_which_nothing_is_seen(self):
+        self.assertEqual(len(self.insulated(thermal_bottom="'flux'").mirrors), 3)
+        self.assertEqual(len(self.insulated(slip_top="'free_surface'").mirrors), 3)
+        self.assertEqual([wall.value for wall in self.insulated(thermal="'fixed'", thermal_top="'inherit'", temperature_left="5.0",
+                                                                temperature_right="6.0").mirrors], [5.0, 6.0, 1.0, 0.0])
+        (self.here / "resolved.nml").write_text("&material\n  conductivity = 0.0\n/\n&walls\n  thermal = 'adiabatic'\n/\n")
+        self.assertEqual(self.snapshot(places_of(4, 2)).mirrors, ())
+        (self.here / "resolved.nml").unlink()
+        self.assertEqual(self.snapshot(places_of(4, 2)).mirrors, ())
+
     def test_a_periodic_border_leaves_no_trace(self):
         places = places_of(20, 2) % LENGTH
         snapshot = self.snapshot(places, periodic=True)
@@ -210,6 +247,25 @@ class Pictures(Case):
                 self.assertEqual(names, ["history.png", "map.png", "profile.png"])
                 for name in names:
                     self.assertGreater(np.asarray(Image.open(run / "plots" / name)).std(), 10)
+
+    def test_a_run_in_one_dimension_has_a_profile_without_gaps(self):
+        run = write_run(self.here / "tube", n=4)
+        x = np.r_[np.linspace(1, 50, 50), np.linspace(55, 95, 9)][:, None]  # dense, then thin: layers between the particles are empty
+        for path in run.glob("snapshot_*.h5"):
+            path.unlink()
+        with h5py.File(run / "snapshot_0000.h5", "w") as file:
+            file.create_group("Header").attrs.update({"Time": 0.0, "Step": 0, "Dimension": 1, "BoxLengths": [LENGTH] * 3, "Periodic": [0] * 3})
+            for name, values in (("Coordinates", np.pad(x, [(0, 0), (0, 2)])), ("Velocities", np.zeros((59, 3))), ("ParticleIDs", np.arange(59)),
+                                 ("Volume", np.r_[np.full(50, 1.0), np.full(9, 5.0)]), ("Density", np.r_[np.full(50, 5.0), np.full(9, 1.0)])):
+                file[f"PartType0/{name}"] = values
+        last = runs.load(run).snapshot()
+        line = plots.profiles([("", last)], ["Density"]).axes[0].lines[0]
+        self.assertTrue(np.isfinite(line.get_ydata()).all())
+        self.assertGreater(line.get_xdata().max(), 90)
+        said = call("plot", run)
+        self.assertEqual((said.returncode, [Path(name).name for name in said.stdout.split()]), (0, ["history.png", "profile.png"]), said.stderr)
+        said = call("compare", run, run, "--output", self.here / "page")
+        self.assertEqual(said.returncode, 0, said.stderr)
 
     def test_movies(self):
         run = write_run(self.here / "a")
@@ -346,6 +402,8 @@ class Beside(Case):
         self.assertRegex(page, r"growth rate</td><td class=\"number\">0\.5</td><td class=\"number\">0\.75<")
         self.assertRegex(page, r"Pressure \[Pa\]</td><td class=\"number\">144</td><td class=\"number\">0\.25</td><td class=\"number\">0\.25<")
         self.assertRegex(page, r"Temperature \[K\]</td><td class=\"number\">144</td><td class=\"number\">0<")
+        self.assertRegex(page, r"Density \[kg/m\^?3?³?\]</td>.*<td class=\"number e0\">0<")
+        self.assertRegex(page, r"Pressure \[Pa\]</td>(<td class=\"number\">[\d.]+</td>){3}<td class=\"number e5\">0\.05<")
         self.assertGreater(page.count("<img"), 2)
 
 
@@ -388,6 +446,16 @@ echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, 
         self.assertIn("--force", (self.here / "calls").read_text().splitlines()[-1])
         table = (self.here / "out/sweep.csv").read_text().splitlines()
         self.assertEqual((table[0], table[3]), ("rti.n,rti.word,status,steps,wall_seconds,n_squared", "3,\"'a,b'\",completed,1,0.1,9"))
+
+    def test_page(self):
+        (self.here / "mended").touch()
+        said = call(*self.command)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(said.stdout.splitlines()[-1], f"Report: {self.here / 'out/report.html'}")
+        page = (self.here / "out/report.html").read_text()
+        self.assertEqual(page.count("data:image/png;base64,iVBOR"), 1)
+        self.assertIn("<td class=\"good\">completed</td>", page)
+        self.assertRegex(page, r"<td>3</td><td>&#x27;a,b&#x27;</td>.*<td class=\"number\">9</td>")
 
     def test_another_input_is_not_taken_for_this_one(self):
         call(*self.command)

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from tetsuame.compare import convection, fit, references, rti, shock, study
-from tetsuame.compare.figures.rti import nearest
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -31,12 +30,20 @@ class Fits(unittest.TestCase):
         self.assertAlmostEqual(fit.order(n, [-3.0 * k**-2.5 for k in n]).value, 2.5, places=12)
 
     def test_errors_within_their_uncertainty_are_left_out(self):
-        n, errors = [10, 20, 40], [1e-2, 1e-3, 5e-5]
-        self.assertEqual(fit.order(n, errors, [0.0, 0.0, 1e-4]).points, 2)
-        self.assertAlmostEqual(fit.order(n, errors, [0.0, 0.0, 1e-4]).value, math.log2(10))
-        self.assertIsNone(fit.order(n, errors, [0.0, 2e-3, 1e-4]))
-        self.assertIsNone(fit.order([10], [1.0]))
-        self.assertEqual(fit.order(n, [1e-2, None, 1e-4]).points, 2)
+        n, errors = [10, 20, 40, 80], [1e-2, 1e-3, 1e-4, 5e-6]
+        self.assertEqual(fit.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).points, 3)
+        self.assertAlmostEqual(fit.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).value, math.log2(10))
+        self.assertEqual(fit.order(n, [1e-2, None, 1e-4, 1e-5]).points, 3)
+
+    def test_two_points_have_no_order(self):
+        self.assertIsNone(fit.order([10, 20], [1e-2, 1e-3]))
+        self.assertIsNone(fit.order([10, 20, 40], [1e-2, 1e-3, 1e-4], [0.0, 0.0, 1e-3]))
+        self.assertIsNone(fit.order([10, 20, 20], [1e-2, 1e-3, 1e-3]))  # of one number of particles twice
+        runs = [{"case": "a", "variant": "", "n": n, "error": 1.0 / n} for n in (10, 20)]
+        found, = fit.orders(runs, lambda one: {"error": (one["error"], 0.0)})
+        self.assertEqual((found["order"], found["points"], fit.of_entry(found)), (None, 2, "–"))
+        self.assertIn("at least 3", fit.note({"orders": [found]}))
+        self.assertEqual(fit.note({"orders": [found | {"order": 1.0}]}), "")
 
     def test_standard_error_of_a_line(self):
         # By hand: y = 0, 1, 1 over x = 0, 1, 2; slope 1/2, residuals -1/6, 1/3, -1/6, error (1/6/2)^1/2.
@@ -88,9 +95,11 @@ class Parts(unittest.TestCase):
         self.assertAlmostEqual(errors["velocity_l1"], 0.0, places=12)
         self.assertEqual(errors["pressure_l1"], 0.0)
 
-    def test_nearest_particle(self):
-        picture = nearest(np.array([0.25, 0.75]), np.array([0.5, 0.5]), np.array([0.0, 1.0]), 8)
-        np.testing.assert_array_equal(picture, np.tile([0, 0, 0, 0, 1, 1, 1, 1], (8, 1)))
+    def test_names_of_schemes_stand_apart(self):
+        one = {"case": "sod", "n": 20, "outcome": "completed", "metrics": {}, "errors": {"density_l1": 0.1}}
+        head, line = shock.terminal([], {"runs": [one | {"variant": scheme} for scheme in shock.SCHEMES]})
+        self.assertEqual(re.split(r" {2,}", head)[-5:], ["SSPH", "DISPH", "GSPH", "Godunov DISPH", "REMIX"])
+        self.assertEqual(len(head), len(line))
 
     def test_each_scheme_has_the_support_of_its_own_kernel(self):
         given = argparse.Namespace(p_top=1e10, settings=())
@@ -103,6 +112,7 @@ class Parts(unittest.TestCase):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")
         self.assertEqual(rti.cause("step 9: the weight Y = -1e18 J is not positive and finite"), "Y ≤ 0")
         self.assertEqual(rti.cause("step 9: p is not finite"), "blew up")
+        self.assertEqual(rti.cause("step 1: Hosono's iteration (newton): no state with p > 0 exists: the kernel's sum"), "no solution")
         self.assertEqual(rti.cause("step 1: particles moved 1e4 m within one step, more than half the skin"), "left its lists in a step")
 
     def test_json_has_no_nan(self):
@@ -149,13 +159,14 @@ class Pages(unittest.TestCase):
         self.assertAlmostEqual(nusselt["error"], 24**-2, places=9)
         orders = {(one["case"], one["quantity"]): one for one in found["orders"]}
         self.assertAlmostEqual(orders["blankenbach_1a", "nusselt_volume"]["order"], 2.0, places=6)
-        self.assertEqual(orders["air_1e4", "nusselt_volume"]["points"], 2)
+        self.assertEqual((orders["air_1e4", "nusselt_volume"]["points"], orders["air_1e4", "nusselt_volume"]["order"]), (2, None))
         broken = runs["air_1e4", 16]
         self.assertEqual((broken["outcome"], broken["values"]), ("diverged", {}))
         self.assertIn("blown up", broken["reason"])
         page = self.check_page(5)
         self.assertIn("blown up", page)
-        self.assertIn("+0.17 %", page)
+        self.assertIn('<td class="number e4">+0.17 %</td>', page)
+        self.assertIn(fit.WHY_NONE, page)
         self.assertIn("Nothing has changed", self.compare("convection", "--inputs", "blankenbach_1a,air_1e4", "--particles", "16", "24", "32",
                                                           fail="air_1e4:16").stdout)
 
@@ -167,26 +178,28 @@ class Pages(unittest.TestCase):
         self.assertIn("No value known", (self.output / "report.html").read_text())
 
     def test_shock(self):
-        done = self.compare("shock", "--tests", "sod,blasts,square", "--schemes", "disph,gsph", "--particles", "20", "40",
+        done = self.compare("shock", "--tests", "sod,blasts,square", "--schemes", "disph,gsph", "--particles", "20", "30", "40",
                             fail="sod:disph")
         self.assertEqual(done.returncode, 0, done.stderr)
         found = self.results()
         runs = {(one["case"], one["variant"], one["n"]): one for one in found["runs"]}
-        self.assertEqual(len(runs), 3 * 2 * 2)  # the reference run of the blasts is none of them
+        self.assertEqual(len(runs), 3 * 2 * 3)  # the reference run of the blasts is none of them
         self.assertEqual(runs["sod", "disph", 40]["outcome"], "diverged")
         order = next(one for one in found["orders"] if (one["case"], one["variant"]) == ("sod", "gsph"))
         self.assertAlmostEqual(order["order"], 1.0, places=9)
         self.assertIn("80 particles", runs["blasts", "gsph", 40]["errors_against"])
         self.assertAlmostEqual(runs["blasts", "gsph", 40]["errors"]["density_l1"], 0.5, places=6)
+        self.assertAlmostEqual(runs["blasts", "gsph", 40]["sizes"]["density_l1"], 2.0, delta=0.02)  # of the reference run, not its own 2.5
+        self.assertAlmostEqual(shock.relative(runs["sod", "gsph", 40], "density_l1"), 0.025 / 2, delta=2e-4)
         self.check_page(5)  # convergence, three tests, cost
         self.assertRegex(done.stdout, r"sod +40 .*diverged")
 
     def test_rti(self):
-        done = self.compare("rti", "--schemes", "C; N", "--particles", "16", "32", "--overturn", "16", fail="overturn:disph_c")
+        done = self.compare("rti", "--schemes", "C; N", "--particles", "16", "24", "32", "--overturn", "16", fail="overturn:disph_c")
         self.assertEqual(done.returncode, 0, done.stderr)
         found = self.results()
         runs = {(one["variant"], one["case"], one["n"]): one for one in found["runs"]}
-        self.assertEqual(len(runs), 6)
+        self.assertEqual(len(runs), 8)
         self.assertEqual(runs["C", "overturn", 16]["outcome"], "diverged")
         self.assertEqual(runs["C", "overturn", 16]["time"], 531.0)
         self.assertAlmostEqual(runs["N", "growth", 32]["growth_error"], 32**-2, places=9)

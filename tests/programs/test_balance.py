@@ -104,6 +104,7 @@ class Balance(Runs):
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("cuts.png", "course.png"):
             self.assertEqual((result.directory / name).read_bytes()[1:4], b"PNG")
+        self.assertEqual((result.directory / "report.html").read_text(encoding="utf-8").count("data:image/png;base64,iVBOR"), 2)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
     PYTHONPATH=programs/python python3 -m tetsuame COMMAND [--help]
 
     compare         runs programs on inputs and reports what is seen     bench           the page of `bench`
-    balance         the pictures of a run of `balance`                   scaling         speed over ranks and threads
+    balance         the page of a run of `balance`                       scaling         speed over ranks and threads
     reading         files that the programs write                        style, pages    one look for all figures and pages
 """
 from pathlib import Path

@@ -12,7 +12,7 @@ MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance"
            "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep"}
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
-               "balance": ("Draw cuts.png and course.png.", "output directory of balance; the pictures go there too")}
+               "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too")}
 
 
 def main(arguments: list[str]) -> int:
@@ -25,9 +25,9 @@ def main(arguments: list[str]) -> int:
                "  view      one HTML file that plays a run in a browser\n"
                "  paraview  a state for ParaView: its particles with colours, ready to play\n"
                "  compare   DIR DIR …: runs side by side; else: run programs on inputs, and report what is seen\n"
-               "  sweep     run a program with many settings of one input\n"
+               "  sweep     run a program with many settings of one input; write sweep.csv and report.html\n"
                "  bench     write report.html from the bench.json of a folder\n"
-               "  balance   draw the cuts of a run of balance, and their course\n"
+               "  balance   write report.html of a run of balance: its cuts, and their course\n"
                "  scaling   measure program C over ranks and threads; write report.html")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
     command = parser.parse_args(arguments[:1]).command

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from . import COMPLETED, fields, pages, plots, runs, style
-from .reading import Unreadable
+from .reading import Unreadable, read_keys
 
 SHOWN = 4  # maps of so many runs fit beside each other
 
@@ -26,19 +26,7 @@ def inputs_that_differ(of: list[tuple[str, runs.Run]]) -> str:
     keys = [read_keys(run.directory / "resolved.nml") for _, run in of]
     names = dict.fromkeys(name for each in keys for name in each)
     rows = [[name, *(each.get(name, "–") for each in keys)] for name in names if len({each.get(name) for each in keys}) > 1]
-    return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else "<p>None: the inputs are the same.</p>"
-
-
-def read_keys(path: Path) -> dict[str, str]:
-    """group.key and its value as text, from a file as our programs write it: a line a key."""
-    found, group = {}, ""
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if line.startswith("&"):
-            group = line[1:].strip()
-        elif " = " in line:
-            key, _, value = line.partition(" = ")
-            found[f"{group}.{key.strip()}"] = value.strip()
-    return found
+    return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else pages.paragraph("None: the inputs are the same.")
 
 
 def metrics(of: list[tuple[str, runs.Run]]) -> str:
@@ -63,23 +51,25 @@ def differences(of: list[tuple[str, runs.Run]], time: float) -> str:
                 continue
             here, there = runs.by_id(a, b, name)
             if not len(here):
-                return f"<p>No particle of {escape(title)} is one of {escape(first_title)} by its ID.</p>"
+                return pages.paragraph(f"No particle of {escape(title)} is one of {escape(first_title)} by its ID.")
             difference = np.abs(there.astype(float) - here)
             size = np.ptp(here) or np.abs(here).max() or 1.0
-            rows.append([title, name + fields.bracketed(a.units[name]), str(len(here)), f"{np.sqrt((difference**2).mean()):.3g}",
-                         f"{difference.max():.3g}", f"{difference.max() / size:.2g}"])
-    return pages.text_table(["run", "field", "particles", "root mean square", "largest", "of the range"], rows, words=2)
+            rows.append([pages.name(title), pages.cell(escape(name + fields.bracketed(a.units[name]))), pages.number(len(here)),
+                         pages.number(f"{np.sqrt((difference**2).mean()):.3g}"), pages.number(f"{difference.max():.3g}"),
+                         pages.error(difference.max() / size, f"{difference.max() / size:.2g}")])
+    return pages.table(["run", "field", "particles", "root mean square", "largest", "largest, of the range"], rows,
+                       groups=[row[0] for row in rows]) + pages.error_key()
 
 
 def maps(of: list[tuple[str, runs.Run]], name: str, time: float):
-    """One field of all runs with the same colours, the first and the differences of the others' pictures from it below."""
+    """One field of all runs, with the same colours."""
     pictures = [run.snapshot(time).map(name, axis=1 if run.snapshot(time).dimension == 3 else 2) for _, run in of]
     limits = min(np.nanmin(p.values) for p in pictures), max(np.nanmax(p.values) for p in pictures)
     unit = of[0][1].snapshot(time).unit(name)
-    figure, panels = style.panels(len(of), min(len(of), 2), 4.3)
+    figure, panels = style.map_panels(len(of), plots.wide(pictures[0]), 2)
     for ax, (title, run), picture in zip(panels, of, pictures):
         plots.draw_map(ax, picture, name, unit, limits)
-        ax.set_title(f"{title}, {plots.when(run.snapshot(time))}")
+        ax.set_title(f"{title}\n{plots.when(run.snapshot(time))}")
     return figure
 
 
@@ -96,12 +86,12 @@ def page(of: list[tuple[str, runs.Run]], time: float | None, wanted: list[str] |
     history = plots.histories(of)
     if history:
         parts.append(pages.section("Histories", pages.figure(style.png(history), "Columns of history.csv that vary.")))
-    shown = of[:SHOWN]
-    figures = [pages.figure(style.png(maps(shown, name, time)), escape(f"{fields.look(name).label}, with the same colours")) for name in names]
-    parts.append(pages.section("Fields", "" if len(shown) == len(of) else f"<p>Of the first {SHOWN} runs.</p>", *figures))
+    shown = of[:SHOWN] if dimensions != {1} else []
+    figures = [] if not shown else [pages.figure(style.png(maps(shown, name, time)), escape(f"{fields.look(name).label}, with the same colours")) for name in names]
+    parts.append(pages.section("Fields", "" if len(shown) in (0, len(of)) else pages.paragraph(f"Of the first {SHOWN} runs."), *figures))
     parts.append(pages.section("Profiles", pages.figure(style.png(plots.profiles([(title, run.snapshot(time)) for title, run in of], names)),
                                                         "Means over layers.")))
-    parts.append(pages.section(f"Differences from {escape(of[0][0])}, particle by particle", differences(of, time)))
+    parts.append(pages.section(f"Differences from {of[0][0]}, particle by particle", differences(of, time)))
     return pages.document("runs side by side", parts)
 
 

@@ -1,19 +1,22 @@
-"""Pictures of a run of `balance`: the cuts and the ranks' times, and their course. In 3-D the cells are those of the columns along z:
-their mean time is shown."""
+"""The page of a run of `balance`, and its pictures: the cuts and the ranks' times, and their course. In 3-D the cells are those of the
+columns along z: their mean time is shown."""
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from . import style
+from . import pages, style
 from .reading import Unreadable, read_columns, read_json
 
-OURS, OTHERS = "#0072B2", {"rcb": "#E69F00", "hsfc": "#CC79A7"}
+# Of each course its name and colour, by what its columns begin with.
+COURSES = {"": ("balancer", style.BLUE), "rcb_": ("Zoltan RCB", style.ORANGE), "hsfc_": ("Zoltan HSFC", style.PINK)}
 
 
 @dataclass
 class Run:
+    summary: dict
     history: dict[str, np.ndarray]  # by column, without the unit
     times: dict[int, np.ndarray]  # s of each rank, by decision
     cuts: dict[int, list[np.ndarray]]  # by decision: of each axis, groups x (counts + 1), m
@@ -30,9 +33,13 @@ def read(folder: Path) -> Run:
             here = cuts["decision"] == d
             by_axis[d] = [cuts["position"][here & (cuts["axis"] == a)].reshape(-1, n + 1)
                           for a, n in enumerate(summary["counts"])]
-        return Run(history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
+        return Run(summary, history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
     except (OSError, ValueError, KeyError, IndexError) as problem:
         raise Unreadable(f"{folder}: not the results of a run of balance: {problem}") from problem
+
+
+def courses(run: Run) -> dict[str, tuple[str, str]]:
+    return {prefix: about for prefix, about in COURSES.items() if f"{prefix}spread" in run.history}
 
 
 def cells(run: Run, decision: int) -> tuple[np.ndarray, np.ndarray]:
@@ -49,10 +56,10 @@ def cuts(run: Run):
     """First, second, fourth and last cuts, each cell coloured by its time."""
     last = max(run.times)
     shown = sorted({0, min(1, last), min(3, last), last})
-    figure, axes = style.panels(len(shown), len(shown), 3.1)
+    figure, axes = style.map_panels(len(shown), columns=4, bars=False)
     for ax, decision in zip(axes, shown):
         corners, time = cells(run, decision)
-        drawn = PolyCollection(corners, array=time, cmap="RdBu_r", edgecolors="#333333",
+        drawn = PolyCollection(corners, array=time, cmap=style.ABOUT_ONE, edgecolors=style.INK,
                                linewidths=min(0.5, 8.0 / np.sqrt(len(corners))))
         drawn.set_clim(0, 2)
         ax.add_collection(drawn)
@@ -61,7 +68,7 @@ def cuts(run: Run):
         ax.set_yticks([])
         spread = 100 * run.history["spread"][decision]
         ax.set_title(f"decision {decision}: spread {spread:.1f} %", fontsize=9)
-    figure.colorbar(drawn, ax=list(axes), label="time of a rank / mean", shrink=0.7)
+    style.colour_bar(figure, drawn, axes, "time of a rank / mean", shrink=0.7, extend="max")
     return figure
 
 
@@ -69,9 +76,7 @@ def course(run: Run):
     """Spread and moved particles over the steps."""
     figure, (left, right) = style.panels(2, 2, 3.2)
     step = run.history["step"]
-    names = {"": ("balancer", OURS)} | {f"{k}_": (f"Zoltan {k.upper()}", c) for k, c in OTHERS.items()
-                                        if f"{k}_spread" in run.history}
-    for prefix, (label, colour) in names.items():
+    for prefix, (label, colour) in courses(run).items():
         left.plot(step, 100 * run.history[f"{prefix}spread"], marker="o", markersize=3, color=colour, label=label)
         right.plot(step, 100 * np.cumsum(run.history[f"{prefix}migrated_fraction"]), color=colour, label=label)
     if max(run.history["spread"]) > 0:
@@ -84,10 +89,61 @@ def course(run: Run):
     return figure
 
 
+def percent(value: float | None) -> str:
+    return "–" if value is None else f"{100 * value:.1f} %"
+
+
+def results(run: Run) -> str:
+    """What each balancer made of the first cuts."""
+    found = run.summary.get("metrics") or {}
+
+    def of(prefix: str, name: str):
+        return found.get(f"{prefix}{name}")
+
+    def plain(prefix: str, name: str, form: str = "{:g}") -> str:
+        return pages.number("–" if of(prefix, name) is None else form.format(of(prefix, name)))
+
+    columns = {"": lambda p: pages.name(*COURSES[p]),
+               "spread at first": lambda p: pages.number(percent(of(p, "spread_initial"))),
+               "spread at the end": lambda p: pages.number(percent(of(p, "spread_final"))),
+               "mean/slowest at first": lambda p: plain(p, "efficiency_initial", "{:.3f}"),
+               "mean/slowest at the end": lambda p: plain(p, "efficiency_predicted", "{:.3f}"),
+               "updates": lambda p: plain(p, "updates"), "until 5 %": lambda p: plain(p, "updates_to_5_percent"),
+               "moved an update": lambda p: pages.number(percent(of(p, "migrated_fraction_per_update"))),
+               "run time (s)": lambda p: plain(p, "run_time_balanced", "{:.4g}"),
+               "saved": lambda p: pages.number(percent(of(p, "run_time_reduction")))}
+    return pages.columns(list(courses(run)), columns, "wide") + pages.small(
+        "Spread: (max − min)/mean of the ranks' times. Until 5 %: decisions until the spread was as small; –: it never was. "
+        "Saved: of the run time with the first cuts kept.")
+
+
+def decisions(run: Run) -> str:
+    h = run.history
+    columns = {"decision": lambda k: f"{k}", "step": lambda k: f"{h['step'][k]:.0f}", "spread": lambda k: percent(h["spread"][k]),
+               "slowest rank (s a step)": lambda k: f"{h['slowest_step'][k]:.4g}", "gain expected (s)": lambda k: f"{h['gain'][k]:.3g}",
+               "cost expected (s)": lambda k: f"{h['cost'][k]:.3g}", "moved": lambda k: "yes" if h["moved"][k] else "no",
+               "particles moved": lambda k: percent(h["migrated_fraction"][k])}
+    return pages.text_columns(list(range(len(h["step"]))), columns, 0, "wide")
+
+
+def page(run: Run, pictures: dict[str, bytes]) -> str:
+    s = run.summary
+    counts = " × ".join(str(n) for n in s["counts"])
+    particles = s.get("fluid_particles", 0) + s.get("wall_particles", 0)
+    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles", f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
+    return pages.document("load balance", [
+        pages.head("Load balance on virtual ranks", facts, "The balancer of the programs, which sees the ranks' times, on times of a cost "
+                   "model. What it means: docs/load_balancer.md."),
+        pages.section("At a glance", results(run)),
+        pages.section("Cuts", pages.figure(pictures["cuts"], "Cells of the ranks after decisions, coloured by their time over the mean.")),
+        pages.section("Course", pages.figure(pictures["course"], "Left: spread of the ranks' times. Right: particles that have changed their rank.")),
+        pages.section("Decisions of the balancer", pages.folded("All decisions", decisions(run)))])
+
+
 def make(folder: Path) -> str:
-    """Draws; what is said of it."""
+    """Draws, and writes the page; what is said of it."""
     run = read(folder)
-    paths = {folder / "cuts.png": cuts(run), folder / "course.png": course(run)}
-    for path, figure in paths.items():
-        style.save(figure, path, dpi=110)
-    return " ".join(["Pictures:", *map(str, paths)])
+    pictures = style.draw_all({"cuts": cuts(run), "course": course(run)})
+    for name, picture in pictures.items():
+        (folder / f"{name}.png").write_bytes(picture)
+    return pages.write(folder, page(run, pictures))

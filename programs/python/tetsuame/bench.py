@@ -5,11 +5,10 @@ from pathlib import Path
 from . import pages, style
 from .reading import Unreadable, read_json
 
-# Of each case its name and colour.
-CASES = {"program_c": ("program C", "#0072B2"), "program_f": ("program F", "#009E73"), "number_density": ("number density", "#E69F00"),
-         "transport": ("C with conduction and own viscosities", "#CC79A7"), "ssph": ("gas, SSPH", "#8C8C6E"),
-         "disph": ("gas, DISPH", "#56B4E9"), "gsph": ("gas, GSPH", "#A0522D"), "gdisph": ("gas, Godunov DISPH", "#D55E00"),
-         "remix": ("gas, REMIX", "#6A3D9A")}
+# Of each case its name and colour; those of gas have the colours of their schemes, and dashed lines.
+CASES = {"program_c": ("program C", style.COLOUR["C"]), "program_f": ("program F", style.COLOUR["F"]),
+         "number_density": ("number density", style.COLOUR["N"]), "transport": ("C with conduction and own viscosities", style.PINK)} | {
+    name: (f"gas, {title}", colour) for name, (title, colour) in style.SCHEME.items()}
 
 # Rates of other codes, million particle updates a second and core, least and largest: see other_codes().
 RATES = (
@@ -34,6 +33,12 @@ def title(name: str) -> str:
 
 def colour(name: str) -> str:
     return CASES.get(name, (name, style.INK))[1]
+
+
+def line(name: str) -> dict:
+    """Keyword arguments of plot()."""
+    gas = name in style.SCHEME
+    return {"color": colour(name), "linestyle": (0, (4, 2)) if gas else "-", "marker": "s" if gas else "o", "markersize": 4}
 
 
 def label(result: dict) -> str:
@@ -71,14 +76,13 @@ def over_particles(measured: list[dict], value, text: str):
             if kind[1] != dimension:
                 continue
             found = choose(measured, kind, few)
-            ax.plot([r["particles"] for r in found], [value(r) for r in found], marker="o", markersize=4,
-                    color=colour(kind[0]), label=label(found[0]))
+            ax.plot([r["particles"] for r in found], [value(r) for r in found], **line(kind[0]), label=title(kind[0]))
         ax.set_xscale("log")
         ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
         ax.set_xlabel("particles")
         ax.set_title(f"{dimension}-D, {count(few)}")
-        ax.legend(fontsize=8, loc="lower right")
     axes[0].set_ylabel(text)
+    style.legend_above(figure, axes)
     return figure
 
 
@@ -134,8 +138,8 @@ def threads(measured: list[dict]):
         if len(found) < 2:
             continue
         ax.plot([r["threads"] for r in found],
-                [r["updates_per_second"] / one[largest]["updates_per_second"] for r in found], marker="o", markersize=4,
-                color=colour(kind[0]), linestyle="-" if kind[1] == 2 else (0, (4, 2)),
+                [r["updates_per_second"] / one[largest]["updates_per_second"] for r in found],
+                **line(kind[0]) | {"markerfacecolor": colour(kind[0]) if kind[1] == 2 else "white"},
                 label=f"{label(found[0])}, {largest:,}")
     ax.plot([few, many], [1, many / few], color=style.GREY, linewidth=0.8, label="ideal")
     ax.set_xticks(sorted({r["threads"] for r in measured}))
@@ -155,15 +159,15 @@ CAPTIONS = {
                "spread over {steps} steps. Integration: the integrator's own work on the state."),
     "scalar": ("Against a scalar loop", "The same two sums over the same list, in turn in the same run; medians of the "
                "ratios. Both agree to round-off, or bench would have failed."),
-    "threads": ("Threads", "At the largest number of particles of each case; dashed: 3-D."),
+    "threads": ("Threads", "At the largest number of particles of each case; open marks: 3-D."),
 }
 
 
 def other_codes() -> str:
     rows = [[name, remark, f"{low:g}" if low == high else f"{low:g}–{high:g}"] for name, remark, low, high in RATES]
     return (pages.text_table(["Code", "What", "million updates/s per core"], rows, 2)
-            + "\n<p class=\"small\">Measured once by the makers of this code on a machine of the same kind: one core, double "
-            "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler.</p>")
+            + pages.small("Measured once by the makers of this code on a machine of the same kind: one core, double "
+                          "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler."))
 
 
 def speedup(result: dict) -> str:
@@ -180,8 +184,8 @@ def numbers(measured: list[dict]) -> str:
                "Bytes/particle": lambda r: f"{r['bytes_per_particle']:.0f}", "List bytes": lambda r: f"{r['list_bytes_per_particle']:.0f}",
                "Load": lambda r: f"{r['load_average']:.1f}"}
     return pages.section("All numbers", pages.text_columns(measured, columns, 1, "wide"),
-                         "<p class=\"small\">Neighbours: within the kernel's support, a particle. Bytes: all memory in use but the "
-                         "lists; ghosts and walls make it large for small boxes. Everything is in bench.json beside this page.</p>")
+                         pages.small("Neighbours: within the kernel's support, a particle. Bytes: all memory in use but the "
+                                     "lists; ghosts and walls make it large for small boxes. Everything is in bench.json beside this page."))
 
 
 def page(measured: list[dict]) -> str:

@@ -1,10 +1,18 @@
 """HTML pages: one file with style and figures inside, so that it opens anywhere, offline."""
 import base64
+import math
+import re
+import struct
 import time
 from html import escape
 from pathlib import Path
 
 STYLE = Path(__file__).parent / "report.css"
+FULL = 1560  # pixels of a picture as wide as the page (style.WIDTH)
+LEAST = 640  # its width on a narrow window, where it scrolls: smaller letters could not be read
+
+# The colours e0, e1, … of report.css are those of errors up to these; the last one is of larger ones.
+ERRORS = (1e-12, 1e-8, 1e-5, 1e-3, 1e-2, 5e-2, 0.2)
 
 
 def document(title: str, parts: list[str]) -> str:
@@ -16,13 +24,42 @@ def document(title: str, parts: list[str]) -> str:
 
 
 def head(title: str, facts: list[str], text: str) -> str:
-    """`facts` (with the time of writing before them) and `text` are HTML."""
+    """`title`: plain text; `facts` (with the time of writing before them) and `text` are HTML."""
     said = [time.strftime("%Y-%m-%d %H:%M"), *(fact for fact in facts if fact)]
-    return f"<h1>{title}</h1>\n<p class=\"facts\">{' · '.join(said)}</p>\n" + (f"<p>{text}</p>" if text else "")
+    return f"<h1>{escape(title)}</h1>\n<p class=\"facts\">{' · '.join(said)}</p>\n" + (f"<p>{text}</p>" if text else "")
 
 
 def section(title: str, *parts: str) -> str:
-    return "\n".join([f"<h2>{title}</h2>", *parts])
+    """`title`: plain text. Nothing where all parts are empty."""
+    return "\n".join([f"<h2>{escape(title)}</h2>", *filter(None, parts)]) if any(parts) else ""
+
+
+def subsection(title: str, *parts: str) -> str:
+    return "\n".join([f"<h3>{escape(title)}</h3>", *filter(None, parts)])
+
+
+def folded(title: str, part: str) -> str:
+    """Shown when it is asked for."""
+    return f"<details><summary>{escape(title)}</summary>\n{part}</details>"
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    """`text` is HTML. kind: small (a remark), bad (an alarm)."""
+    return f"<p class=\"{kind}\">{text}</p>" if kind else f"<p>{text}</p>"
+
+
+def small(text: str) -> str:
+    return paragraph(text, "small")
+
+
+def listed(items: list[str], kind: str = "") -> str:
+    """`items` are HTML."""
+    marks = f" class=\"{kind}\"" if kind else ""
+    return f"<ul{marks}>\n" + "\n".join(f"<li>{item}</li>" for item in items) + "\n</ul>"
+
+
+def commands(text: str) -> str:
+    return f"<pre><code>{escape(text)}</code></pre>"
 
 
 def write(folder: Path, page: str) -> str:
@@ -33,9 +70,11 @@ def write(folder: Path, page: str) -> str:
 
 
 def figure(png: bytes, caption: str) -> str:
-    """`caption` is HTML."""
+    """`caption` is HTML. The picture is shown as wide as it was drawn; it shrinks with the window down to `LEAST`."""
     data = base64.b64encode(png).decode()
-    return (f"<figure><img alt=\"{escape(caption)}\" src=\"data:image/png;base64,{data}\">"
+    share = min(struct.unpack(">I", png[16:20])[0] / FULL, 1.0)
+    plain = escape(re.sub(r"<[^>]*>", "", caption).replace("\n", " "), quote=True)
+    return (f"<figure><img style=\"--share: {100 * share:.1f}%; --least: {LEAST * share:.0f}px\" alt=\"{plain}\" src=\"data:image/png;base64,{data}\">"
             f"<figcaption>{caption}</figcaption></figure>")
 
 
@@ -47,6 +86,27 @@ def cell(text, kind: str = "", columns: int = 1) -> str:
 
 def number(text) -> str:
     return cell(text, "number")
+
+
+def error(value: float | None, text: str, kind: str = "") -> str:
+    """The cell of a relative error: its colour is that of the logarithm of its size."""
+    return cell(text, " ".join(filter(None, ("number", kind, error_class(value)))))
+
+
+def error_class(value: float | None) -> str:
+    if value is None or not math.isfinite(value):
+        return ""
+    return f"e{sum(abs(value) > limit for limit in ERRORS)}"
+
+
+def error_key(before: str = "") -> str:
+    """What the colours of errors mean, below a remark (HTML) on what stands in the cells."""
+    def said(limit: float) -> str:
+        return f"{100 * limit:g} %" if limit >= 1e-3 else f"{limit:.0e}".replace("e-0", "e-")
+
+    steps = [f"<span class=\"step e{index}\">≤ {said(limit)}</span>" for index, limit in enumerate(ERRORS)]
+    steps.append(f"<span class=\"step e{len(ERRORS)}\">more</span>")
+    return (small(before) if before else "") + small(f"Colours of errors: {''.join(steps)}")
 
 
 def name(text: str, colour: str = "") -> str:

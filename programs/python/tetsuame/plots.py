@@ -7,7 +7,6 @@ import numpy as np
 from . import FILE_FAILED, COMPLETED, fields, runs, style
 from .style import plt
 
-COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#222222"]
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
 
 
@@ -32,24 +31,24 @@ def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, 
         units = ""
         for index, (title, run) in enumerate(of):
             if name in run.history:
-                ax.plot(run.history["time"] / size, run.history[name], color=COLOURS[index % len(COLOURS)], lw=1.3,
-                        ls="-" if index < len(COLOURS) else "--", label=title)
+                ax.plot(run.history["time"] / size, run.history[name], **style.numbered(index), label=title)
                 units = run.history.units[name]
         ax.set_title(name.replace("_", " ") + fields.bracketed(units))
         ax.margins(x=0)
     for ax in panels[-3:]:
         ax.set_xlabel(f"time [{unit}]")
     if len(of) > 1:
-        panels[0].legend(fontsize=7.5)
+        style.legend_above(figure, panels)
     return figure
 
 
-def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | None = None):
-    """A rendered field with its colour bar; the image, for a movie to fill anew."""
+def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | None = None, length: str = "m", bar: bool = True):
+    """A rendered field, with its colour bar if it is to have one; the image, for a movie to fill anew. length: unit of the places, ""
+    of those without one."""
     look = fields.look(name)
     low, high = limits or (np.nanmin(picture.values), np.nanmax(picture.values))
     size, unit = fields.scaled(unit, max(abs(low), abs(high)))
-    across, length = fields.scaled("m", max(np.abs(picture.extent)))
+    across, length = fields.scaled(length, max(np.abs(picture.extent)))
     logarithmic = look.logarithmic and low > 0 and high > 3 * low
     norm = (plt.matplotlib.colors.LogNorm if logarithmic else plt.Normalize)(low / size, high / size)
     image = ax.imshow(picture.values / size, origin="lower", extent=[edge / across for edge in picture.extent], cmap=look.colours, norm=norm,
@@ -57,9 +56,35 @@ def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | No
     image.tetsuame_size, image.tetsuame_across = size, across
     style.as_map(ax, *(np.reshape(picture.extent, (2, 2)) / across))
     for axis, place in zip("xy", picture.axes):
-        getattr(ax, f"set_{axis}label")(f"{'xyz'[place]} [{length}]")
-    ax.figure.colorbar(image, ax=ax, shrink=0.85, label=fields.label(name, unit)).outline.set_visible(False)
+        getattr(ax, f"set_{axis}label")(f"{'xyz'[place]}{fields.bracketed(length)}")
+    if bar:
+        style.colour_bar(ax.figure, image, ax, fields.label(name, unit), shrink=0.85)
     return image
+
+
+def isolines(ax, picture, levels) -> None:
+    """Over a map of draw_map, in the units of the picture's places, from edge to edge."""
+    left, right, low, high = picture.extent
+    ax.contour(np.r_[left, picture.x, right], np.r_[low, picture.y, high], to_the_edges(picture.values), levels=levels, colors="white",
+               linewidths=0.7, alpha=0.85)
+
+
+def to_the_edges(values: np.ndarray) -> np.ndarray:
+    """With a row and a column more at each side, half a pixel beyond the last: as the last two go on."""
+    if min(values.shape) < 2:
+        return np.pad(values, 1, mode="edge")
+    wider = np.pad(values, 1, mode="reflect", reflect_type="odd")
+    for axis in (0, 1):
+        for edge, last in ((0, 1), (-1, -2)):
+            rows = np.moveaxis(wider, axis, 0)
+            rows[edge] = 0.5 * (rows[edge] + rows[last])
+    return wider
+
+
+def wide(picture) -> float:
+    """A picture's width over its height."""
+    left, right, low, high = picture.extent
+    return (right - left) / (high - low)
 
 
 def when(snapshot) -> str:
@@ -69,26 +94,33 @@ def when(snapshot) -> str:
 
 def maps(snapshot, names: list[str], pixels: int = 400):
     """A panel for each field; in 3-D the slice through the middle."""
-    figure, panels = style.panels(len(names), min(len(names), 2), 4.3)
-    for ax, name in zip(panels, names):
-        draw_map(ax, snapshot.map(name, pixels, axis=1 if snapshot.dimension == 3 else 2), name, snapshot.unit(name))
+    pictures = [snapshot.map(name, pixels, axis=1 if snapshot.dimension == 3 else 2) for name in names]
+    figure, panels = style.map_panels(len(names), wide(pictures[0]), 2)
+    for ax, name, picture in zip(panels, names, pictures):
+        draw_map(ax, picture, name, snapshot.unit(name))
         ax.set_title(when(snapshot))
     return figure
 
 
 def profiles(of: list, names: list[str], axis: int | None = None):
     """Layer means of the fields of several snapshots: (title, snapshot)."""
+    last = of[0][1].dimension - 1 if axis is None else axis
     figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
     for ax, name in zip(panels, names):
-        lines = [(title, *snapshot.profile(name, axis)) for title, snapshot in of]
+        lines = []
+        for title, snapshot in of:
+            places, values = snapshot.profile(name, axis)
+            filled = np.isfinite(values)  # a layer may lie between two particles
+            lines.append((title, places[filled], values[filled]))
         size, unit = fields.scaled(of[0][1].unit(name), max(np.nanmax(np.abs(values)) for _, _, values in lines))
         across, length = fields.scaled("m", max(places.max() for _, places, _ in lines))
         for index, (title, places, values) in enumerate(lines):
-            ax.plot(values / size, places / across, color=COLOURS[index % len(COLOURS)], lw=1.3, label=title)
-        ax.set_xlabel(fields.label(name, unit))
-        last = of[0][1].dimension - 1 if axis is None else axis
-        ax.set_ylabel(f"{'xyz'[last]} [{length}]")
-    panels[0].legend(fontsize=7.5)
+            # A height stands upright.
+            ax.plot(*((places / across, values / size) if last == 0 else (values / size, places / across)), **style.numbered(index), label=title)
+        labels = fields.label(name, unit), f"{'xyz'[last]} [{length}]"
+        ax.set(**dict(zip(("ylabel", "xlabel") if last == 0 else ("xlabel", "ylabel"), labels)))
+    if len(of) > 1:
+        style.legend_above(figure, panels)
     return figure
 
 
@@ -99,7 +131,8 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
         last = run.snapshot(time)
         names = fields.shown(last, wanted)
         first = run.snapshots[0]
-        figures["map"] = maps(last, names)
+        if last.dimension > 1:
+            figures["map"] = maps(last, names)
         both = [(when(first), first), (when(last), last)] if first is not last else [(when(last), last)]
         figures["profile"] = profiles(both, names)
     target.mkdir(parents=True, exist_ok=True)

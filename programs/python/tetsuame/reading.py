@@ -1,6 +1,7 @@
 """Files that the programs write: JSON, and tables of comma-separated values."""
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,24 @@ def read_json(path: Path, writer: str):
         raise Unreadable(f"{path}: {problem.strerror}; run {writer} first, it writes this file") from None
     except ValueError as problem:
         raise Unreadable(f"{path}: not the JSON that {writer} writes ({problem}); run it again") from None
+
+
+def read_keys(path: Path) -> dict[str, str]:
+    """group.key and its value as text, without quotes, of a resolved.nml, which holds every key as run, one to a line."""
+    found, group = {}, ""
+    for line in path.read_text(encoding="utf-8").splitlines():
+        line = line.strip()
+        if line.startswith("&"):
+            group = line[1:].split()[0].lower() if line[1:].split() else ""
+        elif match := re.match(r"""(\w+)\s*=\s*((?:'[^']*'|"[^"]*"|[^!'"])*)""", line):
+            value = match[2].strip()
+            found[f"{group}.{match[1].lower()}"] = value[1:-1] if re.fullmatch(r"""'[^']*'|"[^"]*\"""", value) else value
+    return found
+
+
+def real(text: str) -> float:
+    """A number as Fortran writes it."""
+    return float(text.lower().replace("d", "e"))
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:

@@ -2,8 +2,9 @@
 
 A pixel's value is that at its middle of the plane fitted to the particles about it, weighted with their volumes and with
 Wendland's C2 kernel (moving least squares of first order [Lancaster and Salkauskas, 1981]): linear fields come out exactly,
-at walls and periodic borders too. Values stay within those of the field but for a few hundredths, so that contacts do not
-overshoot; pixels that no particle reaches are nan.
+at walls and periodic borders too. Where it is known what a field does at a wall, the particles are seen again behind it, as the
+programs themselves do: isolines then meet an insulating wall at a right angle, and a wall that keeps its value has it. Values
+stay within those of the field but for a few hundredths, so that contacts do not overshoot; pixels that no particle reaches are nan.
 """
 from dataclasses import dataclass
 
@@ -32,9 +33,20 @@ class Map:
         return _middles(self.extent[2], self.extent[3], self.values.shape[0])
 
 
-def slice_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | None) -> Map:
+@dataclass(frozen=True)
+class Mirror:
+    """A wall in which the particles are seen again, at `place` (m) on an axis; the fluid is on the side of `inward`. The field is even
+    about it (nothing flows through the wall), or odd about the `value` that the wall keeps."""
+    axis: int
+    place: float
+    inward: float
+    value: float | None = None
+
+
+def slice_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | None, mirrors: tuple[Mirror, ...] = ()) -> Map:
     """Of a snapshot in 2-D, or of the plane normal to `axis` through `at` in 3-D."""
-    places, spacing = snapshot["Coordinates"], snapshot.spacing
+    room = _room(values, mirrors)
+    places, spacing, values = _with_images(snapshot["Coordinates"], snapshot.spacing, values, mirrors)
     axes = _across(snapshot.dimension, axis)
     height = np.zeros(len(places))
     if snapshot.dimension == 3:
@@ -62,10 +74,28 @@ def slice_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | N
     with np.errstate(divide="ignore", invalid="ignore"):
         aside = np.sqrt((moments[0, 1:] ** 2).sum(axis=0)) / moments[0, 0]
     picture = _solve(moments, right, (neighbours == 0) & ~(aside < ASIDE))
-    if len(values):
-        room = BEYOND * (values.max() - values.min())
-        picture = np.clip(picture, values.min() - room, values.max() + room)
-    return grid.map(picture)
+    return grid.map(np.clip(picture, *room) if room else picture)
+
+
+def _room(values: np.ndarray, mirrors: tuple[Mirror, ...]) -> tuple[float, float] | None:
+    """Within which the picture's values stay; None without particles."""
+    if not len(values):
+        return None
+    kept = [float(values.min()), float(values.max()), *(wall.value for wall in mirrors if wall.value is not None)]
+    room = BEYOND * (max(kept) - min(kept))
+    return min(kept) - room, max(kept) + room
+
+
+def _with_images(places: np.ndarray, spacing: np.ndarray, values: np.ndarray, mirrors: tuple[Mirror, ...]):
+    """With the images of the particles near a mirror; behind an edge one mirror follows the other."""
+    for wall in mirrors:
+        depth = (places[:, wall.axis] - wall.place) * wall.inward
+        seen = (depth >= 0) & (depth < REACH * spacing)
+        images = places[seen].copy()
+        images[:, wall.axis] = 2 * wall.place - images[:, wall.axis]
+        there = values[seen] if wall.value is None else 2 * wall.value - values[seen]
+        places, spacing, values = np.concatenate([places, images]), np.concatenate([spacing, spacing[seen]]), np.concatenate([values, there])
+    return places, spacing, values
 
 
 def column_of(snapshot, values: np.ndarray, pixels: int, axis: int) -> Map:

@@ -16,9 +16,10 @@ import h5py
 import numpy as np
 
 from . import rendering
-from .reading import Unreadable, read_columns, read_json
+from .reading import Unreadable, read_columns, read_json, read_keys, real
 
 FLUID, WALL = "PartType0", "PartType1"
+SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # of each axis: at its low end, at its high end
 
 
 class History(dict):
@@ -85,7 +86,27 @@ class Snapshot:
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
-        return rendering.slice_of(self, self[name], pixels, axis, at)
+        return rendering.slice_of(self, self[name], pixels, axis, at, self.mirrors if name == "Temperature" else ())
+
+    @functools.cached_property
+    def mirrors(self) -> tuple[rendering.Mirror, ...]:
+        """What the temperature does at the walls, from the resolved.nml beside: none where no heat is conducted, nor at sides that
+        give a flux."""
+        path = self.path.parent / "resolved.nml"
+        keys = read_keys(path) if path.is_file() else {}
+        conducts = any(key.endswith((".conductivity", ".diffusivity")) and real(value) > 0 for key, value in keys.items())
+        if not conducts or "walls.thermal" not in keys:
+            return ()
+        found = []
+        for axis, sides in enumerate(SIDES[: self.dimension]):
+            for side, place, inward in zip(sides, (0.0, float(self.lengths[axis])), (1.0, -1.0)):
+                own = keys.get(f"walls.thermal_{side}", "inherit")
+                thermal = keys["walls.thermal"] if own == "inherit" else own
+                known = thermal == "adiabatic" or (thermal == "fixed" and f"walls.temperature_{side}" in keys)
+                if known and not self.periodic[axis] and keys.get(f"walls.slip_{side}") != "free_surface":
+                    value = real(keys[f"walls.temperature_{side}"]) if thermal == "fixed" else None
+                    found.append(rendering.Mirror(axis, place, inward, value))
+        return tuple(found)
 
     def column(self, name: str, pixels: int = 300, axis: int = 2) -> rendering.Map:
         """In 3-D, the integral of the field along `axis`: its unit times m."""

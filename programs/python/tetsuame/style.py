@@ -2,34 +2,42 @@
 import io
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+from matplotlib.collections import PolyCollection  # noqa: E402
 
-# Okabe and Ito's palette: told apart with any common colour blindness, and in the order of
-# table 1. C and E often coincide, so E's line is dashed and its marker open.
-COLOUR = {"A": "#E69F00", "B": "#CC79A7", "C": "#0072B2", "D": "#D55E00", "E": "#56B4E9", "F": "#009E73"}
+INK, GREY, FAINT, ALARM = "#222222", "#767676", "#dddddd", "#a1160a"
+
+# Okabe and Ito's palette: told apart with any common colour blindness.
+BLUE, ORANGE, GREEN, PINK, VERMILION, SKY = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9"
+CYCLE = (BLUE, ORANGE, GREEN, PINK, VERMILION, SKY, INK)  # of runs that have no colour of their own
+
+# The programs, in the order of table 1. C and E often coincide, so E's line is dashed and its marker open.
+COLOUR = {"A": ORANGE, "B": PINK, "C": BLUE, "D": VERMILION, "E": SKY, "F": GREEN,
+          "Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
 MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
 DASHED = {"E"}
 
 # The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
-SCHEME = {"ssph": ("SSPH", "#E69F00"), "disph": ("DISPH", "#56B4E9"), "gsph": ("GSPH", "#D55E00"),
-          "gdisph": ("Godunov DISPH", "#0072B2"), "remix": ("REMIX", "#009E73")}
+SCHEME = {"ssph": ("SSPH", ORANGE), "disph": ("DISPH", SKY), "gsph": ("GSPH", VERMILION), "gdisph": ("Godunov DISPH", BLUE),
+          "remix": ("REMIX", GREEN)}
 
 # The stages of a step, in its order.
 STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#CC3311", "pressure": "#66A5CC",
          "densities": "#99C7DB", "corrections": "#7FA889", "gradient": "#4477AA", "gradients": "#66A5CC", "forces": "#4477AA",
          "rates": "#B8B38F", "integration": "#BBBBBB", "rest": "#e4e4e4"}
 
-INK, GREY, FAINT = "#222222", "#767676", "#dddddd"
+ABOUT_ONE = "RdBu_r"  # the colours of a ratio to a mean: more and less are told apart
 WIDTH = 10.4  # inches: the report's column
 
 plt.rcParams.update({
     "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.edgecolor": GREY, "axes.labelcolor": INK, "axes.linewidth": 0.7,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": FAINT,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True, "grid.color": FAINT,
     "grid.linewidth": 0.6, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK,
     "ytick.labelcolor": INK, "legend.frameon": False, "lines.linewidth": 1.6, "text.color": INK,
 })
@@ -45,6 +53,11 @@ def line(program: str) -> dict:
             "zorder": 4 if dashed else 3}
 
 
+def numbered(index: int) -> dict:
+    """As line(), of a run that has no colour of its own."""
+    return {"color": CYCLE[index % len(CYCLE)], "linewidth": 1.3, "linestyle": "-" if index < len(CYCLE) else "--"}
+
+
 def panels(count: int, columns: int, height: float, **options):
     """A grid of axes, those too many removed; the axes wanted, as a list."""
     columns = min(columns, count)
@@ -56,13 +69,24 @@ def panels(count: int, columns: int, height: float, **options):
     return figure, flat[:count]
 
 
+def map_panels(count: int, wide: float = 1.0, columns: int = 3, bars: bool = True, **options):
+    """As panels(), of maps `wide` times as wide as high: about so many columns that no row is half empty, and a figure no wider than
+    they need. bars: each has a colour bar of its own; else one stands beside all."""
+    near = [few for few in range(max(columns - 1, 1), columns + 2) if few <= count] or [count]
+    columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), few == 1, few))
+    beside, for_all = (1.7, 0.0) if bars else (0.5, 1.0)
+    width = min((WIDTH - for_all) / columns, max(3.5 * wide, 2.0) + beside)
+    figure, axes = panels(count, columns, (width - beside) / wide + 0.8, **options)
+    figure.set_size_inches(width * columns + for_all, figure.get_size_inches()[1])
+    return figure, axes
+
+
 def across(names: list[str], height: float = 0.42, margin: float = 1.2):
     """A figure of horizontal bars, one line a name from the top down, and its axes."""
     figure, (ax,) = panels(1, 1, height * len(names) + margin)
     ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
+    ax.set_ylim(len(names) - 0.4, -0.6)
     ax.grid(axis="y", visible=False)
-    ax.set_axisbelow(True)
     return figure, ax
 
 
@@ -89,10 +113,38 @@ def legend_beside(ax) -> None:
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
 
 
+def legend_above(figure, axes) -> None:
+    """Of all panels, each label once, in a strip above: there it covers no line."""
+    found = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels())}
+    labels, handles = list(found), list(found.values())
+    width, height = figure.get_size_inches()
+    columns = min(max(int(width / (0.6 + 0.075 * max(map(len, labels)))), 1), len(labels))
+    strip = 0.12 + 0.19 * -(-len(labels) // columns)  # inches
+    figure.set_size_inches(width, height + strip)
+    figure.get_layout_engine().set(rect=(0, 0, 1, height / (height + strip)))
+    figure.legend(handles, labels, loc="upper left", ncol=columns, fontsize=8)
+
+
+def stopped(ax, x: float, y: float | None, colour: str, below: int = 0) -> None:
+    """A cross where a run stopped, wholly within the axes, whose limits are kept. y None: at the upper edge, below so many others."""
+    def within(value: float, axis) -> float:
+        low, high, here = axis.get_transform().transform(np.array([*axis.get_view_interval(), value], float))
+        return min(max((here - low) / (high - low), 0.03), 0.96) if np.isfinite(here) else 0.96
+
+    up = 0.96 - 0.08 * below if y is None else within(y, ax.yaxis)
+    ax.plot(within(x, ax.xaxis), up, "x", color=colour, markersize=7, markeredgewidth=2, zorder=5, transform=ax.transAxes)
+
+
 def colour_bar(figure, drawn, axes, label: str, **options) -> None:
     bar = figure.colorbar(drawn, ax=axes, **options)
     bar.set_label(label)
     bar.outline.set_visible(False)
+
+
+def tiles(ax, places, edge: float, **options):
+    """Squares of this edge about these places, in the units of the axes."""
+    corners = 0.5 * edge * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    return ax.add_collection(PolyCollection(np.asarray(places)[:, None, :] + corners, linewidths=0, **options))
 
 
 def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:

@@ -1,4 +1,4 @@
-"""`tetsuame sweep`: one input with many settings. Runs that are complete are not run again."""
+"""`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
 import csv
@@ -10,11 +10,13 @@ import shlex
 import subprocess
 import sys
 import threading
+from html import escape
 from pathlib import Path
 
-from . import COMPLETED, FAILED, PROGRAMS, runs
-from .reading import Unreadable, read_json
+from . import COMPLETED, FAILED, PROGRAMS, pages, runs
+from .reading import Unreadable, read_json, real
 
+MOST = 9  # measures on the page
 ENDED = {0: "completed", 3: "failed"}  # statuses after which the same run again would end the same
 
 
@@ -91,8 +93,8 @@ class Sweep:
     def environment(self) -> dict[str, str]:
         return os.environ | {"OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}
 
-    def table(self, statuses: list[str]) -> Path:
-        """sweep.csv: a line a run, its settings, its status and all numbers of its summary."""
+    def lines(self, statuses: list[str]) -> list[dict]:
+        """Of each run its settings, its status and all numbers of its summary."""
         lines = []
         for settings, name, status in zip(self.combinations, self.names, statuses):
             line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
@@ -100,6 +102,10 @@ class Sweep:
                 run = runs.load(self.o.output / name)
                 line |= {"steps": run.summary["steps"], "wall_seconds": run.summary["wall_seconds"]} | run.metrics()
             lines.append(line)
+        return lines
+
+    def table(self, lines: list[dict]) -> Path:
+        """sweep.csv: a line a run."""
         target = self.o.output / "sweep.csv"
         columns = list(dict.fromkeys(name for line in lines for name in line))
         with open(target, "w", newline="", encoding="utf-8") as file:
@@ -107,6 +113,26 @@ class Sweep:
             writer.writeheader()
             writer.writerows(lines)
         return target
+
+    def page(self, lines: list[dict]) -> str:
+        """report.html; what is said of it."""
+        keys = [setting.partition("=")[0] for setting in self.combinations[0]]
+        measures = [name for name in dict.fromkeys(name for line in lines for name in line)
+                    if name not in (*keys, "status") and len({line.get(name) for line in lines}) > 1]
+        facts = [escape(self.o.program), escape(str(self.o.input)), f"{len(lines)} runs"]
+        drawn = over_settings(lines, keys, [name for name in measures if name != "wall_seconds"][:MOST])
+        columns = {escape(key): lambda line, key=key: pages.cell(escape(line[key])) for key in keys}
+        columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "failed": "stop"}.get(line["status"], "bad"))}
+        columns |= {escape(name.replace("_", " ")): lambda line, name=name: pages.number(f"{line[name]:.6g}" if name in line else "–")
+                    for name in measures[:MOST]}
+        return pages.write(self.o.output, pages.document("sweep", [
+            pages.head("One input with many settings", facts, ""),
+            pages.section("Runs", pages.columns(lines, columns, "wide"),
+                          pages.small("Numbers of summary.json that are not the same in all runs"
+                                      + (f", the first {MOST} of {len(measures)}" if len(measures) > MOST else "")
+                                      + "; all of them stand in sweep.csv beside this page.")),
+            pages.section("Over the settings",
+                          pages.figure(drawn, "Numbers of summary.json over the setting that has most values.") if drawn else "")]))
 
     def scripts(self) -> list[str]:
         """Job scripts by `submit`, one for each run that is not at its end."""
@@ -125,6 +151,41 @@ class Sweep:
         return made
 
 
+def as_number(text: str) -> float | None:
+    try:
+        return real(text)
+    except ValueError:
+        return None
+
+
+def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> bytes | None:
+    """A panel for each measure over the numeric key with most values, a line for each choice of the others; None without such a key."""
+    values = {key: {as_number(line[key]) for line in lines} for key in keys}
+    numeric = [key for key in keys if None not in values[key] and len(values[key]) > 1]
+    if not numeric or not measures:
+        return None
+    from . import style  # matplotlib takes a second: not before the runs
+
+    key = max(numeric, key=lambda one: len(values[one]))
+    others = [other for other in keys if other != key and len({line[other] for line in lines}) > 1]
+    curves: dict[str, list[dict]] = {}
+    for line in lines:
+        curves.setdefault(", ".join(f"{other.partition('.')[2]} = {line[other]}" for other in others), []).append(line)
+    figure, panels = style.panels(len(measures), 3, 2.3)
+    for ax, measure in zip(panels, measures):
+        for index, (title, of) in enumerate(curves.items()):
+            points = sorted((as_number(line[key]), line[measure]) for line in of if measure in line)
+            if points:
+                ax.plot(*zip(*points), marker="o", markersize=3.5, label=title, **style.numbered(index))
+        ax.set_title(measure.replace("_", " "))
+        ax.set_xlabel(key)
+        if len(values[key]) <= 8:
+            ax.set_xticks(sorted(values[key]))
+    if others:
+        style.legend_above(figure, panels)
+    return style.png(figure)
+
+
 def last_line(path: Path) -> str:
     lines = path.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     return lines[-1] if lines else "nothing said"
@@ -132,12 +193,12 @@ def last_line(path: Path) -> str:
 
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(
-        prog="tetsuame sweep", description="Runs a program on one input with every combination of settings; a table of what came out. "
+        prog="tetsuame sweep", description="Runs a program on one input with every combination of settings; a table and a page of what came out. "
         "The same command again goes on where it was interrupted.")
     parser.add_argument("input", metavar="INPUT", type=Path, help="a namelist")
     parser.add_argument("--program", required=True, help="disph_c, rti, …")
     parser.add_argument("--set", metavar="GROUP.KEY=V1,V2", action="append", required=True, help="values of a key; may be repeated")
-    parser.add_argument("--output", metavar="FOLDER", type=Path, required=True, help="a folder for each run, and sweep.csv")
+    parser.add_argument("--output", metavar="FOLDER", type=Path, required=True, help="a folder for each run, sweep.csv and report.html")
     parser.add_argument("--jobs", type=int, default=0, help="runs at a time (as many as cores)")
     parser.add_argument("--ranks", type=int, default=1, help="MPI processes of each run (%(default)d)")
     parser.add_argument("--submit", metavar="OPTIONS", help="write job scripts instead, by the program submit with these options: "
@@ -160,5 +221,7 @@ def main(arguments: list[str]) -> int:
             pool.shutdown(wait=False, cancel_futures=True)
             print("\ninterrupted; the same command goes on", file=sys.stderr)
             return 130
-    print(sweep.table(statuses))
+    lines = sweep.lines(statuses)
+    print(sweep.table(lines))
+    print(sweep.page(lines))
     return COMPLETED if all(status == "completed" for status in statuses) else FAILED

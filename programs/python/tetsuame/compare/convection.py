@@ -24,7 +24,7 @@ QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
 SYMBOL = {"nusselt_volume": "Nu", "nusselt_top": "Nu, top", "nusselt_bottom": "Nu, bottom",
           "nusselt_dissipation": "Nu by friction", "v_rms": "v_rms", "u_max": "u_max", "v_max": "v_max",
           "q1": "q₁", "q2": "q₂", "q3": "q₃", "q4": "q₄"}
-CONVERGENCE = {"nusselt_volume": ("Nu", "#D55E00"), "v_rms": ("v_rms", "#0072B2")}
+CONVERGENCE = {"nusselt_volume": ("Nu", style.VERMILION), "v_rms": ("v_rms", style.BLUE)}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -70,29 +70,28 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
-    return ["<p>The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
-            "uncertainty of the average over time, not the error of the method.</p>",
-            "<h2>At a glance</h2>", glance(measured, cases),
-            report.drawn(figures.fields(outcomes), folder / "fields.png",
-                         "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's "
-                         "direction and strength."),
-            "<h2>Convergence</h2>",
-            report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
-                                                lambda case, _, name: (case, *CONVERGENCE[name]), "|measured/known − 1|"), folder / "convergence.png",
-                         "Distance from the known value over the number of particles along the height. Bars: uncertainty of the "
-                         "average over time. Lines: the fitted order; errors within their bar are open and not in the fit."),
-            orders_table(measured),
-            "<h2>Measured, and known</h2>", *(case_table(measured, case) for case in cases),
-            "<h2>Profiles and the way to the steady state</h2>",
-            report.drawn(figures.profiles(outcomes), folder / "profiles.png",
-                         "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
-                         "horizontal velocity along them."),
-            report.drawn(figures.course(outcomes), folder / "course.png",
-                         "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
-                         "history."),
-            "<h2>What it costs</h2>",
-            report.drawn(resolution.cost(measured["runs"], {"": ("", style.SCHEME["gdisph"][1])}, "seconds", "seconds, one thread"),
-                         folder / "cost.png", "To the steady state, at the finest resolution; other work on the machine shows in it.")]
+    return [pages.paragraph("The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
+                            "uncertainty of the average over time, not the error of the method."),
+            pages.section("At a glance", glance(measured, cases), report.drawn(
+                figures.fields(outcomes), folder / "fields.png",
+                "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's direction and strength.")),
+            pages.section("Convergence", report.drawn(
+                resolution.convergence(fit.series(measured["runs"], judged), lambda case, _, name: (case, *CONVERGENCE[name]),
+                                       "|measured/known − 1|"), folder / "convergence.png",
+                "Distance from the known value over the number of particles along the height. Bars: uncertainty of the average over time; "
+                f"errors within their bar are open and not in the fit. {resolution.LINES}"), orders_table(measured)),
+            pages.section("Measured, and known", *(case_table(measured, case) for case in cases)),
+            pages.section(
+                "Profiles and the way to the steady state",
+                report.drawn(figures.profiles(outcomes), folder / "profiles.png",
+                             "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
+                             "horizontal velocity along them."),
+                report.drawn(figures.course(outcomes), folder / "course.png",
+                             "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
+                             "history.")),
+            pages.section("What it costs", report.drawn(
+                resolution.cost(measured["runs"], {"": ("", style.BLUE)}, "seconds", "seconds, one thread"), folder / "cost.png",
+                "To the steady state, at the finest resolution; other work on the machine shows in it."))]
 
 
 def glance(measured: dict, cases: list[str]) -> str:
@@ -100,11 +99,11 @@ def glance(measured: dict, cases: list[str]) -> str:
     for one in sorted(measured["runs"], key=lambda one: (one["outcome"] == COMPLETED, one["n"])):
         best[one["case"]] = one
     columns = {"Case": lambda one: pages.name(one["case"]), "n": lambda one: pages.number(one["n"]), "Outcome": state,
-               "Nu": lambda one: pages.number(shown(one, "nusselt_volume")), "Nu, error": lambda one: pages.number(error(one, "nusselt_volume")),
-               "v_rms (κ/L)": lambda one: pages.number(shown(one, "v_rms")), "v_rms, error": lambda one: pages.number(error(one, "v_rms")),
-               "heat in − out": lambda one: pages.number(percent(one["heat_imbalance"])),
+               "Nu": lambda one: pages.number(shown(one, "nusselt_volume")), "Nu, error": lambda one: error_cell(one, "nusselt_volume"),
+               "v_rms (κ/L)": lambda one: pages.number(shown(one, "v_rms")), "v_rms, error": lambda one: error_cell(one, "v_rms"),
+               "heat in − out": lambda one: report.error_cell(one["heat_imbalance"]),
                "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"]))}
-    return pages.columns([best[case] for case in cases], columns)
+    return pages.columns([best[case] for case in cases], columns, "wide") + pages.error_key()
 
 
 def case_table(measured: dict, case: str) -> str:
@@ -114,23 +113,24 @@ def case_table(measured: dict, case: str) -> str:
     head = ["", *(text for one in runs for text in (f"n = {one['n']}", "error")), "known"]
     rows = [[pages.cell("outcome"), *(state(one, 2) for one in runs), pages.cell("")]]
     for name in (name for name in SYMBOL if any(name in one["values"] for one in runs)):
-        cells = [each for one in runs for each in (pages.number(shown(one, name)), pages.cell(error(one, name), "number small"))]
+        cells = [each for one in runs for each in (pages.number(shown(one, name)), error_cell(one, name))]
         rows.append([pages.name(SYMBOL[name]), *cells, pages.number(f"<b>{right(known, name) if known else ''}</b>")])
-    for label, text in (("heat in − out", lambda one: percent(one["heat_imbalance"])),
-                        ("right-hand sides", lambda one: count(one["right_hand_sides"])), ("seconds", lambda one: said(one["seconds"]))):
-        rows.append([pages.name(label), *(each for one in runs for each in (pages.number(text(one)), pages.cell(""))), pages.cell("")])
+    for label, made in (("heat in − out", lambda one: report.error_cell(one["heat_imbalance"])),
+                        ("right-hand sides", lambda one: pages.number(count(one["right_hand_sides"]))),
+                        ("seconds", lambda one: pages.number(said(one["seconds"])))):
+        rows.append([pages.name(label), *(each for one in runs for each in (made(one), pages.cell(""))), pages.cell("")])
     source = f"Known: {escape(known['source'])}." if known else "No value known for this case as run."
-    return f"<h3>{escape(case)}</h3>\n{pages.table(head, rows)}<p class=\"small\">{source}</p>"
+    return pages.subsection(case, pages.table(head, rows), pages.small(source))
 
 
 def orders_table(measured: dict) -> str:
     if not measured["orders"]:
-        return "<p>No order fitted: that takes two errors larger than their uncertainty.</p>"
+        return ""
     columns = {"Case": lambda one: pages.cell(escape(one["case"])), "Quantity": lambda one: pages.cell(SYMBOL[one["quantity"]]),
                "Order p of |error| ~ n⁻ᵖ": lambda one: pages.number(fit.of_entry(one)), "points": lambda one: pages.number(one["points"])}
-    return pages.columns(measured["orders"], columns) + \
-        ("<p class=\"small\">± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
-         "passes through zero on the way looks small by chance.</p>")
+    return pages.columns(measured["orders"], columns) + fit.note(measured) + \
+        pages.small("± is the standard error of the fit. An order is meaningful only where the error falls steadily: one that "
+                    "passes through zero on the way looks small by chance.")
 
 
 def state(one: dict, columns: int = 1) -> str:
@@ -158,6 +158,11 @@ def right(one: dict, name: str) -> str:
 def error(one: dict, name: str) -> str:
     value = one["values"].get(name)
     return percent(value["error"] if value else None)
+
+
+def error_cell(one: dict, name: str) -> str:
+    value = one["values"].get(name)
+    return report.error_cell(value["error"] if value else None)
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:

@@ -3,6 +3,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import pages
+
 
 @dataclass(frozen=True)
 class Slope:
@@ -24,12 +26,20 @@ def line(x: np.ndarray, y: np.ndarray) -> Slope | None:
     return Slope(float(slope), error, float(intercept), len(x))
 
 
-def order(n: list[int], errors: list[float], uncertainties: list[float] | None = None) -> Slope | None:
-    """p of |error| = C n^-p. An error within the uncertainty of its measurement says nothing of p and is left out."""
+FEWEST = 3  # points of an order: two lie on a line whatever the error does
+WHY_NONE = f"–: no order; a fit takes at least {FEWEST} numbers of particles with an error larger than its uncertainty."
+
+
+def usable(n: list[int], errors: list[float], uncertainties: list[float] | None = None) -> list[tuple[float, float]]:
+    """Logarithms of n and of |error|. An error within the uncertainty of its measurement says nothing of an order and is left out."""
     within = uncertainties or [0.0] * len(n)
-    used = [(np.log(k), np.log(abs(e))) for k, e, u in zip(n, errors, within)
-            if e is not None and np.isfinite(e) and abs(e) > (u or 0.0)]
-    found = line(*zip(*used)) if len(used) > 1 else None
+    return [(np.log(k), np.log(abs(e))) for k, e, u in zip(n, errors, within) if e is not None and np.isfinite(e) and abs(e) > (u or 0.0)]
+
+
+def order(n: list[int], errors: list[float], uncertainties: list[float] | None = None) -> Slope | None:
+    """p of |error| = C n^-p; None for fewer than FEWEST numbers of particles."""
+    used = usable(n, errors, uncertainties)
+    found = line(*zip(*used)) if len({k for k, _ in used}) >= FEWEST else None
     return Slope(-found.value, found.error, found.intercept, found.points) if found else None
 
 
@@ -43,10 +53,13 @@ def series(runs: list[dict], judged) -> dict[tuple[str, str, str], list[tuple[in
 
 
 def orders(runs: list[dict], judged) -> list[dict]:
-    """Of results.json: of what, and the order."""
-    fits = [(key, order(*zip(*points))) for key, points in series(runs, judged).items()]
-    return [{"case": case, "variant": variant, "quantity": quantity, "order": slope.value, "standard_error": slope.error,
-             "points": slope.points} for (case, variant, quantity), slope in fits if slope]
+    """Of results.json: of what, the order (None without one), and how many points there are."""
+    found = []
+    for (case, variant, quantity), points in series(runs, judged).items():
+        slope = order(*zip(*points))
+        found.append({"case": case, "variant": variant, "quantity": quantity, "order": slope.value if slope else None,
+                      "standard_error": slope.error if slope else None, "points": len(usable(*zip(*points)))})
+    return found
 
 
 def order_of(measured: dict, case: str, variant: str) -> str:
@@ -55,7 +68,12 @@ def order_of(measured: dict, case: str, variant: str) -> str:
 
 
 def of_entry(found: dict) -> str:
-    return said(Slope(found["order"], found["standard_error"], 0.0, found["points"]))
+    return said(None if found["order"] is None else Slope(found["order"], found["standard_error"], 0.0, found["points"]))
+
+
+def note(measured: dict) -> str:
+    """Below a table with orders: why there is none, where that is so."""
+    return pages.small(WHY_NONE) if any(one["order"] is None for one in measured["orders"]) else ""
 
 
 def said(slope: Slope | None) -> str:

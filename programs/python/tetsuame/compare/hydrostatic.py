@@ -10,7 +10,7 @@ from .figures import hydrostatic as figures
 from .options import chosen, find_inputs
 from .results import cost_per_step, resolved_text, wall_share
 from .runner import COMPLETED, Outcome
-from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, verdict
+from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, said
 
 NAME = ""
 TITLE = "Programs A to F on hydrostatic states"
@@ -57,7 +57,7 @@ def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str
 
 
 def explained(title: str, paragraphs: list[str]) -> str:
-    return pages.section(title, *(f"<p>{text}</p>" for text in paragraphs))
+    return pages.section(title, *map(pages.paragraph, paragraphs))
 
 
 # Displacement maps that show what file 13's show, only smaller or alike: folded when others are there.
@@ -70,7 +70,7 @@ def displacements(outcomes: list[Outcome], folder: Path) -> str:
     blocks = {file: report.drawn(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
               for file in files(outcomes)}
     fold = any(block and file not in FOLDED for file, block in blocks.items())
-    return "\n".join(f"<details><summary>Displacement, file {escape(file)}</summary>\n{block}</details>" if fold and file in FOLDED else block
+    return "\n".join(pages.folded(f"Displacement, file {file}", block) if fold and file in FOLDED else block
                      for file, block in blocks.items() if block)
 
 
@@ -88,14 +88,18 @@ def overview(outcomes: list[Outcome]) -> str:
 
     def result(label: str, file: str) -> str:
         outcome = by_place.get((label, file))
-        return pages.cell(escape(cell(outcome)), f"number {report.state_class(outcome.kind)}" if outcome else "number")
+        if outcome is None:
+            return pages.cell("")
+        value = error(outcome, "pressure_mean")
+        return pages.cell(escape(cell(outcome)), f"number {report.state_class(outcome.kind)}") if value is None else \
+            pages.error(value, scientific(value))
 
     shown = files(outcomes)
     return pages.section("At a glance", pages.table(
         ["Program", "Method", *(f"File {escape(file)}" for file in shown)],
-        [[program_cell(label), pages.cell(method(label)), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
-        "<p class=\"small\">Green: completed, with the mean of |p − p_ref|/p_ref at the end. Yellow: stopped by the program's "
-        "own checks, with step/iteration. Red: the program crashed.</p>")
+        [[program_cell(label), pages.cell(method(label), "words"), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
+        pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with step/iteration; "
+                        "no solution: the solver saw before its first pass that no state with p &gt; 0 exists. Red: the program crashed."))
 
 
 def outcome_cell(outcome: Outcome, said: str) -> str:
@@ -103,7 +107,10 @@ def outcome_cell(outcome: Outcome, said: str) -> str:
 
 
 def error_cell(what: str):
-    return lambda outcome: pages.number(scientific(error(outcome, what)))
+    def made(outcome: Outcome) -> str:
+        value = error(outcome, what)
+        return pages.error(value, scientific(value))
+    return made
 
 
 def beside_the_note(outcomes: list[Outcome]) -> str:
@@ -114,15 +121,15 @@ def beside_the_note(outcomes: list[Outcome]) -> str:
     columns = {"Program": lambda o: program_cell(o.case.program), "File": lambda o: pages.cell(escape(o.case.file)),
                "Δt (s)": lambda o: pages.number(entry_of(o).dt), "p (Pa)": lambda o: pages.number(entry_of(o).pressure),
                "Iteration": lambda o: pages.cell(escape(iteration_of(o))), "The note": lambda o: pages.cell(note_says(o)),
-               "These runs": lambda o: outcome_cell(o, words.get(verdict(o), verdict(o))),
+               "These runs": lambda o: outcome_cell(o, words.get(said(o), said(o))),
                "same outcome": lambda o: pages.cell(agreement(o)), "same step and iteration": lambda o: pages.cell(agreement_in_place(o) or ""),
                "mean pressure error": error_cell("pressure_mean"), "max displacement/Δx": error_cell("displacement_max_over_dx")}
     return pages.section(
         "Table 2 of the note, beside ours", pages.columns(ours, columns, "wide", lambda o: o.case.file),
-        f"<p class=\"small\">Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
+        pages.small(f"Source: {note.SOURCE}, table 2, with the note's Δt and p; {note.STEPS} steps, {note.TEMPERATURE} K. "
         "The note gives no figures for the errors but “1 % without boundary correction, 0.1 % or less with it”. The files' "
-        "names are the note's. Iteration: the solver and the tolerance of these runs.</p>",
-        *(f"<p>{text}</p>" for text in prose.beside_the_note(ours)))
+        "names are the note's. Iteration: the solver and the tolerance of these runs."),
+        *map(pages.paragraph, prose.beside_the_note(ours)))
 
 
 def iteration_of(outcome: Outcome) -> str:
@@ -145,11 +152,11 @@ def all_runs(outcomes: list[Outcome]) -> str:
         return lambda o: pages.number(text(o) if o.kind == COMPLETED else "")
 
     columns = {"File": lambda o: pages.cell(escape(o.case.file)), "Program": lambda o: program_cell(o.case.label),
-               "Outcome": lambda o: outcome_cell(o, verdict(o)),
+               "Outcome": lambda o: outcome_cell(o, said(o)),
                "p error, mean": error_cell("pressure_mean"), "p error, max": error_cell("pressure_max"),
                "ρ error, max": error_cell("density_max"), "moved/Δx, max": error_cell("displacement_max_over_dx"),
                "ms/step": of_completed(lambda o: f"{1e3 * cost:.2g}" if (cost := cost_per_step(o)) else ""),
                "walls": of_completed(lambda o: "" if (share := wall_share(o)) is None else f"{100 * share:.0f} %")}
     return pages.section("All runs", pages.columns(outcomes, columns, "wide", lambda o: o.case.file),
-                         "<p class=\"small\">Errors are relative; walls: their share of the time. With more columns: table.csv "
-                         "beside this page; every run's output: the folder runs.</p>")
+                         pages.error_key("Errors are relative; walls: their share of the time. With more columns: table.csv "
+                                         "beside this page; every run's output: the folder runs."))

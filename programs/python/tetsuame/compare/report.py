@@ -29,8 +29,8 @@ def facts(outcomes: list[Outcome], settings: tuple[str, ...]) -> list[str]:
 
 
 def crashes(outcomes: list[Outcome]) -> str:
-    return "\n".join(f"<p class=\"bad\">Crashed: {escape(o.case.label)} on file {escape(o.case.file)}: {escape(o.reason)}. "
-                     f"This is a fault of the program, not a result.</p>" for o in outcomes if o.kind == CRASHED)
+    return "\n".join(pages.paragraph(f"Crashed: {escape(o.case.label)} on file {escape(o.case.file)}: {escape(o.reason)}. "
+                                     "This is a fault of the program, not a result.", "bad") for o in outcomes if o.kind == CRASHED)
 
 
 def reasons(outcomes: list[Outcome]) -> str:
@@ -39,11 +39,8 @@ def reasons(outcomes: list[Outcome]) -> str:
     for outcome in outcomes:
         if outcome.kind not in (COMPLETED, CRASHED):
             said.setdefault(outcome.reason, []).append(f"{outcome.case.label} on {outcome.case.file}")
-    if not said:
-        return ""
-    items = "\n".join(f"<li>{escape('; '.join(names))}: <code>{escape(reason)}</code></li>"
-                      for reason, names in said.items())
-    return f"\n<p>What the programs said when they stopped:</p>\n<ul class=\"small\">\n{items}\n</ul>"
+    items = [f"{escape('; '.join(names))}: <code>{escape(reason)}</code>" for reason, names in said.items()]
+    return pages.section("What the programs said when they stopped", pages.listed(items, "small")) if items else ""
 
 
 def crash_lines(outcomes: list[Outcome]) -> list[str]:
@@ -51,6 +48,11 @@ def crash_lines(outcomes: list[Outcome]) -> list[str]:
     return [line for o in outcomes if o.kind == CRASHED
             for line in (f"CRASHED: {o.case.label} on file {o.case.file}: {o.reason}",
                          f"         what it said: {terminal_of(o.folder)}" if terminal_of(o.folder).is_file() else "") if line]
+
+
+def error_cell(value: float | None) -> str:
+    """A relative error in percent, coloured by its size."""
+    return pages.error(value, percent(value))
 
 
 def said(value: float | None, form: str = "{:.3g}") -> str:

@@ -1,12 +1,12 @@
 """Reads what a program left: fields of summary.json, residuals.csv, the last snapshot."""
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from ..reading import read_columns
+from ..reading import read_columns, read_keys, real
+from ..runs import Snapshot
 from .runner import Outcome
 
 
@@ -72,10 +72,10 @@ def lattice(folder: Path) -> tuple[tuple[float, float], float]:
     return lengths, lengths[1] / resolved(folder, "domain", "particles_y")
 
 
-def last_time(folder: Path) -> float:
-    """Of the last state on disk (s)."""
-    with h5py.File(sorted(folder.glob("snapshot_*.h5"))[-1]) as file:
-        return float(file["Header"].attrs["Time"])
+def last_snapshot(folder: Path) -> Snapshot | None:
+    """The last state on disk; None if there is none."""
+    names = sorted(folder.glob("snapshot_*.h5"))
+    return Snapshot(names[-1]) if names else None
 
 
 def history(folder: Path, name: str = "history.csv") -> dict[str, np.ndarray]:
@@ -86,18 +86,12 @@ def history(folder: Path, name: str = "history.csv") -> dict[str, np.ndarray]:
 
 def resolved(folder: Path, group: str, key: str) -> float:
     """A number of resolved.nml."""
-    return float(resolved_text(folder, group, key).lower().replace("d", "e"))
+    return real(resolved_text(folder, group, key))
 
 
 def resolved_text(folder: Path, group: str, key: str) -> str:
-    """A value of resolved.nml, which holds every key as run, one to a line; of a text without its quotes."""
-    here = ""
-    for line in (folder / "resolved.nml").read_text().splitlines():
-        if match := re.match(r"\s*&(\w+)", line):
-            here = match[1].lower()
-        elif here == group and (match := re.match(rf"\s*{key}\s*=\s*([^\s!,/]+)", line, re.IGNORECASE)):
-            return match[1].strip("'\"")
-    raise KeyError(f"{folder / 'resolved.nml'}: no key {key} in group {group}")
+    """The first word of a value of resolved.nml."""
+    return read_keys(folder / "resolved.nml")[f"{group}.{key}"].split()[0].strip("',/")
 
 
 def representatives(outcomes: list[Outcome], file: str) -> list[Outcome]:

@@ -4,7 +4,7 @@ from html import escape
 from pathlib import Path
 
 from .. import pages
-from . import fit, report
+from . import fit, report, table
 from .cases import Run, of_size
 from .figures import resolution
 from .figures import rti as figures
@@ -12,7 +12,6 @@ from .options import chosen, sizes
 from .report import percent, said
 from .results import history, number
 from .runner import COMPLETED, Outcome
-from .table import stopped_step
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
@@ -80,7 +79,7 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
     # Of a run that stopped, what it measured before is no growth rate of the whole window.
     measured = growth if is_growth and outcome.kind == COMPLETED else None
-    return {"stopped_step": stopped_step(outcome), "time": number(outcome.summary, "time") or last.get("time"),
+    return {"stopped_step": table.stopped_step(outcome), "said": table.said(outcome), "time": number(outcome.summary, "time") or last.get("time"),
             "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
             "growth_error": measured / theory - 1 if measured is not None and theory else None,
             "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
@@ -91,26 +90,29 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     names = list(dict.fromkeys(one["variant"] for one in measured["runs"]))
-    methods = "".join(f"<li><b>{escape(name)}</b> ({SCHEMES[name][0]}): {escape(SCHEMES[name][1])}</li>" for name in names)
-    return ["<p>The same input for all: metal over silicate in the note's box, each program with its own kernel, walls and viscous sum. A and B "
-            f"have Newton's iteration here: the plain one of the note diverges where p &lt; K/2.</p>\n<ul>{methods}</ul>",
-            "<h2>Who survives</h2>", outcome_table(measured, names),
-            "<h2>Overturn</h2>",
-            report.drawn(figures.states(outcomes), folder / "states.png",
-                         "The last state on disk: metal dark, silicate light, at each place the particle nearest to it."),
-            report.drawn(figures.courses(outcomes), folder / "courses.png",
-                         "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
-                         "over their start values. ×: the run stopped."),
-            "<h2>Growth</h2>",
-            report.drawn(figures.growth(outcomes), folder / "growth.png",
-                         "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with compressibility and "
-                         "walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some 10 % at any number of "
-                         "particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti."),
-            report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
-                                                lambda _, name, _quantity: (name, name, figures.colour(name)),
-                                                "|growth rate/theory − 1|"), folder / "convergence.png",
-                         "Distance of the growth rate from linear theory; bars: uncertainty of the fit."),
-            growth_table(measured, names)]
+    methods = [f"<b>{escape(name)}</b> ({SCHEMES[name][0]}): {escape(SCHEMES[name][1])}" for name in names]
+    return [pages.paragraph("The same input for all: metal over silicate in the note's box, each program with its own kernel, walls and viscous "
+                            "sum. A and B have Newton's iteration here: the plain one of the note diverges where p &lt; K/2."),
+            pages.listed(methods),
+            pages.section("Who survives", outcome_table(measured, names)),
+            pages.section(
+                "Overturn",
+                report.drawn(figures.states(outcomes), folder / "states.png", "The last state on disk: metal bright, silicate dark."),
+                report.drawn(figures.courses(outcomes), folder / "courses.png",
+                             "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
+                             "over their start values. ×: the run stopped; on the edge of a panel where it was outside.")),
+            pages.section(
+                "Growth",
+                report.drawn(figures.growth(outcomes), folder / "growth.png",
+                             "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with "
+                             "compressibility and walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some "
+                             "10 % at any number of particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti. "
+                             "×: the run stopped."),
+                report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
+                                                    lambda _, name, _quantity: (name, name, figures.colour(name)),
+                                                    "|growth rate/theory − 1|"), folder / "convergence.png",
+                             f"Distance of the growth rate from linear theory; bars: uncertainty of its fit. {resolution.LINES}"),
+                growth_table(measured, names))]
 
 
 def outcome_table(measured: dict, names: list[str]) -> str:
@@ -121,26 +123,33 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         low, high = one["density_ratio"]
         return "–" if low is None or high is None else f"{low:.2f} to {high:.2f}"
 
-    of_overturn = {"overturn": lambda one: pages.cell(escape(one["outcome"]), report.state_class(one["outcome"])),
+    of_overturn = {"overturn": lambda one: pages.cell(escape(one["said"]), report.state_class(one["outcome"])),
                    "until": lambda one: pages.number(said(one["time"], "{:.0f} s")), "why": lambda one: pages.cell(escape(cause(one["reason"]))),
                    "centroid/L": lambda one: pages.number(said(one["metal_centroid"], "{:.3f}")), "ρ/ρ_start": lambda one: pages.number(ratio(one)),
-                   "energy residual": lambda one: pages.number(said(one["energy_residual"], "{:.1e}")),
+                   "energy residual": lambda one: pages.error(one["energy_residual"] if one["outcome"] == COMPLETED else None,
+                                                              said(one["energy_residual"], "{:.1e}")),
                    "seconds": lambda one: pages.number(said(one["seconds"]))}
     columns = {"Scheme": lambda name: pages.name(name, figures.colour(name)),
-               "growth rate, error": lambda name: pages.number(growth_text(finest.get(name))),
+               "growth rate, error": lambda name: growth_cell(finest.get(name)),
                **{head: lambda name, made=made: made(over[name]) if name in over else pages.cell("") for head, made in of_overturn.items()}}
-    return pages.columns(names, columns) + "<p class=\"small\">Of a run that stopped: as on the last line of its history.</p>"
+    return pages.columns(names, columns) + pages.error_key("Of a run that stopped: as on the last line of its history.")
+
+
+def growth_cell(one: dict | None) -> str:
+    return pages.error(one["growth_error"] if one else None, growth_text(one))
 
 
 def growth_text(one: dict | None) -> str:
     if one is None:
         return "–"
-    return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["outcome"])
+    return percent(one["growth_error"]) if one["growth_error"] is not None else escape(one["said"])
 
 
 def cause(reason: str | None) -> str:
     """What stopped a run, in a few words: the message itself stands at the end of the page."""
     text = reason or ""
+    if "no state with p > 0 exists" in text:
+        return "no solution"
     if "not positive" in text and ("weight Y" in text or "pressure" in text):
         return "Y ≤ 0" if "weight Y" in text else "p ≤ 0"
     if "particles moved" in text:
@@ -157,10 +166,10 @@ def short(reason: str | None) -> str:
 def growth_table(measured: dict, names: list[str]) -> str:
     runs = {(one["variant"], one["n"]): one for one in measured["runs"] if one["case"] == GROWTH}
     columns = {"Scheme": pages.name,
-               **{f"error, n = {n}": lambda name, n=n: pages.number(growth_text(runs.get((name, n)))) for n in sorted({n for _, n in runs})},
+               **{f"error, n = {n}": lambda name, n=n: growth_cell(runs.get((name, n))) for n in sorted({n for _, n in runs})},
                "order": lambda name: pages.number(fit.order_of(measured, GROWTH, name))}
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
-    return pages.columns(names, columns) + (f"<p class=\"small\">Linear theory: {theory:.6g} 1/s.</p>" if theory else "")
+    return pages.columns(names, columns) + fit.note(measured) + (pages.small(f"Linear theory: {theory:.6g} 1/s.") if theory else "")
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:

@@ -48,6 +48,8 @@ TESTS = {
     "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is"),
     "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory"),
 }
+OVER = "Errors of ρ, v and p are coloured by their part of the exact field's largest value."
+WIDE = max(len(name) for name, _ in SCHEME.values()) + 2  # of a column on the terminal
 ERRORS = ("density_l1", "velocity_l1", "pressure_l1")
 METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate": ("growth rate", "growth_rate_theory"),
            "square_area_change": ("change of area", None), "square_corner_radius": ("corner radius/edge", None),
@@ -99,9 +101,17 @@ def row(outcome: Outcome, outcomes: list[Outcome]) -> dict | None:
         if value is not None and done:
             exact = number(summary, "metrics", right) if right else None
             values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
-    return {"place": place(outcome) or None, "errors": {name: value for name, value in errors.items() if value is not None},
+    return {"place": place(outcome) or None, "sizes": sizes_of(outcome, fine) if done else {}, "errors": {name: value for name, value in errors.items() if value is not None},
             "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
             "energy_drift": number(summary, "conservation", "energy") if done else None}
+
+
+def sizes_of(outcome: Outcome, fine: Outcome | None) -> dict[str, float]:
+    """Of each field that an L1 error is of, the largest value in the solution it is held against: the errors are shown over them."""
+    fields = fluid((fine or outcome).folder) or {}
+    ending = "" if fine else "Reference"
+    return {error: float(np.abs(fields[name + ending]).max()) for error, name in
+            (("density_l1", "Density"), ("velocity_l1", "Velocities"), ("pressure_l1", "Pressure")) if name + ending in fields}
 
 
 def errors_against(folder: Path, fine: Path) -> dict[str, float]:
@@ -124,27 +134,24 @@ def l1(here: dict, there: dict) -> dict[str, float]:
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     tests = list(dict.fromkeys(one["case"] for one in measured["runs"]))
-    parts = ["<p>One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and in where "
-             "dissipation comes from (artificial viscosity or Riemann problems).</p>",
-             "<h2>At a glance</h2>", glance(measured, tests),
-             "<h2>Convergence</h2>",
-             report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
-                                                 lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"), folder / "convergence.png",
-                          "Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. Lines: the fitted order.")]
-    for test in tests:
-        parts += [f"<h2>{escape(test)}: {escape(TESTS[test].about)}</h2>",
-                  report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
-                  test_table(measured, test)]
-    parts += ["<h2>What it costs</h2>",
-              report.drawn(resolution.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6),
-                           folder / "cost.png",
-                           "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one "
-                           "thread; other work on the machine shows in it.")]
-    return parts
+    parts = [pages.paragraph("One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and "
+                             "in where dissipation comes from (artificial viscosity or Riemann problems)."),
+             pages.section("At a glance", glance(measured, tests)),
+             pages.section("Convergence", report.drawn(
+                 resolution.convergence(fit.series(measured["runs"], judged), lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"),
+                 folder / "convergence.png",
+                 f"Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. {resolution.LINES}"))]
+    parts += [pages.section(f"{test.replace('_', ' ')}: {TESTS[test].about}",
+                            report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
+                            test_table(measured, test)) for test in tests]
+    return [*parts, pages.section("What it costs", report.drawn(
+        resolution.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6), folder / "cost.png",
+        "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one thread; other work on "
+        "the machine shows in it."))]
 
 
 def glance(measured: dict, tests: list[str]) -> str:
-    """Each test at its finest resolution: the density's error, or what stands for it; the least is marked."""
+    """Each test at its finest resolution: the density's error, or what stands for it; the least is bold."""
     schemes = [s for s in SCHEMES if any(one["variant"] == s for one in measured["runs"])]
     rows = []
     for test in tests:
@@ -162,11 +169,11 @@ def glance(measured: dict, tests: list[str]) -> str:
             if one["outcome"] != COMPLETED:
                 return pages.cell(escape(", ".join(filter(None, (one["outcome"], one["place"])))), "stop")
             best = values[scheme] is not None and values[scheme] <= max(1.001 * least, 1e-9)
-            return pages.cell(headline_text(one, name), "number good" if best else "number")
+            return pages.error(relative(one, name), headline_text(one, name), "best" if best else "")
 
         rows.append([pages.name(test), pages.number(finest), pages.cell(headline_name(name)), *map(result, schemes)])
     return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows) + \
-        "<p class=\"small\">Green: the least error. A run that stopped says why below its test.</p>"
+        pages.error_key(f"Bold: the least error. {OVER} A run that stopped says why below its test.")
 
 
 def headline(runs: list[dict]) -> str:
@@ -192,6 +199,14 @@ def size(one: dict, name: str) -> float | None:
     return one["errors"].get(name)
 
 
+def relative(one: dict, name: str) -> float | None:
+    """size() of a measure; of an L1 error over the largest value of its field."""
+    value = size(one, name)
+    if name in METRICS or value is None:
+        return value
+    return value / one["sizes"][name] if one["sizes"].get(name) else None
+
+
 def headline_text(one: dict, name: str) -> str:
     value = one["metrics"].get(name) if name in METRICS else None
     if value is not None:
@@ -209,7 +224,10 @@ def test_table(measured: dict, test: str) -> str:
 
     def metric(one: dict, name: str) -> str:
         value = one["metrics"].get(name)
-        return "–" if value is None else f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else "")
+        if value is None:
+            return pages.number("–")
+        text = f"{value['value']:.3g}" + (f" ({percent(value['error'])})" if value["exact"] else "")
+        return pages.error(value["error"], text)
 
     def order(one: dict) -> str:
         return pages.number(fit.order_of(measured, test, one["variant"]) if one["n"] == finest else "")
@@ -219,28 +237,29 @@ def test_table(measured: dict, test: str) -> str:
         return pages.cell(escape(text), report.state_class(one["outcome"]))
 
     names = {"density_l1": "L1 of ρ", "velocity_l1": "L1 of v", "pressure_l1": "L1 of p"}
-    errors = {names[name]: lambda one, name=name: pages.number(scientific(one["errors"].get(name)))
+    errors = {names[name]: lambda one, name=name: pages.error(relative(one, name), scientific(one["errors"].get(name)))
               for name in ERRORS if any(name in one["errors"] for one in runs)}
-    metrics = {METRICS[name][0]: lambda one, name=name: pages.number(metric(one, name))
+    metrics = {METRICS[name][0]: lambda one, name=name: metric(one, name)
                for name in METRICS if any(name in one["metrics"] for one in runs)}
     columns = {"Scheme": lambda one: pages.name(*SCHEME[one["variant"]]), "n": lambda one: pages.number(one["n"]), "Outcome": outcome,
                **errors, **({"order": order} if errors else {}), **metrics,
-               "energy drift": lambda one: pages.number(scientific(one["energy_drift"])),
+               "energy drift": lambda one: pages.error(one["energy_drift"], scientific(one["energy_drift"])),
                "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"])),
                "seconds": lambda one: pages.number(said(one["seconds"]))}
     against = next((one["errors_against"] for one in runs if one["errors_against"]), None)
     note = "" if not against else f"the {against}." if against.startswith("exact") else f"{against}: what both have wrong does not show."
+    none = errors and any(one["order"] is None for one in measured["orders"] if one["case"] == test)
     return pages.columns(runs, columns, "wide", lambda one: one["variant"]) + \
-        (f"<p class=\"small\">Errors against {escape(note)}</p>" if note else "")
+        pages.small(" ".join(filter(None, (f"Errors against {escape(note)}" if note else "", fit.WHY_NONE if none else ""))))
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
-    lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>12}" for s in SCHEMES)]
+    lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>{WIDE}}" for s in SCHEMES)]
     for test in dict.fromkeys(one["case"] for one in measured["runs"]):
         for n in sorted({one["n"] for one in measured["runs"] if one["case"] == test}):
             runs = {one["variant"]: one for one in measured["runs"] if one["case"] == test and one["n"] == n}
             name = headline(list(runs.values()))
-            cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>12}"
+            cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>{WIDE}}"
                             for s in SCHEMES)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
     return lines

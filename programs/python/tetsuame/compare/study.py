@@ -10,7 +10,6 @@ import argparse
 import hashlib
 import json
 import math
-from html import escape
 from pathlib import Path
 
 from .. import ROOT, pages
@@ -70,7 +69,7 @@ def page(subject, outcomes: list[runner.Outcome], measured: dict | None, given: 
         old.unlink()
     parts = [pages.head(subject.TITLE, report.facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
              *subject.sections(outcomes, measured, given.output), report.reasons(outcomes),
-             f"<h2>To see it again</h2>\n<pre><code>{escape(again)}{getattr(subject, 'AGAIN', '')}</code></pre>"]
+             pages.section("To see it again", pages.commands(again + getattr(subject, "AGAIN", "")))]
     return pages.document(subject.TITLE, parts)
 
 

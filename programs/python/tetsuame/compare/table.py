@@ -32,6 +32,12 @@ def verdict(outcome: Outcome) -> str:
     return outcome.kind if outcome.kind in (COMPLETED, CRASHED) else outcome.summary.get("status", "failed")
 
 
+def said(outcome: Outcome) -> str:
+    """As verdict(), for people: a solver that saw before its first pass that there is nothing to find has not diverged."""
+    none = outcome.kind == STOPPED and number(outcome.summary, "diverged_iteration") == 0
+    return "no solution" if none else verdict(outcome)
+
+
 def stopped_step(outcome: Outcome) -> int | None:
     """The step in which a calculation stopped; a failure that is no divergence has it in its message."""
     if (step := number(outcome.summary, "diverged_step")) is not None:
@@ -42,7 +48,7 @@ def stopped_step(outcome: Outcome) -> int | None:
 
 def place(outcome: Outcome) -> str:
     """Where a calculation stopped: 'step 1, iteration 2'."""
-    # Iteration 0: a solver saw that there is no solution before it began.
+    # Iteration 0: before the first pass.
     parts = ("step", stopped_step(outcome)), ("iteration", number(outcome.summary, "diverged_iteration"))
     return ", ".join(f"{word} {value:g}" for word, value in parts if value)
 
@@ -128,8 +134,8 @@ def cell(outcome: Outcome | None) -> str:
         return "CRASHED"
     if outcome.kind != COMPLETED:
         step, iteration = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
-        where = f" {step}" if step is not None else ""
-        return verdict(outcome) + where + (f"/{iteration:g}" if iteration else "")  # 0: as in place()
+        where = f" {step}" if step is not None and iteration != 0 else ""
+        return said(outcome) + where + (f"/{iteration:g}" if iteration else "")
     value = error(outcome, "pressure_mean")
     return "completed" if value is None else f"{value:.1e}"
 
@@ -152,8 +158,8 @@ def terminal(outcomes: list[Outcome], _measured: None) -> list[str]:
     for outcome in outcomes:
         if agreement(outcome) == "no" and outcome.kind != CRASHED:
             lines.append(f"Not as in the note: {outcome.case.label} on file {outcome.case.file}: "
-                         f"{verdict(outcome)}; the note: {note_says(outcome)}")
+                         f"{said(outcome)}; the note: {note_says(outcome)}")
         elif agreement_in_place(outcome) == "no":
             lines.append(f"Not where the note has it: {outcome.case.label} on file {outcome.case.file}: "
-                         f"{verdict(outcome)}, {place(outcome)}; the note: {note_says(outcome)}")
+                         f"{said(outcome)}, {place(outcome)}; the note: {note_says(outcome)}")
     return lines

@@ -3,9 +3,9 @@ from .. import style
 from . import model
 from .analysis import base_of
 
-COLOUR = {"strong": "#0072B2", "weak": "#E69F00"}
-SIZES = {1e7: "#56B4E9", 1e8: "#0072B2", 1e9: "#222222"}  # particles in all
-LOADS = {1e3: "#F0C674", 1e4: "#E69F00", 1e6: "#D55E00"}  # particles a rank
+COLOUR = {"strong": style.BLUE, "weak": style.ORANGE}
+SIZES = {1e7: style.SKY, 1e8: style.BLUE, 1e9: style.INK}  # particles in all
+LOADS = {1e3: style.PINK, 1e4: style.ORANGE, 1e6: style.VERMILION}  # particles a rank
 RANKS = [1 << k for k in range(15)]
 
 
@@ -56,7 +56,7 @@ def prediction(costs: model.Costs, network: model.Network = model.HDR, beside: d
                 label = f"{n:.0e}".replace("e+0", "e") if net is None else None
                 ax.plot(RANKS, [model.efficiency(all_of(n, p), p, costs, net) for p in RANKS], color=colour, linestyle=dashes, label=label)
     for n, points in (beside or {}).items():
-        colour = SIZES.get(n, "#999999")
+        colour = SIZES.get(n, style.GREY)
         strong.plot(*zip(*points), linestyle="", marker="o", markersize=4, color=colour, label=f"{n:.0e}, balance".replace("e+0", "e"))
         if n not in SIZES:
             strong.plot(RANKS, [model.efficiency(n, p, costs) for p in RANKS], color=colour, linewidth=1)

@@ -20,8 +20,9 @@ def page(rows: list[dict], exchanges: list[dict]) -> str:
                             "prediction": figures.prediction(costs) if costs else None})
     return pages.document("scaling", [
         pages.head("Scaling", facts, f"Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. "
-                                     "What it means: docs/scaling.md."), numbers(rows),
-        *(f"<p>Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.</p>" for fit in analysis.amdahl(rows)),
+                                     "What it means: docs/scaling.md."),
+        pages.section("All numbers", numbers(rows),
+                      *(pages.paragraph(f"Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.") for fit in analysis.amdahl(rows))),
         *(pages.section(CAPTIONS[name][0], pages.figure(png, CAPTIONS[name][1])) for name, png in drawn.items()),
         cost_table(costs) if costs else "", exchange_table(exchanges)])
 

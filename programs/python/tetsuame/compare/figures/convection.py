@@ -1,15 +1,13 @@
 """The figures of the comparison of convection."""
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
 
-from ... import style
-from ...fields import look
+from ... import plots, style
 from ...rendering import slice_of
-from ...runs import Snapshot
 from .. import references
-from ..results import history, resolved
+from ..results import history, last_snapshot, resolved
 from ..runner import COMPLETED, Outcome
 
 
@@ -22,41 +20,30 @@ def by_case(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
 
 
 def state(folder: Path):
-    """The last snapshot, rendered: temperature from 0 (top) to 1 (bottom), the square of the horizontal velocity, and the height;
-    None if there is none."""
-    shown = sorted(folder.glob("snapshot_*.h5"))
-    if not shown or "Temperature" not in Snapshot(shown[-1]):
+    """The last snapshot; rendered, over the box's height: temperature from 0 (top) to 1 (bottom), and the square of the horizontal
+    velocity; and the height. None if there is none."""
+    snapshot = last_snapshot(folder)
+    if snapshot is None or "Temperature" not in snapshot:
         return None
-    snapshot, height = Snapshot(shown[-1]), resolved(folder, "domain", "length_y")
+    height = resolved(folder, "domain", "length_y")
     top, bottom = (resolved(folder, "walls", f"temperature_{side}") for side in ("top", "bottom"))
-    temperature = slice_of(snapshot, (snapshot["Temperature"] - top) / (bottom - top), 400, 2, None)
-    return snapshot, temperature, slice_of(snapshot, snapshot["Velocities"][:, 0] ** 2, 400, 2, None), height
-
-
-def width_of(outcome: Outcome) -> float:
-    """Of the box, over its height."""
-    return resolved(outcome.folder, "domain", "length_x") / resolved(outcome.folder, "domain", "length_y")
+    kelvin, square = snapshot.map("Temperature", 400), slice_of(snapshot, snapshot["Velocities"][:, 0] ** 2, 400, 2, None)
+    extent = tuple(edge / height for edge in kelvin.extent)
+    return snapshot, replace(kelvin, values=(kelvin.values - top) / (bottom - top), extent=extent), replace(square, extent=extent), height
 
 
 def fields(outcomes: list[Outcome]):
     finest = (max(runs, key=lambda o: o.case.n) for runs in by_case(outcomes).values())
-    states = [(o.case, s, width_of(o)) for o in finest if (s := state(o.folder)) is not None]
+    states = [(o.case, s) for o in finest if (s := state(o.folder)) is not None]
     if not states:
         return None
-    columns = min(3, len(states))
-    widest = max(width for *_, width in states)
-    figure, axes = style.panels(len(states), columns, 3.5 / max(1.0, 0.75 * widest))
-    image = None
-    for ax, (case, (snapshot, T, _, height), width) in zip(axes, states):
-        image = ax.imshow(T.values, origin="lower", extent=[edge / height for edge in T.extent], cmap=look("Temperature").colours, vmin=0, vmax=1,
-                          interpolation="bilinear")
-        ax.contour(T.x / height, T.y / height, T.values, levels=np.arange(0.1, 0.95, 0.1), colors="white", linewidths=0.7, alpha=0.85)
-        draw_arrows(ax, *(snapshot["Coordinates"] / height).T[:2], snapshot["Velocities"][:, :2], width)
+    figure, axes = style.map_panels(len(states), max(plots.wide(T) for _, (_, T, _, _) in states), bars=False)
+    for ax, (case, (snapshot, T, _, height)) in zip(axes, states):
+        image = plots.draw_map(ax, T, "Temperature", "", (0, 1), length="", bar=False)
+        plots.isolines(ax, T, np.arange(0.1, 0.95, 0.1))
+        draw_arrows(ax, *(snapshot["Coordinates"] / height).T[:2], snapshot["Velocities"][:, :2], plots.wide(T))
         ax.set_title(f"{case.file}, n = {case.n}")
-        style.as_map(ax, (0, width), (0, 1))
-        ax.set_xticks([0, width], ["0", f"{width:g}"])
-        ax.set_yticks([0, 1])
-        ax.spines[["top", "right"]].set_visible(True)
+        ax.set(xticks=[0, plots.wide(T)], yticks=[0, 1], xlabel="", ylabel="")
     style.colour_bar(figure, image, axes, "(T − T_top)/(T_bottom − T_top)", shrink=0.7, aspect=30, pad=0.015)
     return figure
 
@@ -69,12 +56,13 @@ def draw_arrows(ax, x, y, v, width, across: int = 11) -> None:
     step = 1 / across
     chosen = [int(np.argmin((x - a) ** 2 + (y - b) ** 2)) for a in np.arange(step / 2, width, step) for b in np.arange(step / 2, 1, step)]
     arrows = v[chosen] / speed * 1.3 * step
-    ax.quiver(x[chosen], y[chosen], *arrows.T, angles="xy", scale_units="xy", scale=1, pivot="mid", color=style.INK, alpha=0.75,
-              width=0.0045, headwidth=4, headlength=4, headaxislength=3.5)
+    ax.quiver(x[chosen], y[chosen], *arrows.T, angles="xy", scale_units="xy", scale=1, pivot="mid", color="white", edgecolor=style.INK,
+              linewidth=0.35, width=0.006, headwidth=4, headlength=4, headaxislength=3.5)
 
 
 def shade(index: int, count: int) -> tuple:
-    return colormaps["viridis_r"](0.15 + 0.8 * (index + 1) / count)
+    """Of one resolution among others: the finer, the darker."""
+    return style.plt.get_cmap("viridis_r")(0.15 + 0.8 * (index + 1) / count)
 
 
 def profiles(outcomes: list[Outcome]):
@@ -88,12 +76,12 @@ def profiles(outcomes: list[Outcome]):
             got = state(outcome.folder)
             if got is None:
                 continue
-            _, T, square, height = got
+            _, T, square, _ = got
             colour = shade(index, len(runs))
-            above.plot(np.nanmean(T.values, axis=1), T.y / height, color=colour, label=f"n = {outcome.case.n}")
+            above.plot(np.nanmean(T.values, axis=1), T.y, color=colour, label=f"n = {outcome.case.n}")
             columns = history(outcome.folder)
             unit = columns["v_rms_si"][-1] / columns["v_rms"][-1] if columns and columns["v_rms"][-1] > 0 else 1.0
-            below.plot(np.sqrt(np.maximum(np.nanmean(square.values, axis=1), 0)) / unit, square.y / height, color=colour)
+            below.plot(np.sqrt(np.maximum(np.nanmean(square.values, axis=1), 0)) / unit, square.y, color=colour)
         above.set_title(name)
         above.set_xlim(0, 1)
         above.set_xlabel("mean temperature")

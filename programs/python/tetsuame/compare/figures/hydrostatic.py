@@ -74,8 +74,8 @@ def displacement(outcomes: list[Outcome], file: str):
               if (fields := fluid(outcome.folder)) is not None and "Displacement" in fields]
     if not states:
         return None
-    figure, axes = style.panels(len(states), 3 if len(states) != 4 else 2, 3.6 if len(states) != 4 else 4.4,
-                                sharex=True, sharey=True)
+    lengths, _ = lattice(states[0][0].folder)
+    figure, axes = style.map_panels(len(states), lengths[0] / lengths[1], bars=False, sharex=True, sharey=True)
     norm = LogNorm(SMALLEST, LARGEST, clip=True)
     points = None
     for ax, (outcome, fields) in zip(axes, states):
@@ -93,12 +93,9 @@ def draw_map(ax, outcome: Outcome, fields: dict, norm):
     position, moved = fields["Coordinates"][:, :2] / 1e3, fields["Displacement"][:, :2]
     distance = np.hypot(*moved.T) / spacing
     largest = distance.max()
-    # Tiles that nearly touch, in points squared: the panel is about 2.6 inches for the box and its walls.
-    size = (0.8 * 72 * ax.get_position().width * style.WIDTH * 0.86 / (lengths[0] / spacing + 6.4)) ** 2
     if (walls := fluid(outcome.folder, "PartType1")) is not None:
-        ax.scatter(*walls["Coordinates"][:, :2].T / 1e3, s=size / 6, marker="s", color="#bdbdbd", linewidths=0)
-    points = ax.scatter(*position.T, s=size, marker="s", c=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS,
-                        linewidths=0)
+        style.tiles(ax, walls["Coordinates"][:, :2] / 1e3, 0.3 * spacing / 1e3, color=style.FAINT)
+    points = style.tiles(ax, position, 0.92 * spacing / 1e3, array=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS)
     # Below the colours' range the directions are those of round-off.
     if largest > SMALLEST:
         arrows = moved / spacing / largest * ARROW * spacing / 1e3
@@ -135,10 +132,17 @@ def residual(outcomes: list[Outcome], files: list[str]):
     # One panel more than there are inputs holds the legend.
     figure, axes = style.panels(len(shown_files) + 1, 3, 2.9)
     for ax, file in zip(axes, shown_files):
+        crosses: list = []
+        ax.set_yscale("log")
         for outcome, history in curves:
             if outcome.case.file == file:
-                draw_line(ax, outcome, history)
-        ax.set_yscale("log")
+                draw_line(ax, outcome, history, crosses)
+        if not ax.lines:  # nothing but crosses
+            ax.set_ylim(1e-3, 1.0)
+        ends = [*ax.get_xlim(), *(x for x, *_ in crosses)] if ax.lines else [x for x, *_ in crosses]
+        ax.set_xlim(min(min(ends) - 0.3, 0.7), max(max(ends) + 0.3, 2.3))
+        for cross in crosses:
+            style.stopped(ax, *cross)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.set_title(f"File {file}")
         ax.set_xlabel("pass")
@@ -148,22 +152,22 @@ def residual(outcomes: list[Outcome], files: list[str]):
     return figure
 
 
-def draw_line(ax, outcome: Outcome, history: Residuals) -> None:
+def draw_line(ax, outcome: Outcome, history: Residuals, crosses: list) -> None:
+    """`crosses`: those of runs that stopped are put there, to be drawn when the limits are known."""
     variant, stopped = outcome.case.variant, outcome.kind != COMPLETED
     good = (history.residual > 0) & np.isfinite(history.residual)
     passes, values = history.iteration[good], history.residual[good]
     colour = style.COLOUR[outcome.case.program]
     if stopped and not good[-1]:
-        # p^ <= 0: the logarithm has no value. The mark stands at the upper edge, B's below A's.
-        ax.plot(history.iteration[-1], 0.96 if outcome.case.program == "A" else 0.88, color=colour, marker="x", markersize=7, markeredgewidth=2,
-                transform=ax.get_xaxis_transform())
+        # p^ <= 0: the logarithm has no value. The cross stands at the upper edge, B's below A's.
+        crosses.append((history.iteration[-1], None, colour, int(outcome.case.program == "B")))
     if len(passes) == 0:
         return
     # A single value makes no line.
     ax.plot(passes, values, color=colour, linestyle=DASHES.get(variant.split(",")[0], "-"),
             marker="o" if len(passes) == 1 else None, markersize=3.5)
     if stopped and good[-1]:
-        ax.plot(passes[-1], values[-1], color=colour, marker="x", markersize=7, markeredgewidth=2)
+        crosses.append((passes[-1], values[-1], colour))
     growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
     if not variant and growth is not None and growth > 1:
         # From the first residual, as many passes as were made, at least two so that the slope is seen.
@@ -186,10 +190,7 @@ def draw_legend(ax, curves: list) -> None:
 
 # ---- time a step by stage, for the runs of one input; what treats walls stands out ------------------------------------
 
-WALL = "#CC3311"
-OTHERS = ("#4477AA", "#66A5CC", "#99C7DB", "#8C8C6E", "#B8B38F", "#DDD8B8")
-REST = "#e4e4e4"
-SMALL = 0.01  # of the time of all runs: stages below are not told apart
+SMALL, MOST = 0.01, 6  # of the time of all runs: stages below are not told apart; nor more than so many
 
 
 def input_shown(outcomes: list[Outcome], files: list[str]) -> str | None:
@@ -209,13 +210,14 @@ def cost(outcomes: list[Outcome], files: list[str]):
             total[name] = total.get(name, 0.0) + seconds
     walls = [name for name in total if name.startswith("wall")]
     seen = [name for name in total if name not in walls and total[name] > SMALL * sum(total.values())]
-    others = sorted(seen, key=total.get, reverse=True)[:len(OTHERS)]
+    others = sorted(seen, key=total.get, reverse=True)[:MOST]
 
     # Of each part its colour and the stages in it.
-    parts = {"wall correction": (WALL, walls)} | {name.replace("_", " "): (colour, [name]) for name, colour in zip(others, OTHERS)}
+    parts = {"wall correction": (style.STAGE["walls"], walls)} | \
+        {name.replace("_", " "): (style.STAGE.get(name, style.GREY), [name]) for name in others}
     rest = [name for name in total if name not in {*walls, *others}]
     milliseconds = {label: (colour, [1e3 * sum(stages(o).get(name, 0.0) for name in names) / o.summary["steps"] for o in runs])
-                    for label, (colour, names) in (parts | {"everything else": (REST, rest)}).items()}
+                    for label, (colour, names) in (parts | {"everything else": (style.STAGE["rest"], rest)}).items()}
     figure, ax, ends = style.stacked([outcome.case.label for outcome in runs], milliseconds, "time a step without output (ms), one thread",
                                      margin=1.3)
     style.say_at_ends(ax, ends, [f"{end:.2g} ms" for end in ends])

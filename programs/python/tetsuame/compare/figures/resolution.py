@@ -7,6 +7,9 @@ from .. import fit
 from ..runner import COMPLETED
 
 
+LINES = "Lines: the fitted order; dotted: too few points for one."  # of captions
+
+
 def convergence(series: dict, look, ylabel: str):
     """`series`: of fit.series; look(case, variant, quantity): the title of the panel, the label and the colour of the curve."""
     panels: dict[str, list] = {}
@@ -19,6 +22,7 @@ def convergence(series: dict, look, ylabel: str):
     columns = min(4, len(panels))
     lines = max(map(len, panels.values()))
     figure, axes = style.panels(len(panels), columns, 2.7 + 0.19 * lines, sharey=len(panels) <= columns)
+    figure.set_size_inches(style.WIDTH * min(1.0, 0.45 * columns), figure.get_size_inches()[1])
     for ax, (title, curves) in zip(axes, panels.items()):
         ax.set_xscale("log")
         ax.set_yscale("log")

@@ -1,29 +1,20 @@
 """The figures of the comparison of schemes on metal over silicate."""
 import numpy as np
-from matplotlib.colors import ListedColormap
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ... import style
-from ..results import fluid, history, last_time, number, resolved
+from ... import plots, style
+from ..results import history, last_snapshot, number
 from ..runner import COMPLETED, Outcome
 
-MATERIALS = ListedColormap(["#e8c9a0", "#5b3a29"])   # silicate, metal
-OTHERS = {"Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
 TWO_AND_LEGEND = {"width_ratios": (1.0, 1.0, 0.28)}
 
 
 def colour(name: str) -> str:
-    return style.COLOUR.get(name) or OTHERS[name]
+    return style.COLOUR[name]
 
 
 def look(name: str) -> dict:
     return {"color": colour(name), "linestyle": (0, (4, 2)) if name in style.DASHED else "-", "linewidth": 1.4}
-
-
-def cross(ax, t: float, value: float, name: str) -> None:
-    """Where a run stopped: on the edge of an axis that it has left."""
-    low, high = ax.get_ylim()
-    ax.plot(t, min(max(value, low), high), "x", color=colour(name), markersize=7, markeredgewidth=2, clip_on=False, zorder=5)
 
 
 def stop_of(outcome: Outcome, last_line: float) -> float:
@@ -39,33 +30,19 @@ def legend(axes, title: str) -> None:
     axes[-1].legend(handles, labels, loc="center left", fontsize=8.5, title=title, alignment="left", handlelength=3)
 
 
-def nearest(x, y, values, points: int = 160) -> np.ndarray:
-    """The value of the particle nearest to each point of an even lattice over the unit square."""
-    at = (np.arange(points) + 0.5) / points
-    rows = [values[np.argmin((x[None, :] - at[:, None]) ** 2 + (y[None, :] - height) ** 2, axis=1)] for height in at]
-    return np.array(rows, float)
-
-
 def states(outcomes: list[Outcome]):
-    runs = [(o, fields) for o in outcomes if o.case.file == "overturn" and (fields := fluid(o.folder)) is not None and "Material" in fields]
+    runs = [(o, snapshot) for o in outcomes if o.case.file == "overturn" and (snapshot := last_snapshot(o.folder)) and "Material" in snapshot]
     if not runs:
         return None
-    columns = min(5, len(runs))
-    figure, axes = style.panels(len(runs), columns, style.WIDTH / columns * 1.24, sharex=True, sharey=True)
-    for ax, (o, fields) in zip(axes, runs):
-        length = resolved(o.folder, "domain", "length_x")
-        x, y = fields["Coordinates"][:, :2].T / length
-        ax.imshow(nearest(x, y, fields["Material"] > 0.5), origin="lower", extent=(0, 1, 0, 1), cmap=MATERIALS, vmin=0, vmax=1,
-                  interpolation="nearest")
-        ax.set_title(o.case.variant, pad=15)
+    figure, axes = style.map_panels(len(runs), 1.0, 5, bars=False)
+    for ax, (o, snapshot) in zip(axes, runs):
+        plots.draw_map(ax, snapshot.map("Material"), "Material", "", (0, 1), bar=False)
         until = number(o.summary, "time")
         said = "complete" if o.kind == COMPLETED else "stopped" if until is None else f"stopped at {until:.0f} s"
-        ax.text(0, 1.02, f"t = {last_time(o.folder):.0f} s, {said}", transform=ax.transAxes, fontsize=8,
-                color=style.GREY if o.kind == COMPLETED else "#a1160a")
-        style.as_map(ax, (0, 1), (0, 1))
-        ax.set_xticks([])
-        ax.set_yticks([])
-        ax.spines[["top", "right"]].set_visible(True)
+        ax.set_title(o.case.variant, pad=15)
+        ax.text(0, 1.02, f"t = {snapshot.time:.0f} s, {said}", transform=ax.transAxes, fontsize=8,
+                color=style.GREY if o.kind == COMPLETED else style.ALARM)
+        ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
     return figure
 
 
@@ -88,7 +65,7 @@ def courses(outcomes: list[Outcome]):
     for o, columns in runs:
         if o.kind != COMPLETED:
             for ax, quantity in ((axes[0], "centroid"), (axes[1], "density_ratio_max")):
-                cross(ax, stop_of(o, columns["time"][-1]), columns[quantity][-1], o.case.variant)
+                style.stopped(ax, stop_of(o, columns["time"][-1]), columns[quantity][-1], colour(o.case.variant))
     legend(axes, "Scheme")
     return figure
 
@@ -115,7 +92,7 @@ def growth(outcomes: list[Outcome]):
             axes[1].plot(t, ratio, **look(o.case.variant))
             ratios.extend(ratio)
         if o.kind != COMPLETED:
-            stops.append((stop_of(o, t[-1]), amplitude[-1], o.case.variant))
+            stops.append((stop_of(o, t[-1]), amplitude[-1], colour(o.case.variant)))
     axes[0].set_yscale("log")
     axes[0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -127,6 +104,6 @@ def growth(outcomes: list[Outcome]):
         ax.set_xlabel("time (s)")
         ax.set_xlim(0, end)
     for stop in stops:
-        cross(axes[0], *stop)
+        style.stopped(axes[0], *stop)
     legend(axes, f"Scheme, n = {finest}")
     return figure

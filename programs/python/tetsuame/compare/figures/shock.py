@@ -1,9 +1,8 @@
 """The figures of the comparison of schemes on contacts and shocks."""
 import numpy as np
-from matplotlib import colormaps
 
-from ... import style
-from ..results import fluid, resolved
+from ... import plots, style
+from ..results import fluid, last_snapshot, resolved
 from ..runner import COMPLETED, Outcome
 
 ORDER = tuple(style.SCHEME)
@@ -26,38 +25,34 @@ def chosen(outcomes: list[Outcome], test: str) -> list[Outcome]:
 def caption(outcomes: list[Outcome], test: str) -> str:
     n = ", ".join(sorted({str(o.case.n) for o in chosen(outcomes, test)}))
     if test in MAPS:
-        return f"Density of the particles at the end, n = {n}; the colours of all panels are the same."
+        return f"Density at the end, n = {n}; the colours of all panels are the same."
     exact = "line: a run of GSPH with twice the particles." if test == "blasts" else "line: the exact solution."
     return f"Every particle at the end, n = {n}; {exact}"
 
 
 def state(outcomes: list[Outcome], test: str):
+    if test in MAPS:
+        return maps([(o, snapshot) for o in chosen(outcomes, test) if (snapshot := last_snapshot(o.folder)) is not None])
     runs = [(o, fields) for o in chosen(outcomes, test) if (fields := fluid(o.folder)) is not None]
     if not runs:
         return None
-    if test in MAPS:
-        return maps(runs)
     fine = next((fluid(o.folder) for o in outcomes if o.case.file == test and o.case.variant == "reference" and o.kind == COMPLETED), None)
     return scatter(runs, fine, test)
 
 
 def maps(runs):
-    every = np.concatenate([fields["Density"] for _, fields in runs])
+    if not runs:
+        return None
+    every = np.concatenate([snapshot["Density"] for _, snapshot in runs])
     low, high = np.quantile(every, [0.005, 0.995])
     if high - low < 1e-6 * high:
         low, high = 0.9 * low, 1.1 * high
-    figure, axes = style.panels(len(runs), 4, 2.85, sharex=True, sharey=True)
-    points = None
-    for ax, (o, fields) in zip(axes, runs):
-        x, y = fields["Coordinates"][:, :2].T
-        length = resolved(o.folder, "domain", "length_x")
-        size = (0.86 * 72 * style.WIDTH / 4 * 0.88 / o.case.n) ** 2
-        points = ax.scatter(x, y, c=fields["Density"], s=size * 1.1, vmin=low, vmax=high, cmap=colormaps["cividis"], linewidths=0)
+    figure, axes = style.map_panels(len(runs), 1.0, 4, bars=False)
+    for ax, (o, snapshot) in zip(axes, runs):
+        image = plots.draw_map(ax, snapshot.map("Density"), "Density", "", (low, high), length="", bar=False)
         ax.set_title(style.SCHEME[o.case.variant][0])
-        style.as_map(ax, (0, length), (0, length))
-        ax.set_xticks([0, length])
-        ax.set_yticks([0, length])
-    style.colour_bar(figure, points, axes, "density", shrink=0.8, pad=0.01, aspect=22)
+        ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+    style.colour_bar(figure, image, axes, "density", shrink=0.8, aspect=22)
     return figure
 
 
@@ -114,9 +109,14 @@ def scatter(runs, fine, test: str):
 
 def frame(row) -> None:
     """Single particles far off must not press all others flat: the frame holds the lines and all but a hundredth of each panel's
-    particles, and what is outside is counted."""
-    low = min(min(np.quantile(line.get_ydata(), 0.005 if line.get_marker() == "." else 0) for line in ax.lines) for ax in row)
-    high = max(max(np.quantile(line.get_ydata(), 0.995 if line.get_marker() == "." else 1) for line in ax.lines) for ax in row)
+    particles, as far as these are not off by more than the lines' own height; what is outside is counted."""
+    particles = [line.get_ydata() for ax in row for line in ax.lines if line.get_marker() == "."]
+    lines = [line.get_ydata() for ax in row for line in ax.lines if line.get_marker() != "."]
+    low, high = min(np.quantile(values, 0.005) for values in particles), max(np.quantile(values, 0.995) for values in particles)
+    if lines:
+        least, most = min(values.min() for values in lines), max(values.max() for values in lines)
+        far = (most - least) or np.inf
+        low, high = min(least, max(low, least - far)), max(most, min(high, most + far))
     margin = 0.08 * (high - low) or 0.05 * abs(high) or 1.0
     for ax in row:
         ax.set_ylim(low - margin, high + margin)
