@@ -63,7 +63,7 @@ def differences(of: list[tuple[str, runs.Run]], time: float) -> str:
 
 def maps(of: list[tuple[str, runs.Run]], name: str, time: float):
     """One field of all runs, with the same colours."""
-    pictures = [run.snapshot(time).map(name, axis=1 if run.snapshot(time).dimension == 3 else 2) for _, run in of]
+    pictures = [run.snapshot(time).map(name) for _, run in of]
     limits = min(np.nanmin(p.values) for p in pictures), max(np.nanmax(p.values) for p in pictures)
     unit = of[0][1].snapshot(time).unit(name)
     figure, panels = style.map_panels(len(of), plots.wide(pictures[0]), 2)

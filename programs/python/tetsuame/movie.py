@@ -72,7 +72,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--gif", action="store_true", help="write movie.gif, which needs no ffmpeg and opens in any browser")
     parser.add_argument("--rate", type=float, default=20, help="pictures a second (%(default)g)")
     parser.add_argument("--pixels", type=int, default=300, help="along the box's longer side, for the field (%(default)d)")
-    parser.add_argument("--axis", choices="xyz", default="y", help="of a 3-D run: the slice through the middle is normal to it (%(default)s)")
+    parser.add_argument("--axis", choices="xyz", default="z", help="of a 3-D run: the slice through the middle is normal to it (%(default)s)")
     parser.add_argument("--output", metavar="FILE", type=Path, help="instead of DIR/movie.mp4 or DIR/movie.gif")
     o = parser.parse_args(arguments)
     if not 0.1 <= o.rate <= 200 or not 16 <= o.pixels <= 4000:

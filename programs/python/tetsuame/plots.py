@@ -94,7 +94,7 @@ def when(snapshot) -> str:
 
 def maps(snapshot, names: list[str], pixels: int = 400):
     """A panel for each field; in 3-D the slice through the middle."""
-    pictures = [snapshot.map(name, pixels, axis=1 if snapshot.dimension == 3 else 2) for name in names]
+    pictures = [snapshot.map(name, pixels) for name in names]
     figure, panels = style.map_panels(len(names), wide(pictures[0]), 2)
     for ax, name, picture in zip(panels, names, pictures):
         draw_map(ax, picture, name, snapshot.unit(name))
@@ -104,7 +104,7 @@ def maps(snapshot, names: list[str], pixels: int = 400):
 
 def profiles(of: list, names: list[str], axis: int | None = None):
     """Layer means of the fields of several snapshots: (title, snapshot)."""
-    last = of[0][1].dimension - 1 if axis is None else axis
+    last = min(1, of[0][1].dimension - 1) if axis is None else axis
     figure, panels = style.panels(len(names), min(len(names), 4), 3.2)
     for ax, name in zip(panels, names):
         lines = []

@@ -115,8 +115,8 @@ class Snapshot:
         return rendering.column_of(self, self[name], pixels, axis)
 
     def profile(self, name: str, axis: int | None = None, bins: int = 0) -> tuple[np.ndarray, np.ndarray]:
-        """Means over layers normal to `axis` (the last), weighted with volume: places, m, and values (nan in an empty layer)."""
-        axis = self.dimension - 1 if axis is None else axis
+        """Means over layers normal to `axis` (y, along which gravity points; in 1-D x), weighted with volume: places, m, and values (nan in an empty layer)."""
+        axis = min(1, self.dimension - 1) if axis is None else axis
         bins = bins or max(int(self.lengths[axis] / np.median(self.spacing)), 1)
         place = np.clip((self["Coordinates"][:, axis] / self.lengths[axis] * bins).astype(int), 0, bins - 1)
         volume = self.spacing**self.dimension
