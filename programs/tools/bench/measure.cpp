@@ -46,7 +46,9 @@ std::vector<result> time_steps(const result& found, const request& asked, const 
     if (double load = 0.0; getloadavg(&load, 1) == 1) all[k].load_average = load;
   }
   struct record {
-    std::vector<double> lists, steps, rounds;  // s, s, and s an ordinary step of a round with its share of the lists
+    // s: to make lists, with what the step after that takes longer than others; s; and s an ordinary step of a round with
+    // its share of the lists.
+    std::vector<double> lists, steps, rounds;
     std::map<std::string, double> seconds;
   };
   std::vector<record> records(all.size());
@@ -58,7 +60,7 @@ std::vector<result> time_steps(const result& found, const request& asked, const 
     for (std::size_t k = 0; k < all.size(); ++k) {
       omp_set_num_threads(all[k].threads);
       auto& [lists, steps, rounds, seconds] = records[k];
-      lists.push_back(time_of([&] { make_lists(); }) + time_of([&] { step(); }));
+      const double making = time_of([&] { make_lists(); }), after = time_of([&] { step(); });
       times.clear();
       const auto start = clock::now();
       std::vector<double> these;
@@ -67,14 +69,15 @@ std::vector<result> time_steps(const result& found, const request& asked, const 
       for (const auto& [name, s] : times.seconds()) seconds[name] += s;
       steps.insert(steps.end(), these.begin(), these.end());
       const double ordinary = median(these);
-      rounds.push_back(ordinary + std::max(0.0, lists.back() - ordinary) / static_cast<double>(asked.steps_a_list));
+      lists.push_back(making + std::max(0.0, after - ordinary));
+      rounds.push_back(ordinary + lists.back() / static_cast<double>(asked.steps_a_list));
     }
 
   for (std::size_t k = 0; k < all.size(); ++k) {
     auto& [lists, steps, rounds, seconds] = records[k];
     result& r = all[k];
     const double ordinary = median(steps);
-    r.list_seconds = std::max(0.0, median(lists) - ordinary);
+    r.list_seconds = median(lists);
     const double lists_a_step = r.list_seconds / static_cast<double>(asked.steps_a_list);
     r.step_seconds = ordinary + lists_a_step;
     std::vector<double> ratios;
