@@ -46,8 +46,8 @@ std::vector<result> time_steps(const result& found, const request& asked, const 
     if (double load = 0.0; getloadavg(&load, 1) == 1) all[k].load_average = load;
   }
   struct record {
-    // s: to make lists, with what the step after that takes longer than others; s; and s an ordinary step of a round with
-    // its share of the lists.
+    // s: to make lists, with what the step after that takes longer than others; s; and s an ordinary step of a round
+    // with its share of the lists.
     std::vector<double> lists, steps, rounds;
     std::map<std::string, double> seconds;
   };
