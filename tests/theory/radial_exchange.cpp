@@ -54,10 +54,12 @@ BOOST_AUTO_TEST_CASE(cylinder_in_much) {
   p.density_outside = 1e5;
   const std::vector<double> times{0.05, 0.2};
   const auto mean = theory::mean_inside(p, times);
+  // In double: where long double has 113 bits (ARM), Boost 1.74 has no number for the third zero.
+  constexpr boost::math::policies::policy<boost::math::policies::promote_double<false>> in_double;
   for (std::size_t k = 0; k < times.size(); ++k) {
     double left = 0.0;
     for (int n = 1; n < 40; ++n) {
-      const double j = boost::math::cyl_bessel_j_zero(0.0, n);
+      const double j = boost::math::cyl_bessel_j_zero(0.0, n, in_double);
       left += 4.0 / (j * j) * std::exp(-j * j * times[k]);
     }
     BOOST_TEST(mean[k] == 1.0 - left, tt::tolerance(1e-3));
