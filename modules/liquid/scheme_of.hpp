@@ -66,8 +66,7 @@ class scheme_of : public scheme<D> {
       r.diverged_step = step + 1;
       r.diverged_iteration = diverged->iteration();
     }
-    if constexpr (iterates)
-      if (residuals_ != nullptr) append_residuals(step + 1);
+    if constexpr (iterates) append_residuals(step + 1);
   }
 
   void report(const run::state<D>& box, nlohmann::ordered_json& metrics) const override {
@@ -96,6 +95,7 @@ class scheme_of : public scheme<D> {
  private:
   // residuals.csv: the course of Hosono's iteration in every evaluation of the right-hand side.
   void append_residuals(std::int64_t step) {
+    if (residuals_ == nullptr) return;  // no run: its tables were not begun
     for (const auto& r : how_.residuals)
       residuals_->append(step,
                          std::array{static_cast<double>(r.evaluation), static_cast<double>(r.iteration), r.residual});

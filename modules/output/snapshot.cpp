@@ -61,6 +61,15 @@ element type_of(const column& c, const snapshot_form& form) {
   return form.single && c.name != "Coordinates" ? element::single : element::real;
 }
 
+// Of the columns, those that are not asked for.
+void leave_out(std::vector<particle_group>& groups, const snapshot_form& form) {
+  if (form.fields.empty()) return;
+  for (auto& group : groups)
+    std::erase_if(group.columns, [&](const column& c) {
+      return c.name != "Coordinates" && std::ranges::find(form.fields, c.name) == form.fields.end();
+    });
+}
+
 void add_group(const particle_group& group, std::uint64_t rows, const snapshot_form& form, layout& contents) {
   const auto folder = fmt::format("/PartType{}", group.type);
   contents.groups.push_back({folder, {}});
@@ -134,13 +143,18 @@ void check_fields(const snapshot_form& form, const particle_group& group, const 
                                          name, fmt::join(known, ", ")));
 }
 
+std::uint64_t bytes_of(std::vector<particle_group> groups, const snapshot_form& form) {
+  leave_out(groups, form);
+  layout contents;
+  for (const auto& group : groups) add_group(group, group.n, form, contents);
+  std::uint64_t bytes = 0;
+  for (const auto& d : contents.datasets) bytes += bytes_of(d);
+  return bytes;
+}
+
 void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
                     std::vector<particle_group> groups, const provenance& origin, const snapshot_form& form) {
-  const auto left_out = [&](const column& c) {
-    return c.name != "Coordinates" && std::ranges::find(form.fields, c.name) == form.fields.end();
-  };
-  if (!form.fields.empty())
-    for (auto& group : groups) std::erase_if(group.columns, left_out);
+  leave_out(groups, form);
   std::vector<id_order> orders;
   for (const auto& group : groups) orders.push_back(order_by_id(comm, group.n, group.ids));
 

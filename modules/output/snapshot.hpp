@@ -45,6 +45,9 @@ struct snapshot_form {
 // Throws fail_input, after `place`, where a field is none of the first group's columns.
 void check_fields(const snapshot_form& form, const particle_group& group, const std::string& place);
 
+// Of the values of these groups in that form, before compression.
+std::uint64_t bytes_of(std::vector<particle_group> groups, const snapshot_form& form);
+
 // Collective. Written under a temporary name, then renamed. Throws fail_file on every
 // rank with path and reason (disk full, no permission), and leaves an older file as it was.
 void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,

@@ -35,21 +35,6 @@ std::string line(const char* name, const std::string& value, const std::string& 
 
 }  // namespace
 
-std::int64_t bytes_of(const std::vector<output::particle_group>& groups, const output::snapshot_form& form) {
-  const auto& chosen = form.fields;
-  std::int64_t bytes = 0;
-  for (const auto& g : groups) {
-    std::int64_t each = 8;  // the ID
-    for (const auto& c : g.columns) {
-      const bool always = c.name == "Coordinates";
-      if (!always && !chosen.empty() && std::find(chosen.begin(), chosen.end(), c.name) == chosen.end()) continue;
-      each += (c.vector ? 3 : 1) * (form.single && !c.integer && !always ? 4 : 8);
-    }
-    bytes += each * static_cast<std::int64_t>(g.n);
-  }
-  return bytes;
-}
-
 std::string plan_text(const domain::communicator& ranks, const trial& of_steps, const extent& whole) {
   const auto memory = static_cast<double>(ranks.sum(resident_bytes()));
   const auto snapshot = static_cast<double>(ranks.sum(of_steps.bytes_of_snapshot));

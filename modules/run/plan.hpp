@@ -3,9 +3,7 @@
 
 #include <cstdint>
 #include <domain/communicator.hpp>
-#include <output/snapshot.hpp>
 #include <string>
-#include <vector>
 
 namespace tetsuame::run {
 
@@ -27,9 +25,6 @@ struct extent {
   double t = 0.0, t_end = 0.0;   // s: at the end of the trial, and of the run
   double output_interval = 0.0;  // s; 0: snapshots at start and end only
 };
-
-// B, of what of these groups is written in that form on this rank.
-std::int64_t bytes_of(const std::vector<output::particle_group>& groups, const output::snapshot_form& form);
 
 // Collective. Lines "name value unit  remark", with a line end each.
 std::string plan_text(const domain::communicator& ranks, const trial& of_steps, const extent& whole);

@@ -371,12 +371,13 @@ struct loop {
     make_integrator();
     check_fields();
     hear_news(false);
-    files.next_snapshot = o.output.interval;  // as if the first were written
     trial of_steps{.particles = report.fluid_particles, .dimension = report.dimension};
     long long evaluations = 0;
     foundation::stopwatch watch;
     double elapsed = 0.0;
     while (!finished() && step < most && elapsed < long_enough) {
+      // As if they were written.
+      while (files.snapshot_due(integrator->time(), o.output.interval)) files.next_snapshot += o.output.interval;
       refresh_lists();
       take_step();
       complete_step();
@@ -395,7 +396,7 @@ struct loop {
     of_steps.dt_is = controls_error() ? "by error control" : dt_is;
     if (step > 1)
       of_steps.evaluations_per_step = static_cast<double>(s.evaluations - evaluations) / static_cast<double>(step - 1);
-    of_steps.bytes_of_snapshot = bytes_of(p.snapshot(extra), o.output.form());
+    of_steps.bytes_of_snapshot = static_cast<std::int64_t>(output::bytes_of(p.snapshot(extra), o.output.form()));
     const auto text = plan_text(ranks, of_steps,
                                 {.steps = steps_asked().value_or(0),
                                  .t = integrator->time(),
