@@ -1,8 +1,24 @@
 # Completion of the programs' command lines, and of ./run and tetsuame: `source programs/completion.bash` in ~/.bashrc; in
 # ~/.zshrc after `autoload -U +X bashcompinit && bashcompinit`. Keys of --set come from the program's own --describe.
 
-_tetsuame_words() { mapfile -t COMPREPLY < <(compgen -W "$1" -- "$2"); }
-_tetsuame_files() { mapfile -t COMPREPLY < <(compgen -f -X '!*.nml' -- "$1"; compgen -d -S / -- "$1"); }
+# No mapfile: zsh has none.
+_tetsuame_words() {
+  local IFS=$' \n'
+  COMPREPLY=($(compgen -W "$1" -- "$2"))
+}
+# _tetsuame_paths WORD [OPTIONS of compgen, those of files by default]
+_tetsuame_paths() {
+  local IFS=$'\n' word=$1
+  shift
+  COMPREPLY=($(compgen "${@:--f}" -- "$word"))
+}
+_tetsuame_files() {
+  local folders
+  _tetsuame_paths "$1" -d -S /
+  folders=("${COMPREPLY[@]}")
+  _tetsuame_paths "$1" -f -X '!*.nml'
+  COMPREPLY+=("${folders[@]}")
+}
 
 # group.key= of all keys that this program, with this input, has.
 _tetsuame_keys() {
@@ -14,8 +30,8 @@ _tetsuame_program() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} input=() other
   for other in "${COMP_WORDS[@]:1}"; do [[ $other != *.nml ]] || input=("$other"); done
   case $before in
-    --set) compopt -o nospace; _tetsuame_words "$(_tetsuame_keys "${COMP_WORDS[0]}" "${input[@]}")" "$word" ;;
-    --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
+    --set) compopt -o nospace 2>/dev/null; _tetsuame_words "$(_tetsuame_keys "${COMP_WORDS[0]}" "${input[@]}")" "$word" ;;
+    --output) _tetsuame_paths "$word" -d ;;
     --restart) _tetsuame_words "latest" "$word" ;;
     *)
       case $word in
@@ -33,7 +49,7 @@ _tetsuame_run() {
   elif [[ $word == -* ]]; then
     _tetsuame_words "--help --output --set" "$word"
   else
-    mapfile -t COMPREPLY < <(compgen -f -- "$word")
+    _tetsuame_paths "$word"
   fi
 }
 

@@ -1,7 +1,13 @@
 """Usage and input errors: exit 2 with file:line, the key and what was expected, and nothing written."""
 
+import os
 import pathlib
+import pty
+import select
+import shutil
+import signal
 import subprocess
+import time
 import unittest
 
 from running import ALL, BAD_INPUT, COMPLETED, FILE_FAILED, INPUTS, PROGRAMS, Case
@@ -116,6 +122,33 @@ class Refused(Case):
         for given_to, name, program in [("rti", "blankenbach_1a", "convection"), ("convection", "sod", "shock"), ("shock", "balance_bowl", "balance"),
                                         ("drop", "rti_note", "rti")]:
             self.refuse(INPUTS / f"{name}.nml", program=given_to, says=[f"{name}.nml:", f"this input is for program {program}"])
+
+    @unittest.skipUnless(shutil.which("zsh"), "there is no zsh")
+    def test_completion_in_zsh(self):
+        """In a terminal of its own, with the key pressed."""
+        completion = pathlib.Path(__file__).resolve().parents[2] / "programs/completion.bash"
+        begin = f"autoload -U +X compinit && compinit -u; autoload -U +X bashcompinit && bashcompinit; source {completion}; cd {INPUTS}; echo re''ady\n"
+        for typed, completed in [("tetsuame vi", "view"), (f"{PROGRAMS}/disph_c sod", "sod.nml"),
+                                 (f"{PROGRAMS}/disph_c hydrostatic_12.nml --set time.st", "time.steps="), (f"{PROGRAMS}/disph_c --descr", "--describe")]:
+            with self.subTest(typed):
+                process, terminal = pty.fork()
+                if process == 0:
+                    os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, "TERM": "dumb", "COLUMNS": "400"})
+
+                def seen(what, limit=20):
+                    text, end = "", time.monotonic() + limit
+                    while what not in text and time.monotonic() < end:
+                        if select.select([terminal], [], [], 0.1)[0]:
+                            text += os.read(terminal, 65536).decode(errors="replace")
+                    return text
+
+                os.write(terminal, begin.encode())
+                self.assertIn("ready", seen("ready"))
+                os.write(terminal, typed.encode() + b"\t")
+                self.assertIn(completed, seen(completed))
+                os.kill(process, signal.SIGKILL)
+                os.waitpid(process, 0)
+                os.close(terminal)
 
     def test_completion(self):
         """What bash would offer for the last word."""
