@@ -30,6 +30,10 @@ target_compile_options(tetsuame_options INTERFACE
 # g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
 target_compile_options(tetsuame_options INTERFACE
   "$<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized;-Wno-uninitialized>")
+# g++ 13 and 14 see faults of these kinds in what they inline from the standard library and Boost.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+  target_compile_options(tetsuame_options INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
+endif()
 target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 if(TETSUAME_SANITIZE)
   target_compile_options(tetsuame_options INTERFACE
