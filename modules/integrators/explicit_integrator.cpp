@@ -164,11 +164,21 @@ struct explicit_integrator::implementation {
   bool rate_known = false;
   bool starting = false;           // ARKODE's next call of f is that at the start of the step
   N_Vector first_stage = nullptr;  // ARKODE's own, for the rate at the start
-  int stages_left = 0;             // to be evaluated in this step
+  int stages_left = 0;             // to be evaluated in this step; -1: and the rate at its end is, too
   int rhs_status = 0;              // the last value of f that was not 0
   double step_error = 0.0;         // e of the last attempt
 
   void build();
+  // Whether the latest rate is that of the state at the end of the step. ARKODE before 7 asks for that unless the
+  // table's last abscissa is 1, from 7 on it does not: then it is the last stage's, which is the same for a table whose
+  // last row holds its weights (first same as last).
+  bool latest_is_of_the_end() const {
+    return formed_here(options.method) || stages_left < 0 || last_stage_is_the_end();
+  }
+  bool last_stage_is_the_end() const {
+    const int last = table->stages - 1;
+    return std::equal(table->b, table->b + table->stages, table->A[last]);
+  }
   int evaluate(double at, N_Vector rate);
   int called_by_arkode(double at, N_Vector state, N_Vector rate);
   void weights(N_Vector state, N_Vector weight) const;
@@ -590,8 +600,7 @@ double explicit_integrator::step(double t_stop, const std::string& stop_is) {
   const double t_stages = s.t + p.dt;  // where f was evaluated last
   s.t = p.reaches_stop ? t_stop : t_stages;
   N_VScale(1.0, s.latest_rate.get(), s.start_rate.get());
-  // Of a table with last abscissa 1 ARKODE takes the last stage's rate for that of the new state.
-  s.rate_known = s.t == t_stages && s.options.method != "rk4";
+  s.rate_known = s.t == t_stages && s.latest_is_of_the_end();
 
   explicit_statistics& statistics = s.statistics;
   ++statistics.steps;

@@ -127,13 +127,15 @@ BOOST_AUTO_TEST_CASE(euler_is_the_hand_loop_in_every_bit) {
 }
 
 BOOST_AUTO_TEST_CASE(fixed_methods_cost_what_they_should) {
-  // evaluations a step, and those of the start: rk4 alone asks only when the next step needs the rate
+  // Evaluations a step, and those of the start. rk4 asks for the rate at the end only when the next step needs it; so
+  // do the others of ARKODE from version 7 on.
   for (const auto& [method, each, start] :
        {std::tuple{"ab2", 1, 2}, {"ssp_rk3", 3, 1}, {"rk4", 4, 0}, {"order_4", 5, 1}}) {
     problem p;
     explicit_integrator integrator(MPI_COMM_SELF, p.fields(), p.size(), 0.0, fixed(method, 0.01), p.rhs());
     run_to(integrator, 100, 1e9);
-    BOOST_CHECK_EQUAL(integrator.statistics().evaluations, 100 * each + start);
+    const auto besides = integrator.statistics().evaluations - 100 * each;
+    BOOST_CHECK(besides == start || (method != std::string("ab2") && besides == 0));
   }
 }
 

@@ -33,6 +33,7 @@ ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",  # the same, from Open MPI 5 on
     "OMPI_MCA_mpi_yield_when_idle": "1",  # more ranks than cores: who waits lets others work
 }
 # Of a run without mpirun. Open MPI starts no daemon for it and tries no networks: half a second less a run.
