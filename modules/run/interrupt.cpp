@@ -45,11 +45,20 @@ void request(int signal) {
   errno = code;
 }
 
+// Whether SIGHUP was to be ignored when the process began, as nohup has it. UCX, which Open MPI 5 loads, takes this
+// signal for its own before main() begins; only what stands in .preinit_array is called earlier.
+bool no_hangup = false;
+[[gnu::no_sanitize("address", "undefined")]] void note_hangup(int, char**, char**) {
+  struct sigaction found;
+  if (sigaction(SIGHUP, nullptr, &found) == 0) no_hangup = found.sa_handler == SIG_IGN;
+}
+[[gnu::used, gnu::section(".preinit_array")]] void (*note_at_once)(int, char**, char**) = note_hangup;
+
 }  // namespace
 
 void watch_signals() {
-  for (const auto& known : watched)
-    if (std::signal(known.number, request) == SIG_IGN && known.number == SIGHUP) std::signal(SIGHUP, SIG_IGN);
+  for (const auto& known : watched) std::signal(known.number, request);
+  if (no_hangup) std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 }
 

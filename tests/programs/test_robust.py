@@ -5,6 +5,7 @@ import os
 import pathlib
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import time
@@ -19,6 +20,8 @@ LATEST = ["--restart", "latest"]
 def mounted(test, directory, options):
     """A small file system of its own at `directory`, where this user may mount one."""
     directory.mkdir()
+    if not shutil.which("mount"):
+        test.skipTest("there is no mount to make a small file system with")
     done = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", directory], capture_output=True, text=True)
     if done.returncode != 0:
         test.skipTest(f"no file system can be mounted here: {done.stderr.strip()}")
