@@ -253,7 +253,7 @@ std::uint64_t create_layout(const std::string& path, layout& contents) {
   return bytes;
 }
 
-void compress(const std::string& path, layout contents) {
+void compress(const std::string& path, const layout& contents) {
   const auto temporary = temporary_name(path);
   // Deflate never adds more than a thousandth, and the index of chunks is small: a full disk shows here.
   reserve(create_temporary(temporary), temporary, upper_estimate(contents));

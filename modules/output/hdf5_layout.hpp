@@ -47,7 +47,7 @@ std::uint64_t create_layout(const std::string& path, layout& contents);
 // On this rank alone. Makes the file at path, which create_layout laid out and which holds its values, anew with its
 // numbers compressed (deflate behind a shuffle of bytes, which every HDF5 library reads). Throws fail_file; the file is
 // then as it was.
-void compress(const std::string& path, layout contents);
+void compress(const std::string& path, const layout& contents);
 
 // What an existing file says about itself, for series.xdmf: read on this rank alone.
 struct stored_dataset {
