@@ -22,7 +22,9 @@ struct context {
 
   [[noreturn]] void fail(const value* at, const std::string& message) const {
     const std::string place = at != nullptr ? input.where(from, *at) : input.where(from);
-    foundation::fail_input(fmt::format("{}: &{} {}: {}", place, group, to.name, message));
+    // A key of &expert may have another name in its own group.
+    const auto& name = group == to.declared_in ? to.declared_as : to.name;
+    foundation::fail_input(fmt::format("{}: &{} {}: {}", place, group, name, message));
   }
   [[noreturn]] void fail_found(const value& at) const {
     const std::string found =

@@ -82,12 +82,9 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   schema.add("time", "method", o.method,
              {.choices = methods,
               .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control"});
-  schema.add("time", "order", o.order,
-             {.minimum = 2,
-              .maximum = 5,
-              .expert = true,
-              .expert_name = "adaptive_order",
-              .meaning = "of the adaptive method"});
+  schema.add(
+      "time", "order", o.order,
+      {.minimum = 2, .maximum = 5, .expert = true, .expert_name = "time_order", .meaning = "of the adaptive method"});
   schema.add("time", "dt", o.dt,
              {.unit = "s",
               .minimum = 0.0,
@@ -96,7 +93,9 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
                          std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")});
   if (of_problem.diffuses)
     schema.add("time", "error_control", o.error_control,
-               {.expert = true, .meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
+               {.expert = true,
+                .expert_name = "time_error_control",
+                .meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
   schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .meaning = "at most"});
   schema.add("time", "t_end", o.t_end,
              {.unit = "s",
@@ -113,6 +112,7 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
                {.minimum = 1e-9,
                 .stays_open = !o.diffusive,
                 .expert = true,
+                .expert_name = "time_diffusive",
                 .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <output/file.hpp>
 #include <run/command_line.hpp>
@@ -113,22 +111,23 @@ void summary::print(const std::string& directory) const {
 
 namespace {
 
-// Of &domain and &expert: who does the work, and what belongs to &time.
-bool may_change(const std::string& key) {
-  constexpr std::array names{"ranks_x", "balance", "error_control", "adaptive_order", "diffusive"};
-  return key.starts_with("balancer_") || std::find(names.begin(), names.end(), key) != names.end();
+// Whether a key of this group may be another at a restart: all of how long, of how to write, and of who does the work.
+// In &expert the names of the keys of &time and &balancer begin with their group's.
+bool may_change(const std::string& group, const std::string& key) {
+  if (group == "&domain") return key == "ranks_x" || key == "balance";
+  if (group == "&expert") return key.starts_with("balancer_") || key.starts_with("time_");
+  return group == "&time" || group == "&output" || group == "&run";
 }
 
-// Lines of the groups that must be the same: all but how long, how to write, and who does the work.
+// Lines that must be the same.
 std::vector<std::string> binding_lines(const std::string& input) {
   std::vector<std::string> lines;
   std::istringstream in(input);
-  bool free = false;
+  std::string group;
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("&"))
-      free = line.starts_with("&time") || line.starts_with("&output") || line.starts_with("&run");
+    if (line.starts_with("&")) group = line.substr(0, line.find(' '));
     const auto key = std::min(line.find_first_not_of(' '), line.size());
-    if (!free && !may_change(line.substr(key, line.find(' ', key) - key))) lines.push_back(line);
+    if (!may_change(group, line.substr(key, line.find(' ', key) - key))) lines.push_back(line);
   }
   return lines;
 }

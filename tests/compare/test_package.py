@@ -95,7 +95,6 @@ class Pages(unittest.TestCase):
     def test_empty_parts_are_left_out(self):
         self.assertIn("<body>\n<p>a</p>\n<p>b</p>\n</body>", pages.document("x", ["<p>a</p>", "", "<p>b</p>"]))
 
-
     def test_a_page_has_a_section_for_what_there_is(self):
         self.assertEqual(pages.section("Nothing", "", ""), "")
         self.assertEqual(pages.section("a < b", "", "<p>c</p>"), "<h2>a &lt; b</h2>\n<p>c</p>")

@@ -305,7 +305,7 @@ class Convection(Case):
     def test_restart_with_other_keys_of_time_in_expert(self):
         settings = {**size(10), "time.method": "rkl2", "time.t_end": 1e17, "time.steps": 4, "run.checkpoint_interval": 4}
         self.run_program("convection", MANTLE, settings, output="part")
-        changed = {**settings, "time.steps": 8, "time.error_control": ".false.", "time.diffusive": 1e5, "expert.adaptive_order": 4}
+        changed = {**settings, "time.steps": 8, "time.error_control": ".false.", "time.diffusive": 1e5, "expert.time_order": 4}
         s = self.run_program("convection", MANTLE, changed, output="part", options=["--restart", "latest"]).summary
         self.assertEqual(s["steps"], 8)
 

@@ -54,7 +54,8 @@ class OfAnInput(Case):
     def test_every_program(self):
         before = self.listing()
         for name, program, settings in [("hydrostatic_12", "disph_c", []), ("rti_linear", "rti", []), ("drop_cylinder", "drop", []),
-                                        ("hydrostatic_13", "disph_a", ["--program", "disph_a", "--set", "hosono.solver=newton"]), ("conduction_plate", "conduction", []), ("blankenbach_1a", "convection", []), ("sod", "shock", [])]:
+                                        ("hydrostatic_13", "disph_a", ["--program", "disph_a", "--set", "hosono.solver=newton"]),
+                                        ("conduction_plate", "conduction", []), ("blankenbach_1a", "convection", []), ("sod", "shock", [])]:
             with self.subTest(name):
                 small = self.SMALL if program != "shock" else self.SMALL[:2]
                 result = self.call("plan", INPUTS / f"{name}.nml", *small, *settings)
