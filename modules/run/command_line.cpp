@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <iostream>
-#include <map>
 #include <namelist/text.hpp>
 #include <new>
+#include <run/amounts.hpp>
 #include <run/command_line.hpp>
 #include <sstream>
 
@@ -85,21 +85,6 @@ void take_input_of_run(command_line& line) {
 // Whether an argument of --set names the group: group.key=value, not key=value.
 bool has_group(const std::string& argument) {
   return argument.find('.') < std::min(argument.find('='), argument.size());
-}
-
-// The program that a group of an input is for, where it is for no other.
-std::string problem_of(const std::string& group) {
-  static const std::map<std::string, std::string> of = {{"shock", "shock"},
-                                                        {"convection", "convection"},
-                                                        {"relaxation", "convection"},
-                                                        {"conduction", "conduction"},
-                                                        {"rti", "rti"},
-                                                        {"drop", "drop"},
-                                                        {"machine", "balance"},
-                                                        {"distribution", "balance"},
-                                                        {"smoothing", "disph_a to disph_f"}};
-  const auto found = of.find(group);
-  return found == of.end() ? "" : found->second;
 }
 
 // Of an option that is not there: the nearest that is.
@@ -184,7 +169,8 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
   for (const auto& argument : line.set)
     if (!has_group(argument)) document.set(schema.with_group(argument));
   for (const auto& group : document.groups())
-    if (const auto of = problem_of(group.name); group.line > 0 && !schema.has_group(group.name) && !of.empty())
+    if (const auto of = group.name == "smoothing" ? "disph_a to disph_f" : program_of_group(group.name);
+        group.line > 0 && !schema.has_group(group.name) && !of.empty())
       foundation::fail_input(
           fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
   schema.read(document);

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <kernels/kernel.hpp>
 #include <limits>
-#include <numbers>
+#include <run/amounts.hpp>
 #include <run/memory.hpp>
 
 namespace tetsuame::run {
@@ -45,18 +45,11 @@ int ranks_on_this_node(MPI_Comm comm) {
   return n;
 }
 
-std::string size_text(double bytes) {
-  return bytes < 1e12 ? fmt::format("{:.3g} GB", bytes / 1e9) : fmt::format("{:.3g} TB", bytes / 1e12);
-}
-
 }  // namespace
 
 memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension) {
   const double r = kernels::find(o.name).support_over_h * o.h_over_dx + o.skin;
-  const double neighbours = dimension == 1   ? 2.0 * r
-                            : dimension == 2 ? std::numbers::pi * r * r
-                                             : 4.0 / 3.0 * std::numbers::pi * r * r * r;
-  return {particles, bytes + bytes_a_neighbour * neighbours};
+  return {particles, bytes + bytes_a_neighbour * particles_within(r, dimension)};
 }
 
 void check_memory(const domain::communicator& ranks, const std::string& program, const memory_need& need,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <run/amounts.hpp>
 #include <run/plan.hpp>
 
 namespace tetsuame::run {
@@ -14,19 +15,6 @@ std::int64_t resident_bytes() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
   return std::int64_t{1024} * used.ru_maxrss;
-}
-
-std::string duration(double seconds) {
-  if (seconds < 60.0) return fmt::format("{:.3g} s", seconds);
-  if (seconds < 3600.0) return fmt::format("{:.3g} min", seconds / 60.0);
-  if (seconds < 86400.0) return fmt::format("{:.3g} h", seconds / 3600.0);
-  return fmt::format("{:.3g} days", seconds / 86400.0);
-}
-
-std::string size(double bytes) {
-  for (const auto& [unit, name] : {std::pair{1e12, "TB"}, {1e9, "GB"}, {1e6, "MB"}})
-    if (bytes >= unit) return fmt::format("{:.3g} {}", bytes / unit, name);
-  return fmt::format("{:.3g} kB", bytes / 1e3);
 }
 
 std::string line(const char* name, const std::string& value, const std::string& remark) {
@@ -53,10 +41,10 @@ std::string plan_text(const domain::communicator& ranks, const trial& of_steps, 
          line("a step", fmt::format("{:.3g} s", each),
               fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", of_steps.steps_timed,
                           of_steps.evaluations_per_step, ranks.size, omp_get_max_threads())) +
-         line("run time", duration(steps * each), "without output") +
-         line("memory", size(memory), "of all ranks together") +
+         line("run time", duration_text(steps * each), "without output") +
+         line("memory", size_text(memory), "of all ranks together") +
          line("snapshots", fmt::format("{:.4g}", snapshots),
-              fmt::format("of {} each, {} together", size(snapshot), size(snapshots * snapshot)));
+              fmt::format("of {} each, {} together", size_text(snapshot), size_text(snapshots * snapshot)));
 }
 
 }  // namespace tetsuame::run

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <foundation/error.hpp>
 #include <fstream>
 #include <functional>
@@ -49,6 +52,27 @@ inline void write_json(const std::string& path, const nlohmann::ordered_json& al
   file << all.dump(1) << '\n';
   file.close();
   if (!file) foundation::fail_file(path + ": cannot be written; is there space, and may you write there?");
+}
+
+// The path of a program that is named: beside this one, or a path. fail_input, with those that are there, if it is
+// none.
+inline std::string program_path(const std::string& name) {
+  namespace fs = std::filesystem;
+  const auto folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const auto is_program = [](const fs::path& path) {
+    return access(path.c_str(), X_OK) == 0 && !fs::is_directory(path);
+  };
+  const auto path = name.find('/') == std::string::npos ? folder / name : fs::absolute(name);
+  if (is_program(path)) return path.lexically_normal().string();
+  std::vector<std::string> known;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const auto other = entry.path().filename().string();
+    if (other != "submit" && other != "bench" && other != "plan" && entry.is_regular_file() && is_program(entry.path()))
+      known.push_back(other);
+  }
+  std::sort(known.begin(), known.end());
+  foundation::fail_input(
+      fmt::format("program {}: {} is no program; there are {}", name, path.string(), fmt::join(known, ", ")));
 }
 
 // An option that may be repeated.

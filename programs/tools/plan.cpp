@@ -1,10 +1,11 @@
 // Plans a run before it is started: `plan INPUT.nml` by a few steps of the program that it is for, `plan relaxation`
 // and `plan timestep` by formulas (modules/relaxation).
 #include <unistd.h>
+
 #include <command.hpp>
-#include <filesystem>
 #include <namelist/document.hpp>
 #include <plan/shared.hpp>
+#include <run/amounts.hpp>
 
 namespace {
 
@@ -20,20 +21,14 @@ struct trial_question {
 std::string program_for(const std::string& input) {
   const auto document = namelist::parse_file(input);
   for (const auto& group : document.groups())
-    for (const char* name : {"rti", "drop", "conduction", "convection", "shock"})
-      if (group.name == name) return name;
+    if (const auto of = run::program_of_group(group.name); !of.empty()) return of;
   return "disph_c";
 }
 
 // PROGRAM INPUT --plan, in place of this process.
 void try_steps(const trial_question& q) {
-  namespace fs = std::filesystem;
-  const auto name = q.program.empty() ? program_for(q.input) : q.program;
-  const auto path =
-      name.find('/') == std::string::npos ? fs::read_symlink("/proc/self/exe").parent_path() / name : fs::path(name);
-  if (access(path.c_str(), X_OK) != 0 || fs::is_directory(path))
-    foundation::fail_input(fmt::format("--program {}: {} is no program", name, path.string()));
-  std::vector<std::string> words{path.string(), q.input, "--plan"};
+  std::vector<std::string> words{tools::program_path(q.program.empty() ? program_for(q.input) : q.program), q.input,
+                                 "--plan"};
   for (const auto& setting : q.set) words.insert(words.end(), {"--set", setting});
   if (q.ranks > 1) words.insert(words.begin(), {"mpirun", "-n", std::to_string(q.ranks)});
   std::vector<char*> arguments;

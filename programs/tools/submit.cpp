@@ -14,10 +14,10 @@
 #include <foundation/error.hpp>
 #include <kernels/kernel.hpp>
 #include <namelist/document.hpp>
-#include <numbers>
 #include <output/directory.hpp>
 #include <output/file.hpp>
 #include <regex>
+#include <run/amounts.hpp>
 #include <submit/script.hpp>
 
 namespace {
@@ -126,20 +126,6 @@ void refuse_line_ends(int argc, char** argv) {
       fail_input(fmt::format("argument {} holds a line end", k));
 }
 
-fs::path own_directory() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
-std::string resolved_program(const std::string& name) {
-  const auto path = name.find('/') == std::string::npos ? own_directory() / name : fs::absolute(name);
-  if (access(path.c_str(), X_OK) == 0 && !fs::is_directory(path)) return path.lexically_normal().string();
-  std::vector<std::string> known;
-  for (const auto& entry : fs::directory_iterator(own_directory()))
-    if (entry.path().filename() != "submit" && entry.path().filename() != "bench" && entry.is_regular_file() &&
-        access(entry.path().c_str(), X_OK) == 0)
-      known.push_back(entry.path().filename().string());
-  std::sort(known.begin(), known.end());
-  fail_input(fmt::format("program {}: {} is no program; there are {}", name, path.string(), fmt::join(known, ", ")));
-}
-
 // Runs a command; its standard output comes back, its messages go where ours go.
 struct outcome {
   int status = 0;  // 127: it could not be started
@@ -158,30 +144,29 @@ outcome called(const std::vector<std::string>& words) {
   return o;
 }
 
-// The number that key has in the group of the resolved input; 1 where there is none.
-double number_in(const namelist::document& resolved, const std::string& group, const std::string& key) {
+// What a key of a group of the resolved input was given; empty: nothing, or there is no such key.
+std::string text_in(const namelist::document& resolved, const std::string& group, const std::string& key) {
   for (const auto& g : resolved.groups())
     for (const auto& a : g.assignments)
-      if (g.name == group && a.key == key && !a.values.empty() && a.values[0].what == namelist::value::kind::word)
-        return std::stod(a.values[0].content);
-  return 1.0;
+      if (g.name == group && a.key == key && !a.values.empty()) return a.values[0].content;
+  return "";
+}
+double number_in(const namelist::document& resolved, const std::string& group, const std::string& key,
+                 double otherwise) {
+  const auto text = text_in(resolved, group, key);
+  return text.empty() ? otherwise : std::stod(text);
 }
 
 // A rank with fewer particles than one kernel holds would compute copies of others' for the most part.
 void refuse_too_many_ranks(const submit::options& o, const namelist::document& resolved) {
-  const auto dimension = std::llround(number_in(resolved, "domain", "dimension"));
-  double particles = 1.0;
-  std::string kernel;
-  for (const char* axis : {"x", "y", "z"})
-    if (axis[0] - 'x' < dimension) particles *= number_in(resolved, "domain", std::string("particles_") + axis);
-  for (const auto& g : resolved.groups())
-    for (const auto& a : g.assignments)
-      if (g.name == "kernel" && a.key == "name") kernel = a.values.at(0).content;
+  const auto kernel = text_in(resolved, "kernel", "name");
   if (kernel.empty()) return;
-  const double r = kernels::find(kernel).support_over_h * number_in(resolved, "kernel", "h_over_dx");
-  const double neighbours = dimension == 1   ? 2.0 * r
-                            : dimension == 2 ? std::numbers::pi * r * r
-                                             : 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  const auto dimension = std::llround(number_in(resolved, "domain", "dimension", 2.0));
+  double particles = 1.0;
+  for (const char* axis : {"x", "y", "z"})
+    if (axis[0] - 'x' < dimension) particles *= number_in(resolved, "domain", std::string("particles_") + axis, 1.0);
+  const double neighbours = run::particles_within(
+      kernels::find(kernel).support_over_h * number_in(resolved, "kernel", "h_over_dx", 1.0), dimension);
   const double most = std::max(1.0, std::floor(particles / neighbours));
   if (o.ranks > most)
     fail_input(fmt::format("--ranks {}: for {:.0f} particles, of which a kernel holds {:.0f}, at most {:.0f} fit",
@@ -195,9 +180,9 @@ int check_input(submit::options& o) {
   words.emplace_back("--check");
   const auto [status, text] = called(words);
   if (status != 0) return status;
-  std::smatch m;
-  if (std::regex_search(text, m, std::regex("\\bwall_clock_limit *= *([^ ,\n]+)"))) o.own_limit = std::stod(m[1]);
-  refuse_too_many_ranks(o, namelist::parse_text(text, "the resolved input"));
+  const auto resolved = namelist::parse_text(text, "the resolved input");
+  o.own_limit = number_in(resolved, "run", "wall_clock_limit", 0.0);
+  refuse_too_many_ranks(o, resolved);
   return 0;
 }
 
@@ -207,7 +192,7 @@ void complete(submit::options& o) {
   o.margin = std::min(o.margin, o.seconds / 2);
   if (o.nodes > 0 && o.ranks % o.nodes != 0)
     fail_input(fmt::format("--ranks {}: not a multiple of --nodes {}", o.ranks, o.nodes));
-  o.program = resolved_program(o.program);
+  o.program = tools::program_path(o.program);
   const auto program_name = fs::path(o.program).filename().string();
   if (o.output.empty()) o.output = "output/" + program_name + "/" + fs::path(o.input).stem().string();
   o.input = fs::absolute(o.input).lexically_normal().string();

@@ -196,11 +196,11 @@ void answer_backwards(const question& q, const fluid_layer& f, const recommendat
     }
     const auto p = plan_convection(f, r, n, dimension, ratio, q.fraction, m.cost);
     t.rows.push_back({within, fmt::format("{}", n), number(p.particles), number(p.steps),
-                      p.seconds > 0.0 ? duration(p.seconds) : "not known"});
+                      p.seconds > 0.0 ? run::duration_text(p.seconds) : "not known"});
     all["backwards"][key] = plan_json(p);
   };
   if (q.shared.steps) add(number(*q.shared.steps) + " steps", "in_steps", {.steps = *q.shared.steps});
-  if (q.shared.seconds) add(duration(*q.shared.seconds), "in_run_time", {.seconds = *q.shared.seconds});
+  if (q.shared.seconds) add(run::duration_text(*q.shared.seconds), "in_run_time", {.seconds = *q.shared.seconds});
   a.tables.push_back(t);
 }
 

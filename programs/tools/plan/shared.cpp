@@ -145,19 +145,11 @@ std::vector<quantity> costs(const machine& m, double particles, double seconds, 
   a.all[json::json_pointer(plan + "/run_time_s")] = or_null(seconds);
   std::vector<quantity> rows{{"particles", plan + "/particles", particles}, {"rate", "", rate, "1/s", m.note}};
   if (seconds > 0.0)
-    rows.push_back(
-        {"run time", "", duration(seconds), "", fmt::format("at {} right-hand sides a step", number(per_step))});
+    rows.push_back({"run time", "", run::duration_text(seconds), "",
+                    fmt::format("at {} right-hand sides a step", number(per_step))});
   return rows;
 }
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
-
-std::string duration(double seconds) {
-  if (seconds < 60.0) return fmt::format("{:.3g} s", seconds);
-  if (seconds < 3600.0) return fmt::format("{:.3g} min", seconds / 60.0);
-  if (seconds < 86400.0) return fmt::format("{:.3g} h", seconds / 3600.0);
-  if (seconds < 365.25 * 86400.0) return fmt::format("{:.3g} days", seconds / 86400.0);
-  return fmt::format("{:.3g} years", seconds / (365.25 * 86400.0));
-}
 
 }  // namespace tetsuame::plan

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <relaxation/steps.hpp>
+#include <run/amounts.hpp>
 #include <string>
 #include <vector>
 
@@ -72,8 +73,6 @@ std::vector<quantity> costs(const machine& m, double particles, double seconds, 
 
 // Four digits: 1000, 2.673e-07, 0.0843
 std::string number(double value);
-// "1.2 h", "35 s", "2.1 days"
-std::string duration(double seconds);
 // null where it is not known.
 inline json or_null(double value) { return value > 0.0 ? json(value) : json(nullptr); }
 

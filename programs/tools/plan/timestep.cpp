@@ -230,7 +230,7 @@ void say_backwards(const question& q, const machine& m, answer& a) {
   if (q.shared.seconds) b.seconds = *q.shared.seconds;
   const affordable f = afford(q.system, q.n, q.dimension, m.cost, b);
   std::string within = q.shared.steps ? number(*q.shared.steps) + " steps" : "";
-  if (q.shared.seconds) within += (within.empty() ? "" : " and ") + duration(*q.shared.seconds);
+  if (q.shared.seconds) within += (within.empty() ? "" : " and ") + run::duration_text(*q.shared.seconds);
   a.add("Backwards: what fits into " + within,
         {{"n", "/backwards/n", f.n, "", "the largest, at L as given; 0: none"},
          {"L", "/backwards/L_m", f.L, "m", "the smallest, at n as given and eta by (18)"},
