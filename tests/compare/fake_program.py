@@ -2,7 +2,7 @@
 """Stands in for disph_a … disph_f: writes what they write, made up but of the right shape and size.
 
 The name it is called by says which program it plays. FAKE_FAULT in the environment,
-'NAME:KIND', makes that program misbehave: exit4, abort, no_summary, bad_json, contradiction.
+'NAME:KIND', or several of these behind each other, makes that program misbehave: exit4, abort, no_summary, bad_json, contradiction.
 FAKE_PLACE, 'STEP,ITERATION', is where A diverges, else in step 2, iteration 2.
 """
 import json
@@ -31,8 +31,7 @@ def main() -> int:
     # One mark for each time it ran, so that a test can count.
     with open(folder.parent / f"calls_{folder.name}", "a") as calls:
         calls.write("x")
-    name, _, fault = os.environ.get("FAKE_FAULT", ":").partition(":")
-    fault = fault if name == Path(sys.argv[0]).name else ""
+    fault = dict(word.split(":") for word in os.environ.get("FAKE_FAULT", "").split()).get(Path(sys.argv[0]).name, "")
     if fault == "exit4":
         print("disk full", file=sys.stderr)
         return 4

@@ -9,17 +9,17 @@ import unittest
 from html.parser import HTMLParser
 from pathlib import Path
 
+import inside
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 
 
-class Compare(unittest.TestCase):
-    def setUp(self):
-        scratch = tempfile.TemporaryDirectory()
-        self.addCleanup(scratch.cleanup)
-        self.folder = Path(scratch.name)
-        self.output = self.folder / "compare"
-        self.binaries = self.folder / "programs"
+class Folders:
+    """A folder with the programs, and what is made of their runs."""
+
+    def prepare(self, folder):
+        self.output, self.binaries = Path(folder) / "compare", Path(folder) / "programs"
         self.binaries.mkdir()
         for letter in "abcdef":
             program = self.binaries / f"disph_{letter}"
@@ -38,11 +38,20 @@ class Compare(unittest.TestCase):
     def page(self):
         return (self.output / "report.html").read_text()
 
-    def calls(self, run):
-        return len((self.output / "runs" / Path(run).parent / f"calls_{Path(run).name}").read_text())
+
+
+class AllOfThem(Folders, unittest.TestCase):
+    """One comparison, looked at by all tests."""
+
+    @classmethod
+    def setUpClass(cls):
+        scratch = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(scratch.cleanup)
+        cls.prepare(cls, scratch.name)
+        cls.done = cls.run_compare(cls, "--inputs", "12,column")
 
     def test_table_holds_what_the_programs_measured(self):
-        done = self.run_compare("--inputs", "12,column")
+        done = self.done
         self.assertEqual(done.returncode, 0, done.stderr)
         rows = self.rows()
         self.assertEqual(len(rows), 6 + 4 + 6)  # the cures of A and B run on 12, not on the column
@@ -64,6 +73,33 @@ class Compare(unittest.TestCase):
         self.assertIn("file 12: F &gt; C = E &gt; D", self.page())
         self.assertIn("file column: F &gt; C &gt; E &gt; D", self.page())
 
+    def test_errors_are_coloured_by_their_size(self):
+        page = self.page()
+        for text, shade in (("5.6e-05", 3), ("4.9e-02", 5), ("0", 0)):
+            self.assertIn(f'<td class="number e{shade}">{text}</td>', page)
+        self.assertIn('<span class="step e0">', page)
+
+    def test_page_needs_nothing_else(self):
+        page = self.page()
+        self.assertEqual(re.findall(r'(?:src|href)\s*=\s*"(?!data:)[^"]*"|url\(|<script|<link|@import|https?://', page), [])
+        # one figure each of residuals, pressure, displacements on each file, cost
+        self.assertEqual(page.count("data:image/png;base64,iVBOR"), 5)
+        balance = Balance()
+        balance.feed(page)
+        self.assertEqual((balance.open, balance.wrong), ([], []))
+        for name in ("residual", "pressure", "displacement_12", "displacement_column", "cost"):
+            self.assertGreater((self.output / f"{name}.png").stat().st_size, 10000)
+
+
+class Compare(Folders, unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.prepare(scratch.name)
+
+    def calls(self, run):
+        return len((self.output / "runs" / Path(run).parent / f"calls_{Path(run).name}").read_text())
+
     def test_what_has_no_solution_has_not_diverged(self):
         done = self.run_compare("--programs", "A", "--inputs", "11")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -75,27 +111,21 @@ class Compare(unittest.TestCase):
         self.assertIn('<td class="number stop">no solution</td>', page)
         self.assertNotIn("diverged 1", page)
 
-    def test_errors_are_coloured_by_their_size(self):
-        self.run_compare("--programs", "C,D,F", "--inputs", "12")
-        page = self.page()
-        for text, shade in (("5.6e-05", 3), ("4.9e-02", 5), ("0", 0)):
-            self.assertIn(f'<td class="number e{shade}">{text}</td>', page)
-        self.assertIn('<span class="step e0">', page)
-
     def test_divergence_is_a_result_and_a_crash_is_not(self):
-        said = {"exit4": "exit 4: disk full", "abort": "killed by SIGABRT", "no_summary": "exit 0, but left no summary.json",
-                "bad_json": "exit 3, but left a summary.json that is no JSON",
-                "contradiction": "exit 0, but summary.json says 'diverged'"}
-        for fault, reason in said.items():
-            with self.subTest(fault):
-                done = self.run_compare("--programs", "A,C", "--inputs", "12", fault=f"disph_c:{fault}")
-                self.assertEqual(done.returncode, 1)
-                self.assertIn(f"CRASHED: C on file 12: {reason}", done.stdout)
-                row = self.rows()["12", "C", ""]
+        said = {"B": ("exit4", "exit 4: disk full"), "C": ("abort", "killed by SIGABRT"), "D": ("no_summary", "exit 0, but left no summary.json"),
+                "E": ("bad_json", "exit 3, but left a summary.json that is no JSON"),
+                "F": ("contradiction", "exit 0, but summary.json says 'diverged'")}
+        done = self.run_compare("--inputs", "12", fault=" ".join(f"disph_{letter.lower()}:{kind}" for letter, (kind, _) in said.items()))
+        self.assertEqual(done.returncode, 1)
+        rows, page = self.rows(), self.page()
+        for letter, (kind, reason) in said.items():
+            with self.subTest(kind):
+                self.assertIn(f"CRASHED: {letter} on file 12: {reason}", done.stdout)
+                row = rows["12", letter, ""]
                 self.assertEqual((row["outcome"], row["reason"], row["agrees"]), ("crashed", reason, "no"))
-                self.assertRegex(self.page(), r'<p class="bad">Crashed: C on file 12')
-                self.assertEqual(self.rows()["12", "A", ""]["outcome"], "diverged")
-                (self.output / "runs" / "12" / "disph_c.json").unlink(missing_ok=True)  # the fault is not in the fingerprint
+                self.assertRegex(page, rf'<p class="bad">Crashed: {letter} on file 12')
+        self.assertEqual(rows["12", "A", ""]["outcome"], "diverged")
+        # Without the fault, which is not in the fingerprint, it is run again.
         self.assertEqual(self.run_compare("--programs", "A,C", "--inputs", "12").returncode, 0)
 
     def test_a_missing_program_is_a_crash(self):
@@ -123,18 +153,6 @@ class Compare(unittest.TestCase):
         self.assertIn("A on file 12: step 1, iteration 16; the note: diverges, step 2, iteration 2; the residual of the last one "
                       "grew from 1.0e-07 in", page)
         self.assertIn("C on file 12: &amp;time dt = 2e-05, the note: 1e-5", page)
-
-    def test_page_needs_nothing_else(self):
-        self.run_compare("--inputs", "13", "--programs", "A,C,D")
-        page = self.page()
-        self.assertEqual(re.findall(r'(?:src|href)\s*=\s*"(?!data:)[^"]*"|url\(|<script|<link|@import|https?://', page), [])
-        # one figure each of residuals, pressure, displacement, cost
-        self.assertEqual(page.count("data:image/png;base64,iVBOR"), 4)
-        balance = Balance()
-        balance.feed(page)
-        self.assertEqual((balance.open, balance.wrong), ([], []))
-        for name in ("residual", "pressure", "displacement_13", "cost"):
-            self.assertGreater((self.output / f"{name}.png").stat().st_size, 10000)
 
     def test_messages_cannot_break_the_page(self):
         done = self.run_compare("--programs", "C", "--inputs", "13", "--set", "output.note=<b>&")
@@ -166,7 +184,7 @@ class Compare(unittest.TestCase):
                                 (("--set", "steps=3"), "group.key=value"), (("--jobs", "0"), "--jobs"),
                                 (("--programs", ","), "nothing to run")):
             with self.subTest(word):
-                done = self.run_compare(*arguments)
+                done = inside.call("compare", "--binaries", self.binaries, "--output", self.output, *arguments)
                 self.assertEqual(done.returncode, 2)
                 self.assertIn(word, done.stderr)
         self.assertFalse(self.output.exists())

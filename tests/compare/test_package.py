@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
+import inside
 from tetsuame import fields, pages, plots, reading, rendering, style
 
 SOURCES = Path(__file__).resolve().parents[2] / "programs/python"
@@ -29,7 +30,7 @@ class Commands(unittest.TestCase):
                                 ("paraview", "--field"), ("sweep", "--set")):
             with self.subTest(command):
                 self.assertRegex(said.stdout, rf"(?m)^  {command} ")
-                own = call(command, "--help")
+                own = inside.call(command, "--help")
                 self.assertEqual(own.returncode, 0, own.stderr)
                 self.assertIn(option, own.stdout)
 

@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 from PIL import Image
 
+import inside
 import tetsuame
 from tetsuame import plots, reading, rendering, runs, view
 
@@ -125,26 +126,26 @@ class Loading(Case):
         (self.here / "empty").mkdir()
         whole = (run / "snapshot_0002.h5").read_bytes()
         self.assert_refused(call("plot", self.here / "none"), "none", "no such directory")
-        self.assert_refused(call("plot", self.here / "empty"), "no resolved.nml")
-        self.assert_refused(call("plot", run, "--fields", "Magnetism"), "no field 'Magnetism'", "Temperature")
+        self.assert_refused(inside.call("plot", self.here / "empty"), "no resolved.nml")
+        self.assert_refused(inside.call("plot", run, "--fields", "Magnetism"), "no field 'Magnetism'", "Temperature")
         three = self.here / "three.js"  # any text: these runs are refused before a browser sees it
         three.write_text("")
         for command, *options in (("plot",), ("movie",), ("view", "--three", three), ("paraview",)):
             for size in (0, 100, len(whole) // 2):
                 with self.subTest(command, size=size):
                     (run / "snapshot_0002.h5").write_bytes(whole[:size])
-                    self.assert_refused(call(command, run, *options), "snapshot_0002.h5")
+                    self.assert_refused(inside.call(command, run, *options), "snapshot_0002.h5")
         with h5py.File(run / "snapshot_0002.h5", "w") as file:
             file["something"] = 1
-        self.assert_refused(call("view", run, "--three", three), "not a snapshot of these programs")
+        self.assert_refused(inside.call("view", run, "--three", three), "not a snapshot of these programs")
         (run / "snapshot_0002.h5").unlink()
         (run / "history.csv").write_text("time [s]\nzero\n")
-        self.assert_refused(call("plot", run), "history.csv", "not a table")
+        self.assert_refused(inside.call("plot", run), "history.csv", "not a table")
 
     def test_runs_of_different_dimensions(self):
         a, b = write_run(self.here / "a"), write_run(self.here / "b", dimension=3, n=4)
-        self.assert_refused(call("compare", a, b), "different dimensions", "a 2, b 3")
-        self.assert_refused(call("compare", a), "two directories")
+        self.assert_refused(inside.call("compare", a, b), "different dimensions", "a 2, b 3")
+        self.assert_refused(inside.call("compare", a), "two directories")
 
 
 class Rendering(Case):
@@ -281,7 +282,7 @@ class Pictures(Case):
             self.assertEqual(probe.stdout.strip(), "h264,4")
 
     def test_one_snapshot_is_no_movie(self):
-        self.assert_refused(call("movie", write_run(self.here / "a", times=(0,))), "one snapshot is no movie")
+        self.assert_refused(inside.call("movie", write_run(self.here / "a", times=(0,))), "one snapshot is no movie")
 
 
 class ForParaView(Case):
@@ -339,20 +340,20 @@ class ForParaView(Case):
 
     def test_what_cannot_be_shown(self):
         run = write_run(self.here / "a")
-        self.assert_refused(call("paraview", self.here), "no resolved.nml")
-        self.assert_refused(call("paraview", run), "series.xdmf", "No such file")
+        self.assert_refused(inside.call("paraview", self.here), "no resolved.nml")
+        self.assert_refused(inside.call("paraview", run), "series.xdmf", "No such file")
         write_series(run)
-        self.assert_refused(call("paraview", run, "--field", "Magnetism"), "no field 'Magnetism'")
-        self.assert_refused(call("paraview", run, "--field", "Velocities"), "Velocities is a vector")
+        self.assert_refused(inside.call("paraview", run, "--field", "Magnetism"), "no field 'Magnetism'")
+        self.assert_refused(inside.call("paraview", run, "--field", "Velocities"), "Velocities is a vector")
         whole = (run / "series.xdmf").read_text()
         (run / "series.xdmf").write_text(whole[:700])
-        self.assert_refused(call("paraview", run), "series.xdmf", "damaged")
+        self.assert_refused(inside.call("paraview", run), "series.xdmf", "damaged")
         (run / "series.xdmf").write_text(whole)
         (run / "snapshot_0002.h5").unlink()
-        self.assert_refused(call("paraview", run), "names snapshot_0002.h5, which is not there")
+        self.assert_refused(inside.call("paraview", run), "names snapshot_0002.h5, which is not there")
         for path in run.glob("snapshot_*.h5"):
             path.unlink()
-        self.assert_refused(call("paraview", run), "no snapshot in it")
+        self.assert_refused(inside.call("paraview", run), "no snapshot in it")
         self.assertFalse((run / "series.pvsm").exists())
 
     @unittest.skipUnless(shutil.which("pvbatch") and shutil.which("xvfb-run"), "Debian's paraview, python3-paraview and xvfb are not installed")
@@ -464,10 +465,10 @@ echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, 
         self.assert_refused(said, "another input")
 
     def test_bad_command_lines(self):
-        self.assert_refused(call(*self.command, "--set", "n=1"), "expected group.key=value")
-        self.assert_refused(call("sweep", "none.nml", *self.command[2:]), "no such file")
-        self.assert_refused(call(*self.command, "--program", "disph_z"), "no program 'disph_z'")
-        self.assert_refused(call(*self.command, "--set", "rti.m=1,1"), "the same folder")
+        self.assert_refused(inside.call(*self.command, "--set", "n=1"), "expected group.key=value")
+        self.assert_refused(inside.call("sweep", "none.nml", *self.command[2:]), "no such file")
+        self.assert_refused(inside.call(*self.command, "--program", "disph_z"), "no program 'disph_z'")
+        self.assert_refused(inside.call(*self.command, "--set", "rti.m=1,1"), "the same folder")
 
 
 class Viewing(Case):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+import inside
 from tetsuame.compare import convection, fit, references, rti, shock, study
 from test_compare import Balance
 
@@ -212,7 +213,7 @@ class Pages(unittest.TestCase):
                                 (("shock", "--tests", "soot"), "no test 'soot'"), (("shock", "--schemes", "sph"), "no scheme 'sph'"),
                                 (("rti", "--schemes", "Z"), "no scheme 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
             with self.subTest(word):
-                done = self.compare(*arguments)
+                done = inside.call("compare", *arguments, "--binaries", self.binaries, "--output", self.output)
                 self.assertEqual(done.returncode, 2)
                 self.assertIn(word, done.stderr)
         self.assertFalse(self.output.exists())

@@ -38,6 +38,9 @@ ENVIRONMENT = {
 }
 # Of a run without mpirun. Open MPI starts no daemon for it and tries no networks: half a second less a run.
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
+# Of one with it, a quarter of a second less. The transport that Open MPI chooses by itself is that of the modules' own tests, of runs
+# that are stopped or killed, and of all when what takes long is done too.
+RANKS = {} if SLOW else {"OMPI_MCA_pml": "ob1"}
 
 
 class Result:
@@ -91,7 +94,8 @@ class Case(unittest.TestCase):
     def call(self, program, *arguments, ranks=None, threads=1, directory=None, more=None):
         """Any command line, as it is. more: variables of the environment."""
         done = subprocess.run(
-            command(program, *arguments, ranks=ranks), cwd=self.here, env=environment(threads, ranks is None) | (more or {}),
+            command(program, *arguments, ranks=ranks), cwd=self.here,
+            env=environment(threads, ranks is None) | ({} if ranks is None else RANKS) | (more or {}),
             stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LIMIT_S)
         return Result(done.returncode, done.stdout, done.stderr, directory)
 
