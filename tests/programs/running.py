@@ -111,6 +111,18 @@ class Case(unittest.TestCase):
         self.assertEqual(result.status, expect, result)
         return result
 
+    def assert_exact(self, program, name, settings, steps, layouts=()):
+        """The same outcome on each of the layouts (ranks, threads), and after a restart at `steps` from two threads on three ranks."""
+        whole = self.run_program(program, name, settings).summary
+        for ranks, threads in layouts:
+            s = self.run_program(program, name, settings, ranks=ranks, threads=threads).summary
+            self.assertEqual(outcome(s), outcome(whole), f"{ranks} ranks, {threads} threads")
+        directory = self.fresh_name("part")
+        self.run_program(program, name, {**settings, "time.steps": steps, "run.checkpoint_interval": steps}, directory, threads=2)
+        s = self.run_program(program, name, settings, directory, ["--restart", "latest"], ranks=3).summary
+        self.assertEqual(outcome(s), outcome(whole), f"restart at step {steps}")
+        return whole
+
     def fresh_name(self, program):
         return f"{program}_{len(list(self.here.iterdir()))}"
 

@@ -106,15 +106,7 @@ class RayleighTaylor(Case):
                            (NOTE, {"time.method": "rkl2", **viscosity(6e12)})]:
             with self.subTest(name, **more):
                 settings = {**size(20), "time.steps": 60, "rti.amplitude": 4e4, "output.interval": 0, **more}
-                whole = self.run_program("rti", name, settings).summary
-                for ranks, threads in [(2, 1), (4, 1), (None, 2)] if SLOW else [(3, 1), (None, 2)]:
-                    s = self.run_program("rti", name, settings, ranks=ranks, threads=threads).summary
-                    self.assertEqual(outcome(s), outcome(whole))
-                part = {**settings, "time.steps": 30, "run.checkpoint_interval": 30}
-                where = f"part_{name}_{len(more)}_{list(more)[:1]}"
-                self.run_program("rti", name, part, output=where)
-                s = self.run_program("rti", name, settings, output=where, options=["--restart", "latest"], ranks=2).summary
-                self.assertEqual(outcome(s), outcome(whole))
+                self.assert_exact("rti", name, settings, 30, [(2, 1), (4, 1), (None, 2)] if SLOW else [(3, 1), (None, 2)] if name == NOTE and not more else [])
 
     def test_restart_of_a_changed_order(self):
         """A narrow spline brings the particles into disorder; the viscous sum goes over to second order at step 260. A run continued
@@ -277,12 +269,7 @@ class Partitioning(Case):
 
     def test_rti_ranks_restart(self):
         settings = {**size(20), "time.steps": 30, "output.interval": 0, "element.name": "nickel"}
-        whole = self.run_program("rti", POND, settings).summary
-        s = self.run_program("rti", POND, settings, ranks=3).summary
-        self.assertEqual(outcome(s), outcome(whole))
-        self.run_program("rti", POND, {**settings, "time.steps": 15, "run.checkpoint_interval": 15}, output="part")
-        s = self.run_program("rti", POND, settings, output="part", options=["--restart", "latest"], ranks=2).summary
-        self.assertEqual(outcome(s), outcome(whole))
+        self.assert_exact("rti", POND, settings, 15, [(3, 1)] if SLOW else [])
 
 
 class Drop(Case):
@@ -313,13 +300,7 @@ class Emulsion(Case):
 
     def test_ranks_restart(self):
         settings = {**self.SMALL, "time.steps": 40}
-        whole = self.run_program("drop", EMULSION, settings).summary
-        for ranks in (2, 3):
-            s = self.run_program("drop", EMULSION, settings, ranks=ranks).summary
-            self.assertEqual(outcome(s), outcome(whole))
-        self.run_program("drop", EMULSION, {**settings, "time.steps": 20, "run.checkpoint_interval": 20}, output="part")
-        s = self.run_program("drop", EMULSION, settings, output="part", options=["--restart", "latest"], ranks=2).summary
-        self.assertEqual(outcome(s), outcome(whole))
+        whole = self.assert_exact("drop", EMULSION, settings, 20, [(2, 1), (3, 1)] if SLOW else [])
         other = self.run_program("drop", EMULSION, {**settings, "drop.seed": 2}).summary
         self.assertNotEqual(other["state_hash"], whole["state_hash"])
 
