@@ -112,15 +112,17 @@ class Case(unittest.TestCase):
         return result
 
     def assert_exact(self, program, name, settings, steps, layouts=()):
-        """The same outcome on each of the layouts (ranks, threads), and after a restart at `steps` from two threads on three ranks."""
+        """The same outcome, in as many steps, on each of the layouts (ranks, threads), and after a restart at `steps` from two threads on three ranks."""
         whole = self.run_program(program, name, settings).summary
+
+        def assert_same(s, how):
+            self.assertEqual((outcome(s), s["steps"], s["conservation"]), (outcome(whole), whole["steps"], whole["conservation"]), how)
+
         for ranks, threads in layouts:
-            s = self.run_program(program, name, settings, ranks=ranks, threads=threads).summary
-            self.assertEqual(outcome(s), outcome(whole), f"{ranks} ranks, {threads} threads")
+            assert_same(self.run_program(program, name, settings, ranks=ranks, threads=threads).summary, f"{ranks} ranks, {threads} threads")
         directory = self.fresh_name("part")
         self.run_program(program, name, {**settings, "time.steps": steps, "run.checkpoint_interval": steps}, directory, threads=2)
-        s = self.run_program(program, name, settings, directory, ["--restart", "latest"], ranks=3).summary
-        self.assertEqual(outcome(s), outcome(whole), f"restart at step {steps}")
+        assert_same(self.run_program(program, name, settings, directory, ["--restart", "latest"], ranks=3).summary, f"restart at step {steps}")
         return whole
 
     def fresh_name(self, program):

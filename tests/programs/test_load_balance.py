@@ -1,6 +1,7 @@
 """Cuts between ranks that follow the cost: it evens out, every decision is told, and nobody's result changes."""
 
 import csv
+import shutil
 import unittest
 
 from running import Case
@@ -83,10 +84,11 @@ class LoadBalance(Case):
     def test_restart(self):
         """Cuts begin anew; other ranks, another mode: the same bits."""
         whole = self.run_case(SHEARED, "counted", 4)
+        # 17: between two new lists
+        part = self.run_case(SHEARED, "counted", 4, settings={"time.steps": 17, "run.checkpoint_interval": 17}, output="part")
         for n, (balance, ranks) in enumerate([("counted", 4), ("counted", 2), ("off", 3), ("measured", 3)]):
             with self.subTest(balance=balance, ranks=ranks):
-                # 17: between two new lists
-                self.run_case(SHEARED, "counted", 4, settings={"time.steps": 17, "run.checkpoint_interval": 17}, output=f"part_{n}")
+                shutil.copytree(part.directory, self.here / f"part_{n}")
                 again = self.run_case(SHEARED, balance, ranks, settings={"balancer.relaxation": 0.9}, output=f"part_{n}",
                                       options=["--restart", "latest"])
                 self.assertEqual(again.summary["state_hash"], whole.summary["state_hash"])

@@ -139,7 +139,7 @@ class RayleighTaylor(Case):
         self.assertAlmostEqual(growth[1] / growth[0], 1, delta=0.005)
 
     def test_supports_by_volume(self):
-        """Growth is that of theory with either volume; where the silicate expands to 0.4 of its density it keeps its neighbours."""
+        """Growth is that of theory with either volume; where the silicate expands to half of its density it keeps its neighbours."""
         for change in ({}, {"rti.volume": "our_method"}):
             with self.subTest(**change):
                 m = self.run_program("rti", LINEAR, {**size(24), **change, "rti.supports": "volume", "time.t_end": 1400}).summary["metrics"]
@@ -148,7 +148,7 @@ class RayleighTaylor(Case):
                     self.assertLess(m["energy_residual_max"], 1e-4)
         neighbours, least = {}, {}
         for supports in ("fixed", "volume"):
-            m = self.run_program("rti", POSTER, {**size(20), "rti.supports": supports, "time.t_end": 3500, "output.interval": 0}).summary["metrics"]
+            m = self.run_program("rti", POSTER, {**size(20), "rti.supports": supports, "time.t_end": 3500 if SLOW else 2700, "output.interval": 0}).summary["metrics"]
             neighbours[supports], least[supports] = m["neighbours"], m["density_ratio_min"]
         self.assertGreater(neighbours["volume"], 1.08 * neighbours["fixed"])
         self.assertGreater(least["volume"], least["fixed"])
@@ -170,10 +170,11 @@ class RayleighTaylor(Case):
 
     def test_resolved_input_is_an_input(self):
         """What a run says it was made with says the same when it is read back."""
-        for program, name in [("rti", LINEAR), ("rti", NOTE), ("rti", POSTER), ("rti", POND), ("drop", PARTITIONING), ("drop", TENSION),
-                              ("drop", "drop_emulsion")]:
+        for program, name, box in [("rti", LINEAR, {}), ("rti", NOTE, size(20)), ("rti", POSTER, size(20)), ("rti", POND, size(20)),
+                                   ("drop", PARTITIONING, size(20)), ("drop", TENSION, {"domain.particles_x": 24, "domain.particles_y": 48}),
+                                   ("drop", EMULSION, Emulsion.SMALL)]:
             with self.subTest(name):
-                first = self.run_program(program, name, {"time.steps": 1, "output.interval": 0})
+                first = self.run_program(program, name, {**box, "time.steps": 1, "output.interval": 0})
                 resolved = first.directory / "resolved.nml"
                 again = self.run_program(program, resolved, {}, output=f"again_{name}")
                 self.assertEqual(again.summary["state_hash"], first.summary["state_hash"])
@@ -230,7 +231,7 @@ class Melting(Case):
 
     def test_pond_in_three_dimensions(self):
         """A box of equal edges, periodic along z: heat and energy are accounted for there too, and about as much melts as in two."""
-        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500}
+        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500 if SLOW else 1000}
         deep = {**flat, "domain.dimension": 3, "domain.particles_z": 10, "domain.length_z": 1e6, "domain.periodic_z": ".true."}
         m = self.run_program("rti", POND, deep).summary["metrics"]
         self.assertLess(abs(m["heat_residual"]), 1e-10)
@@ -275,7 +276,7 @@ class Partitioning(Case):
 class Drop(Case):
     def test_cylinder(self):
         """Velocity in a no-slip box against finite differences of creeping flow about a round drop; as shipped to 3 %."""
-        m = self.run_program("drop", CYLINDER, {"output.interval": 0, **({} if SLOW else size(32))}).summary["metrics"]
+        m = self.run_program("drop", CYLINDER, {"output.interval": 0, **({} if SLOW else size(24))}).summary["metrics"]
         self.assertAlmostEqual(m["fall_velocity"] / m["fall_velocity_theory"], 1, delta=0.03 if SLOW else 0.05)
 
     @unittest.skipUnless(SLOW, "slow")
@@ -383,12 +384,7 @@ class SurfaceTension(Case):
         free = self.run_program("drop", TENSION, same).summary["metrics"]
         self.assertLess(free["stretch"], m["stretch"] - 0.02)
         short = {**settings, "time.steps": 40}
-        whole = self.run_program("drop", TENSION, short).summary
-        s = self.run_program("drop", TENSION, short, ranks=2).summary
-        self.assertEqual(outcome(s), outcome(whole))
-        self.run_program("drop", TENSION, {**short, "time.steps": 20, "run.checkpoint_interval": 20}, output="part")
-        s = self.run_program("drop", TENSION, short, output="part", options=["--restart", "latest"]).summary
-        self.assertEqual(outcome(s), outcome(whole))
+        self.assert_exact("drop", TENSION, short, 20, [(2, 1)] if SLOW else [])
 
     def test_bad_input(self):
         result = self.call("drop", *self.arguments(TENSION, {"drop.volume": "our_method"}, self.here / "none"))

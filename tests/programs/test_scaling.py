@@ -9,7 +9,7 @@ import subprocess
 import sys
 import unittest
 
-from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, LIMIT_S, MPIEXEC, PROGRAMS, Case, environment
+from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, LIMIT_S, MPIEXEC, PROGRAMS, RANKS, Case, environment
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs/python"
 sys.path.insert(0, str(SOURCES))
@@ -22,7 +22,7 @@ SIDE, STEPS = 24, 3
 def study(where, *options, **changes):
     """The driver as ./run starts it."""
     command = [sys.executable, "-m", "tetsuame", "scaling", "--binaries", PROGRAMS, "--output", where / "scaling", *options]
-    return subprocess.run(list(map(str, command)), env={**environment(), "PYTHONPATH": str(SOURCES), "MPLBACKEND": "Agg", **changes},
+    return subprocess.run(list(map(str, command)), env={**environment(), **RANKS, "PYTHONPATH": str(SOURCES), "MPLBACKEND": "Agg", **changes},
                           cwd=where, capture_output=True, text=True, timeout=LIMIT_S)
 
 

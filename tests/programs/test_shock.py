@@ -71,7 +71,7 @@ class Shock(Case):
 
     def test_iron_in_silicate(self):
         """As the square of equal masses; SSPH pulls it round."""
-        settings = {"domain.particles_x": 32, "time.t_end": 50}
+        settings = {"domain.particles_x": 32, "time.t_end": 50 if SLOW else 30}
         for scheme in ["ssph", "disph", "gdisph"]:
             with self.subTest(scheme):
                 m = self.summary("iron_silicate", {**settings, "shock.scheme": scheme})["metrics"]
@@ -123,13 +123,13 @@ class Shock(Case):
 
     def test_vortex(self):
         """Fields linear in x are what kernels that reproduce them do not damp: less than half of the others' error."""
-        errors = {scheme: self.summary("gresho", {"domain.particles_x": 24, "time.t_end": 0.5, "shock.scheme": scheme})
+        errors = {scheme: self.summary("gresho", {"domain.particles_x": 24, "time.t_end": 0.5 if SLOW else 0.3, "shock.scheme": scheme})
                   ["errors"]["velocity_l1"] for scheme in SCHEMES}
         self.assertLess(errors["remix"], 0.5 * min(e for scheme, e in errors.items() if scheme != "remix"))
 
     def test_growth(self):
         """Instabilities grow as linear theory says, to a tenth."""
-        for name, particles in [("rayleigh_taylor", 32), ("kelvin_helmholtz", 48)] if SLOW else [("rayleigh_taylor", 32)]:
+        for name, particles in [("rayleigh_taylor", 32), ("kelvin_helmholtz", 48)] if SLOW else [("rayleigh_taylor", 24)]:
             for scheme in ["disph", "gdisph"] if SLOW else ["gdisph"]:
                 with self.subTest(name, scheme=scheme):
                     m = self.summary(name, {"domain.particles_x": particles, "shock.scheme": scheme})["metrics"]
@@ -150,7 +150,7 @@ class Shock(Case):
         """The shock's radius to a quarter of a spacing, which is 2.1 % of it; energy as the steps' errors."""
         settings = {"domain.dimension": 2, "domain.particles_x": 32, "time.t_end": 0.1, "shock.p_l": 1e-3,
                     "shock.support_terms": "number"}
-        for scheme in SCHEMES:
+        for scheme in SCHEMES if SLOW else ["disph", "gdisph", "remix"]:
             with self.subTest(scheme):
                 s = self.summary("sedov", {**settings, "shock.scheme": scheme})
                 m = s["metrics"]
@@ -161,7 +161,7 @@ class Shock(Case):
 
     def test_order_of_convergence(self):
         """With `coarser` the errors are those of the runs by themselves, and the order their least squares' slope."""
-        flat = {"domain.particles_x": 64, "time.t_end": 0.05}
+        flat = {"domain.particles_x": 48, "time.t_end": 0.05}
         for name, settings, scheme in [("sod", {"domain.particles_x": 200}, "gsph"), ("gresho", flat, "gdisph")]:
             with self.subTest(name):
                 settings = {**settings, "shock.scheme": scheme}
@@ -205,7 +205,7 @@ class Shock(Case):
             one, other = (self.summary("sod", {**even, "shock.scheme": scheme, "shock.support_terms": terms})["errors"]
                           for terms in ("none", "number"))
             self.assertAlmostEqual(one["velocity_l1"], other["velocity_l1"], delta=1e-12)
-        settings = {"domain.particles_x": 32, "shock.masses": "equal_mass", "time.t_end": 2, "shock.scheme": "disph"}
+        settings = {"domain.particles_x": 32, "shock.masses": "equal_mass", "time.t_end": 1.5, "shock.scheme": "disph"}
         m = self.summary("square", {**settings, "shock.support_terms": "none"})["metrics"]
         self.assertGreater(m["square_area_change"], 0.1)
         # Sod's tube: the terms double the pulse at the head of the rarefaction.
@@ -220,16 +220,8 @@ class Shock(Case):
                     "kernel.skin": 0.5, "time.t_end": 0.04}
         for scheme in ["disph", "gdisph", "remix"]:
             with self.subTest(scheme):
-                settings["shock.scheme"] = scheme
-                whole = self.summary("sod", settings)
-                for ranks, threads in [(2, 1), (4, 1), (None, 2)]:
-                    s = self.summary("sod", settings, ranks=ranks, threads=threads)
-                    self.assertEqual(s["state_hash"], whole["state_hash"])
-                part = {**settings, "time.steps": 10, "run.checkpoint_interval": 10}
-                self.summary("sod", part, output="part_" + scheme)
-                s = self.summary("sod", settings, output="part_" + scheme, options=["--restart", "latest"], ranks=2)
-                self.assertEqual((s["state_hash"], s["steps"]), (whole["state_hash"], whole["steps"]))
-                self.assertEqual(s["conservation"], whole["conservation"])
+                layouts = [(2, 1), (4, 1), (None, 2)] if SLOW else [(4, 1), (None, 2)] if scheme == "gdisph" else []
+                self.assert_exact("shock", "sod", {**settings, "shock.scheme": scheme}, 10, layouts)
 
     def test_wrong_input(self):
         for key, value, word in [("shock.scheme", "'sph'", "gdisph"), ("kernel.name", "'cubic'", "quintic"),

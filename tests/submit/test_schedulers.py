@@ -226,7 +226,7 @@ class Chains(Submit):
     def test_until_complete(self):
         """The same state as an uninterrupted run, the ranks started by the script's own command where that needs no
         scheduler. How Slurm goes on: test_slurm.py."""
-        settings = self.long_settings(0.6)
+        settings = self.long_settings(0.8)
         whole = self.run_program("disph_f", self.name, settings, "whole").summary
         for scheduler, ranks, more in [("pjm", 1, ["--launcher", "env"]), ("pbs", 1, []), ("nqsv", 1, [])]:
             with self.subTest(scheduler):
@@ -234,7 +234,7 @@ class Chains(Submit):
                 self.out = self.here / f"out_{scheduler}"
                 self.accepted("--submit", *more, scheduler=scheduler, ranks=ranks, settings=settings)
                 self.assertEqual(self.queued(), [str(self.out / "job.sh")])
-                self.limit(max(0.25, 0.4 * whole["stepping_seconds"]))
+                self.limit(max(0.25, 0.6 * whole["stepping_seconds"]))
                 statuses = self.chain(scheduler, most=60)
                 self.assertEqual(statuses, [INTERRUPTED] * (len(statuses) - 1) + [COMPLETED], self.log())
                 self.assertGreaterEqual(len(statuses), 2, self.log())
