@@ -142,7 +142,8 @@ class Killed(Robust):
         os.killpg(process.pid, signal.SIGKILL)
         self.finish(process, "out")
         self.assertTrue(list(directory.glob("checkpoint_*.h5.tmp")))
-        again = self.run_program("disph_f", name, settings, "out", options=LATEST)
+        # Without further ones, each of which waits for the disk.
+        again = self.run_program("disph_f", name, {**settings, "run.checkpoint_interval": 0}, "out", options=LATEST)
         self.assertEqual(again.summary["state_hash"], whole.summary["state_hash"])
 
 
