@@ -28,11 +28,11 @@ class RayleighTaylor(Case):
 
     def test_growth(self):
         """n = 24: the kernel leaves errors of order (k dx)^2, k dx = 0.26; at 48 less than half a per cent, also of unequal viscosities
-        (measured: 0.1 to 0.3)."""
+        (measured: 0.1 to 0.3; at 36 0.4)."""
         for change, delta in [({"time.t_end": 1400}, 0.01),
                               ({**viscosity(1e11), "time.t_end": 950}, 0.01),
                               ({"domain.periodic_x": ".true.", "walls.floor": "free_slip", "time.t_end": 1200}, 0.01),
-                              ({"rti.interface": 5e5, **viscosity(6e11, 6e10), **size(48), "time.t_end": 1500}, 0.005),
+                              ({"rti.interface": 5e5, **viscosity(6e11, 6e10), **size(48 if SLOW else 36), "time.t_end": 1500}, 0.005),
                               ({"rti.volume": "our_method", "rti.pressure": "smoothed", "time.t_end": 1400}, 0.01)]:
             with self.subTest(**change):
                 m = self.run_program("rti", LINEAR, {**size(24), **change}).summary["metrics"]
@@ -51,9 +51,9 @@ class RayleighTaylor(Case):
         self.assertLess(errors["none"], -0.03)
 
     def test_surface_tension(self):
-        """Tension takes a third of the wave's weight, and the growth goes to that of theory with it: 4.5 % off at 24, 0.8 % at 48."""
+        """Tension takes a third of the wave's weight, and the growth goes to that of theory with it: 6.5 % off at 20, 2.8 % at 30, 0.8 % at 48."""
         errors = []
-        for n in (24, 36):
+        for n in (24, 36) if SLOW else (20, 30):
             m = self.run_program("rti", LINEAR, {**size(n), "rti.surface_tension": 8e14, "time.t_end": 1900}).summary["metrics"]
             self.assertLess(m["growth_rate_theory"], 0.0019)
             errors.append(abs(m["growth_rate"] / m["growth_rate_theory"] - 1))
@@ -134,7 +134,7 @@ class RayleighTaylor(Case):
             s = self.run_program("rti", POSTER, {**settings, "rti.rows": rows}).summary
             fastest[rows] = s["metrics"]["v_rms"]
         self.assertLess(fastest["balanced"], 0.1 * fastest["lattice"])
-        growth = [self.run_program("rti", POSTER, {**size(24), "rti.rows": rows, "time.t_end": 1000, "output.interval": 0})
+        growth = [self.run_program("rti", POSTER, {**size(24 if SLOW else 20), "rti.rows": rows, "time.t_end": 1000, "output.interval": 0})
                   .summary["metrics"]["growth_rate"] for rows in fastest]
         self.assertAlmostEqual(growth[1] / growth[0], 1, delta=0.005)
 
@@ -345,7 +345,8 @@ class SurfaceTension(Case):
 
     def test_laplace(self):
         """Pressure inside: sigma/R in two dimensions, 2 sigma/R in three; the area that the colour finds; what moves at rest."""
-        for change, delta in [({}, 0.1), ({"n": 32}, 0.05),
+        finer = [({"n": 32}, 0.05)] if SLOW else []
+        for change, delta in [({}, 0.1), *finer,
                               ({"n": 16, "domain.dimension": 3, "drop.radius": 0.3, "kernel.name": "quintic", "time.t_end": 0.08}, 0.1)]:
             with self.subTest(**change):
                 m = self.drop(**change)["metrics"]
