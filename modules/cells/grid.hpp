@@ -53,9 +53,12 @@ std::array<double, D> position(const std::array<particles::array, D>& x, std::si
   return point;
 }
 
-// m, edge of the cells of particles with this spacing: clusters of eight are nearly as long as wide, in the plane and
-// in space, so that their members have most neighbours in common.
-inline double cell_edge(double spacing) { return 2.0 * spacing; }
+// m, edge of the cells of particles with this spacing, sorted along the last axis: clusters of so many members are then
+// nearly as long as wide, so that their members have most neighbours in common.
+template <int D>
+double cell_edge(double spacing, std::size_t width) {
+  return (D == 2 && width > 8 ? 4.0 : 2.0) * spacing;
+}
 
 // Sorts particles [0, n) into cells of the given edge.
 template <int D>

@@ -58,26 +58,43 @@ struct point_list : list_of_rows {};
 // Of each cluster. An entry is what a neighbour's local index is above that of the one before, from 0 on, in its upper
 // bits, and in the lower ones the lanes that have this neighbour. A larger distance stands by itself behind a 0.
 struct neighbour_list : list_of_rows {
-  // Members of a cluster: values in one SIMD register.
-  static constexpr std::size_t lanes = foundation::lanes;
-  static constexpr int bits = 8;
-  static_assert(lanes <= bits);
-  mutable particles::array records;  // scratch of the pair loop: what it reads of the neighbours, packed
+  // Members of a cluster: numbers in one SIMD register, doubles or single.
+  std::size_t width = foundation::lanes;
+  static_assert(foundation::single::size() == 2 * foundation::lanes && foundation::single::size() <= 16);
+  // Lower bits of an entry.
+  static constexpr int bits_of(std::size_t width) { return width <= 8 ? 8 : 16; }
+
+  // Scratch of the pair loop: what it reads of the neighbours, packed.
+  struct scratch {
+    particles::array doubles;
+    std::vector<float, particles::aligned_allocator<float>> singles;
+
+    template <class Number>
+    auto& of() {
+      if constexpr (std::is_same_v<Number, float>)
+        return singles;
+      else
+        return doubles;
+    }
+  };
+  mutable scratch records;
 
   // The row of the cluster that particle i is in.
-  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / lanes); }
+  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / width); }
   // f(neighbour, lanes that have it) for each in the row of cluster r.
   template <class F>
   void for_each(std::size_t r, F&& f) const {
-    for (neighbour n(row(r)); n.next();) f(n.j, n.of_lanes);
+    for (neighbour n(row(r), width); n.next();) f(n.j, n.of_lanes);
   }
 
   // Goes through a row.
   struct neighbour {
     const std::uint32_t *at, *end;
+    int bits;
     std::uint32_t j = 0, of_lanes = 0;
 
-    explicit neighbour(std::span<const std::uint32_t> row) : at(row.data()), end(row.data() + row.size()) {}
+    neighbour(std::span<const std::uint32_t> row, std::size_t width)
+        : at(row.data()), end(row.data() + row.size()), bits(bits_of(width)) {}
     [[gnu::always_inline]] bool next() {
       if (at == end) return false;
       std::uint32_t entry = *at++;
@@ -99,12 +116,14 @@ class entry_writer {
   static constexpr std::size_t most = 3;
   std::uint32_t* out = nullptr;
 
+  explicit entry_writer(std::size_t width) : bits_(neighbour_list::bits_of(width)) {}
+
   // Nothing where no lane has it.
   void add(std::uint32_t j, std::uint32_t of_lanes) {
     if (of_lanes == 0) return;
     const std::int64_t step = std::int64_t{j} - std::int64_t{last_};
-    constexpr std::int64_t reach = std::int64_t{1} << (31 - neighbour_list::bits);
-    std::uint32_t upper = static_cast<std::uint32_t>(step) << neighbour_list::bits;
+    const std::int64_t reach = std::int64_t{1} << (31 - bits_);
+    std::uint32_t upper = static_cast<std::uint32_t>(step) << bits_;
     if (step < -reach || step >= reach) {
       *out++ = 0;
       *out++ = static_cast<std::uint32_t>(step);
@@ -115,6 +134,7 @@ class entry_writer {
   }
 
  private:
+  int bits_;
   std::uint32_t last_ = 0;
 };
 
@@ -183,28 +203,28 @@ void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
   list.pairs = pairs;
 }
 
-// Values of n members, the last one's in the lanes behind.
-inline foundation::real of_members(const double* from, std::size_t n) {
-  return foundation::real([&](auto lane) { return from[std::min<std::size_t>(lane, n - 1)]; });
+// Register h of the values of n members, the last one's in the lanes behind.
+inline foundation::real of_members(const double* from, std::size_t n, std::size_t h) {
+  return foundation::real([&](auto lane) { return from[std::min<std::size_t>(h * foundation::lanes + lane, n - 1)]; });
 }
 
 // One reach for all pairs: those of one support.
 struct one_reach {
   double most;  // m
   const one_reach& of(std::size_t, std::size_t) const { return *this; }
-  foundation::real squared(std::uint32_t) const { return most * most; }
+  foundation::real squared(std::uint32_t, std::size_t) const { return most * most; }
 };
 
-// The members of a cluster: particles [first, first + n).
-template <int D>
+// The members of a cluster, so many registers of them: particles [first, first + n).
+template <int D, std::size_t registers>
 struct cluster_positions {
-  std::array<foundation::real, D> x;  // m
+  std::array<std::array<foundation::real, D>, registers> x;  // m
   std::array<double, D> low, high;
 
   cluster_positions(const std::array<particles::array, D>& all, std::size_t first, std::size_t n) {
     for (std::size_t a = 0; a < D; ++a) {
       const double* from = all[a].data() + first;
-      x[a] = of_members(from, n);
+      for (std::size_t h = 0; h < registers; ++h) x[h][a] = of_members(from, n, h);
       const auto [least, most] = std::minmax_element(from, from + n);
       low[a] = *least;
       high[a] = *most;
@@ -212,33 +232,35 @@ struct cluster_positions {
   }
 };
 
-// Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
-// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
-// with each member.
-template <int D, class Reach>
-void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
-               const Reach& reach) {
+template <int D, std::size_t registers, class Reach>
+void make_list_of(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
+                  const Reach& reach) {
   using foundation::lanes, foundation::real;
-  make_rows(list, (n + lanes - 1) / lanes, [&](std::size_t r, row_store& made) {
-    const std::size_t first = r * lanes, members = std::min(lanes, n - first);
-    const cluster_positions<D> cluster(x, first, members);
+  const std::size_t width = list.width;
+  make_rows(list, (n + width - 1) / width, [&](std::size_t r, row_store& made) {
+    const std::size_t first = r * width, members = std::min(width, n - first);
+    const cluster_positions<D, registers> cluster(x, first, members);
     const std::uint32_t all_members = (1U << members) - 1U;
     std::size_t pairs = 0;
-    entry_writer row;
+    entry_writer row(width);
     const auto& of_cluster = reach.of(first, members);
     for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, [&](std::uint32_t k, std::uint64_t near) {
       row.out = made.room(64 * entry_writer::most);
       for (; near != 0; near &= near - 1) {
         const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
-        real r2(0.0);
-        for (std::size_t a = 0; a < D; ++a) {
-          const real x_ij = cluster.x[a] - g.sorted[a][at];
-          r2 += x_ij * x_ij;
-        }
         const std::uint32_t j = g.members[at];
-        std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+        std::uint32_t within = 0;
+        for (std::size_t h = 0; h < registers; ++h) {
+          real r2(0.0);
+          for (std::size_t a = 0; a < D; ++a) {
+            const real x_ij = cluster.x[h][a] - g.sorted[a][at];
+            r2 += x_ij * x_ij;
+          }
+          within |= foundation::bits_of_less(r2, of_cluster.squared(j, h)) << h * lanes;
+        }
+        within &= all_members;
         // None is its own neighbour.
-        if (const std::size_t own = j - first; own < lanes) within &= ~(1U << own);
+        if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
         row.add(j, within);
         pairs += static_cast<std::size_t>(std::popcount(within));
       }
@@ -246,6 +268,18 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
     });
     return pairs;
   });
+}
+
+// Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
+// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j, h), m2, that of j
+// with each member of the cluster's register number h.
+template <int D, class Reach>
+void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
+               const Reach& reach) {
+  if (list.width == foundation::lanes)
+    make_list_of<D, 1>(list, g, x, n, reach);
+  else
+    make_list_of<D, 2>(list, g, x, n, reach);
 }
 
 // Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`

@@ -8,29 +8,31 @@ namespace tetsuame::diffusion {
 
 template <int D>
 struct conduction {
-  using real = pairs::real;
-
   const double* T;   // K
   const double* k;   // W/(m K)
   const double* dV;  // m^D
   double* heat;      // W, added to
 
+  template <class R>
   struct me {
-    real sum;
+    R sum;
   };
 
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV)};
+    return std::tuple{read(of_temperature, T), read(of_conductivity, k), read(of_volume, dV, D)};
   }
-  me begin(const pairs::cluster&) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    const real factor =
+    const auto factor =
         harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
     a.sum += factor * ij.difference(of_temperature);
   }
-  void end(const pairs::cluster& i, const me& a) const { i.add(heat, a.sum); }
+  void end(const auto& i, const auto& a) const { i.add(heat, a.sum, D - 2); }
 };
 
 }  // namespace tetsuame::diffusion

@@ -9,17 +9,15 @@
 namespace tetsuame::diffusion {
 
 // 4 a b/(a + b): zero where both vanish.
-inline pairs::real harmonic(const pairs::real& a, const pairs::real& b) {
-  const pairs::real sum = a + b;
-  pairs::real mean = 4.0 * a * b / sum;
-  pairs::stdx::where(sum == 0.0, mean) = 0.0;
-  return mean;
+template <class R>
+R harmonic(const R& a, const R& b) {
+  const R sum = a + b;
+  return foundation::select(sum == 0.0, R(0.0), R(4.0 * a * b / sum));
 }
 
 // Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair.
 template <int D, class Eta>
 struct viscous_sum {
-  using real = pairs::real;
   static constexpr bool uniform = std::is_same_v<Eta, double>;
 
   std::array<const double*, D> v;  // m/s
@@ -28,37 +26,39 @@ struct viscous_sum {
   std::array<double*, D> force;    // N, added to
   double* heat;                    // W, added to; null: not wanted
 
+  template <class R>
   struct me {
-    real factor;  // 2 η ΔV where η is uniform
-    pairs::vec<real, D> force;
-    real dissipation;
+    R factor;  // 2 η ΔV where η is uniform
+    pairs::vec<R, D> force;
+    R dissipation;
   };
 
   auto reads() const {
     using namespace pairs;
-    const std::tuple always{read(of_velocity, v), read(of_volume, dV)};
+    const std::tuple always{read(of_velocity, v), read(of_volume, dV, D)};
     if constexpr (uniform)
       return always;
     else
-      return std::tuple_cat(always, std::tuple{read(of_viscosity, eta)});
+      return std::tuple_cat(always, std::tuple{read(of_viscosity, eta, 1)});
   }
-  me begin(const pairs::cluster& i) const {
-    me a{real(0.0), foundation::zero<real, D>(), real(0.0)};
-    if constexpr (uniform) a.factor = 2.0 * eta * i(dV);
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    me<R> a{R(0.0), foundation::zero<R, D>(), R(0.0)};
+    if constexpr (uniform) a.factor = 2.0 * (eta * i.lengths.to(-1)) * i(dV, D);
     return a;
   }
-  void add(me& a, const auto& ij) const {
+  void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    real factor = a.factor;
+    auto factor = a.factor;
     if constexpr (!uniform) factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume);
     factor *= ij(of_volume) * ij.F;
     const auto v_ij = ij.difference(of_velocity);
     a.force += factor * v_ij;
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k]);
-    if (heat != nullptr) i.add(heat, 0.5 * a.dissipation);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k], D - 1);
+    if (heat != nullptr) i.add(heat, 0.5 * a.dissipation, D - 1);
   }
 };
 

@@ -1,4 +1,6 @@
-// Several doubles in one register, one neighbour a lane: what loops over neighbours need beside arithmetic.
+// Several numbers in one register, one a lane: what loops over neighbours need beside arithmetic. `real` holds doubles;
+// `single` twice as many numbers of half the length, and stands wherever `real` does: doubles become single by
+// themselves.
 #pragma once
 
 #include <array>
@@ -20,16 +22,70 @@ namespace stdx = std::experimental;
 using real = stdx::native_simd<double>;
 inline constexpr std::size_t lanes = real::size();
 
-// Whether R is a register of n doubles, for which there are the processor's own instructions.
+class single {
+ public:
+  using lanes_type = stdx::native_simd<float>;
+  using mask_type = lanes_type::mask_type;
+  static constexpr std::size_t size() { return lanes_type::size(); }
+
+  single() = default;
+  [[gnu::always_inline]] single(double all) : v_(static_cast<float>(all)) {}
+  [[gnu::always_inline]] explicit single(const lanes_type& v) : v_(v) {}
+  [[gnu::always_inline]] const lanes_type& all() const { return v_; }
+  [[gnu::always_inline]] float operator[](std::size_t lane) const { return v_[lane]; }
+
+  [[gnu::always_inline]] friend single operator+(const single& a, const single& b) { return single(a.v_ + b.v_); }
+  [[gnu::always_inline]] friend single operator-(const single& a, const single& b) { return single(a.v_ - b.v_); }
+  [[gnu::always_inline]] friend single operator*(const single& a, const single& b) { return single(a.v_ * b.v_); }
+  [[gnu::always_inline]] friend single operator/(const single& a, const single& b) { return single(a.v_ / b.v_); }
+  [[gnu::always_inline]] single operator-() const { return single(-v_); }
+  [[gnu::always_inline]] single& operator+=(const single& b) { return *this = *this + b; }
+  [[gnu::always_inline]] single& operator-=(const single& b) { return *this = *this - b; }
+  [[gnu::always_inline]] single& operator*=(const single& b) { return *this = *this * b; }
+  [[gnu::always_inline]] friend single sqrt(const single& a) { return single(stdx::sqrt(a.v_)); }
+  [[gnu::always_inline]] friend mask_type operator==(const single& a, const single& b) { return a.v_ == b.v_; }
+  [[gnu::always_inline]] friend mask_type operator!=(const single& a, const single& b) { return a.v_ != b.v_; }
+  [[gnu::always_inline]] friend mask_type operator<(const single& a, const single& b) { return a.v_ < b.v_; }
+
+ private:
+  lanes_type v_;
+};
+
+// Lanes of the mask from a, others from b.
+template <class T, class Abi>
+[[gnu::always_inline]] inline stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& mask,
+                                                        const std::type_identity_t<stdx::simd<T, Abi>>& a,
+                                                        const std::type_identity_t<stdx::simd<T, Abi>>& b) {
+  stdx::simd<T, Abi> c = b;
+  where(mask, c) = a;
+  return c;
+}
+[[gnu::always_inline]] inline single select(const single::mask_type& mask, const single& a, const single& b) {
+  single::lanes_type c = b.all();
+  where(mask, c) = a.all();
+  return single(c);
+}
+
+// What guards a division by what may vanish; R holds its inverse too.
+template <class R>
+inline constexpr double tiny = std::is_same_v<R, single> ? 1e-30 : 1e-200;
+
+// Whether R is a register of n doubles, or of n single numbers, for which there are the processor's own instructions.
 template <class R, std::size_t n>
 inline constexpr bool is_register = std::is_same_v<R, real>&& R::size() == n;
+template <class R, std::size_t n>
+inline constexpr bool is_single = std::is_same_v<R, single>&& R::size() == n;
 
 #if defined(__AVX2__)
 namespace detail {
-// All bits of lane n where bit n is set.
+// All bits of lane n where bit n is set: of four doubles, of eight single numbers.
 inline __m256i lanes_of(std::uint32_t bits) {
   const __m256i lane = _mm256_setr_epi64x(1, 2, 4, 8), all = _mm256_set1_epi64x(static_cast<long long>(bits));
   return _mm256_cmpeq_epi64(_mm256_and_si256(all, lane), lane);
+}
+inline __m256i single_lanes_of(std::uint32_t bits) {
+  const __m256i lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128), all = _mm256_set1_epi32(static_cast<int>(bits));
+  return _mm256_cmpeq_epi32(_mm256_and_si256(all, lane), lane);
 }
 }  // namespace detail
 #endif
@@ -64,14 +120,16 @@ inline double greater(double a, double b) { return b < a ? a : b; }
 template <class R>
 [[gnu::always_inline]] inline R greater(const R& a, const R& b) {
 #if defined(__AVX512F__)
+  if constexpr (is_single<R, 16>)
+    return R(typename R::lanes_type(_mm512_max_ps(static_cast<__m512>(a.all()), static_cast<__m512>(b.all()))));
   if constexpr (is_register<R, 8>) return R(_mm512_max_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
 #endif
 #if defined(__AVX__)
   if constexpr (is_register<R, 4>) return R(_mm256_max_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
+  if constexpr (is_single<R, 8>)
+    return R(typename R::lanes_type(_mm256_max_ps(static_cast<__m256>(a.all()), static_cast<__m256>(b.all()))));
 #endif
-  R c = b;
-  where(b < a, c) = a;
-  return c;
+  return select(b < a, a, b);
 }
 template <class R>
 [[gnu::always_inline]] inline R lesser(const R& a, const R& b) {
@@ -81,9 +139,7 @@ template <class R>
 #if defined(__AVX__)
   if constexpr (is_register<R, 4>) return R(_mm256_min_pd(static_cast<__m256d>(a), static_cast<__m256d>(b)));
 #endif
-  R c = b;
-  where(a < b, c) = a;
-  return c;
+  return select(a < b, a, b);
 }
 
 // Values from `a` on in the lanes whose bit is set, 0 in others; nothing else is read, or written.
@@ -113,10 +169,49 @@ template <class R>
     if ((bits >> lane & 1U) != 0) a[lane] = values[lane];
 }
 
+// Doubles as single numbers, those of `low` in the first half of the lanes, and back.
+struct halves {
+  real low, high;
+};
+[[gnu::always_inline]] inline single narrow(const halves& h) {
+#if defined(__AVX512F__)
+  if constexpr (is_single<single, 16>)
+    return single(
+        single::lanes_type(_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(static_cast<__m512d>(h.low))),
+                                              _mm512_cvtpd_ps(static_cast<__m512d>(h.high)), 1)));
+#elif defined(__AVX__)
+  if constexpr (is_single<single, 8>)
+    return single(single::lanes_type(
+        _mm256_set_m128(_mm256_cvtpd_ps(static_cast<__m256d>(h.high)), _mm256_cvtpd_ps(static_cast<__m256d>(h.low)))));
+#endif
+  return single(single::lanes_type([&](auto lane) {
+    constexpr std::size_t at = decltype(lane)::value;
+    return static_cast<float>(at < lanes ? h.low[at % lanes] : h.high[at % lanes]);
+  }));
+}
+[[gnu::always_inline]] inline halves widen(const single& a) {
+#if defined(__AVX512F__)
+  if constexpr (is_single<single, 16>) {
+    const auto all = static_cast<__m512>(a.all());
+    return {real(_mm512_cvtps_pd(_mm512_castps512_ps256(all))), real(_mm512_cvtps_pd(_mm512_extractf32x8_ps(all, 1)))};
+  }
+#elif defined(__AVX__)
+  if constexpr (is_single<single, 8>) {
+    const auto all = static_cast<__m256>(a.all());
+    return {real(_mm256_cvtps_pd(_mm256_castps256_ps128(all))), real(_mm256_cvtps_pd(_mm256_extractf128_ps(all, 1)))};
+  }
+#endif
+  return {real([&](auto lane) { return static_cast<double>(a[lane]); }),
+          real([&](auto lane) { return static_cast<double>(a[lane + lanes]); })};
+}
+
 // greater(a, b) in lane n where bit n of `bits` is set, `other` elsewhere.
 template <class R>
 [[gnu::always_inline]] inline R greater_where(std::uint32_t bits, const R& a, const R& b, const R& other) {
 #if defined(__AVX512F__)
+  if constexpr (is_single<R, 16>)
+    return R(typename R::lanes_type(_mm512_mask_max_ps(static_cast<__m512>(other.all()), static_cast<__mmask16>(bits),
+                                                       static_cast<__m512>(a.all()), static_cast<__m512>(b.all()))));
   if constexpr (is_register<R, 8>)
     return R(_mm512_mask_max_pd(static_cast<__m512d>(other), static_cast<__mmask8>(bits), static_cast<__m512d>(a),
                                 static_cast<__m512d>(b)));
@@ -125,16 +220,19 @@ template <class R>
   if constexpr (is_register<R, 4>)
     return R(_mm256_blendv_pd(static_cast<__m256d>(other), static_cast<__m256d>(greater(a, b)),
                               _mm256_castsi256_pd(detail::lanes_of(bits))));
+  if constexpr (is_single<R, 8>)
+    return R(typename R::lanes_type(_mm256_blendv_ps(static_cast<__m256>(other.all()),
+                                                     static_cast<__m256>(greater(a, b).all()),
+                                                     _mm256_castsi256_ps(detail::single_lanes_of(bits)))));
 #endif
 #if defined(__aarch64__)
   if constexpr (is_register<R, 2>)
     return R(vbslq_f64(vtstq_u64(vdupq_n_u64(bits), uint64x2_t{1, 2}), static_cast<float64x2_t>(greater(a, b)),
                        static_cast<float64x2_t>(other)));
 #endif
-  R c = greater(a, b);
-  for (std::size_t lane = 0; lane < R::size(); ++lane)
-    if ((bits >> lane & 1U) == 0) c[lane] = other[lane];
-  return c;
+  typename R::mask_type mask;
+  for (std::size_t lane = 0; lane < R::size(); ++lane) mask[lane] = (bits >> lane & 1U) != 0;
+  return select(mask, greater(a, b), other);
 }
 
 // Bit n: whether a < b in lane n.
@@ -174,9 +272,21 @@ roots<R> both_roots(const R& r2) {
     const __m512d series = _mm512_fmadd_pd(e, cubic, _mm512_set1_pd(0.5));
     return {R(_mm512_fmadd_pd(_mm512_mul_pd(r, e), series, r)), R(_mm512_fmadd_pd(_mm512_mul_pd(y, e), series, y))};
   }
+  if constexpr (is_single<R, 16>) {
+    // The next term of the series is below a rounding here.
+    const auto x = static_cast<__m512>(r2.all());
+    const __m512 y = _mm512_rsqrt14_ps(x), e = _mm512_fnmadd_ps(_mm512_mul_ps(x, y), y, _mm512_set1_ps(1.0F));
+    const __m512 inverse = _mm512_fmadd_ps(_mm512_mul_ps(y, e), _mm512_set1_ps(0.5F), y);
+    return {R(typename R::lanes_type(_mm512_mul_ps(x, inverse))), R(typename R::lanes_type(inverse))};
+  }
 #endif
-  const R r = stdx::sqrt(r2);
-  return {r, R(1.0 / r)};
+  if constexpr (std::is_same_v<R, single>) {
+    const R r(stdx::sqrt(r2.all()));
+    return {r, R(1.0 / r)};
+  } else {
+    const R r = stdx::sqrt(r2);
+    return {r, R(1.0 / r)};
+  }
 }
 
 }  // namespace tetsuame::foundation

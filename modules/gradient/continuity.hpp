@@ -8,20 +8,22 @@ namespace tetsuame::gradient {
 
 template <int D>
 struct continuity {
-  using real = pairs::real;
-
   std::array<const double*, D> v;  // m/s
   const double* dV;                // m^D, Y/p
   double* dlnrho;                  // 1/s, set
 
+  template <class R>
   struct me {
-    real sum;
+    R sum;
   };
 
-  auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV)}; }
-  me begin(const pairs::cluster&) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij(pairs::of_volume) * ij.F * ij.along(pairs::of_velocity); }
-  void end(const pairs::cluster& i, const me& a) const { i.set(dlnrho, a.sum); }
+  auto reads() const { return std::tuple{pairs::read(pairs::of_velocity, v), pairs::read(pairs::of_volume, dV, D)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const { a.sum += ij(pairs::of_volume) * ij.F * ij.along(pairs::of_velocity); }
+  void end(const auto& i, const auto& a) const { i.set(dlnrho, a.sum, -1); }
 };
 
 }  // namespace tetsuame::gradient

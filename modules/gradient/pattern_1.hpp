@@ -18,36 +18,36 @@ struct pattern_1 {
 
 template <int D>
 struct pattern_1::term {
-  using real = pairs::real;
-
   std::array<const double*, D> v;  // m/s
   const double* p;                 // Pa
   const double* dV;                // m^D
   sums<D> out;
 
+  template <class R>
   struct me {
-    real stress;                // J m^D, p ΔV² of particle i
-    pairs::vec<real, D> force;  // N, its sign reversed
-    real work;                  // W
+    R stress;                // J m^D, p ΔV² of particle i
+    pairs::vec<R, D> force;  // N, its sign reversed
+    R work;                  // W
   };
 
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, dV)};
+    return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, dV, D)};
   }
-  me begin(const pairs::cluster& i) const {
-    return {real(i(p) * i(dV) * i(dV)), foundation::zero<real, D>(), real(0.0)};
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {R(i(p) * i(dV, D) * i(dV, D)), foundation::zero<R, D>(), R(0.0)};
   }
-  void add(me& a, const auto& ij) const {
-    const real dV_j = ij(pairs::of_volume);
-    const real stress = a.stress + ij(pairs::of_pressure) * dV_j * dV_j;
-    const real slope = stress * ij.F;
+  void add(auto& a, const auto& ij) const {
+    const auto dV_j = ij(pairs::of_volume);
+    const auto stress = a.stress + ij(pairs::of_pressure) * dV_j * dV_j;
+    const auto slope = stress * ij.F;
     a.force += slope * ij.x_ij;
     a.work += slope * ij.along(pairs::of_velocity);
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(out.force[k], -a.force[k]);
-    i.add(out.power, 0.5 * a.work);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.add(out.force[k], -a.force[k], D - 1);
+    i.add(out.power, 0.5 * a.work, D - 1);
   }
 };
 

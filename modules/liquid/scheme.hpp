@@ -38,6 +38,7 @@ class scheme {
 struct program {
   const char* name;
   const char* wall;
+  bool iterates;           // for Y, to a tolerance
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
   std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;
   std::function<std::unique_ptr<scheme<3>>(const volume::options&)> in_3d;

@@ -112,6 +112,7 @@ program describe() {
   using scheme = scheme_of<Program, 2>;
   return {.name = Program::name,
           .wall = Program::wall::name,
+          .iterates = scheme::iterates,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
           .in_2d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
           .in_3d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};

@@ -37,7 +37,6 @@ struct results {
 // `wanted`: bit k, L of field k is asked for; the rest of out.laplacian is not written.
 template <int D, int K, bool whole = true, unsigned wanted = ~0U>
 struct consistent {
-  using real = pairs::real;
   static constexpr std::size_t S = symmetric_terms(D);
 
   std::array<const double*, K> f, P;
@@ -47,56 +46,61 @@ struct consistent {
   results<D, K> out;
   bool* singular;  // set where a neighbourhood does not determine a gradient
 
+  template <class R>
   struct me {
-    std::array<real, S> B;
-    std::array<real, S> M;                             // Σ F r_a r_b
-    std::array<std::array<real, S>, whole ? S : 0> Q;  // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
-    pairs::vec<real, D> first;                         // Σ F s r
-    real m_s;                                          // Σ F s r²
-    std::array<pairs::vec<real, D>, K> gradient;       // Σ F r (f_i - f_j), of f - 2β P
-    std::array<real, K> laplacian;                     // Σ F s (f_i - f_j), of f - β P
-    std::array<real, whole ? K : 0> plain;             // of f
+    std::array<R, S> B;
+    std::array<R, S> M;                             // Σ F r_a r_b
+    std::array<std::array<R, S>, whole ? S : 0> Q;  // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
+    pairs::vec<R, D> first;                         // Σ F s r
+    R m_s;                                          // Σ F s r²
+    R beta;                                         // m2
+    std::array<pairs::vec<R, D>, K> gradient;       // Σ F r (f_i - f_j), of f - 2β P
+    std::array<R, K> laplacian;                     // Σ F s (f_i - f_j), of f - β P
+    std::array<R, whole ? K : 0> plain;             // of f
   };
 
-  auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P)}; }
+  auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P, -2)}; }
 
-  me begin(const pairs::cluster& i) const {
-    me a;
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    me<R> a;
     for (std::size_t k = 0; k < S; ++k) {
-      a.B[k] = B[k] != nullptr ? i(B[k]) : real(0.0);
-      a.M[k] = real(0.0);
+      a.B[k] = B[k] != nullptr ? i(B[k]) : R(0.0);
+      a.M[k] = R(0.0);
       if constexpr (whole)
-        for (std::size_t l = k; l < S; ++l) a.Q[k][l] = real(0.0);
+        for (std::size_t l = k; l < S; ++l) a.Q[k][l] = R(0.0);
     }
-    a.first = foundation::zero<real, D>();
-    a.m_s = real(0.0);
+    a.first = foundation::zero<R, D>();
+    a.m_s = R(0.0);
+    a.beta = R(beta * i.lengths.to(-2));
     for (std::size_t k = 0; k < K; ++k) {
-      a.gradient[k] = foundation::zero<real, D>();
-      a.laplacian[k] = real(0.0);
-      if constexpr (whole) a.plain[k] = real(0.0);
+      a.gradient[k] = foundation::zero<R, D>();
+      a.laplacian[k] = R(0.0);
+      if constexpr (whole) a.plain[k] = R(0.0);
     }
     return a;
   }
 
-  void add(me& a, const auto& ij) const {
+  void add(auto& a, const auto& ij) const {
+    using R = std::remove_cvref_t<decltype(ij.F)>;
     const auto& r = ij.x_ij;
-    const real F = ij.F;
-    std::array<real, S> rr;
+    const R F = ij.F;
+    std::array<R, S> rr;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q) rr[n++] = r[p] * r[q];
-    real Fs = F;
+    auto Fs = F;
     if (B[0] != nullptr) {
-      const real inverse_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300));
-      real s(0.0);
+      const R inverse_r2 = 1.0 / ij.r2;
+      R s(0.0);
       n = 0;
       for (std::size_t p = 0; p < D; ++p)
         for (std::size_t q = p; q < D; ++q, ++n) s += (p == q ? 1.0 : 2.0) * a.B[n] * rr[n];
-      const real F_per_r2 = F * inverse_r2;
+      const auto F_per_r2 = F * inverse_r2;
       Fs = s * F_per_r2;
       if constexpr (whole)
         for (std::size_t k = 0; k < S; ++k) {
-          const real part = F_per_r2 * rr[k];
+          const auto part = F_per_r2 * rr[k];
           for (std::size_t l = k; l < S; ++l) a.Q[k][l] += part * rr[l];
         }
     }
@@ -105,50 +109,50 @@ struct consistent {
     a.m_s += Fs * ij.r2;
     const auto f_ij = ij.difference(of_fields), P_ij = ij.difference(of_laplacians);
     for (std::size_t k = 0; k < K; ++k) {
-      const real f_k = f_ij[k], correction = beta * P_ij[k], once = f_k - correction;
+      const auto f_k = f_ij[k], correction = a.beta * P_ij[k], once = f_k - correction;
       a.gradient[k] += (F * (once - correction)) * r;
       if ((wanted >> k & 1U) != 0) a.laplacian[k] += Fs * once;
       if constexpr (whole) a.plain[k] += Fs * f_k;
     }
   }
 
-  void end(const pairs::cluster& members, const me& a) const {
+  void end(const auto& members, const auto& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
   }
 
  private:
   // Of particle i, whose lane of a sum `of` takes.
-  void end(std::size_t i, const me& a, const auto& of) const {
+  void end(std::size_t i, const auto& a, const auto& of) const {
     constexpr auto d = static_cast<double>(D);
     std::array<std::array<double, D>, D> M{};
     for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * of(a.M[symmetric_place(q, p, D)]);
+      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * of(a.M[symmetric_place(q, p, D)], -D);
     if (!factorise(M)) {
 #pragma omp atomic write
       *singular = true;
       return;
     }
     std::array<double, D> first;
-    for (std::size_t p = 0; p < D; ++p) first[p] = V * of(a.first[p]);
-    const double scale = -2.0 * d / (V * of(a.m_s));
+    for (std::size_t p = 0; p < D; ++p) first[p] = V * of(a.first[p], -D - 1);
+    const double scale = -2.0 * d / (V * of(a.m_s, -D));
     for (std::size_t k = 0; k < K; ++k) {
       std::array<double, D> b;
-      for (std::size_t p = 0; p < D; ++p) b[p] = -V * of(a.gradient[k][p]);
+      for (std::size_t p = 0; p < D; ++p) b[p] = -V * of(a.gradient[k][p], -D - 1);
       const auto G = solve(M, b);
       double linear = 0.0;
       for (std::size_t p = 0; p < D; ++p) {
         out.gradient[k][p][i] = G[p];
         linear += G[p] * first[p];
       }
-      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * of(a.laplacian[k]) - linear);
-      if constexpr (whole) out.plain[k][i] = scale * (V * of(a.plain[k]) - linear);
+      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * of(a.laplacian[k], -D - 2) - linear);
+      if constexpr (whole) out.plain[k][i] = scale * (V * of(a.plain[k], -D - 2) - linear);
     }
     if constexpr (whole)
       if (B[0] != nullptr) next_tensor(i, a, of);
   }
 
   // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
-  void next_tensor(std::size_t i, const me& a, const auto& of) const {
+  void next_tensor(std::size_t i, const auto& a, const auto& of) const {
     std::array<std::array<double, S>, S> A{};
     std::array<double, S> b{}, weight{};
     std::size_t n = 0;
@@ -159,7 +163,7 @@ struct consistent {
       }
     // Rows of off-diagonal components are doubled, which makes the matrix symmetric.
     for (std::size_t k = 0; k < S; ++k)
-      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * of(a.Q[l][k]);
+      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * of(a.Q[l][k], -D);
     const bool solvable = factorise(A);
     const auto solution = solvable ? solve(A, b) : b;
     for (std::size_t k = 0; k < S; ++k) out.next_B[k][i] = solution[k];

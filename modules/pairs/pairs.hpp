@@ -6,11 +6,13 @@
 // holds one value a lane, those of i are each member's own, those of the neighbour the same for all.
 //
 //   struct divergence {                            // Σ_j ΔV_j v_ij·∇_i W_ij
-//     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV)}
+//     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV, D)}: ΔV goes with m^D
 //     me begin(const cluster& i) const;            // what the sum needs of i beside that, i(array), and its zero
 //     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
-//     void end(const cluster& i, const me& a) const;  // i.set(out, a.sum)
+//     void end(const cluster& i, const me& a) const;  // i.set(out, a.sum, -1): Σ ΔV F v·x goes with 1/m
 //   };
+//
+// One whose begin, add and end take any R (cluster<R>, me<R>) can be summed in single precision too.
 //
 // ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's. A member
 // that does not have the neighbour has exact zeros for W and F, and the term must add one.
@@ -20,7 +22,6 @@
 // nor threads, nor on who else is in the cluster.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
@@ -31,12 +32,15 @@
 #include <pairs/cluster.hpp>
 #include <pairs/records.hpp>
 #include <particles/particles.hpp>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
 namespace tetsuame::pairs {
 
-static_assert(cells::neighbour_list::lanes == lanes);
+// Of the square of a distance: no kernel reaches there, and its fourth power is a number still.
+template <class R>
+inline constexpr double farthest = std::is_same_v<R, single> ? 1e16 : 1e120;
 
 template <int D>
 std::array<const double*, D> pointers(const std::array<particles::array, D>& a) {
@@ -45,25 +49,26 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
   return p;
 }
 
-template <int D>
+// Lengths in R's unit (cluster.hpp).
+template <class R, int D>
 struct pair {
-  vec<real, D> x_ij;                                  // m, x_i - x_j
-  real r2;                                            // m2, of at least the kernel's smallest_r(), as those that follow
-  real r, per_r;                                      // m, 1/m
-  real W;                                             // 1/m^D
-  real F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
-  vec<real, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
+  vec<R, D> x_ij;                                  // m, x_i - x_j
+  R r2;                                            // m2, of at least the kernel's smallest_r(), as those that follow
+  R r, per_r;                                      // m, 1/m
+  R W;                                             // 1/m^D
+  R F;                                             // 1/m^(D+2), W'(r)/r: ∇_i W_ij = F x_ij
+  vec<R, D> gradient() const { return F * x_ij; }  // ∇_i W_ij
 };
 
-// A pair with both records: numbers are a real, vectors a vec.
-template <int D, class Layout>
-struct packed_pair : pair<D> {
-  const std::array<real, Layout::size>* mine;
-  const double* record;  // the neighbour's
+// A pair with both records: numbers are an R, vectors a vec.
+template <class R, class Layout>
+struct packed_pair : pair<R, Layout::dimension> {
+  const std::array<R, Layout::used>* mine;      // but for the position
+  const typename positions<R>::number* record;  // the neighbour's
 
   template <class Tag>
   auto operator()(Tag) const {
-    return pick<Tag>([&](std::size_t k) { return real(record[k]); });
+    return pick<Tag>([&](std::size_t k) { return R(record[k]); });
   }
   template <class Tag>
   auto own(Tag) const {
@@ -76,7 +81,7 @@ struct packed_pair : pair<D> {
   }
   // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
   template <class Tag>
-  real along(Tag tag) const {
+  R along(Tag tag) const {
     return foundation::dot(difference(tag), this->x_ij);
   }
 
@@ -87,9 +92,9 @@ struct packed_pair : pair<D> {
     constexpr std::size_t at = Layout::template place<Tag>(), n = Layout::template components<Tag>();
     static_assert(n > 0, "a term uses a field that its reads() does not name");
     if constexpr (Layout::template is_vector<Tag>())
-      return vec<real, static_cast<int>(n)>::of([&](std::size_t k) { return value(at + k); });
+      return vec<R, static_cast<int>(n)>::of([&](std::size_t k) { return value(at + k); });
     else
-      return real(value(at));
+      return R(value(at));
   }
 };
 
@@ -98,26 +103,31 @@ void add_all(Mine& mine, const Pair& ij, std::index_sequence<T...>, const Terms&
   (terms.add(std::get<T>(mine), ij), ...);
 }
 
-template <class Mine, std::size_t... T, class... Terms>
-void end_all(const Mine& mine, const cluster& i, std::index_sequence<T...>, const Terms&... terms) {
+template <class Mine, class R, std::size_t... T, class... Terms>
+void end_all(const Mine& mine, const cluster<R>& i, std::index_sequence<T...>, const Terms&... terms) {
   (terms.end(i, std::get<T>(mine)), ...);
 }
 
 // The members' sums over their row of the list. `flatten`: everything called in here is inlined, so that the compiler
 // keeps sums and kernel in registers whatever it thinks of the program's size.
-template <int D, class Layout, class Kernel, class... Terms>
-[[gnu::flatten]] void sum_row(const cluster& i, std::span<const std::uint32_t> row, const double* records,
+template <class R, class Layout, class Kernel, class... Terms>
+[[gnu::flatten]] void sum_row(const cluster<R>& i, std::span<const std::uint32_t> row, const sources<Layout>& fields,
+                              const positions<R>& place, const typename positions<R>::number* records,
                               const Kernel& kernel, const Terms&... terms) {
+  constexpr int D = Layout::dimension;
   // m2; who does not have the neighbour is that far from it.
-  const real nearest(kernel.smallest_r() * kernel.smallest_r()), far(1e120);
-  std::array<real, Layout::size> own;
-  detail::load_own(records + i.first * Layout::size, own);
+  const double smallest_r = kernel.smallest_r() * (std::is_same_v<R, single> ? 1e5 : 1.0);
+  const R nearest(smallest_r * smallest_r), far(farthest<R>);
+  std::array<typename positions<R>::own_type, D> x_i;
+  std::array<R, Layout::used> own;
+  for (std::size_t c = 0; c < D; ++c) x_i[c] = place.own(i, fields.from[c]);
+  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c]);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
-  cells::neighbour_list::neighbour n(row);
+  cells::neighbour_list::neighbour n(row, R::size());
   const auto next_pair = [&] {
-    const double* const x_j = record_of(n.j);
-    pair<D> p;
-    p.x_ij = vec<real, D>::of([&](std::size_t a) { return own[a] - x_j[a]; });
+    const auto* const x_j = record_of(n.j);
+    pair<R, D> p;
+    p.x_ij = vec<R, D>::of([&](std::size_t a) { return place.difference(x_i[a], x_j[a]); });
     p.r2 = foundation::greater_where(n.of_lanes, foundation::dot(p.x_ij, p.x_ij), nearest, far);
     const auto root = foundation::both_roots(p.r2);
     p.r = root.r;
@@ -126,14 +136,14 @@ template <int D, class Layout, class Kernel, class... Terms>
     return p;
   };
   std::tuple mine{terms.begin(i)...};
-  const auto add = [&](const pair<D>& p, std::uint32_t j) {
-    add_all(mine, packed_pair<D, Layout>{p, &own, record_of(j)}, std::index_sequence_for<Terms...>{}, terms...);
+  const auto add = [&](const pair<R, D>& p, std::uint32_t j) {
+    add_all(mine, packed_pair<R, Layout>{p, &own, record_of(j)}, std::index_sequence_for<Terms...>{}, terms...);
   };
   // A pair ahead of the sums: the processor computes them side by side.
   if (n.next()) {
-    pair<D> last = next_pair();
+    pair<R, D> last = next_pair();
     for (std::uint32_t j = n.j; n.next(); j = n.j) {
-      const pair<D> next = next_pair();
+      const pair<R, D> next = next_pair();
       add(last, j);
       last = next;
     }
@@ -142,21 +152,36 @@ template <int D, class Layout, class Kernel, class... Terms>
   end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
 }
 
-// For each cluster i of the rows: begin, its neighbours from its row of the list, end.
+// Whether a term's sum can be computed in R.
+template <class Term, class R>
+concept takes = requires(const Term& t, const cluster<R>& i) {
+  t.begin(i);
+};
+
+// For each cluster i of the rows: begin, its neighbours from its row of the list, end. In this unit, the kernel too.
+template <int D, class R, class Kernel, class Rows, class... Terms>
+void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_list& list,
+            const std::array<const double*, D>& x, const Kernel& kernel, const Terms&... terms) {
+  if (list.width != R::size()) throw std::logic_error("the list's clusters are for sums in another precision");
+  const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
+                                std::tuple_cat(reads_of(terms)...));
+  const std::size_t n = rows.clusters(list.width);
+  if (n == 0) return;
+  const sources<decltype(layout_of<D>(reads))> fields(x, reads);
+  const positions<R> place(lengths);
+  auto& records = list.records.template of<typename positions<R>::number>();
+  pack<R>(fields, rows.packed(), lengths, place, records);
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / list.width)
+  for (std::size_t r = 0; r < n; ++r) {
+    const members m = rows.cluster(r, list.width);
+    sum_row(cluster<R>{m.first, m.chosen, lengths}, list.row_of(m.first), fields, place, records.data(), kernel,
+            terms...);
+  }
+}
 template <int D, class Kernel, class Rows, class... Terms>
 void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
               const Kernel& kernel, const Terms&... terms) {
-  const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
-                                std::tuple_cat(reads_of(terms)...));
-  const std::size_t n = rows.clusters();
-  if (n == 0) return;
-  pack<D>(x, reads, rows.packed(), list);
-  const double* const records = list.records.data();
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
-  for (std::size_t r = 0; r < n; ++r) {
-    const cluster i = rows[r];
-    sum_row<D, decltype(layout_of<D>(reads))>(i, list.row_of(i.first), records, kernel, terms...);
-  }
+  sum_in<D>(unit<real>{}, rows, list, x, kernel, terms...);
 }
 
 }  // namespace tetsuame::pairs

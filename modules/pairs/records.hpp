@@ -1,7 +1,6 @@
 // What a sum reads of its neighbours, packed: the position and the fields all terms of one
 // call ask for stand in one record a particle, so that a neighbour costs a cache line or two
-// instead of one for each array. Every lane gets the neighbour's values; the records of a cluster's members are turned
-// into lanes.
+// instead of one for each array. Every lane gets the neighbour's values.
 //
 // A term says what it reads with tags, and finds it in the pair by them:
 //   auto reads() const { return std::tuple{read(of_velocity, v), read(of_volume, dV)}; }
@@ -10,12 +9,13 @@
 #pragma once
 
 #include <array>
-#include <cells/neighbour_list.hpp>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <foundation/vec.hpp>
+#include <pairs/cluster.hpp>
 #include <particles/particles.hpp>
 #include <tuple>
 #include <type_traits>
@@ -41,22 +41,23 @@ inline constexpr viscosity_tag of_viscosity;
 inline constexpr temperature_tag of_temperature;
 inline constexpr conductivity_tag of_conductivity;
 
-// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1).
+// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), in m^lengths.
 template <class Tag, std::size_t N, bool Vector>
 struct field_read {
   using tag = Tag;
   static constexpr std::size_t components = N;
   static constexpr bool is_vector = Vector;
   std::array<const double*, N> from;
+  int lengths;
 };
 
 template <class Tag>
-field_read<Tag, 1, false> read(Tag, const double* a) {
-  return {{a}};
+field_read<Tag, 1, false> read(Tag, const double* a, int lengths = 0) {
+  return {{a}, lengths};
 }
 template <class Tag, std::size_t N>
-field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a) {
-  return {a};
+field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a, int lengths = 0) {
+  return {a, lengths};
 }
 
 // The reads of a term, none if it does not say.
@@ -88,10 +89,10 @@ auto unique_reads(std::tuple<Kept...> kept, Next next, Rest... rest) {
 
 }  // namespace detail
 
-// Where each field stands in a record of doubles: position first, then the reads in order,
-// the length rounded up to whole registers of four.
+// Where each field stands in a record: position first, then the reads in order, the length rounded up to four.
 template <int D, class... Reads>
 struct layout {
+  static constexpr int dimension = D;
   static constexpr std::size_t used = D + (std::size_t{0} + ... + Reads::components);
   static constexpr std::size_t size = (used + 3) / 4 * 4;
 
@@ -117,27 +118,95 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
-// Fills the records of the given particles, in ascending order; there is room for a cluster behind the last.
-template <int D, class... Reads, class Particles>
-void pack(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads, const Particles& chosen,
-          const cells::neighbour_list& list) {
-  using form = layout<D, Reads...>;
-  std::array<const double*, form::size> source{};
-  std::size_t k = 0;
-  for (const double* a : x) source[k++] = a;
-  std::apply(
-      [&](const auto&... r) {
-        ((std::copy(r.from.begin(), r.from.end(), source.begin() + k), k += r.from.size()), ...);
-      },
-      reads);
-  for (; k < form::size; ++k) source[k] = x[0];  // fills up the last register; never looked at
-  const std::size_t n = chosen.size(), room = (n > 0 ? chosen[n - 1] + lanes : 0) * form::size;
-  if (list.records.size() < room) list.records.resize(room);
-  double* out = list.records.data();
+// How positions, in m, stand in records, and what makes x_i - x_j of them.
+template <class R>
+struct positions;
+
+template <>
+struct positions<real> {
+  using number = double;
+  using own_type = real;
+
+  explicit positions(const unit<real>&) {}
+  static double number_of(double x) { return x; }
+  static own_type own(const cluster<real>& i, const double* x) { return i(x); }
+  [[gnu::always_inline]] static real difference(const own_type& x_i, double x_j) { return x_i - x_j; }
+};
+
+// As whole numbers of 2^-28 units, modulo 2^32: differences of neighbours are exact, whatever the size of the domain
+// and on whichever side of its origin, so that x_ij = -x_ji to the bit.
+template <>
+struct positions<single> {
+  using number = float;
+  using own_type = stdx::native_simd<std::uint32_t>;
+  static_assert(own_type::size() == single::size());
+  static constexpr int places = 28;
+
+  double per_step;  // 1/m
+
+  explicit positions(const unit<single>& lengths) : per_step(lengths.to(-1) * (1 << places)) {}
+  // The lower half of a double's digits, once the number is so large that these are whole.
+  std::uint32_t steps(double x) const {
+    return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_step + 0x1.8p52));
+  }
+  float number_of(double x) const { return std::bit_cast<float>(steps(x)); }
+  own_type own(const cluster<single>& i, const double* x) const {
+    std::array<std::uint32_t, single::size()> all;
+    for (std::size_t lane = 0; lane < all.size(); ++lane)
+      all[lane] = (i.chosen >> lane & 1U) != 0 ? steps(x[i.first + lane]) : 0;
+    return own_type(all.data(), stdx::element_aligned);
+  }
+  [[gnu::always_inline]] static single difference(const own_type& x_i, float x_j) {
+    const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - std::bit_cast<std::uint32_t>(x_j));
+    return single(stdx::static_simd_cast<single::lanes_type>(steps) * (1.0F / (1 << places)));
+  }
+};
+
+// Where the fields of records come from.
+template <class Layout>
+struct sources {
+  static constexpr std::size_t D = Layout::dimension;
+  std::array<const double*, Layout::used> from;
+  std::array<int, Layout::used> lengths{};  // powers of m
+
+  template <class... Reads>
+  sources(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads) {
+    std::size_t k = 0;
+    for (const double* a : x) from[k++] = a;
+    std::apply([&](const auto&... r) { (append(k, r), ...); }, reads);
+  }
+
+ private:
+  void append(std::size_t& k, const auto& r) {
+    for (const double* a : r.from) {
+      from[k] = a;
+      lengths[k++] = r.lengths;
+    }
+  }
+};
+
+// Fills the records of the given particles, in ascending order.
+template <class R, class Layout, class Particles>
+void pack(
+    const sources<Layout>& fields, const Particles& chosen, const unit<R>& lengths, const positions<R>& place,
+    std::vector<typename positions<R>::number, particles::aligned_allocator<typename positions<R>::number>>& records) {
+  using number = typename positions<R>::number;
+  const std::size_t n = chosen.size(), room = (n > 0 ? chosen[n - 1] + 1 : 0) * Layout::size;
+  if (records.size() < room) records.resize(room);
+  std::array<double, Layout::used> scale;
+  for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]);
+  number* const out = records.data();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const std::size_t i = chosen[r];
-    for (std::size_t c = 0; c < form::size; ++c) out[i * form::size + c] = source[c][i];
+    number* const record = out + i * Layout::size;
+    for (std::size_t c = 0; c < Layout::dimension; ++c) record[c] = place.number_of(fields.from[c][i]);
+    for (std::size_t c = Layout::dimension; c < Layout::used; ++c) {
+      if constexpr (std::is_same_v<R, real>)
+        record[c] = fields.from[c][i];
+      else
+        record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
+    }
   }
 }
 
@@ -205,14 +274,6 @@ inline void load(const double* records, const std::uint32_t* place, std::array<R
   }
 #endif
   for (std::size_t c = 0; c < Size; ++c) values[c] = R([&](auto lane) { return record(lane)[c]; });
-}
-
-// Of records that follow each other.
-template <class R, std::size_t Size>
-inline void load_own(const double* records, std::array<R, Size>& values) {
-  std::array<std::uint32_t, R::size()> place;
-  for (std::size_t lane = 0; lane < place.size(); ++lane) place[lane] = static_cast<std::uint32_t>(lane * Size);
-  load(records, place.data(), values);
 }
 
 }  // namespace detail

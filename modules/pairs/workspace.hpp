@@ -80,10 +80,23 @@ struct workspace {
     d.ranks.agree_on_fault(first_fault.key, first_fault.message, foundation::exit_status::calculation_failed);
   }
 
-  // The terms' sums over the neighbours of these rows, with the kernel the run chose.
+  // What pairs are computed in, before lists are made.
+  void compute_pairs_in(bool single_precision) { list.width = single_precision ? single::size() : lanes; }
+  bool single_pairs() const { return list.width != lanes; }
+
+  // The terms' sums over the neighbours of these rows, with the kernel and the precision the run chose.
   template <class Rows, class... Terms>
   void sum(const Rows& rows, const Terms&... terms) const {
-    std::visit([&](const auto& k) { sum_over<D>(rows, list, x(), k, terms...); }, kernel);
+    std::visit(
+        [&]<class Kernel>(const Kernel& k) {
+          if constexpr ((takes<Terms, single> && ...))
+            if (single_pairs()) {
+              const unit<single> lengths(k.support());
+              return sum_in<D>(lengths, rows, list, x(), Kernel(k.support() * lengths.to(-1)), terms...);
+            }
+          sum_over<D>(rows, list, x(), k, terms...);
+        },
+        kernel);
   }
 };
 

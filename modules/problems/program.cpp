@@ -31,13 +31,24 @@ struct problem_of_input {
   virtual std::unique_ptr<run::problem> make() const = 0;
 };
 
+// An iteration ends where sums are known to its tolerance.
+void check_precision(const namelist::schema& schema, const liquid::program& scheme, const run::kernel_options& kernel) {
+  if (scheme.iterates && kernel.single_pairs())
+    schema.fail("kernel", "precision",
+                std::string("expected 'double': the iteration for Y of ") + scheme.name +
+                    " ends at a tolerance that sums in single precision do not have");
+}
+
 struct box_at_rest : problem_of_input {
   const liquid::program& scheme;
   hydrostatic::options o;
 
   explicit box_at_rest(const liquid::program& scheme_) : scheme(scheme_) { o.walls.treatment = scheme.wall; }
   void declare(namelist::schema& schema) override { hydrostatic::declare(schema, o); }
-  void complete(const namelist::schema& schema) override { hydrostatic::resolve(schema, o); }
+  void complete(const namelist::schema& schema) override {
+    hydrostatic::resolve(schema, o);
+    check_precision(schema, scheme, o.kernel);
+  }
   run::memory_need need() const override {
     return run::need_of(o.domain.lattice_particles(), 420.0, o.kernel, o.domain.dimension);
   }
@@ -60,7 +71,10 @@ struct fluids_of_input : problem_of_input {
     o.liquid.hosono.solver = "newton";
   }
   void declare(namelist::schema& schema) override { two_fluids::declare(schema, kind, o); }
-  void complete(const namelist::schema& schema) override { p = two_fluids::resolve(schema, kind, o); }
+  void complete(const namelist::schema& schema) override {
+    p = two_fluids::resolve(schema, kind, o);
+    if (scheme) check_precision(schema, *scheme, o.common.kernel);
+  }
   run::memory_need need() const override {
     return run::need_of(o.domain.lattice_particles(), 800.0, o.common.kernel, o.domain.dimension);
   }

@@ -9,7 +9,8 @@ namespace tetsuame::run {
 
 namespace {
 
-void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std::vector<std::string> names) {
+void declare(namelist::schema& schema, kernel_options& o, const abilities& of_problem) {
+  std::vector<std::string> names = of_problem.kernels;
   schema.group("kernel", "smoothing kernel and neighbour lists");
   if (names.empty())
     for (const auto& k : kernels::table) names.emplace_back(k.name);
@@ -17,7 +18,11 @@ void declare(namelist::schema& schema, kernel_options& o, bool lists_change, std
   schema.add(
       "kernel", "h_over_dx", o.h_over_dx,
       {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
-  if (lists_change)
+  if (of_problem.single_pairs)
+    schema.add("kernel", "precision", o.precision,
+               {.choices = {"double", "single"},
+                .meaning = "of what is computed for a pair of particles; states and their steps are double"});
+  if (of_problem.lists_change)
     schema.add("kernel", "skin", o.skin,
                {.minimum = 0.0,
                 .maximum = 2.0,
@@ -155,7 +160,7 @@ bool time_options::controls_error() const {
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
   if (of_problem.starts_from_file) declare(schema, o.start);
   declare(schema, o.time, of_problem);
-  declare(schema, o.kernel, of_problem.lists_change, of_problem.kernels);
+  declare(schema, o.kernel, of_problem);
   declare(schema, o.output);
   declare(schema, o.run);
   declare(schema, o.balance);

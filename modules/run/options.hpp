@@ -32,6 +32,9 @@ struct kernel_options {
   std::string name = "wendland_c2";
   double h_over_dx = 0.0;  // 0: the kernel's own
   double skin = 0.2;       // of the particle spacing
+  std::string precision = "double";
+
+  bool single_pairs() const { return precision == "single"; }
 };
 
 struct output_options {
@@ -75,6 +78,7 @@ struct common_options {
 
 // What a problem has room for, and so what is declared.
 struct abilities {
+  bool single_pairs = false;              // its sums can be computed in single precision
   bool lists_change = true;               // particles move: a skin is worth choosing
   bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all

@@ -86,6 +86,7 @@ void set_up(run::state<D>& box, const domain::communicator& ranks, const domain:
   auto& w = box.w;
   w.dx = of.dx();
   w.kernel = kernels::make<D>(kernel.name, kernel.h_over_dx * w.dx);
+  w.compute_pairs_in(kernel.single_pairs());
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   box.skin = kernel.skin * w.dx;
   domain::box<D> region;

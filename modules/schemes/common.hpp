@@ -97,7 +97,7 @@ struct number_density {
   struct me {
     real S, per_S, count, slope;
   };
-  me begin(const pairs::cluster& i) const {
+  me begin(const pairs::cluster<>& i) const {
     const real S_i = i(S);
     return {S_i, real(1.0 / S_i), real(0.0), real(0.0)};
   }
@@ -106,7 +106,7 @@ struct number_density {
     a.count += s.W;
     a.slope += s.q * s.q * s.F;
   }
-  void end(const pairs::cluster& i, const me& a) const {
+  void end(const pairs::cluster<>& i, const me& a) const {
     i.set(count, unit.self() + a.count);
     i.set(slope, a.slope);
   }
@@ -141,7 +141,7 @@ struct density {
     return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(of_mass, m),
                       pairs::read(pairs::of_velocity, v)};
   }
-  me begin(const pairs::cluster& i) const {
+  me begin(const pairs::cluster<>& i) const {
     const real S_i = i(S);
     me a{S_i, real(1.0 / S_i), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
     for (auto& c : a.curl) c = real(0.0);
@@ -164,7 +164,7 @@ struct density {
         a.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
       }
   }
-  void end(const pairs::cluster& members, const me& a) const {
+  void end(const pairs::cluster<>& members, const me& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
   }
 
@@ -232,7 +232,7 @@ void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
 }
 
 template <int D>
-void write(const rates<D>& out, const pairs::cluster& i, const sums<D>& a) {
+void write(const rates<D>& out, const pairs::cluster<>& i, const sums<D>& a) {
   for (std::size_t k = 0; k < D; ++k) i.set(out.force[k], a.force[k]);
   i.set(out.power, a.power);
   i.set(out.signal, a.signal);

@@ -20,7 +20,7 @@ struct disph {
     return std::tuple_cat(viscous_reads(s), std::tuple{pairs::read(pairs::of_weight, s.weight),
                                                        pairs::read(of_correction, s.correction)});
   }
-  me begin(const pairs::cluster&) const { return nothing<D>(); }
+  me begin(const pairs::cluster<>&) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
     const real U_i = ij.own(pairs::of_weight), U_j = ij(pairs::of_weight);
@@ -28,7 +28,7 @@ struct disph {
     const real from_j = U_j * ij(of_slope) * (U_i + ij(of_correction)) * F.j;
     add_with_viscosity(a, ij, F, from_i, from_j);
   }
-  void end(const pairs::cluster& i, const me& a) const { write(out, i, a); }
+  void end(const pairs::cluster<>& i, const me& a) const { write(out, i, a); }
 };
 
 }  // namespace tetsuame::schemes

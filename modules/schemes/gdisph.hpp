@@ -22,7 +22,7 @@ struct gdisph {
                                      pairs::read(of_correction, s.correction), pairs::read(of_per_support, s.per_S),
                                      pairs::read(of_dissipation, s.dissipation)});
   }
-  me begin(const pairs::cluster&) const { return nothing<D>(); }
+  me begin(const pairs::cluster<>&) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
     const star_state star = interface<D, Second>(s, ij);
@@ -35,7 +35,7 @@ struct gdisph {
     a.power += from_i * star.closing * ij.r;
     keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * lesser(star.closing, real(0.0))));
   }
-  void end(const pairs::cluster& i, const me& a) const { write(out, i, a); }
+  void end(const pairs::cluster<>& i, const me& a) const { write(out, i, a); }
 };
 
 }  // namespace tetsuame::schemes

@@ -26,7 +26,7 @@ struct gradients {
     return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(pairs::of_pressure, p),
                       pairs::read(of_density, rho), pairs::read(pairs::of_velocity, v)};
   }
-  me begin(const pairs::cluster& i) const {
+  me begin(const pairs::cluster<>& i) const {
     const real S_i = i(S);
     me a{S_i, real(1.0 / S_i), {}, {}};
     for (auto& m : a.moments) m = real(0.0);
@@ -43,7 +43,7 @@ struct gradients {
     const auto v_ij = ij.difference(pairs::of_velocity);
     for (std::size_t b = 0; b < D; ++b) a.sums[2 + b] += v_ij[b] * weighted;
   }
-  void end(const pairs::cluster& members, const me& a) const {
+  void end(const pairs::cluster<>& members, const me& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
   }
 

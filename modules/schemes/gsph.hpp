@@ -19,7 +19,7 @@ struct gsph {
         interface_reads<D, Second>(s),
         std::tuple{pairs::read(of_mass, s.m), pairs::read(of_slope, s.slope), pairs::read(of_per_support, s.per_S)});
   }
-  me begin(const pairs::cluster&) const { return nothing<D>(); }
+  me begin(const pairs::cluster<>&) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
     const star_state star = interface<D, Second>(s, ij);
@@ -30,7 +30,7 @@ struct gsph {
     a.power -= both * (star.u * ij.r - own);
     keep_signal(a, F, real(ij.own(of_sound) + ij(of_sound) - 3.0 * lesser(star.closing, real(0.0))));
   }
-  void end(const pairs::cluster& i, const me& a) const { write(out, i, a); }
+  void end(const pairs::cluster<>& i, const me& a) const { write(out, i, a); }
 };
 
 }  // namespace tetsuame::schemes

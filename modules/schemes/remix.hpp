@@ -61,7 +61,7 @@ struct remix {
                    pairs::read(of_grad_u, s.grad_p), pairs::read(of_grad_rho, s.grad_rho),
                    pairs::read(of_grad_v, s.grad_v)});
   }
-  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0), real(0.0)}; }
+  me begin(const pairs::cluster<>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
     using foundation::dot;
     const mean_kernel k = mean_kernel_of<D>(unit, ij);
@@ -117,7 +117,7 @@ struct remix {
     where(k.W == 0.0, signal) = 0.0;
     a.signal = greater(a.signal, signal);
   }
-  void end(const pairs::cluster& i, const me& a) const {
+  void end(const pairs::cluster<>& i, const me& a) const {
     write<D>(out, i, {a.force, a.power, a.signal});
     i.set(density_rate, a.density_rate);
   }

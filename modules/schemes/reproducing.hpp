@@ -49,7 +49,7 @@ struct reproducing {
     std::array<vec<real, D>, M> g3;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(of_per_support, per_S)}; }
-  me begin(const pairs::cluster&) const {
+  me begin(const pairs::cluster<>&) const {
     me a;
     a.m0 = real(0.0);
     a.m1 = a.g0 = foundation::zero<real, D>();
@@ -73,7 +73,7 @@ struct reproducing {
         a.g3[n] += (VF * xx) * x;
       }
   }
-  void end(const pairs::cluster& members, const me& a) const {
+  void end(const pairs::cluster<>& members, const me& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
   }
 

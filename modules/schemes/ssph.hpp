@@ -15,14 +15,14 @@ struct ssph {
 
   using me = sums<D>;
   auto reads() const { return viscous_reads(s); }
-  me begin(const pairs::cluster&) const { return nothing<D>(); }
+  me begin(const pairs::cluster<>&) const { return nothing<D>(); }
   void add(me& a, const auto& ij) const {
     const two_slopes F = slopes_of<D>(unit, ij);
     const real mm = ij.own(of_mass) * ij(of_mass);
     const real from_i = mm * ij.own(of_slope) * F.i, from_j = mm * ij(of_slope) * F.j;
     add_with_viscosity(a, ij, F, from_i, from_j);
   }
-  void end(const pairs::cluster& i, const me& a) const { write(out, i, a); }
+  void end(const pairs::cluster<>& i, const me& a) const { write(out, i, a); }
 };
 
 }  // namespace tetsuame::schemes

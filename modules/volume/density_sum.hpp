@@ -12,25 +12,26 @@ namespace tetsuame::volume {
 // ρ_i as above; `mass` is zero behind walls.
 template <int D>
 struct mass_sum {
-  using real = pairs::real;
   const double* mass;  // kg
   double self, scale;  // 1/m^D, 1
   double* rho;         // kg/m3
 
+  template <class R>
   struct me {
-    real fluid, behind_walls;
+    R fluid, behind_walls;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_weight, mass)}; }
-  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    const real m = ij(pairs::of_weight);
-    real W = ij.W;
-    a.fluid += m * W;
-    pairs::stdx::where(m != 0.0, W) = 0.0;
-    a.behind_walls += W;
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0), R(0.0)};
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    i.set(rho, scale * (a.fluid + i(mass) * (self + a.behind_walls)));
+  void add(auto& a, const auto& ij) const {
+    const auto m = ij(pairs::of_weight);
+    a.fluid += m * ij.W;
+    a.behind_walls += foundation::select(m != 0.0, 0.0, ij.W);
+  }
+  void end(const auto& i, const auto& a) const {
+    i.set(rho, scale * (a.fluid + i(mass) * (self * i.lengths.to(D) + a.behind_walls)), -D);
   }
 };
 

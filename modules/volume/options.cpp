@@ -15,7 +15,8 @@ void declare(namelist::schema& schema, options& all) {
               .meaning = "plain as published; the others converge where it does not"});
   schema.add("hosono", "tolerance", o.tolerance,
              up_to(1e-2, "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"));
-  schema.add("hosono", "max_iterations", o.max_iterations, between(1, 1e7, "passes in one evaluation at most"));
+  schema.add("hosono", "max_iterations", o.max_iterations,
+             for_expert(between(1, 1e7, "passes in one evaluation at most")));
   schema.add(
       "hosono", "relaxation", o.relaxation,
       for_expert(between(0.0, 1.0,

@@ -12,31 +12,35 @@ namespace tetsuame::volume {
 // p_i = Σ_j Y_j W_ij times a scale, or its mean, over Σ_j ΔV_j W_ij.
 template <int D, bool mean>
 struct weight_sum {
-  using real = pairs::real;
   const double* Y;   // J
   const double* dV;  // m^D, of the mean
   double self;       // 1/m^D, W(0)
   double scale;
   double* p;  // Pa, set
 
+  template <class R>
   struct me {
-    real sum, norm;
+    R sum, norm;
   };
   auto reads() const {
     if constexpr (mean)
-      return std::tuple{pairs::read(pairs::of_weight, Y), pairs::read(pairs::of_volume, dV)};
+      return std::tuple{pairs::read(pairs::of_weight, Y, D), pairs::read(pairs::of_volume, dV, D)};
     else
-      return std::tuple{pairs::read(pairs::of_weight, Y)};
+      return std::tuple{pairs::read(pairs::of_weight, Y, D)};
   }
-  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0), R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
     a.sum += ij(pairs::of_weight) * ij.W;
     if constexpr (mean) a.norm += ij(pairs::of_volume) * ij.W;
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    const real sum = a.sum + i(Y) * self;
+  void end(const auto& i, const auto& a) const {
+    const double own = self * i.lengths.to(D);
+    const auto sum = a.sum + i(Y, D) * own;
     if constexpr (mean)
-      i.set(p, sum / (a.norm + i(dV) * self));
+      i.set(p, sum / (a.norm + i(dV, D) * own));
     else
       i.set(p, sum * scale);
   }
@@ -45,17 +49,20 @@ struct weight_sum {
 // 1/Σ_j W_ij times a scale: the volume a particle has by its neighbours' number.
 template <int D>
 struct number_volume {
-  using real = pairs::real;
   double self;  // 1/m^D
   double scale;
   double* dV;  // m^D, set
 
+  template <class R>
   struct me {
-    real sum;
+    R sum;
   };
-  me begin(const pairs::cluster&) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const { a.sum += ij.W; }
-  void end(const pairs::cluster& i, const me& a) const { i.set(dV, scale / (a.sum + self)); }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const { a.sum += ij.W; }
+  void end(const auto& i, const auto& a) const { i.set(dV, scale / (a.sum + self * i.lengths.to(D)), D); }
 };
 
 template <int D>

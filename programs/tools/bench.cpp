@@ -26,6 +26,7 @@ struct settings {
   std::vector<int> threads{1};
   std::vector<std::string> cases = bench::case_names;
   std::vector<int> dimensions{2, 3};
+  std::vector<std::string> precisions{"double"};
   std::vector<std::int64_t> particles;  // empty: the plan's own
   double seconds = 1.0;
   std::int64_t steps_a_list = 20;
@@ -50,6 +51,10 @@ int parse(int argc, char** argv, settings& o) {
   app.add_option("--dimensions", o.dimensions, "2, 3 or both")
       ->delimiter(',')
       ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  app.add_option("--precision", o.precisions, "of pairs: double, single or both (schemes for gas: double alone)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"double", "single"}))
       ->capture_default_str();
   app.add_option("--particles", o.particles, "about how many, instead of the sizes of the plan")
       ->delimiter(',')
@@ -84,7 +89,9 @@ std::vector<bench::request> plan(const settings& o) {
       // One case from small to large, to see whether a particle's time stays the same.
       if (o.quick && o.particles.empty() && name == "program_c" && dimension == 2) sizes = {10'000, 40'000, 160'000};
       for (const auto n : sizes)
-        all.push_back({name, dimension, side_of(n, dimension), o.threads, o.seconds, o.steps_a_list});
+        for (const auto& precision : o.precisions)
+          if (precision == "double" || !bench::is_scheme(name))
+            all.push_back({name, dimension, side_of(n, dimension), o.threads, o.seconds, o.steps_a_list, precision});
     }
   return all;
 }
@@ -103,6 +110,7 @@ double memory_free() { return 1024.0 * std::stod(said("/proc/meminfo", "MemAvail
 json as_json(const bench::result& r, const settings& o, const std::string& processor_name) {
   json j;
   j["name"] = r.name;
+  j["precision"] = r.precision;
   j["dimension"] = r.dimension;
   j["particles"] = r.particles;
   j["threads"] = r.threads;

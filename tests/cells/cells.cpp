@@ -53,14 +53,15 @@ std::vector<point<D>> all_with_images(const hydrostatic::scene<D>& scene) {
 // IDs of the neighbours of a point in the order of the lists: by cell along the axes, then along the
 // last axis, then ID.
 template <int D>
-std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point<D>& centre, double reach) {
+std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point<D>& centre, double reach,
+                                   double edge) {
   std::vector<std::tuple<std::array<double, D>, double, std::int64_t>> found;
   for (const auto& p : all) {
     double r2 = 0.0;
     std::array<double, D> cell;
     for (std::size_t a = 0; a < D; ++a) {
       r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
-      cell[a] = std::floor(p.x[a] / cells::cell_edge(1.0));
+      cell[a] = std::floor(p.x[a] / edge);
     }
     if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.x[D - 1], p.id);
   }
@@ -77,20 +78,21 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   const auto all = all_with_images<D>(scene);
   const double reach = w.support() + scene.skin;
   BOOST_REQUIRE(w.d.ranks.sum(static_cast<std::int64_t>(s.fluid)) == scene.fluid_total);
-  constexpr std::size_t lanes = cells::neighbour_list::lanes;
-  BOOST_REQUIRE(w.list.rows() == (s.fluid + lanes - 1) / lanes);
+  const std::size_t width = w.list.width;
+  BOOST_REQUIRE(w.list.rows() == (s.fluid + width - 1) / width);
   std::size_t pairs = 0, wrong = 0;
   for (std::size_t r = 0; r < w.list.rows(); ++r) {
-    std::array<std::vector<std::int64_t>, lanes> is;
+    std::vector<std::vector<std::int64_t>> is(width);
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) {
       wrong += of_lanes == 0;
-      for (std::size_t lane = 0; lane < lanes; ++lane)
+      for (std::size_t lane = 0; lane < width; ++lane)
         if ((of_lanes >> lane & 1U) != 0) is[lane].push_back(s.id[j]);
     });
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t i = r * lanes + lane;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      const std::size_t i = r * width + lane;
       const auto should =
-          i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach) : std::vector<std::int64_t>{};
+          i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach, cells::cell_edge<D>(1.0, width))
+                      : std::vector<std::int64_t>{};
       wrong += is[lane] != should;
       pairs += should.size();
     }
@@ -102,12 +104,15 @@ void check_lists(const hydrostatic::scene<D>& scene) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(lists_on_the_lattice_and_jittered) {
-  for (const bool periodic : {true, false})
-    for (const double jitter : {0.0, 0.4}) {
-      check_lists<2>(make_scene<2>(box<2>({16, 9}, periodic), domain::communicator::world(), jitter));
-      check_lists<3>(
-          make_scene<3>(box<3>({12, 6, 6}, periodic, "none", "wendland_c2"), domain::communicator::world(), jitter));
-    }
+  for (const std::string precision : {"double", "single"})
+    for (const bool periodic : {true, false})
+      for (const double jitter : {0.0, 0.4}) {
+        auto plane = box<2>({16, 9}, periodic);
+        auto space = box<3>({12, 6, 6}, periodic, "none", "wendland_c2");
+        plane.kernel.precision = space.kernel.precision = precision;
+        check_lists<2>(make_scene<2>(plane, domain::communicator::world(), jitter));
+        check_lists<3>(make_scene<3>(space, domain::communicator::world(), jitter));
+      }
 }
 
 BOOST_AUTO_TEST_CASE(lists_with_walls) {
@@ -173,7 +178,7 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
       std::vector<std::uint32_t> is, should;
-      BOOST_TEST(list.row(r).size() % cells::neighbour_list::lanes == 0U);
+      BOOST_TEST(list.row(r).size() % foundation::lanes == 0U);
       for (const std::uint32_t j : list.row(r))
         if (j != n) is.push_back(j);
       std::sort(is.begin(), is.end());
@@ -189,24 +194,42 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
 
 // Neighbours come back as they were written, with their lanes: near and far, backwards too.
 BOOST_AUTO_TEST_CASE(entries_come_back) {
-  const std::vector<std::pair<std::uint32_t, std::uint32_t>> given{
-      {0, 1},         {1, 3},        {7, 8},          {5, 2},          {8388612, 1}, {16777220, 4},
-      {16777219, 15}, {3, 1},        {0xfffffff0, 7}, {0xffffffff, 1}, {0, 2},       {8388607, 1},
-      {8388607, 2},   {16777216, 9}, {8388608, 1},    {0, 1},          {8388608, 8}};
-  cells::neighbour_list list;
-  cells::make_rows(list, 2, [&](std::size_t, cells::row_store& made) {
-    cells::entry_writer row;
-    row.out = made.room((given.size() + 1) * cells::entry_writer::most);
-    for (const auto& [j, of_lanes] : given) row.add(j, of_lanes);
-    row.add(12, 0);
-    made.keep(row.out);
-    return given.size();
-  });
-  BOOST_TEST(list.pairs == 2 * given.size());
-  for (std::size_t r = 0; r < 2; ++r) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
-    list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) { found.emplace_back(j, of_lanes); });
-    BOOST_TEST((found == given));
+  for (const std::size_t width : {8, 16}) {
+    // Steps that an entry just holds, and those that it does not.
+    const std::uint32_t far = width == 8 ? 8388608 : 32768;
+    const std::vector<std::pair<std::uint32_t, std::uint32_t>> given{{0, 1},
+                                                                     {1, 3},
+                                                                     {7, 8},
+                                                                     {5, 2},
+                                                                     {far + 4, 1},
+                                                                     {2 * far + 4, 4},
+                                                                     {2 * far + 3, 15},
+                                                                     {3, 1},
+                                                                     {0xfffffff0, 7},
+                                                                     {0xffffffff, 1},
+                                                                     {0, 2},
+                                                                     {far - 1, 1},
+                                                                     {far - 1, 2},
+                                                                     {2 * far, 9},
+                                                                     {far, 1},
+                                                                     {0, 1},
+                                                                     {far, 1U << (width - 1)}};
+    cells::neighbour_list list;
+    list.width = width;
+    cells::make_rows(list, 2, [&](std::size_t, cells::row_store& made) {
+      cells::entry_writer row(width);
+      row.out = made.room((given.size() + 1) * cells::entry_writer::most);
+      for (const auto& [j, of_lanes] : given) row.add(j, of_lanes);
+      row.add(12, 0);
+      made.keep(row.out);
+      return given.size();
+    });
+    BOOST_TEST(list.pairs == 2 * given.size());
+    for (std::size_t r = 0; r < 2; ++r) {
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+      list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) { found.emplace_back(j, of_lanes); });
+      BOOST_TEST((found == given));
+    }
   }
 }
 

@@ -13,25 +13,28 @@ namespace {
 // Σ_j f_j W_ij and Σ_j (f_i - f_j) ∇_i W_ij: everything a pair offers.
 template <int D>
 struct probe {
-  using real = pairs::real;
   const double* f;
   double* scalar;
   std::array<double*, D> vector;
 
+  template <class R>
   struct me {
-    real f, scalar;
-    pairs::vec<real, D> vector;
+    R f, scalar;
+    pairs::vec<R, D> vector;
   };
-  me begin(const pairs::cluster& i) const { return {i(f), real(0.0), foundation::zero<real, D>()}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {i(f), R(0.0), foundation::zero<R, D>()};
+  }
   auto reads() const { return std::tuple{pairs::read(pairs::of_weight, f)}; }
-  void add(me& a, const auto& ij) const {
-    const real f_j = ij(pairs::of_weight);
+  void add(auto& a, const auto& ij) const {
+    const auto f_j = ij(pairs::of_weight);
     a.scalar += f_j * ij.W;
     a.vector += (a.f - f_j) * ij.gradient();
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    i.set(scalar, a.scalar);
-    for (std::size_t k = 0; k < D; ++k) i.set(vector[k], a.vector[k]);
+  void end(const auto& i, const auto& a) const {
+    i.set(scalar, a.scalar, -D);
+    for (std::size_t k = 0; k < D; ++k) i.set(vector[k], a.vector[k], -D - 1);
   }
 };
 
@@ -48,8 +51,10 @@ struct result {
 };
 
 template <int D>
-void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
-  auto scene = make_scene<D>(box<D>(n, true, "none", kernel), domain::communicator::world(), 0.4);
+void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n, const std::string& precision = "double") {
+  auto of = box<D>(n, true, "none", kernel);
+  of.kernel.precision = precision;
+  auto scene = make_scene<D>(of, domain::communicator::world(), 0.4);
   auto& w = scene.w;
   auto& s = w.s;
   randomise<D>(w, s.T, 1, -1.0, 1.0);
@@ -70,9 +75,11 @@ void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
           });
           // Some 150 terms in two orders, each rounded a few times, the kernel's polynomial included: 100 ε of the
           // absolute sum leaves a wide margin, and a missing or doubled neighbour is far beyond it.
-          BOOST_TEST(std::abs(is.scalar[i] - scalar) <= 100.0 * epsilon * scalar_size);
+          const double error =
+              100.0 * (w.single_pairs() ? static_cast<double>(std::numeric_limits<float>::epsilon()) : epsilon);
+          BOOST_TEST(std::abs(is.scalar[i] - scalar) <= error * scalar_size);
           for (std::size_t a = 0; a < D; ++a)
-            BOOST_TEST(std::abs(is.vector[a][i] - vector[a]) <= 100.0 * epsilon * vector_size[a]);
+            BOOST_TEST(std::abs(is.vector[a][i] - vector[a]) <= error * vector_size[a]);
         }
       },
       w.kernel);
@@ -88,7 +95,10 @@ void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
   BOOST_TEST(same(again.scalar, is.scalar));
 
   // In layers, whatever the records held before: here particles on top of the last one.
-  const auto spoil = [&] { std::fill(w.list.records.begin(), w.list.records.end(), s.x[0][s.fluid - 1]); };
+  const auto spoil = [&] {
+    std::fill(w.list.records.doubles.begin(), w.list.records.doubles.end(), s.x[0][s.fluid - 1]);
+    std::fill(w.list.records.singles.begin(), w.list.records.singles.end(), 1.0F);
+  };
   result<D> layers(s.fluid);
   spoil();
   w.sum(w.interior(), layers.of(s.T));
@@ -99,7 +109,7 @@ void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
   for (std::size_t a = 0; a < D; ++a) BOOST_TEST(same(again.vector[a], is.vector[a]));
 
   // The same bits as one rank alone gives.
-  auto single = make_scene<D>(box<D>(n, true, "none", kernel), alone(), 0.4);
+  auto single = make_scene<D>(of, alone(), 0.4);
   randomise<D>(single.w, single.w.s.T, 1, -1.0, 1.0);
   result<D> lone(single.w.s.fluid);
   single.w.sum(single.w.fluid(), lone.of(single.w.s.T));
@@ -112,27 +122,74 @@ void check_kernel(const std::string& kernel, std::array<std::int64_t, D> n) {
 
 BOOST_AUTO_TEST_CASE(plane) {
   for (const auto& line : kernels::table)
-    BOOST_TEST_CONTEXT(line.name) check_kernel<2>(std::string(line.name), {16, 11});
+    for (const std::string precision : {"double", "single"}) BOOST_TEST_CONTEXT(line.name << ", " << precision)
+  check_kernel<2>(std::string(line.name), {16, 11}, precision);
 }
 
 BOOST_AUTO_TEST_CASE(space) {
   for (const auto& line : kernels::table)
-    BOOST_TEST_CONTEXT(line.name) check_kernel<3>(std::string(line.name), {11, 11, 11});
+    for (const std::string precision : {"double", "single"}) BOOST_TEST_CONTEXT(line.name << ", " << precision)
+  check_kernel<3>(std::string(line.name), {11, 11, 11}, precision);
+}
+
+// Single precision: what i has of j and j of i cancel to the bit, and a scale that is a power of two, whatever its
+// size, changes no bit of a sum.
+BOOST_AUTO_TEST_CASE(single_pairs_cancel_at_any_scale) {
+  const auto sums_of = [](double scale) {
+    auto of = box<3>({11, 11, 11}, true);
+    of.kernel.precision = "single";
+    for (double& length : of.domain.length) length *= scale;
+    auto scene = make_scene<3>(of, alone(), 0.4);
+    randomise<3>(scene.w, scene.w.s.T, 1, -1.0, 1.0);
+    result<3> is(scene.w.s.fluid);
+    scene.w.sum(scene.w.fluid(), is.of(scene.w.s.T));
+    return fluid_by_id(scene, is.vector[1]);
+  };
+  const auto plain = sums_of(1.0);
+  for (const int exponent : {-40, 31}) {
+    const double scale = std::ldexp(1.0, exponent);
+    auto scaled = sums_of(scale);
+    for (double& value : scaled) value *= scale * scale * scale * scale;  // of ∇W
+    BOOST_TEST(same_bits(plain, scaled));
+  }
+
+  // Two particles alone: each other's only neighbour, at a distance that no float of the box's size has.
+  auto of = box<3>({11, 11, 11}, false);
+  of.kernel.precision = "single";
+  auto scene = make_scene<3>(of, alone(), [](std::int64_t id, std::array<double, 3> x) {
+    if (id == 0) x = {5.123456789012345, 5.0, 5.0};
+    if (id == 1) x = {5.123456789012345 + 0.7071067811865, 5.1, 4.9};
+    if (id > 1) x = {1.0 + 1e-3 * static_cast<double>(id), 1.0, 10.0};
+    return x;
+  });
+  auto& s = scene.w.s;
+  for (std::size_t i = 0; i < s.total(); ++i) s.T[i] = s.id[i] == 0 ? 1.0 : s.id[i] == 1 ? 2.0 : 0.0;
+  result<3> is(s.fluid);
+  scene.w.sum(scene.w.fluid(), is.of(s.T));
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto force = fluid_by_id(scene, is.vector[a]);
+    BOOST_TEST(force[0] != 0.0);
+    BOOST_TEST(bits(force[0]) == bits(force[1]));  // (f_i - f_j) ∇_i W_ij changes its sign twice
+  }
 }
 
 // Any subset of rows, and a sum over no rows.
 BOOST_AUTO_TEST_CASE(chosen_rows_alone_are_written) {
-  auto scene = make_scene<2>(box<2>({16, 10}, true), alone(), 0.4);
-  auto& s = scene.w.s;
-  randomise<2>(scene.w, s.T, 1, -1.0, 1.0);
-  result<2> all(s.fluid), some(s.fluid);
-  std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
-  const std::vector<std::size_t> rows{3, 17, 5}, none;
-  scene.w.sum(scene.w.fluid(), all.of(s.T));
-  scene.w.sum(pairs::choose(scene.w.list, rows, s.total()), some.of(s.T));
-  scene.w.sum(pairs::choose(scene.w.list, none, s.total()), some.of(s.T));
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
+  for (const std::string precision : {"double", "single"}) {
+    auto of = box<2>({16, 10}, true);
+    of.kernel.precision = precision;
+    auto scene = make_scene<2>(of, alone(), 0.4);
+    auto& s = scene.w.s;
+    randomise<2>(scene.w, s.T, 1, -1.0, 1.0);
+    result<2> all(s.fluid), some(s.fluid);
+    std::fill(some.scalar.begin(), some.scalar.end(), -7.0);
+    const std::vector<std::size_t> rows{3, 17, 5}, none;
+    scene.w.sum(scene.w.fluid(), all.of(s.T));
+    scene.w.sum(pairs::choose(scene.w.list, rows, s.total()), some.of(s.T));
+    scene.w.sum(pairs::choose(scene.w.list, none, s.total()), some.of(s.T));
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      BOOST_TEST(some.scalar[i] == (std::find(rows.begin(), rows.end(), i) != rows.end() ? all.scalar[i] : -7.0));
+  }
 }
 
 BOOST_AUTO_TEST_CASE(the_first_fault_is_that_of_the_lowest_id) {

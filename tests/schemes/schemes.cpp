@@ -48,11 +48,11 @@ struct cloud {
     for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
     // Each sees all others.
     cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t r, cells::row_store& made) {
-      cells::entry_writer row;
+      cells::entry_writer row(pairs::lanes);
       row.out = made.room(n * cells::entry_writer::most);
       for (std::size_t j = 0; j < n; ++j)
         row.add(static_cast<std::uint32_t>(j),
-                pairs::cluster::all & ~(j / pairs::lanes == r ? 1U << j % pairs::lanes : 0U));
+                ((1U << pairs::lanes) - 1U) & ~(j / pairs::lanes == r ? 1U << j % pairs::lanes : 0U));
       made.keep(row.out);
       return n * n;
     });
@@ -255,13 +255,13 @@ struct star_pressure {
     real p;
   };
   auto reads() const { return schemes::interface_reads<1, true>(s); }
-  me begin(const pairs::cluster&) const { return {real(0.0)}; }
+  me begin(const pairs::cluster<>&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const {
     real p = schemes::interface<1, true>(s, ij).p;
     pairs::stdx::where(ij.r > 1e10, p) = 0.0;  // the particle itself
     a.p += p;
   }
-  void end(const pairs::cluster& i, const me& a) const { i.set(star, a.p); }
+  void end(const pairs::cluster<>& i, const me& a) const { i.set(star, a.p); }
 };
 
 }  // namespace

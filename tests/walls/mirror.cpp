@@ -31,9 +31,9 @@ struct kernel_sum {
   struct me {
     pairs::real W;
   };
-  me begin(const pairs::cluster&) const { return {pairs::real(0.0)}; }
+  me begin(const pairs::cluster<>&) const { return {pairs::real(0.0)}; }
   void add(me& a, const auto& ij) const { a.W += ij.W; }
-  void end(const pairs::cluster& i, const me& a) const { i.set(out, a.W); }
+  void end(const pairs::cluster<>& i, const me& a) const { i.set(out, a.W); }
 };
 
 }  // namespace

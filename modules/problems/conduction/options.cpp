@@ -39,7 +39,7 @@ void declare(namelist::schema& schema, options& o) {
                 .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
     walls::declare(schema, {.slips = false, .moving = false}, o.walls);
   }
-  run::declare(schema, o.common, {.lists_change = false, .starts_from_file = true});
+  run::declare(schema, o.common, {.single_pairs = true, .lists_change = false, .starts_from_file = true});
 }
 
 void resolve(const namelist::schema& schema, options& o) {

@@ -35,7 +35,6 @@ inline constexpr std::size_t angular_terms = 4;  // numbers of a
 template <int D>
 struct graded_viscosity {
   static constexpr bool isotropic = D == 2;
-  using real = pairs::real;
   static constexpr std::size_t S = operators::symmetric_terms(D), N = isotropic ? angular_terms : 0;
 
   const double* root;                              // ν^½
@@ -49,12 +48,13 @@ struct graded_viscosity {
   std::array<const double*, N> angular = {};
   std::array<double*, N> next_angular = {};
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> sum, force, slope;
-    std::array<pairs::vec<real, D>, S> third;  // Σ F s e e r
-    real m, second;                            // Σ F s r², Σ F r²
-    std::array<real, N> b;                     // Σ F r² (1 + ½ a_j·n) n
-    std::array<real, N*(N + 1) / 2> M;         // Σ F r² n n
+    pairs::vec<R, D> sum, force, slope;
+    std::array<pairs::vec<R, D>, S> third;  // Σ F s e e r
+    R m, second;                            // Σ F s r², Σ F r²
+    std::array<R, N> b;                     // Σ F r² (1 + ½ a_j·n) n
+    std::array<R, N*(N + 1) / 2> M;         // Σ F r² n n
   };
   auto reads() const {
     const auto of_root = pairs::read(of_viscosity_root, root);
@@ -63,31 +63,33 @@ struct graded_viscosity {
     else
       return std::tuple{of_root};
   }
-  me begin(const pairs::cluster&) const {
-    me a;
-    a.sum = a.force = a.slope = foundation::zero<real, D>();
-    for (auto& t : a.third) t = foundation::zero<real, D>();
-    a.m = a.second = real(0.0);
-    a.b.fill(real(0.0));
-    a.M.fill(real(0.0));
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    me<R> a;
+    a.sum = a.force = a.slope = foundation::zero<R, D>();
+    for (auto& t : a.third) t = foundation::zero<R, D>();
+    a.m = a.second = R(0.0);
+    a.b.fill(R(0.0));
+    a.M.fill(R(0.0));
     return a;
   }
-  void add(me& a, const auto& ij) const {
+  void add(auto& a, const auto& ij) const {
+    using R = std::remove_cvref_t<decltype(ij.F)>;
     const auto& r = ij.x_ij;
     const auto v = ij.difference(operators::of_fields);
-    const real per_r2 = real(1.0) / foundation::greater(ij.r2, real(1e-300)), F_r2 = ij.F * ij.r2;
-    real s(1.0);
+    const R per_r2 = 1.0 / ij.r2, F_r2 = ij.F * ij.r2;
+    R s(1.0);
     if constexpr (isotropic) {
-      const real c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
-      const std::array<real, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
+      const auto c2 = (r[0] * r[0] - r[1] * r[1]) * per_r2, s2 = 2.0 * r[0] * r[1] * per_r2;
+      const std::array<R, N> n{c2, s2, c2 * c2 - s2 * s2, 2.0 * c2 * s2};
       const auto mine = ij.own(of_angles), other = ij(of_angles);
-      real half(0.0), halves(0.0);
+      R half(0.0), halves(0.0);
       for (std::size_t k = 0; k < N; ++k) {
         half += 0.5 * other[k] * n[k];
         halves += 0.5 * (mine[k] + other[k]) * n[k];
       }
       s += halves;
-      const real of_other = F_r2 * (1.0 + half);
+      const auto of_other = F_r2 * (1.0 + half);
       for (std::size_t k = 0, place = 0; k < N; ++k) {
         a.b[k] += of_other * n[k];
         for (std::size_t l = 0; l <= k; ++l) a.M[place++] += F_r2 * n[k] * n[l];
@@ -95,10 +97,10 @@ struct graded_viscosity {
     }
     if constexpr (isotropic) a.force += ij.F * ij.difference(of_forces);
     a.second += F_r2;
-    const real part = ij.F * per_r2 * s;
-    real along(0.0);
+    const auto part = ij.F * per_r2 * s;
+    R along(0.0);
     for (std::size_t b = 0; b < D; ++b) along += v[b] * r[b];
-    const real nu = line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
+    const auto nu = line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
     a.sum += (part * along * nu) * r;
     a.slope += (ij.F * (nu - 1.0)) * r;
     std::size_t n = 0;
@@ -106,40 +108,40 @@ struct graded_viscosity {
       for (std::size_t q = p; q < D; ++q) a.third[n++] += (part * r[p] * r[q]) * r;
     a.m += F_r2 * s;
   }
-  void end(const pairs::cluster& members, const me& a) const {
+  void end(const auto& members, const auto& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
   }
 
  private:
-  void end(std::size_t i, const me& a, const auto& of) const {
+  void end(std::size_t i, const auto& a, const auto& of) const {
     constexpr auto d = static_cast<double>(D);
-    const double scale = -2.0 * d * (d + 2.0) / of(a.m);
+    const double scale = -2.0 * d * (d + 2.0) / of(a.m, -D);
     for (std::size_t p = 0; p < D; ++p) {
-      double force_i = of(a.sum[p]);
+      double force_i = of(a.sum[p], -D - 2);
       for (std::size_t q = 0; q < D; ++q)
         for (std::size_t c = 0; c < D; ++c)
-          force_i -= gradient[q][c][i] * of(a.third[operators::symmetric_place(p, q, D)][c]);
+          force_i -= gradient[q][c][i] * of(a.third[operators::symmetric_place(p, q, D)][c], -D - 1);
       out[p][i] = scale * force_i;
     }
-    const double of_laplacian = -2.0 * d / of(a.second);
-    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * of(a.slope[p]);
+    const double of_laplacian = -2.0 * d / of(a.second, -D);
+    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * of(a.slope[p], -D - 1);
     if constexpr (isotropic) {
       const double nu = root[i] * root[i];
       for (std::size_t p = 0; p < D; ++p) {
         plain[p][i] = out[p][i];
-        out[p][i] -= beta * of_laplacian * of(a.force[p]) / nu;
+        out[p][i] -= beta * of_laplacian * of(a.force[p], -D - 2) / nu;
       }
       next_angles(i, a, of);
     }
   }
 
   // Half the way to the a_i that is right for the neighbours' a_j.
-  void next_angles(std::size_t i, const me& a, const auto& of) const {
+  void next_angles(std::size_t i, const auto& a, const auto& of) const {
     std::array<std::array<double, N>, N> M{};
     std::array<double, N> b{};
     for (std::size_t k = 0, place = 0; k < N; ++k) {
-      b[k] = 2.0 * of(a.b[k]);  // F < 0: both sides change their signs
-      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -of(a.M[place++]);
+      b[k] = 2.0 * of(a.b[k], -D);  // F < 0: both sides change their signs
+      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -of(a.M[place++], -D);
     }
     constexpr double most = 0.8;
     double sum = 0.0;

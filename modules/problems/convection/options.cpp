@@ -216,7 +216,7 @@ void declare(namelist::schema& schema, options& o) {
   sides[3].temperature = 0.0;
   walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
-  run::declare(schema, o.common, {.keeps_rate = true});
+  run::declare(schema, o.common, {.single_pairs = true, .keeps_rate = true});
 }
 
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {

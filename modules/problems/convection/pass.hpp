@@ -14,61 +14,65 @@ inline constexpr slopes_tag of_slopes;
 // is p²/ξ²: so it falls, whatever the contrast.
 template <int D, int fields, bool graded>
 struct noise {
-  using real = pairs::real;
   static constexpr std::size_t K = fields;
   std::array<const double*, K * D> gradients;  // of each field
   double V;                                    // m^D
   std::array<double*, K> out;                  // of each field, over m^2
 
+  template <class R>
   struct me {
-    std::array<real, K> sum;
+    std::array<R, K> sum;
   };
-  auto reads() const { return std::tuple{pairs::read(of_slopes, gradients)}; }
-  me begin(const pairs::cluster&) const {
-    me a;
-    a.sum.fill(real(0.0));
+  auto reads() const { return std::tuple{pairs::read(of_slopes, gradients, -1)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    me<R> a;
+    a.sum.fill(R(0.0));
     return a;
   }
-  void add(me& a, const auto& ij) const {
+  void add(auto& a, const auto& ij) const {
     const auto G = ij.own(of_slopes) + ij(of_slopes);
     const auto f_ij = ij.difference(operators::of_fields);
     for (std::size_t k = 0; k < K; ++k) {
-      real steps = 2.0 * f_ij[k];
+      auto steps = 2.0 * f_ij[k];
       for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
       if constexpr (graded)
         if (k == D + 1) {
-          const real mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
-          steps *= mine / foundation::greater(mine, real(ij(of_viscosity_root) * ij(of_viscosity_root)));
+          const auto mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
+          steps *= mine / foundation::greater(mine, ij(of_viscosity_root) * ij(of_viscosity_root));
         }
       a.sum[k] += ij.F * steps;
     }
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < K; ++k) i.set(out[k], V * a.sum[k]);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < K; ++k) i.set(out[k], V * a.sum[k], -D - 2);
   }
 };
 
 // Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
 template <int D>
 struct unevenness {
-  using real = pairs::real;
   double V, W_self, per_W_dx;
   std::array<double*, D> out;
   double* W_sum;
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> sum;
-    real W;
+    pairs::vec<R, D> sum;
+    R W, per_W_dx;
   };
-  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>(), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    const real q = ij.W * per_W_dx, q2 = q * q;
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {foundation::zero<R, D>(), R(0.0), R(per_W_dx * i.lengths.to(-D))};
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto q = ij.W * a.per_W_dx, q2 = q * q;
     a.sum += (ij.F * (1.0 + 0.2 * q2 * q2)) * ij.x_ij;
     a.W += ij.W;
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(out[k], V * a.sum[k]);
-    i.set(W_sum, W_self + a.W);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(out[k], V * a.sum[k], -D - 1);
+    i.set(W_sum, W_self * i.lengths.to(D) + a.W, -D);
   }
 };
 
@@ -80,25 +84,28 @@ inline constexpr own_viscosity_tag of_own_viscosity;
 //   viscous_i = Σ F ν_ij/ν_i / Σ F      coupled_i = Σ F r ν_j/ν_i / Σ F r
 // the largest viscous_i and the square root of the largest coupled_i. Of the images' viscosity only lines know.
 struct contrast {
-  using real = pairs::real;
   const double* root;  // ν^½, as that of graded_viscosity
   const double* own;   // ν; an image has that of its particle
   double* viscous;
   double* coupled;  // of one viscosity: both 1
 
+  template <class R>
   struct me {
-    real F, F_nu, F_r, F_r_nu;
+    R F, F_nu, F_r, F_r_nu;
   };
   auto reads() const { return std::tuple{pairs::read(of_viscosity_root, root), pairs::read(of_own_viscosity, own)}; }
-  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0), real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
-    const real F_r = ij.F * ij.r;
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0), R(0.0), R(0.0), R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto F_r = ij.F * ij.r;
     a.F += ij.F;
     a.F_nu += ij.F * line_viscosity(ij.own(of_viscosity_root), ij(of_viscosity_root));
     a.F_r += F_r;
     a.F_r_nu += F_r * ij(of_own_viscosity);
   }
-  void end(const pairs::cluster& i, const me& a) const {
+  void end(const auto& i, const auto& a) const {
     i.set(viscous, a.F_nu / a.F);
     i.set(coupled, a.F_r_nu / (a.F_r * i(own)));
   }

@@ -133,7 +133,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                {.choices = {"hydrostatic", "mirrored"},
                 .meaning = "behind floor and lid: continued with rho g, or as inside"});
   }
-  run::declare(schema, o.common, {.starts_from_file = true});
+  run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true});
 }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {

@@ -254,6 +254,8 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
                   f.factor.data(),
                   s.dV.data(),
                   s.eta.data(),
+                  f.first_pattern ? 2 * D : D,
+                  f.first_pattern ? 0 : D,
                   f.p.stress_a,
                   f.p.stress_b,
                   f.viscous.a0,

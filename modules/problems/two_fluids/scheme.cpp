@@ -79,6 +79,8 @@ void check_supports(const namelist::schema& schema, const char* group, const opt
   if (s.pressure != "non_smoothed") schema.fail(group, "supports", "'volume' is derived for pressure = 'non_smoothed'");
   if (s.volume == "number_density" && s.gradient != "pattern_1")
     schema.fail(group, "supports", "'volume' with the number density is derived for gradient = 'pattern_1'");
+  if (o.common.kernel.single_pairs())
+    schema.fail("kernel", "precision", "'single' is for one support for all: supports = 'fixed'");
   if (o.surface_tension > 0.0) schema.fail(group, "supports", "surface tension has one support for all: 'fixed'");
 }
 

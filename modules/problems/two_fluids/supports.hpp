@@ -34,7 +34,7 @@ struct with_supports {
   Term term;
 
   auto reads() const { return std::tuple_cat(std::tuple{pairs::read(schemes::of_per_support, per_S)}, term.reads()); }
-  auto begin(const pairs::cluster& i) const { return term.begin(i); }
+  auto begin(const pairs::cluster<>& i) const { return term.begin(i); }
   void add(auto& sums, const auto& pair) const {
     pair_with_supports<std::remove_cvref_t<decltype(pair)>> ij{pair, {}, {}, {}};
     const auto F = schemes::slopes_of<D>(unit, pair);
@@ -44,7 +44,7 @@ struct with_supports {
     ij.r2_of_start = pair.r2 * (S_0 * S_0 * pair.own(schemes::of_per_support)) * pair(schemes::of_per_support);
     term.add(sums, ij);
   }
-  void end(const pairs::cluster& i, const auto& sums) const { term.end(i, sums); }
+  void end(const pairs::cluster<>& i, const auto& sums) const { term.end(i, sums); }
 };
 
 // A sum over the neighbours of these rows, with the one kernel or with everyone's own.

@@ -36,19 +36,20 @@ inline constexpr schemes::field<struct material_tag> of_material;
 inline constexpr schemes::field<struct colour_gradient_tag> of_colour_gradient;
 
 // Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
-pairs::real slope_of(const auto& ij, const pairs::real& A_i, const pairs::real& A_j) {
+template <class R>
+R slope_of(const auto& ij, const R& A_i, const R& A_j) {
   if constexpr (requires { ij.F_i; })
     return A_i * ij.F_i + A_j * ij.F_j;
   else
     return (A_i + A_j) * ij.F;
 }
-pairs::real own_slope(const auto& ij) {
+auto own_slope(const auto& ij) {
   if constexpr (requires { ij.F_i; })
     return ij.F_i;
   else
     return ij.F;
 }
-pairs::real r2_of_start(const auto& ij) {
+auto r2_of_start(const auto& ij) {
   if constexpr (requires { ij.r2_of_start; })
     return ij.r2_of_start;
   else
@@ -57,98 +58,111 @@ pairs::real r2_of_start(const auto& ij) {
 
 template <int D>
 struct forces {
-  using real = pairs::real;
   std::array<const double*, D> v;  // m/s
   const double *A, *B, *V, *eta;   // above; m^D; Pa s
+  int of_A, of_B;                  // powers of m
   double a, b;                     // of the viscous stress
   double a0, a1;                   // 1, 1/m2
   std::array<double*, D> force;    // N
   double *compression, *heat;      // D_i; W
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> force;
-    real compression, heat;
+    pairs::vec<R, D> force;
+    R compression, heat;
+    R a1;
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_stress, A), read(of_factor, B), read(of_volume, V),
-                      read(of_viscosity, eta)};
+    return std::tuple{read(of_velocity, v), read(of_stress, A, of_A), read(of_factor, B, of_B), read(of_volume, V, D),
+                      read(of_viscosity, eta, 1)};
   }
-  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
-  void add(me& sums, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {foundation::zero<R, D>(), R(0.0), R(0.0), R(a1 * i.lengths.to(2))};
+  }
+  void add(auto& sums, const auto& ij) const {
     using namespace pairs;
-    const real B_j = ij(of_factor);
-    const real slope = slope_of(ij, ij.own(of_stress) * B_j, ij.own(of_factor) * ij(of_stress));
-    const real friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
-                          (ij(of_volume) * ij.F) * (a0 - a1 * r2_of_start(ij));
+    const auto B_j = ij(of_factor);
+    const auto slope = slope_of(ij, ij.own(of_stress) * B_j, ij.own(of_factor) * ij(of_stress));
+    const auto friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
+                          (ij(of_volume) * ij.F) * (a0 - sums.a1 * r2_of_start(ij));
     const auto v_ij = ij.difference(of_velocity);
-    const real along = foundation::dot(v_ij, ij.x_ij);
-    const real parallel = b != 0.0 ? real(b * friction * along / foundation::greater(ij.r2, real(1e-200))) : real(0.0);
+    const auto along = foundation::dot(v_ij, ij.x_ij);
+    using R = decltype(along);
+    const R parallel = b != 0.0 ? R(b * friction * along / ij.r2) : R(0.0);
     sums.force += (a * friction) * v_ij;
     sums.force += (parallel - slope) * ij.x_ij;
     sums.compression += B_j * own_slope(ij) * along;
     sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
   }
-  void end(const pairs::cluster& i, const me& sums) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sums.force[k]);
-    i.set(compression, sums.compression);
-    i.set(heat, 0.5 * sums.heat);
+  void end(const auto& i, const auto& sums) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sums.force[k], D - 1);
+    i.set(compression, sums.compression, of_B - D - 1);
+    i.set(heat, 0.5 * sums.heat, D - 1);
   }
 };
 
 template <int D>
 struct density_rate {
-  using real = pairs::real;
   std::array<const double*, D> v;           // m/s
   const double *V, *p, *rho, *sound_speed;  // m^D, Pa, kg/m3, m/s
   double g, delta_h;                        // m/s2; δ h, m
   double* out;                              // kg/(m3 s)
 
+  template <class R>
   struct me {
-    real divergence, diffusion;
+    R divergence, diffusion;
+    R g;
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_volume, V), read(of_pressure, p), read(of_density, rho)};
+    return std::tuple{read(of_velocity, v), read(of_volume, V, D), read(of_pressure, p), read(of_density, rho)};
   }
-  me begin(const pairs::cluster&) const { return {real(0.0), real(0.0)}; }
-  void add(me& a, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {R(0.0), R(0.0), R(g * i.lengths.to(1))};
+  }
+  void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    const real VF = ij(of_volume) * ij.F;
+    const auto VF = ij(of_volume) * ij.F;
     a.divergence += VF * ij.along(of_velocity);
-    a.diffusion += VF * (2.0 * ij.difference(of_pressure) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
+    a.diffusion += VF * (2.0 * ij.difference(of_pressure) + a.g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    i.set(out, i(rho) * a.divergence + delta_h / i(sound_speed) * a.diffusion);
+  void end(const auto& i, const auto& a) const {
+    const double diffusivity = delta_h * i.lengths.to(-1);
+    i.set(out, i(rho) * a.divergence + diffusivity / i(sound_speed) * a.diffusion, -1);
   }
 };
 
 template <int D>
 struct element_exchange {
-  using real = pairs::real;
   const double *c, *P, *k, *metal, *V;  // 1; 1, 1 in silicate; kg/(m s); 1 or 0; m^D
   double* gain;                         // kg/s
 
+  template <class R>
   struct me {
-    real sum;
+    R sum;
   };
   auto reads() const {
     using namespace pairs;
     return std::tuple{read(of_concentration, c), read(of_partition, P), read(of_element, k), read(of_material, metal),
-                      read(of_volume, V)};
+                      read(of_volume, V, D)};
   }
-  me begin(const pairs::cluster&) const { return {real(0.0)}; }
-  void add(me& a, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    real P_i = ij.own(of_partition), P_j = ij(of_partition);
     const auto same = ij.own(of_material) == ij(of_material);
-    stdx::where(same, P_i) = 1.0;
-    stdx::where(same, P_j) = 1.0;
-    const real K = diffusion::harmonic(ij.own(of_element) * P_i, ij(of_element) * P_j);
+    const auto P_i = foundation::select(same, 1.0, ij.own(of_partition));
+    const auto P_j = foundation::select(same, 1.0, ij(of_partition));
+    const auto K = diffusion::harmonic(ij.own(of_element) * P_i, ij(of_element) * P_j);
     a.sum +=
         K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
   }
-  void end(const pairs::cluster& i, const me& a) const { i.set(gain, a.sum); }
+  void end(const auto& i, const auto& a) const { i.set(gain, a.sum, D - 2); }
 };
 
 // Surface tension between the two materials (docs/theory/drop.md): the divergence of a stress along their contact,
@@ -164,52 +178,59 @@ struct element_exchange {
 // G_i, 1/m.
 template <int D>
 struct colour_gradient {
-  using real = pairs::real;
   const double *V, *C;  // m^D; 0 or 1
   std::array<double*, D> G;
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> sum;
+    pairs::vec<R, D> sum;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V), pairs::read(of_material, C)}; }
-  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>()}; }
-  void add(me& a, const auto& ij) const {
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_material, C)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {foundation::zero<R, D>()};
+  }
+  void add(auto& a, const auto& ij) const {
     a.sum -= (ij(pairs::of_volume) * ij.difference(of_material) * ij.F) * ij.x_ij;
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(G[k], a.sum[k]);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(G[k], a.sum[k], -1);
   }
 };
 
 template <int D>
 struct surface_stress {
-  using real = pairs::real;
   const double* V2;                // ΔV²/s, m^(2D)
   std::array<const double*, D> G;  // 1/m
   double sigma;                    // N/m
   std::array<double*, D> force;    // N
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> force;
+    pairs::vec<R, D> force;
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_stress, V2), read(of_colour_gradient, G)};
+    return std::tuple{read(of_stress, V2, 2 * D), read(of_colour_gradient, G, -1)};
   }
-  me begin(const pairs::cluster&) const { return {foundation::zero<real, D>()}; }
-  void add(me& a, const auto& ij) const {
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {foundation::zero<R, D>()};
+  }
+  void add(auto& a, const auto& ij) const {
     a.force += (ij.F * ij.own(of_stress)) * along(ij.own(of_colour_gradient), ij.x_ij);
     a.force += (ij.F * ij(of_stress)) * along(ij(of_colour_gradient), ij.x_ij);
   }
-  void end(const pairs::cluster& i, const me& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sigma * a.force[k]);
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sigma * a.force[k], D - 2);
   }
 
  private:
   // Π x/σ
-  static pairs::vec<real, D> along(const pairs::vec<real, D>& G, const pairs::vec<real, D>& x) {
-    const real G2 = foundation::greater(foundation::dot(G, G), real(1e-200));
-    const real inverse = foundation::both_roots(G2).inverse;
+  template <class R>
+  static pairs::vec<R, D> along(const pairs::vec<R, D>& G, const pairs::vec<R, D>& x) {
+    const auto G2 = foundation::greater(foundation::dot(G, G), R(foundation::tiny<R>));
+    const auto inverse = foundation::both_roots(G2).inverse;
     return (G2 * inverse * (1.0 / D)) * x - (inverse * foundation::dot(G, x)) * G;
   }
 };

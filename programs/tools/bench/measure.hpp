@@ -19,6 +19,7 @@ struct request {
   std::vector<int> threads;   // measured in turns, on the same particles
   double seconds;             // to spend on each number of threads, the start not counted
   std::int64_t steps_a_list;  // over how many steps the making of lists is spread
+  std::string precision;      // of pairs: double or single
 
   std::int64_t particles() const { return dimension == 2 ? side * side : side * side * side; }
 };
@@ -30,7 +31,7 @@ inline const std::vector<std::string> case_names{"program_c", "program_f", "numb
 bool is_scheme(const std::string& name);
 
 struct result {
-  std::string name;
+  std::string name, precision;
   int dimension = 0;
   std::int64_t particles = 0;
   int threads = 0;

@@ -1,0 +1,83 @@
+"""Pairs in single precision: the same bits on any ranks and threads and over restarts, the figures of double, what is kept, what is refused."""
+
+import unittest
+
+from running import ALL, BAD_INPUT, SLOW, Case
+from test_ranks import case_of
+
+SINGLE = {"kernel.precision": "single"}
+
+# A closed box of iron, every particle off its place by a tenth of a spacing and free to fall into another: pressures of all sizes
+# push, nothing from outside does.
+CLOSED = ("hydrostatic_13_linear", {
+    "domain.periodic_y": True, "domain.jitter": 0.1, "initial.profile": "uniform", "gravity.g": 0, "material.viscosity": 0,
+    "time.method": "rk4", "time.dt": 0.3, "output.interval": 0})
+
+# Small cases, and how far a figure may be from that of double: a tenth of what it is from theory, or less.
+SMALL = {"domain.particles_x": 24, "domain.particles_y": 24}
+FIGURES = {
+    "rti": ("rti_linear", SMALL, {"growth_rate": 1e-4, "v_rms": 1e-3}),
+    "disph_c": ("rti_linear", SMALL, {"growth_rate": 1e-4, "v_rms": 1e-3}),
+    "drop": ("drop_cylinder", {"domain.particles_x": 40, "domain.particles_y": 40}, {"fall_velocity": 1e-3}),
+    "conduction": ("conduction_plate", {}, {"heat": 1e-6}),
+    "convection": ("blankenbach_1a", {**SMALL, "domain.particles_x": 16, "domain.particles_y": 16}, {"nusselt_volume": 1e-4, "v_rms": 1e-4}),
+}
+
+
+class Precision(Case):
+    def pair(self, program, name, settings, **how):
+        return [self.run_program(program, name, {**settings, "kernel.precision": precision}, **how).summary
+                for precision in ("double", "single")]
+
+    def test_ranks_and_threads(self):
+        """Particles cross the borders of ranks, lists are made anew, walls push."""
+        for program in ALL[2:] if SLOW else ("disph_c", "disph_f"):
+            with self.subTest(program):
+                name, settings = case_of(program, **SINGLE)
+                self.assert_exact(program, name, settings, 15, [(2, 1), (5, 1)])
+
+    def test_ranks_of_other_problems(self):
+        small = {"domain.particles_x": 24, "domain.particles_y": 24, "output.interval": 0, **SINGLE}
+        self.assert_exact("rti", "rti_linear", {**small, "time.t_end": 200}, 30)
+        self.assert_exact("ssph", "rti_linear", {**small, "time.t_end": 100}, 20)
+        self.assert_exact("convection", "blankenbach_1a", {**small, "time.steps": 60}, 40)
+
+    def test_momentum_and_energy_of_a_closed_box(self):
+        """Forces of a pair cancel to the bit; what is left is the rounding of each particle's sum."""
+        steps = 10000 if SLOW else 1000
+        for dimension, more in ((2, {}), (3, {"domain.particles_x": 12, "domain.particles_y": 12, "domain.particles_z": 12, "domain.length_x": 60e3,
+                                              "domain.length_y": 60e3, "domain.length_z": 60e3, "domain.periodic_z": True})):
+            with self.subTest(dimension):
+                name, settings = CLOSED
+                of = {**settings, **more, "domain.dimension": dimension, "time.steps": steps if dimension == 2 else steps // 10}
+                double, single = self.pair("disph_c", name, of)
+                # conservation.momentum is over Σ m c, as is energy over the energy at the start
+                self.assertLess(abs(single["conservation"]["momentum"]), 1e-6)
+                self.assertLess(abs(single["conservation"]["energy"] - double["conservation"]["energy"]), 1e-6)
+                self.assertNotEqual(single["state_hash"], double["state_hash"])
+
+    def test_figures_are_those_of_double(self):
+        for program, (name, settings, figures) in FIGURES.items():
+            with self.subTest(program):
+                double, single = self.pair(program, name, {**settings, "output.interval": 0})
+                self.assertEqual(single["status"], double["status"])
+                for figure, allowed in figures.items():
+                    a, b = double["metrics"][figure], single["metrics"][figure]
+                    self.assertLess(abs(b - a), allowed * abs(a), f"{figure}: {a} in double, {b} in single")
+
+    def test_refused(self):
+        for program, name, settings, says in (
+                ("rti", "rti_poster", {"rti.supports": "volume"}, "supports = 'fixed'"),
+                ("shock", "sod", {}, "precision"),
+                ("disph_b", "hydrostatic_13", {}, "iteration for Y"),
+                ("disph_a", "rti_linear", {}, "iteration for Y"),
+                ("disph_c", "hydrostatic_13", {"kernel.precision": "half"}, "'double', 'single'")):
+            with self.subTest(program):
+                before = self.listing()
+                result = self.run_program(program, name, {**SINGLE, **settings}, expect=BAD_INPUT)
+                self.assert_says(result, BAD_INPUT, says)
+                self.assertEqual(self.listing(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
