@@ -95,3 +95,62 @@ BOOST_AUTO_TEST_CASE(exp_and_log) {
     }
   }
 }
+
+// Two registers of doubles are one of single numbers, in order; each rounds once.
+BOOST_AUTO_TEST_CASE(single_numbers_from_doubles_and_back) {
+  const halves given{filled([](std::size_t k) { return 1.0 / (1.0 + k); }),
+                     filled([](std::size_t k) { return -3.0 - static_cast<double>(k) / 7.0; })};
+  const single narrowed = narrow(given);
+  const halves back = widen(narrowed);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const auto low = static_cast<float>(given.low[k]), high = static_cast<float>(given.high[k]);
+    BOOST_TEST(narrowed[k] == low);
+    BOOST_TEST(narrowed[k + lanes] == high);
+    BOOST_TEST(static_cast<double>(back.low[k]) == static_cast<double>(low));
+    BOOST_TEST(static_cast<double>(back.high[k]) == static_cast<double>(high));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(single_choices_by_lane) {
+  std::array<double, 2 * lanes> x, y;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    x[k] = static_cast<double>(k);
+    y[k] = 7.5 - static_cast<double>(k);
+  }
+  const auto of = [](const std::array<double, 2 * lanes>& a) {
+    return narrow({real(a.data(), stdx::element_aligned), real(a.data() + lanes, stdx::element_aligned)});
+  };
+  const single a = of(x), b = of(y), other(-1.0), mean = (a + b) * 0.5, ratio = a / (1.0 + a), opposite = -a;
+  for (std::uint32_t bits = 0; bits < 1U << single::size(); bits += 7) {
+    const single is = greater_where(bits, a, b, other);
+    for (std::size_t k = 0; k < single::size(); ++k) {
+      const double greatest = std::max(x[k], y[k]);
+      BOOST_TEST(is[k] == ((bits >> k & 1U) != 0 ? greatest : -1.0));
+    }
+  }
+  const single least = lesser(a, b), chosen = select(a < b, 1.0, b), same = select(a == a, a, b);
+  for (std::size_t k = 0; k < single::size(); ++k) {
+    BOOST_TEST(least[k] == std::min(x[k], y[k]));
+    BOOST_TEST(chosen[k] == (x[k] < y[k] ? 1.0 : y[k]));
+    BOOST_TEST(same[k] == x[k]);
+    BOOST_TEST(mean[k] == 3.75);
+    BOOST_TEST(ratio[k] == static_cast<float>(x[k]) / (1.0F + static_cast<float>(x[k])));
+    BOOST_TEST(opposite[k] == -x[k]);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(single_roots_to_a_rounding_or_two) {
+  constexpr double rounding = std::numeric_limits<float>::epsilon();
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> exponent(-16.0, 16.0);
+  for (int n = 0; n < 2000; ++n) {
+    const single r2 = narrow({filled([&](std::size_t) { return std::pow(10.0, exponent(random)); }),
+                              filled([&](std::size_t) { return std::pow(10.0, exponent(random)); })});
+    const auto root = both_roots(r2);
+    for (std::size_t k = 0; k < single::size(); ++k) {
+      const double exact = std::sqrt(static_cast<double>(r2[k]));
+      BOOST_TEST(std::abs(root.r[k] / exact - 1.0) <= 2.0 * rounding);
+      BOOST_TEST(std::abs(root.inverse[k] * exact - 1.0) <= 2.0 * rounding);
+    }
+  }
+}
