@@ -141,17 +141,18 @@ json as_json(const bench::result& r, const settings& o, const std::string& proce
 }
 
 void print_head() {
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "case", "D", "particles",
+  fmt::print("{:<22}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "case", "D", "particles",
              "threads", "faster", "pairs", "Mupd/s", "Mpairs/s", "ns/pair", "scalar/", "walls", "bytes/", "list");
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "", "", "", "", "", "each",
+  fmt::print("{:<22}{:>3}{:>10}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}{:>9}{:>7}{:>8}{:>8}\n", "", "", "", "", "", "each",
              "per core", "per core", "per core", "engine", "share", "particle", "bytes");
 }
 
 void print_row(const bench::result& r) {
   const auto walls = r.stages.find("walls");
-  fmt::print("{:<15}{:>3}{:>10}{:>8}{:>7.2f}{:>7.1f}{:>10.3f}{:>10.1f}{:>9.2f}{:>9}{:>6.1f}%{:>8.0f}{:>8.0f}\n", r.name,
-             r.dimension, r.particles, r.threads, r.speedup_over_first, r.neighbours,
-             1e-6 * r.updates_per_second() / r.threads, 1e-6 * r.pairs_per_second() / r.threads, r.ns_per_pair(),
+  fmt::print("{:<22}{:>3}{:>10}{:>8}{:>7.2f}{:>7.1f}{:>10.3f}{:>10.1f}{:>9.2f}{:>9}{:>6.1f}%{:>8.0f}{:>8.0f}\n",
+             r.precision == "single" ? r.name + " single" : r.name, r.dimension, r.particles, r.threads,
+             r.speedup_over_first, r.neighbours, 1e-6 * r.updates_per_second() / r.threads,
+             1e-6 * r.pairs_per_second() / r.threads, r.ns_per_pair(),
              r.speedup_over_scalar ? fmt::format("{:.2f}", *r.speedup_over_scalar) : "",
              walls != r.stages.end() ? 100.0 * walls->second : 0.0, r.bytes_per_particle, r.list_bytes_per_particle);
   std::fflush(stdout);
@@ -173,7 +174,7 @@ void measure_all(const settings& o) {
   for (std::size_t n = 0; n < requests.size(); ++n) {
     const auto& asked = requests[n];
     if (bench::memory_needed(asked) > 0.9 * memory_free()) {
-      fmt::print("{:<15}{:>3}{:>10}  left out: needs about {:.1f} GB, {:.1f} GB are free\n", asked.name,
+      fmt::print("{:<22}{:>3}{:>10}  left out: needs about {:.1f} GB, {:.1f} GB are free\n", asked.name,
                  asked.dimension, asked.particles(), 1e-9 * bench::memory_needed(asked), 1e-9 * memory_free());
       continue;
     }

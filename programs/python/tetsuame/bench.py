@@ -24,21 +24,30 @@ def read(path: Path) -> list[dict]:
     measured = read_json(path, "bench")
     if not isinstance(measured, list) or not measured or not all(isinstance(r, dict) and "name" in r for r in measured):
         raise Unreadable(f"{path}: holds no measurements; run bench again")
-    return measured
+    return [r | {"name": f"{r['name']} single"} if r.get("precision") == "single" else r for r in measured]
+
+
+def case(name: str) -> tuple[str, bool]:
+    """The case without its precision, and whether that is single."""
+    plain = name.removesuffix(" single")
+    return plain, plain != name
 
 
 def title(name: str) -> str:
-    return CASES.get(name, (name, style.INK))[0]
+    plain, single = case(name)
+    return CASES.get(plain, (plain, style.INK))[0] + (", single precision" if single else "")
 
 
 def colour(name: str) -> str:
-    return CASES.get(name, (name, style.INK))[1]
+    return CASES.get(case(name)[0], ("", style.INK))[1]
 
 
 def line(name: str) -> dict:
     """Keyword arguments of plot()."""
-    gas = name in style.SCHEME
-    return {"color": colour(name), "linestyle": (0, (4, 2)) if gas else "-", "marker": "s" if gas else "o", "markersize": 4}
+    plain, single = case(name)
+    gas = plain in style.SCHEME
+    return {"color": colour(name), "linestyle": ":" if single else (0, (4, 2)) if gas else "-", "marker": "s" if gas else "o",
+            "markersize": 4}
 
 
 def label(result: dict) -> str:
@@ -119,7 +128,7 @@ def scalar(measured: list[dict]):
     if not compared:
         return None
     compared.sort(key=lambda r: (r["dimension"], r["particles"], r["threads"]))
-    figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}" for r in compared], 0.3)
+    figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}{', single' * case(r['name'])[1]}" for r in compared], 0.3)
     ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=colour("program_c"))
     ax.axvline(1.0, color=style.INK, linewidth=0.8)
     ax.set_xlabel("program C's two sums: time of the scalar loop / time of the pair engine")
