@@ -115,7 +115,8 @@ template <class R, class Layout, class Kernel, class... Terms>
                               const positions<R>& place, const typename positions<R>::number* records,
                               const Kernel& kernel, const Terms&... terms) {
   constexpr int D = Layout::dimension;
-  // m2; who does not have the neighbour is that far from it.
+  // m2; who does not have the neighbour is that far from it. In single numbers differences of a spline's pieces are
+  // lost in rounding that much sooner.
   const double smallest_r = kernel.smallest_r() * (std::is_same_v<R, single> ? 1e5 : 1.0);
   const R nearest(smallest_r * smallest_r), far(farthest<R>);
   std::array<typename positions<R>::own_type, D> x_i;

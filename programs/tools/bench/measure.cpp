@@ -20,9 +20,9 @@ const liquid::program& program_of(const std::string& name) {
 }
 
 double memory_needed(const request& asked) {
-  // Entries of 4 bytes within support and skin (3.8 spacings), and up to twice the arrays while
-  // particles are sorted and lists made. Ghosts and walls add to small cases only.
-  const double list = 4.0 * (asked.dimension == 2 ? 49.0 : 234.0);
+  // The lists of clusters, and up to twice the arrays while particles are sorted and lists made. Ghosts and walls add
+  // to small cases only.
+  const double list = asked.dimension == 2 ? 45.0 : 220.0;
   return static_cast<double>(asked.particles()) * (list + 1000.0);
 }
 
