@@ -33,8 +33,8 @@ struct unit<single> {
 
   explicit unit(double near)  // m
       : exponent(static_cast<int>(std::floor(std::log2(near)))) {}
-  // m^n; exact.
-  double to(int n) const { return std::ldexp(1.0, n * exponent); }
+  // m^n; exact, by its bits: no call of a function, in front of which all registers would be saved.
+  double to(int n) const { return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + n * exponent) << 52U); }
 };
 
 // Particles first + n; bit n of `chosen` says that the sum is for it.

@@ -7,12 +7,13 @@
 //
 //   struct divergence {                            // Σ_j ΔV_j v_ij·∇_i W_ij
 //     auto reads() const;                          // {read(of_velocity, v), read(of_volume, dV, D)}: ΔV goes with m^D
-//     me begin(const cluster& i) const;            // what the sum needs of i beside that, i(array), and its zero
-//     void add(me& a, const auto& ij) const;       // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
-//     void end(const cluster& i, const me& a) const;  // i.set(out, a.sum, -1): Σ ΔV F v·x goes with 1/m
+//     template <class R>
+//     me<R> begin(const cluster<R>& i) const;      // what the sum needs of i beside that, i(array), and its zero
+//     void add(auto& a, const auto& ij) const;     // a.sum += ij(of_volume) * ij.F * ij.along(of_velocity)
+//     void end(const auto& i, const auto& a) const;  // i.set(out, a.sum, -1): Σ ΔV F v·x goes with 1/m
 //   };
 //
-// One whose begin, add and end take any R (cluster<R>, me<R>) can be summed in single precision too.
+// R is `real`, or `single` (cluster.hpp). A term whose begin takes a cluster<real> alone is for double precision.
 //
 // ij(tag) is the neighbour's value, ij.own(tag) that of i, ij.difference(tag) = own - neighbour's. A member
 // that does not have the neighbour has exact zeros for W and F, and the term must add one.

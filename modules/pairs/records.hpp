@@ -3,7 +3,7 @@
 // instead of one for each array. Every lane gets the neighbour's values.
 //
 // A term says what it reads with tags, and finds it in the pair by them:
-//   auto reads() const { return std::tuple{read(of_velocity, v), read(of_volume, dV)}; }
+//   auto reads() const { return std::tuple{read(of_velocity, v), read(of_volume, dV, D)}; }
 //   … ij(of_volume) …
 // Terms that read the same field share its place in the record: the tag decides.
 #pragma once
