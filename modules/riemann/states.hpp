@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <experimental/simd>
+#include <foundation/lanes.hpp>
 
 namespace tetsuame::riemann {
 
@@ -14,15 +15,10 @@ namespace tetsuame::riemann {
 template <class R>
 using mask_of = decltype(R() < R());
 
+using foundation::select;
 inline double select(bool yes, double a, double b) { return yes ? a : b; }
 inline bool any(bool yes) { return yes; }
 
-template <class T, class Abi>
-std::experimental::simd<T, Abi> select(const std::experimental::simd_mask<T, Abi>& yes,
-                                       const std::experimental::simd<T, Abi>& a, std::experimental::simd<T, Abi> b) {
-  where(yes, b) = a;
-  return b;
-}
 template <class T, class Abi>
 bool any(const std::experimental::simd_mask<T, Abi>& yes) {
   return any_of(yes);
