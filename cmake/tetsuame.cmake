@@ -30,8 +30,8 @@ target_compile_options(tetsuame_options INTERFACE
 # g++ 12 takes the undefined operands inside its own AVX-512 intrinsics for uninitialised variables.
 target_compile_options(tetsuame_options INTERFACE
   "$<$<BOOL:$<TARGET_PROPERTY:TETSUAME_WIDE>>:-Wno-maybe-uninitialized;-Wno-uninitialized>")
-# g++ 13 and 14 see faults of these kinds in what they inline from the standard library and Boost.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+# g++ 12 to 14 see faults of these kinds in what they inline from the standard library and Boost.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(tetsuame_options INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
 endif()
 target_compile_definitions(tetsuame_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
@@ -49,6 +49,42 @@ if(EXISTS /proc/cpuinfo)
     set(TETSUAME_HOST_AVX512 ON)
   endif()
 endif()
+
+# What most files include of the standard library and of others is read once for each kind of options, not for each file.
+# A file includes what it uses all the same: ./run check and builds for debugging read it so. Only g++ allows the
+# definitions of the targets to differ in what these headers do not use.
+if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+function(share_headers target)
+  set(kind headers)
+  set(options "")
+  foreach(option IN ITEMS WIDE FUSE TEST)
+    get_target_property(value ${target} TETSUAME_${option})
+    if(value)
+      string(APPEND kind _${option})
+      list(APPEND options TETSUAME_${option} ON)
+    endif()
+  endforeach()
+  if(NOT TARGET ${kind})
+    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/${kind}.cpp CONTENT "")
+    add_library(${kind} OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/${kind}.cpp)
+    target_link_libraries(${kind} PRIVATE tetsuame_options fmt::fmt m MPI::MPI_C OpenMP::OpenMP_CXX)
+    target_precompile_headers(${kind} PRIVATE
+      <algorithm> <array> <chrono> <cmath> <experimental/simd> <filesystem> <fstream> <functional> <map> <memory>
+      <numeric> <optional> <span> <sstream> <string> <variant> <vector>
+      <fmt/format.h> <mpi.h> <nlohmann/json.hpp>)
+    if(kind MATCHES TEST)
+      target_precompile_headers(${kind} PRIVATE <boost/test/unit_test.hpp>)
+      target_link_libraries(${kind} PRIVATE test_main)
+      target_compile_options(${kind} PRIVATE $<$<CONFIG:Release>:-O1>)
+    endif()
+    if(options)
+      set_target_properties(${kind} PROPERTIES ${options})
+    endif()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${kind})
+endfunction()
 
 # Without a target, ninja builds the programs and tools for the machine that configured. With the tests:
 add_custom_target(this_machine)
@@ -68,6 +104,7 @@ function(tetsuame_module name)
   if(arg_SOURCES)
     set(scope PUBLIC)
     add_library(${name} STATIC ${arg_SOURCES})
+    share_headers(${name})
   else()
     set(scope INTERFACE)
     add_library(${name} INTERFACE)
@@ -119,6 +156,9 @@ function(tetsuame_wide_library name)
   if(TARGET ${name}_avx512)
     set_target_properties(${name}_avx512 PROPERTIES TETSUAME_WIDE ON)
   endif()
+  foreach(target IN LISTS targets)
+    share_headers(${target})
+  endforeach()
 endfunction()
 
 # WIDE: the pair loop is in it. For AVX2 and for AVX-512, in folders of their own; the program's name stands for a
@@ -160,6 +200,7 @@ function(tetsuame_program name)
     # The physics is compiled here, from headers. Its sums over neighbours run the same
     # instructions for every particle, so multiply and add may be fused (a sixth faster).
     set_target_properties(${target} PROPERTIES TETSUAME_FUSE ON)
+    share_headers(${target})
   endforeach()
 endfunction()
 
@@ -176,20 +217,27 @@ function(tetsuame_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
+  if(NOT TARGET test_main)
+    add_library(test_main STATIC EXCLUDE_FROM_ALL ${CMAKE_SOURCE_DIR}/tests/main.cpp)
+    target_link_libraries(test_main PUBLIC tetsuame_options Boost::unit_test_framework)
+    target_compile_definitions(test_main PUBLIC BOOST_TEST_DYN_LINK)
+  endif()
   add_executable(test_${name} EXCLUDE_FROM_ALL ${arg_SOURCES})
   add_dependencies(this_machine test_${name})
-  target_compile_definitions(test_${name} PRIVATE BOOST_TEST_DYN_LINK
+  target_compile_definitions(test_${name} PRIVATE
     TETSUAME_SOURCE_DIR="${CMAKE_SOURCE_DIR}" TETSUAME_BINARY_DIR="${CMAKE_BINARY_DIR}")
   # The others are compiled once and run for a second: -O1, which follows the -O3 of the build type, saves a third of the
   # time to compile them. Bits do not depend on it, as nothing is fused. The libraries are those of the programs.
-  if(NOT arg_OPTIMISED)
-    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  endif()
   if(TETSUAME_HOST_WIDTH STREQUAL "_avx512")
     set_target_properties(test_${name} PROPERTIES TETSUAME_WIDE ON)
   endif()
+  if(NOT arg_OPTIMISED)
+    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    set_target_properties(test_${name} PROPERTIES TETSUAME_TEST ON)
+    share_headers(test_${name})
+  endif()
   link_wide(test_${name} ${arg_WIDE_DEPENDS})
-  target_link_libraries(test_${name} PUBLIC ${arg_DEPENDS} tetsuame_options Boost::unit_test_framework)
+  target_link_libraries(test_${name} PUBLIC test_main ${arg_DEPENDS} tetsuame_options)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   set(mpi_environment
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

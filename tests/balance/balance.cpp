@@ -1,5 +1,4 @@
 // The balancer on densities of cost whose integrals are known, so that a cell's time is exact.
-#define BOOST_TEST_MODULE balance
 #include <balance/balancer.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>

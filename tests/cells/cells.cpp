@@ -1,5 +1,4 @@
 // Grids and neighbour lists against a search through all particles and their images.
-#define BOOST_TEST_MODULE cells
 #include <liquid/passes.hpp>
 
 #include "../support/scene.hpp"

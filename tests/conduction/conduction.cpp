@@ -1,5 +1,4 @@
 // The exact solutions of the cooling plate and half space, by quadrature of the heat kernel.
-#define BOOST_TEST_MODULE cooling
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>

@@ -1,5 +1,4 @@
 // Measures of convection: gradients at a wall, time averages, when a flow is steady; and the input's overrides.
-#define BOOST_TEST_MODULE boussinesq
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <convection/graded_viscosity.hpp>

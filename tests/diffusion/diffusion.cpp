@@ -1,5 +1,4 @@
 // Viscosity and conduction: what is exchanged, which way it flows, and how fast a wave decays.
-#define BOOST_TEST_MODULE diffusion
 #include <diffusion/conduction.hpp>
 #include <diffusion/viscosity.hpp>
 #include <liquid/passes.hpp>

@@ -1,5 +1,4 @@
 // Halos, migration, periodic borders and what ranks agree on.
-#define BOOST_TEST_MODULE domain
 #include <omp.h>
 #include <liquid/passes.hpp>
 

@@ -1,5 +1,4 @@
 // Cuts that move while a program runs: nobody's result changes, whoever computes it.
-#define BOOST_TEST_MODULE moving_cuts
 #include <gradient/pattern_1.hpp>
 #include <hydrostatic/hydrostatic.hpp>
 #include <liquid/passes.hpp>

@@ -1,6 +1,5 @@
 // exact_sum against an independent reference: a sum of long doubles where that is
 // exact, and a plain schoolbook big integer (base 2, two's complement) where it is not.
-#define BOOST_TEST_MODULE exact_sum
 #include <algorithm>
 #include <bit>
 #include <boost/test/unit_test.hpp>

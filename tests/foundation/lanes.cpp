@@ -1,5 +1,4 @@
 // What loops over neighbours do with lanes, held against the same with doubles.
-#define BOOST_TEST_MODULE lanes
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/lanes.hpp>

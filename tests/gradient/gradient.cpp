@@ -1,5 +1,4 @@
 // Pressure gradients of pattern 1 and 2, and continuity: balances, the notes' formulas, limits.
-#define BOOST_TEST_MODULE gradient
 #include <gradient/continuity.hpp>
 #include <gradient/pattern_1.hpp>
 #include <gradient/pattern_2.hpp>

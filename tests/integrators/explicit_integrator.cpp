@@ -1,5 +1,4 @@
 // Explicit steps on one rank: order, bits, work, limits, restarts and failures.
-#define BOOST_TEST_MODULE explicit_integrator
 #include <cmath>
 #include <foundation/error.hpp>
 #include <integrators/explicit_integrator.hpp>

@@ -1,6 +1,5 @@
 // Explicit steps over several ranks and threads: the same bits as on one, with particles
 // that migrate and ranks that are empty, and failures that one rank meets.
-#define BOOST_TEST_MODULE explicit_integrator_ranks
 #include <omp.h>
 
 #include <cmath>

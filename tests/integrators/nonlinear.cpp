@@ -1,5 +1,4 @@
 // KINSOL's two solvers on problems whose solution is known, over ranks with and without unknowns.
-#define BOOST_TEST_MODULE nonlinear
 #include "ranks.hpp"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // RKL2 and RKC2: their polynomials, limits of stability, order, error estimate, the same steps by
 // ARKODE, and heat conduction against forward Euler and ARKODE with error control.
-#define BOOST_TEST_MODULE stabilised
 #include <cmath>
 // arkode_butcher.h needs FILE declared
 #include <cstdio>

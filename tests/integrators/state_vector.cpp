@@ -1,6 +1,5 @@
 // The N_Vector: its arithmetic, its lazy copies, and reductions that know neither ranks, nor
 // threads, nor order.
-#define BOOST_TEST_MODULE state_vector
 #include "ranks.hpp"
 
 #include <omp.h>

@@ -1,5 +1,4 @@
 // Each kernel in each dimension: normalisation, gradient, knots, support, lanes.
-#define BOOST_TEST_MODULE kernels
 #include <bit>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/mpl/list.hpp>

@@ -1,5 +1,4 @@
 // Kernels on the lattice: sums and transfer functions.
-#define BOOST_TEST_MODULE lattice
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <kernels/lattice.hpp>

@@ -1,4 +1,3 @@
-#define BOOST_TEST_MODULE melting
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <foundation/error.hpp>

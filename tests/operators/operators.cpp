@@ -1,5 +1,4 @@
 // Gradients and Laplacians: what they are exact for, and their order with the deferred correction.
-#define BOOST_TEST_MODULE operators
 #include <functional>
 #include <liquid/passes.hpp>
 #include <numbers>

@@ -1,7 +1,6 @@
 // What the output tests share: main with MPI, a fresh directory, particles spread over ranks.
 #pragma once
 
-#define BOOST_TEST_NO_MAIN
 #include <mpi.h>
 
 #include <array>

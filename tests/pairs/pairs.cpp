@@ -1,5 +1,4 @@
 // The pair loop against a plain double loop over all particles, for every kernel.
-#define BOOST_TEST_MODULE pairs
 #include <omp.h>
 #include <liquid/passes.hpp>
 

@@ -1,5 +1,4 @@
 // Blocks, order and null particle of the particle arrays, field by field along the table.
-#define BOOST_TEST_MODULE particles
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <cstdint>

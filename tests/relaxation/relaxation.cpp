@@ -1,6 +1,5 @@
 // Rules of slowed sound and inertia against the tables of the note of February 2023 [S1], and the
 // estimates of the note of May 2022 [S0]. The notes print few digits, some of them cut off, not rounded.
-#define BOOST_TEST_MODULE relaxation
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
 #include <cmath>

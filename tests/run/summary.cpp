@@ -1,5 +1,4 @@
 // A run whose numbers are not finite has not completed; what may change at a restart.
-#define BOOST_TEST_MODULE summary
 #include <mpi.h>
 
 #include <boost/test/unit_test.hpp>

@@ -1,6 +1,5 @@
 // The parts of SSPH, DISPH, GSPH and Godunov DISPH: limiter, interface, viscosity, gradients, supports, and what a
 // right-hand side of random particles conserves. No box and no lists of a run: every particle lists all others.
-#define BOOST_TEST_MODULE schemes
 #include <boost/test/unit_test.hpp>
 #include <kernels/kernel.hpp>
 #include <numeric>

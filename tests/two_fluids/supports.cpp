@@ -1,6 +1,5 @@
 // Supports that follow the volume: forces are the slope of the potential, whatever the supports do, and momentum stays.
 // The same of the force of walls.
-#define BOOST_TEST_MODULE supports
 #include <liquid/passes.hpp>
 #include <namelist/document.hpp>
 #include <two_fluids/measures.hpp>

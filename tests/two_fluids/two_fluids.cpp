@@ -1,5 +1,4 @@
 // The start column, the fit of a growth rate, and the sums over the start lattice.
-#define BOOST_TEST_MODULE overturn
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
 #include <cmath>

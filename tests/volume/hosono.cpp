@@ -1,5 +1,4 @@
 // Hosono's iteration: one answer whatever the solver, the limits theory gives it, and how it fails.
-#define BOOST_TEST_MODULE hosono
 #include <liquid/passes.hpp>
 #include <volume/hosono_iteration.hpp>
 

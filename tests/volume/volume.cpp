@@ -1,5 +1,4 @@
 // Volumes and smoothing that need no iteration: definitions, limits, and independence of ranks.
-#define BOOST_TEST_MODULE volume
 #include <run/passes.hpp>
 #include <volume/number_density.hpp>
 #include <volume/our_method.hpp>

@@ -1,6 +1,5 @@
 // Shape functions of markers: what each order reproduces on disordered fluid beside a plane, in
 // an edge and in a corner, and what becomes of clouds that do not determine the polynomial.
-#define BOOST_TEST_MODULE interpolation
 #include <boost/test/unit_test.hpp>
 #include <kernels/splines.hpp>
 #include <random>

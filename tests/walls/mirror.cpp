@@ -1,5 +1,4 @@
 // Mirror images of the fluid: where they stand, and that a wall then looks like more fluid.
-#define BOOST_TEST_MODULE images
 #include <liquid/passes.hpp>
 #include <map>
 #include <run/lists.hpp>

@@ -1,5 +1,4 @@
 // Wall particles and their markers, and what each treatment gives them.
-#define BOOST_TEST_MODULE walls
 #include <hydrostatic/measures.hpp>
 #include <set>
 
