@@ -58,14 +58,16 @@ def numbered(index: int) -> dict:
     return {"color": CYCLE[index % len(CYCLE)], "linewidth": 1.3, "linestyle": "-" if index < len(CYCLE) else "--"}
 
 
-def panels(count: int, columns: int, height: float, **options):
-    """A grid of axes, those too many removed; the axes wanted, as a list."""
+def panels(count: int, columns: int, height: float, ylabel: str = "", **options):
+    """A grid of axes, those too many removed; the axes wanted, as a list. ylabel: of those in the first column."""
     columns = min(columns, count)
     rows = -(-count // columns)
     figure, grid = plt.subplots(rows, columns, figsize=(WIDTH, height * rows), squeeze=False, **options)
     flat = list(grid.flat)
     for axes in flat[count:]:
         axes.remove()
+    for axes in flat[:count:columns]:
+        axes.set_ylabel(ylabel)
     return figure, flat[:count]
 
 
@@ -149,9 +151,7 @@ def tiles(ax, places, edge: float, **options):
 
 def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     """Lengths alike along both axes, nothing between the ticks."""
-    ax.set_aspect("equal")
-    ax.set_xlim(*x)
-    ax.set_ylim(*y)
+    ax.set(aspect="equal", xlim=x, ylim=y)
     ax.grid(False)
 
 
