@@ -10,6 +10,7 @@ from .reading import Unreadable
 # The module of each command: its main takes the rest of the command line and returns the exit status.
 MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
            "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep"}
+CALLED = {"scaling": "bench --scaling"}  # as people start it
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too")}
@@ -34,12 +35,12 @@ def main(arguments: list[str]) -> int:
     try:
         return run(command, arguments[1:])
     except Unreadable as problem:
-        status, said = BAD_INPUT, problem
+        status, said = problem.status, problem
     except ModuleNotFoundError as problem:
         status, said = BAD_INPUT, f"needs the Python package {problem.name}, which is not here"
     except OSError as problem:
         status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
-    print(f"tetsuame {command}: {said}", file=sys.stderr)
+    print(f"{CALLED.get(command, f'tetsuame {command}')}: {said}", file=sys.stderr)
     return status
 
 

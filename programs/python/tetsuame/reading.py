@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
+from . import BAD_INPUT
+
 
 class Unreadable(Exception):
-    """Why there is nothing to show, and what to do."""
+    """Why there is nothing to show, and what to do; and with which status the command ends."""
+    status = BAD_INPUT
 
 
 def read_json(path: Path, writer: str):

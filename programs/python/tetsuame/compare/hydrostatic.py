@@ -89,12 +89,12 @@ def overview(outcomes: list[Outcome]) -> str:
         return pages.cell(escape(cell(outcome)), f"number {state_class(outcome.kind)}") if value is None else \
             pages.error(value, scientific(value))
 
-    shown = files(outcomes)
-    return pages.section("At a glance", pages.table(
-        ["Program", "Method", *(f"File {escape(file)}" for file in shown)],
-        [[program_cell(label), pages.cell("" if "(" in label else note.TABLE_1[label], "words"), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
-        pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with step/iteration; "
-                        "no solution: the solver saw before its first pass that no state with p &gt; 0 exists. Red: the program crashed."))
+    columns = {"Program": program_cell, "Method": lambda label: pages.cell(note.TABLE_1.get(label, ""), "words"),
+               **{f"File {escape(file)}": lambda label, file=file: result(label, file) for file in files(outcomes)}}
+    return pages.section("At a glance", pages.columns(labels(outcomes), columns),
+                         pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with "
+                                         "step/iteration; no solution: the solver saw before its first pass that no state with p &gt; 0 "
+                                         "exists. Red: the program crashed."))
 
 
 def outcome_cell(outcome: Outcome, said: str) -> str:

@@ -21,15 +21,12 @@ CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 def run_all(cases: list[Run], given: argparse.Namespace) -> list[Outcome]:
     """The outcomes in the order of the cases; `given`: of study.options."""
     progress = Progress(len(cases))
-    outcomes: dict[Run, Outcome] = {}
     with ThreadPoolExecutor(given.jobs) as pool:
-        futures = {pool.submit(run_one, case, given, progress): case for case in cases}
+        futures = [pool.submit(run_one, case, given, progress) for case in cases]
         for future in as_completed(futures):
-            outcome = future.result()
-            outcomes[outcome.case] = outcome
-            progress.finished(outcome)
+            progress.finished(future.result())
     progress.end()
-    return [outcomes[case] for case in cases]
+    return [future.result() for future in futures]
 
 
 def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outcome:

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from .. import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED, ROOT, pages
+from .. import COMPLETED, ROOT, pages
 from ..reading import Unreadable
 from . import analysis, runner
 
@@ -106,11 +106,9 @@ def study(given: argparse.Namespace) -> None:
     for n in range(repeats):
         # There and back, so that a slow drift of the machine's speed favours none.
         for run in runs if n % 2 == 0 else runs[::-1]:
-            if run.copies:
-                readings[run].append(runner.measure_copies(run, program, source, given.steps, work))
-                continue
             launcher = given.launcher or default_launcher(run.cores)
-            readings[run].append(runner.measure(run, launcher, program, source, given.steps, work))
+            readings[run].append(runner.measure_copies(run, program, source, given.steps, work) if run.copies else
+                                 runner.measure(run, launcher, program, source, given.steps, work))
         print(f"scaling: round {n + 1} of {repeats}, {len(runs)} runs each, {time.monotonic() - begin:.0f} s", file=sys.stderr, flush=True)
     rows = [analysis.result(kind, run, read, facts) for kind in ("strong", "weak", "copies") for run, read in readings.items() if kind in run.kinds]
     analysis.add_efficiency(rows)
@@ -135,15 +133,6 @@ def report(folder: Path) -> None:
 
 def main(arguments: list[str]) -> int:
     given = parser().parse_args(arguments)
-    try:
-        study(given)
-        report(given.output)
-        return COMPLETED
-    except Unreadable as problem:
-        status, said = BAD_INPUT, problem
-    except runner.Failed as problem:
-        status, said = FAILED, problem
-    except OSError as problem:
-        status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
-    print(f"bench --scaling: {said}", file=sys.stderr)
-    return status
+    study(given)
+    report(given.output)
+    return COMPLETED

@@ -10,14 +10,16 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from .. import FAILED
 from ..reading import Unreadable
 
 SPACING = 5.0e3  # m, that of the input
 TIME_LIMIT = 3600  # s, of one run: a program that hangs ends the study, not the day
 
 
-class Failed(Exception):
+class Failed(Unreadable):
     """A run that went wrong."""
+    status = FAILED
 
 
 @dataclass(frozen=True)
