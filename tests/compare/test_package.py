@@ -102,7 +102,7 @@ class Pages(unittest.TestCase):
 
     def test_a_picture_is_as_wide_as_it_was_drawn(self):
         for inches, share in ((style.WIDTH, "100.0%"), (style.WIDTH / 2, "50.0%")):
-            made = pages.figure(style.png(style.plt.figure(figsize=(inches, 1))), "<code>x</code> & y")
+            made = pages.figure(style.plt.figure(figsize=(inches, 1)), caption="<code>x</code> & y")
             self.assertIn(f"--share: {share}", made)
             self.assertIn('alt="x &amp; y"', made)
 

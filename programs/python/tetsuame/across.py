@@ -83,17 +83,16 @@ def page(of: list[tuple[str, runs.Run]], time: float | None, wanted: list[str] |
         time = min(run.snapshot().time for _, run in of)
     common = [name for name in of[0][1].snapshot(time).names if all(name in run.snapshot(time) for _, run in of)]
     names = fields.shown(of[0][1].snapshot(time), wanted or [name for name in fields.shown(of[0][1].snapshot(time)) if name in [*common, "Speed"]])
-    history = plots.histories(of)
-    profiles = plots.profiles([(title, run.snapshot(time)) for title, run in of], names)
     mapped = [] if dimensions == {1} else names
     return pages.document("runs side by side", [
         pages.head("Runs side by side", [escape(title) for title, _ in of], ""),
         pages.section("Inputs that differ", inputs(of)), pages.section("Measures that differ", metrics(of)),
-        pages.section("Histories", pages.figure(style.png(history), "Columns of history.csv that vary.") if history else ""),
+        pages.section("Histories", pages.figure(plots.histories(of), caption="Columns of history.csv that vary.")),
         pages.section("Fields", pages.paragraph(f"Of the first {SHOWN} runs.") if mapped and len(of) > SHOWN else "",
-                      *(pages.figure(style.png(maps(of[:SHOWN], name, time)), escape(f"{fields.look(name).label}, with the same colours"))
+                      *(pages.figure(maps(of[:SHOWN], name, time), caption=escape(f"{fields.look(name).label}, with the same colours"))
                         for name in mapped)),
-        pages.section("Profiles", pages.figure(style.png(profiles), "Means over layers.")),
+        pages.section("Profiles", pages.figure(plots.profiles([(title, run.snapshot(time)) for title, run in of], names),
+                                               caption="Means over layers.")),
         pages.section(f"Differences from {of[0][0]}, particle by particle", differences(of, time))])
 
 

@@ -119,24 +119,22 @@ def decisions(run: Run) -> str:
     return pages.text_columns(list(range(len(h["step"]))), columns, 0, "wide")
 
 
-def page(run: Run, pictures: dict[str, bytes]) -> str:
+def page(run: Run, folder: Path) -> str:
     s = run.summary
     counts = " × ".join(str(n) for n in s["counts"])
     particles = s.get("fluid_particles", 0) + s.get("wall_particles", 0)
-    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles", f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
+    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles",
+             f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
     return pages.document("load balance", [
         pages.head("Load balance on virtual ranks", facts, "The balancer of the programs, which sees the ranks' times, on times of a cost "
                    "model. What it means: docs/load_balancer.md."),
         pages.section("At a glance", results(run)),
-        pages.section("Cuts", pages.figure(pictures["cuts"], "Cells of the ranks after decisions, coloured by their time over the mean.")),
-        pages.section("Course", pages.figure(pictures["course"], "Left: spread of the ranks' times. Right: particles that have changed their rank.")),
+        pages.section("Cuts", pages.figure(cuts(run), folder / "cuts.png", "Cells of the ranks after decisions, coloured by their time over the mean.")),
+        pages.section("Course", pages.figure(course(run), folder / "course.png",
+                                             "Left: spread of the ranks' times. Right: particles that have changed their rank.")),
         pages.section("Decisions of the balancer", pages.folded("All decisions", decisions(run)))])
 
 
 def make(folder: Path) -> str:
     """Draws, and writes the page; what is said of it."""
-    run = read(folder)
-    pictures = style.draw_all({"cuts": cuts(run), "course": course(run)})
-    for name, picture in pictures.items():
-        (folder / f"{name}.png").write_bytes(picture)
-    return pages.write(folder, page(run, pictures))
+    return pages.write(folder, page(read(folder), folder))

@@ -138,20 +138,6 @@ def threads(measured: list[dict]):
     return figure
 
 
-CAPTIONS = {
-    "others": ("Beside other codes", "Program C with wall correction, lists and integration included, beside the rates "
-               "in the table below. They are not measured in this run."),
-    "rate": ("Rate over size", "A flat line: time per particle does not grow when the arrays no longer fit into caches."),
-    "pair": ("Time per pair", "All of a step's time, divided by the pairs within the kernel's support. Cases with two "
-             "passes over the lists visit each pair twice; it counts once."),
-    "stages": ("Where the time goes", "Shares of a step at the size nearest to 400² particles. Lists: their making, "
-               "spread over {steps} steps. Integration: the integrator's own work on the state."),
-    "scalar": ("Against a scalar loop", "The same two sums over the same list, in turn in the same run; medians of the "
-               "ratios. Both agree to round-off, or bench would have failed."),
-    "threads": ("Threads", "At the largest number of particles of each case; open marks: 3-D."),
-}
-
-
 def other_codes() -> str:
     rows = [[name, remark, f"{low:g}" if low == high else f"{low:g}–{high:g}"] for name, remark, low, high in RATES]
     return (pages.text_table(["Code", "What", "million updates/s per core"], rows, 2)
@@ -178,20 +164,32 @@ def page(measured: list[dict]) -> str:
     load = max(r["load_average"] for r in measured)
     facts = [escape(str(first["processor"])), f"{first['simd_lanes']} lanes of double", f"version {escape(str(first['version']))}",
              f"load average up to {load:.1f}"]
-    drawn = style.draw_all({"others": beside_others(measured), "rate": over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"],
-                                                    "million updates a second and core"),
-                            "pair": over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)"), "stages": stages(measured),
-                            "scalar": scalar(measured), "threads": threads(measured)})
-    parts = [pages.head("Speed of the right-hand side", facts,
-                        "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
-                        "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What "
-                        "bounds the speed: docs/performance.md.")]
-    for name, png in drawn.items():
-        title, caption = CAPTIONS[name]
-        parts.append(pages.section(title, pages.figure(png, caption.format(steps=first["steps_per_list"]))))
-        if name == "others":
-            parts.append(other_codes())
-    return pages.document("speed", [*parts, numbers(measured)])
+    others = pages.figure(beside_others(measured), caption="Program C with wall correction, lists and integration included, beside the rates "
+                          "in the table below. They are not measured in this run.")
+
+    def section(title: str, drawn, caption: str) -> str:
+        return pages.section(title, pages.figure(drawn, caption=caption))
+
+    return pages.document("speed", [
+        pages.head("Speed of the right-hand side", facts,
+                   "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
+                   "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What "
+                   "bounds the speed: docs/performance.md."),
+        pages.section("Beside other codes", others, other_codes() if others else ""),
+        section("Rate over size",
+                over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"], "million updates a second and core"),
+                "A flat line: time per particle does not grow when the arrays no longer fit into caches."),
+        section("Time per pair", over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)"),
+                "All of a step's time, divided by the pairs within the kernel's support. Cases with two "
+                "passes over the lists visit each pair twice; it counts once."),
+        section("Where the time goes", stages(measured),
+                "Shares of a step at the size nearest to 400² particles. Lists: their making, "
+                f"spread over {first['steps_per_list']} steps. Integration: the integrator's own work on the state."),
+        section("Against a scalar loop", scalar(measured),
+                "The same two sums over the same list, in turn in the same run; medians of the "
+                "ratios. Both agree to round-off, or bench would have failed."),
+        section("Threads", threads(measured), "At the largest number of particles of each case; open marks: 3-D."),
+        numbers(measured)])
 
 
 def make(folder: Path) -> str:

@@ -155,8 +155,8 @@ def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     ax.grid(False)
 
 
-def save(figure, path, **options) -> None:
-    figure.savefig(path, **options)
+def save(figure, path) -> None:
+    figure.savefig(path)
     plt.close(figure)
 
 
@@ -165,8 +165,3 @@ def png(figure) -> bytes:
     buffer = io.BytesIO()
     save(figure, buffer)
     return buffer.getvalue()
-
-
-def draw_all(figures: dict) -> dict[str, bytes]:
-    """The pictures by name, without those that have no data to show."""
-    return {name: png(figure) for name, figure in figures.items() if figure is not None}

@@ -103,7 +103,6 @@ class Sweep:
         measures = [name for name in dict.fromkeys(name for line in lines for name in line)
                     if name not in (*keys, "status") and len({line.get(name) for line in lines}) > 1]
         facts = [escape(self.o.program), escape(str(self.o.input)), f"{len(lines)} runs"]
-        drawn = over_settings(lines, keys, [name for name in measures if name != "wall_seconds"][:MOST])
         columns = {escape(key): lambda line, key=key: pages.cell(escape(line[key])) for key in keys}
         columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "failed": "stop"}.get(line["status"], "bad"))}
         columns |= {escape(name.replace("_", " ")): lambda line, name=name: pages.number(f"{line[name]:.6g}" if name in line else "–")
@@ -115,7 +114,8 @@ class Sweep:
                                       + (f", the first {MOST} of {len(measures)}" if len(measures) > MOST else "")
                                       + "; all of them stand in sweep.csv beside this page.")),
             pages.section("Over the settings",
-                          pages.figure(drawn, "Numbers of summary.json over the setting that has most values.") if drawn else "")]))
+                          pages.figure(over_settings(lines, keys, [name for name in measures if name != "wall_seconds"][:MOST]),
+                                       caption="Numbers of summary.json over the setting that has most values."))]))
 
     def scripts(self) -> list[str]:
         """Job scripts by `submit`, one for each run that is not at its end."""
@@ -139,7 +139,7 @@ def as_number(text: str) -> float | None:
         return None
 
 
-def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> bytes | None:
+def over_settings(lines: list[dict], keys: list[str], measures: list[str]):
     """A panel for each measure over the numeric key with most values, a line for each choice of the others; None without such a key."""
     values = {key: {as_number(line[key]) for line in lines} for key in keys}
     numeric = [key for key in keys if None not in values[key] and len(values[key]) > 1]
@@ -163,7 +163,7 @@ def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> by
             ax.set_xticks(sorted(values[key]))
     if others:
         style.legend_above(figure, panels)
-    return style.png(figure)
+    return figure
 
 
 def main(arguments: list[str]) -> int:

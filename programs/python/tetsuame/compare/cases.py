@@ -26,9 +26,13 @@ class Run:
 
 def of_letter(program: str, path: Path, variant: str, settings: tuple[str, ...]) -> Run:
     """Of programs A to F."""
-    binary, file = f"disph_{program.lower()}", path.stem.removeprefix("hydrostatic_")
+    binary, file = f"disph_{program.lower()}", short(path)
     folder = f"{file}/{binary}_{variant.replace(', ', '_')}" if variant else f"{file}/{binary}"
     return Run(binary, path, file, f"{program} ({variant})" if variant else program, folder, variant, settings, program=program)
+
+
+def short(path: Path) -> str:
+    return path.stem.removeprefix("hydrostatic_")
 
 
 def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, ...], case: str = "") -> Run:
@@ -38,15 +42,14 @@ def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, 
                variant, settings, n)
 
 
-def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[str, ...]) -> list[Run]:
+def plan(programs: tuple[str, ...], inputs: list[Path], settings: list[str]) -> list[Run]:
     """All runs, by input and program. Settings of the command line hold for every run and come
     last: one that chooses the solver leaves nothing for the extra runs to show, so they are dropped."""
     solver_is_given = any(setting.partition("=")[0].strip().lower() == "hosono.solver" for setting in settings)
     cases = []
     for path in inputs:
         for program in programs:
-            cases.append(of_letter(program, path, "", settings))
-            variants = extra(program, cases[-1].file) if program in ITERATING and not solver_is_given else {}
+            variants = {"": ()} | (extra(program, short(path)) if program in ITERATING and not solver_is_given else {})
             cases += [of_letter(program, path, variant, (*own, *settings)) for variant, own in variants.items()]
     return cases
 

@@ -14,7 +14,7 @@ from ..rendering import slice_of
 from . import orders, references
 from .cases import Run, of_size
 from .outcomes import COMPLETED, Outcome
-from .parts import count, drawn, error_cell, find_inputs, percent, said, sizes, state_class
+from .parts import count, error_cell, find_inputs, percent, said, sizes, state_class
 
 NAME = "convection"
 TITLE = "Convection against known steady states"
@@ -73,10 +73,10 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     cases = list(dict.fromkeys(one["case"] for one in measured["runs"]))
     return [pages.paragraph("The program runs until the flow is steady. What it measures there stands beside the best values known. ± is the "
                             "uncertainty of the average over time, not the error of the method."),
-            pages.section("At a glance", glance(measured, cases), drawn(
+            pages.section("At a glance", glance(measured, cases), pages.figure(
                 fields(outcomes), folder / "fields.png",
                 "Temperature of the last state at the finest resolution, with isotherms every tenth and the flow's direction and strength.")),
-            pages.section("Convergence", drawn(
+            pages.section("Convergence", pages.figure(
                 orders.convergence(orders.series(measured["runs"], judged), lambda case, _, name: (case, *CONVERGENCE[name]),
                                    "|measured/known − 1|"), folder / "convergence.png",
                 "Distance from the known value over the number of particles along the height. Bars: uncertainty of the average over time; "
@@ -84,13 +84,13 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             pages.section("Measured, and known", *(case_table(measured, case) for case in cases)),
             pages.section(
                 "Profiles and the way to the steady state",
-                drawn(profiles(outcomes), folder / "profiles.png",
-                      "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
-                      "horizontal velocity along them."),
-                drawn(course(outcomes), folder / "course.png",
-                      "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
-                      "history.")),
-            pages.section("What it costs", drawn(
+                pages.figure(profiles(outcomes), folder / "profiles.png",
+                             "Above: temperature, mean along horizontal lines, 0 at the top and 1 at the bottom. Below: root mean square of the "
+                             "horizontal velocity along them."),
+                pages.figure(course(outcomes), folder / "course.png",
+                             "Nusselt number of the volume over time; dashed: the known value. With target 'steady' the way there is not a "
+                             "history.")),
+            pages.section("What it costs", pages.figure(
                 orders.cost(measured["runs"], {"": ("", style.BLUE)}, "seconds", "seconds, one thread"), folder / "cost.png",
                 "To the steady state, at the finest resolution; other work on the machine shows in it."))]
 

@@ -9,10 +9,9 @@ from . import cases, note, prose, table
 from . import hydrostatic_figures as figures
 from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Run
 from .outcomes import COMPLETED, Outcome
-from .parts import chosen, drawn, find_inputs, state_class
+from .parts import chosen, find_inputs, state_class
 from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, said
 
-NAME = ""
 TITLE = "Programs A to F on hydrostatic states"
 ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
         "Other comparisons: ./run compare convection, shock, rti (each with --help)."
@@ -33,7 +32,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     inputs = find_inputs(given.inputs, root, parser, "hydrostatic_")
     if not programs or not inputs:
         parser.error("nothing to run: --programs and --inputs need at least one name each")
-    return cases.plan(programs, tuple(inputs), tuple(given.settings))
+    return cases.plan(programs, inputs, given.settings)
 
 
 def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str]:
@@ -41,18 +40,18 @@ def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str
     shown = files(outcomes)
     return [overview(outcomes), beside_the_note(outcomes),
             explained("Why the plain iteration diverges", prose.iteration(outcomes)),
-            drawn(figures.residual(outcomes, shown), folder / "residual.png",
-                  "Residual of the iteration by pass. Plain runs are shown in the evaluation that diverged (×: last value), the others "
-                  "in the one with most passes. Broad grey: the growth |G| = (κ − 1)(1 − S_min) from the first residual."),
+            pages.figure(figures.residual(outcomes, shown), folder / "residual.png",
+                         "Residual of the iteration by pass. Plain runs are shown in the evaluation that diverged (×: last value), the others "
+                         "in the one with most passes. Broad grey: the growth |G| = (κ − 1)(1 − S_min) from the first residual."),
             explained("A limit that no solver removes", prose.limit(outcomes)),
             explained("What the walls do", prose.walls(outcomes)),
-            drawn(figures.pressure(outcomes, shown), folder / "pressure.png",
-                  "Relative pressure error of the last snapshot, mean over each row of particles. Runs that stopped are not shown; A and B "
-                  "are shown with the first solver that completes."),
+            pages.figure(figures.pressure(outcomes, shown), folder / "pressure.png",
+                         "Relative pressure error of the last snapshot, mean over each row of particles. Runs that stopped are not shown; A and B "
+                         "are shown with the first solver that completes."),
             displacements(outcomes, folder),
             explained("What it costs", prose.cost(outcomes)),
-            drawn(figures.cost(outcomes, shown), folder / "cost.png",
-                  "Time a step by stage; A and B with the first solver that completes."),
+            pages.figure(figures.cost(outcomes, shown), folder / "cost.png",
+                         "Time a step by stage; A and B with the first solver that completes."),
             all_runs(outcomes)]
 
 
@@ -67,7 +66,7 @@ FOLDED = {"11", "12", "13_linear"}
 def displacements(outcomes: list[Outcome], folder: Path) -> str:
     text = "File {}: displacement from the start, which should be zero. Colour: its size on one scale for all; arrows: its direction, " \
            "the longest of each map drawn equally long, none where it is round-off; grey: wall particles."
-    blocks = {file: drawn(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
+    blocks = {file: pages.figure(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
               for file in files(outcomes)}
     fold = any(block and file not in FOLDED for file, block in blocks.items())
     return "\n".join(pages.folded(f"Displacement, file {file}", block) if fold and file in FOLDED else block

@@ -2,7 +2,7 @@
 import argparse
 from pathlib import Path
 
-from .. import pages, style
+from .. import pages
 from .cases import SHIPPED_INPUTS
 from .outcomes import COMPLETED, CRASHED
 
@@ -36,14 +36,6 @@ def sizes(given: argparse.Namespace, parser: argparse.ArgumentParser, least: int
     if found[0] < least:
         parser.error(f"--particles: at least {least}, for the kernel reaches some spacings")
     return found
-
-
-def drawn(figure, path: Path, text: str) -> str:
-    """The figure, which is written to a file, as a block of the page; nothing where there is none."""
-    if figure is None:
-        return ""
-    style.save(figure, path)
-    return pages.figure(path.read_bytes(), text)
 
 
 def state_class(outcome: str) -> str:

@@ -10,7 +10,7 @@ from .. import pages, plots, style
 from . import orders, table
 from .cases import Run, of_size
 from .outcomes import COMPLETED, Outcome
-from .parts import chosen, drawn, percent, said, sizes, state_class
+from .parts import chosen, percent, said, sizes, state_class
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
@@ -99,20 +99,20 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             pages.section("Who survives", outcome_table(measured, names)),
             pages.section(
                 "Overturn",
-                drawn(states(outcomes), folder / "states.png", "The last state on disk: metal bright, silicate dark."),
-                drawn(courses(outcomes), folder / "courses.png",
-                      "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
-                      "over their start values. ×: the run stopped; on the edge of a panel where it was outside.")),
+                pages.figure(states(outcomes), folder / "states.png", "The last state on disk: metal bright, silicate dark."),
+                pages.figure(courses(outcomes), folder / "courses.png",
+                             "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
+                             "over their start values. ×: the run stopped; on the edge of a panel where it was outside.")),
             pages.section(
                 "Growth",
-                drawn(growth(outcomes), folder / "growth.png",
-                      "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with "
-                      "compressibility and walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some "
-                      "10 % at any number of particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti. "
-                      "×: the run stopped."),
-                drawn(orders.convergence(orders.series(measured["runs"], judged), lambda _, name, _quantity: (name, name, style.COLOUR[name]),
-                                         "|growth rate/theory − 1|"), folder / "convergence.png",
-                      f"Distance of the growth rate from linear theory; bars: uncertainty of its fit. {orders.LINES}"),
+                pages.figure(growth(outcomes), folder / "growth.png",
+                             "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with "
+                             "compressibility and walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some "
+                             "10 % at any number of particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti. "
+                             "×: the run stopped."),
+                pages.figure(orders.convergence(orders.series(measured["runs"], judged), lambda _, name, _quantity: (name, name, style.COLOUR[name]),
+                                                "|growth rate/theory − 1|"), folder / "convergence.png",
+                             f"Distance of the growth rate from linear theory; bars: uncertainty of its fit. {orders.LINES}"),
                 growth_table(measured, names))]
 
 

@@ -12,7 +12,7 @@ from . import orders
 from . import shock_figures as figures
 from .cases import Run, of_size
 from .outcomes import COMPLETED, Outcome
-from .parts import chosen, count, drawn, percent, said, sizes, state_class
+from .parts import chosen, count, percent, said, sizes, state_class
 from .table import place
 
 NAME = "shock"
@@ -130,14 +130,14 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     parts = [pages.paragraph("One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and "
                              "in where dissipation comes from (artificial viscosity or Riemann problems)."),
              pages.section("At a glance", glance(measured, tests)),
-             pages.section("Convergence", drawn(
+             pages.section("Convergence", pages.figure(
                  orders.convergence(orders.series(measured["runs"], judged), lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"),
                  folder / "convergence.png",
                  f"Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. {orders.LINES}"))]
     parts += [pages.section(f"{test.replace('_', ' ')}: {TESTS[test].about}",
-                            drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
+                            pages.figure(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
                             test_table(measured, test)) for test in tests]
-    return [*parts, pages.section("What it costs", drawn(
+    return [*parts, pages.section("What it costs", pages.figure(
         orders.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6), folder / "cost.png",
         "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one thread; other work on "
         "the machine shows in it."))]

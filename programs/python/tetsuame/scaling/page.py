@@ -9,26 +9,24 @@ SIZES = {1e7: style.SKY, 1e8: style.BLUE, 1e9: style.INK}  # particles in all
 LOADS = {1e3: style.PINK, 1e4: style.ORANGE, 1e6: style.VERMILION}  # particles a rank
 RANKS = [1 << k for k in range(15)]
 
-CAPTIONS = {
-    "measured": ("Measured", "Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest."),
-    "stages": ("Where the time goes", "Of the first rank, waiting included, and with it the start and what is evaluated for output."),
-    "prediction": ("Predicted", "Model with the costs below. Full lines: messages through shared memory, as measured here. Dashed, "
-                   f"above {model.HDR.ranks_a_node} ranks: {model.HDR.name}, an assumption."),
-}
-
 
 def page(rows: list[dict], exchanges: list[dict]) -> str:
     first, costs = rows[0], model.costs_of(rows, exchanges)
     facts = [escape(first["processor"]), f"{first['cores_here']} cores where it was started", f"version {escape(first['version'])}",
              f"load average {first['load_average']:.1f} at the start"]
-    drawn = style.draw_all({"measured": measured(rows), "stages": stages(rows),
-                            "prediction": prediction(costs) if costs else None})
     return pages.document("scaling", [
         pages.head("Scaling", facts, f"Program C, inputs/hydrostatic_13.nml at other sizes, {first['steps']} steps, {first['repeats']} rounds. "
                                      "What it means: docs/scaling.md."),
         pages.section("All numbers", numbers(rows),
                       *(pages.paragraph(f"Amdahl's parallel fraction over {fit.over}: {escape(fit.text)}.") for fit in analysis.amdahl(rows))),
-        *(pages.section(CAPTIONS[name][0], pages.figure(png, CAPTIONS[name][1])) for name, png in drawn.items()),
+        pages.section("Measured", pages.figure(
+            measured(rows), caption="Rate a core, of that with the fewest cores. Bars: median of the rounds; lines: least and largest.")),
+        pages.section("Where the time goes", pages.figure(
+            stages(rows), caption="Of the first rank, waiting included, and with it the start and what is evaluated for output.")),
+        pages.section("Predicted", pages.figure(
+            prediction(costs) if costs else None,
+            caption="Model with the costs below. Full lines: messages through shared memory, as measured here. Dashed, "
+                    f"above {model.HDR.ranks_a_node} ranks: {model.HDR.name}, an assumption.")),
         cost_table(costs) if costs else "", exchange_table(exchanges)])
 
 
