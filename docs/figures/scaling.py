@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "programs/python"))
-from tetsuame.scaling import analysis, figures, model  # noqa: E402  (the path is set first)
+from tetsuame.scaling import analysis, model, page  # noqa: E402  (the path is set first)
 
 HERE = Path(__file__).resolve().parent
 STUDY, PAGE, SPEED = HERE / "scaling.json", ROOT / "docs/scaling.md", ROOT / "docs/performance.md"
@@ -123,7 +123,7 @@ def main() -> None:
         sys.exit("scaling.py: the study needs 1 × 1 and several ranks with one thread")
     with tempfile.TemporaryDirectory() as scratch:
         beside = {n: balance_points(given.balance, n, costs, Path(scratch)) for n in MODELLED}
-    for name, figure in (("scaling_measured", figures.measured(rows)), ("scaling_prediction", figures.prediction(costs, beside=beside))):
+    for name, figure in (("scaling_measured", page.measured(rows)), ("scaling_prediction", page.prediction(costs, beside=beside))):
         figure.savefig(HERE / f"{name}.png", dpi=110)
     text = PAGE.read_text(encoding="utf-8")
     for name, content in (("measured", measured_table(rows)), ("costs", costs_table(costs)), ("predicted", predicted_table(rows, costs))):

@@ -27,7 +27,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "programs/python"))
 from tetsuame import style  # noqa: E402  (the path is set first)
-from tetsuame.compare.results import residuals  # noqa: E402
+from tetsuame.compare.outcomes import residuals  # noqa: E402
 
 plt = style.plt
 K_T = 100.0e9          # Pa, bulk modulus of the input at the top

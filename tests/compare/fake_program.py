@@ -118,9 +118,11 @@ def write_snapshot(path: Path, letter: str, column: bool, errors: dict) -> None:
     wx, wy = (a.ravel() for a in np.meshgrid(axis if not column else outside, outside))
     wall = (wy < 0) | (wy > ROWS * SPACING) | (wx < 0) | (wx > ROWS * SPACING)
     with h5py.File(path, "w") as file:
+        file.create_group("Header").attrs.update(Time=1.0, Step=1000, Dimension=2, BoxLengths=[ROWS * SPACING] * 3, Periodic=[0, 0, 0])
         fluid = file.create_group("PartType0")
         for name, values in (("Coordinates", rest + moved), ("Pressure", reference * (1 - relative)),
-                             ("PressureReference", reference), ("Displacement", moved)):
+                             ("PressureReference", reference), ("Displacement", moved),
+                             ("ParticleIDs", np.arange(len(y)))):
             fluid[name] = values
         file["PartType1/Coordinates"] = np.column_stack([wx, wy, np.zeros_like(wx)])[wall]
 

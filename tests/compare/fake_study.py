@@ -28,7 +28,7 @@ def main() -> int:
             file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
     with h5py.File(folder / "snapshot_0001.h5", "w") as file:
         lengths = [float(groups["domain"].get(f"length_{axis}", 1.0)) for axis in "xyz"] if "domain" in groups else [1.0] * 3
-        file.create_group("Header").attrs.update(Time=500.0, Step=53, Dimension=2, BoxLengths=lengths, Periodic=[0, 0, 0])
+        file.create_group("Header").attrs.update(Time=500.0, Step=53, Dimension=groups.get("domain", {}).get("dimension", 2), BoxLengths=lengths, Periodic=[0, 0, 0])
         count = len(next(iter(fields.values())))
         own = {"ParticleIDs": np.arange(count), "Volume": np.full(count, lengths[0] * lengths[1] / count)}
         for name, values in (own | fields).items():

@@ -9,11 +9,9 @@ from tetsuame import __main__ as command_line
 def call(*arguments):
     """What subprocess.run of `python3 -m tetsuame` with these arguments would return."""
     said, complained = io.StringIO(), io.StringIO()
-    modules = dict(command_line.MODULES)
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
         try:
             status = command_line.main([str(word) for word in arguments])
         except SystemExit as end:
             status = end.code
-    command_line.MODULES.update(modules)  # a folder to compare changes them
     return subprocess.CompletedProcess(arguments, status, said.getvalue(), complained.getvalue())

@@ -63,14 +63,14 @@ class Reading(unittest.TestCase):
 
     def test_columns_lose_their_units_and_a_line_cut_short(self):
         self.file.write_text("step [1],time [s]\n0,0.5\n1,1.5\n2")
-        columns = reading.read_columns(self.file)
+        columns = reading.Columns(self.file)
         self.assertEqual({name: list(values) for name, values in columns.items()}, {"step": [0.0, 1.0], "time": [0.5, 1.5]})
 
     def test_columns_of_a_file_without_a_whole_line(self):
         for text in ("", "step [1],time [s]\n", "step [1],time [s]\n1"):
             with self.subTest(text):
                 self.file.write_text(text)
-                self.assertEqual(reading.read_columns(self.file), {})
+                self.assertEqual(reading.Columns(self.file), {})
 
     def test_keys_of_a_resolved_input(self):
         self.file.write_text("! rti, every key as run\n&domain\n  length_x = 1.5d6  ! m\n/\n&walls\n  thermal = 'fixed'  ! not 'adiabatic'\n"
@@ -102,7 +102,7 @@ class Pages(unittest.TestCase):
 
     def test_a_picture_is_as_wide_as_it_was_drawn(self):
         for inches, share in ((style.WIDTH, "100.0%"), (style.WIDTH / 2, "50.0%")):
-            made = pages.figure(style.png(style.plt.figure(figsize=(inches, 1))), "<code>x</code> & y")
+            made = pages.figure(style.plt.figure(figsize=(inches, 1)), caption="<code>x</code> & y")
             self.assertIn(f"--share: {share}", made)
             self.assertIn('alt="x &amp; y"', made)
 

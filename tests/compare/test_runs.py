@@ -259,7 +259,7 @@ class Pictures(Case):
             for name, values in (("Coordinates", np.pad(x, [(0, 0), (0, 2)])), ("Velocities", np.zeros((59, 3))), ("ParticleIDs", np.arange(59)),
                                  ("Volume", np.r_[np.full(50, 1.0), np.full(9, 5.0)]), ("Density", np.r_[np.full(50, 5.0), np.full(9, 1.0)])):
                 file[f"PartType0/{name}"] = values
-        last = runs.load(run).snapshot()
+        last = runs.Run(run).snapshot()
         line = plots.profiles([("", last)], ["Density"]).axes[0].lines[0]
         self.assertTrue(np.isfinite(line.get_ydata()).all())
         self.assertGreater(line.get_xdata().max(), 90)

@@ -13,46 +13,49 @@ from pathlib import Path
 import numpy as np
 
 import inside
-from tetsuame.compare import convection, fit, references, rti, shock, study
+from tetsuame.compare import convection, orders, references, rti, shock, study
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 
 
-class Fits(unittest.TestCase):
+class Orders(unittest.TestCase):
+    def order(self, n, errors, uncertainties=None):
+        return orders.order(n, errors, uncertainties or [0.0] * len(n))
+
     def test_order_of_a_power(self):
         n = [16, 24, 32, 48]
-        found = fit.order(n, [3.0 * k**-2.5 for k in n])
+        found = self.order(n, [3.0 * k**-2.5 for k in n])
         self.assertAlmostEqual(found.value, 2.5, places=12)
         self.assertAlmostEqual(found.error, 0.0, places=10)
         self.assertAlmostEqual(math.exp(found.intercept), 3.0, places=10)
         # Signs do not matter: |error| is fitted.
-        self.assertAlmostEqual(fit.order(n, [-3.0 * k**-2.5 for k in n]).value, 2.5, places=12)
+        self.assertAlmostEqual(self.order(n, [-3.0 * k**-2.5 for k in n]).value, 2.5, places=12)
 
     def test_errors_within_their_uncertainty_are_left_out(self):
         n, errors = [10, 20, 40, 80], [1e-2, 1e-3, 1e-4, 5e-6]
-        self.assertEqual(fit.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).points, 3)
-        self.assertAlmostEqual(fit.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).value, math.log2(10))
-        self.assertEqual(fit.order(n, [1e-2, None, 1e-4, 1e-5]).points, 3)
+        self.assertEqual(self.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).points, 3)
+        self.assertAlmostEqual(self.order(n, errors, [0.0, 0.0, 0.0, 1e-5]).value, math.log2(10))
+        self.assertEqual(self.order(n, [1e-2, None, 1e-4, 1e-5]).points, 3)
 
     def test_two_points_have_no_order(self):
-        self.assertIsNone(fit.order([10, 20], [1e-2, 1e-3]))
-        self.assertIsNone(fit.order([10, 20, 40], [1e-2, 1e-3, 1e-4], [0.0, 0.0, 1e-3]))
-        self.assertIsNone(fit.order([10, 20, 20], [1e-2, 1e-3, 1e-3]))  # of one number of particles twice
+        self.assertIsNone(self.order([10, 20], [1e-2, 1e-3]))
+        self.assertIsNone(self.order([10, 20, 40], [1e-2, 1e-3, 1e-4], [0.0, 0.0, 1e-3]))
+        self.assertIsNone(self.order([10, 20, 20], [1e-2, 1e-3, 1e-3]))  # of one number of particles twice
         runs = [{"case": "a", "variant": "", "n": n, "error": 1.0 / n} for n in (10, 20)]
-        found, = fit.orders(runs, lambda one: {"error": (one["error"], 0.0)})
-        self.assertEqual((found["order"], found["points"], fit.of_entry(found)), (None, 2, "–"))
-        self.assertIn("at least 3", fit.note({"orders": [found]}))
-        self.assertEqual(fit.note({"orders": [found | {"order": 1.0}]}), "")
+        found, = orders.entries(runs, lambda one: {"error": (one["error"], 0.0)})
+        self.assertEqual((found["order"], found["points"], orders.said(found)), (None, 2, "–"))
+        self.assertIn("at least 3", orders.note({"orders": [found]}))
+        self.assertEqual(orders.note({"orders": [found | {"order": 1.0}]}), "")
 
-    def test_standard_error_of_a_line(self):
+    def test_standard_error(self):
         # By hand: y = 0, 1, 1 over x = 0, 1, 2; slope 1/2, residuals -1/6, 1/3, -1/6, error (1/6/2)^1/2.
-        found = fit.line([0, 1, 2], [0, 1, 1])
-        self.assertAlmostEqual(found.value, 0.5)
-        self.assertAlmostEqual(found.error, math.sqrt(1 / 12))
-        self.assertEqual(fit.said(found), "0.50 ± 0.29")
-        self.assertEqual(fit.said(None), "–")
+        runs = [{"case": "a", "variant": "", "n": math.exp(x), "error": math.exp(-y)} for x, y in ((0, 0), (1, 1), (2, 1))]
+        found, = orders.entries(runs, lambda one: {"error": (one["error"], 0.0)})
+        self.assertAlmostEqual(found["order"], 0.5)
+        self.assertAlmostEqual(found["standard_error"], math.sqrt(1 / 12))
+        self.assertEqual(orders.said(found), "0.50 ± 0.29")
 
 
 class Parts(unittest.TestCase):
@@ -97,8 +100,8 @@ class Parts(unittest.TestCase):
         self.assertEqual(errors["pressure_l1"], 0.0)
 
     def test_names_of_schemes_stand_apart(self):
-        one = {"case": "sod", "n": 20, "outcome": "completed", "metrics": {}, "errors": {"density_l1": 0.1}}
-        head, line = shock.terminal([], {"runs": [one | {"variant": scheme} for scheme in shock.SCHEMES]})
+        one = {"case": "sod", "n": 20, "outcome": "completed", "metrics": {}, "errors": {"density_l1": 0.1}, "sizes": {}}
+        head, line = shock.terminal([], {"runs": [one | {"variant": scheme} for scheme in shock.SCHEME]})
         self.assertEqual(re.split(r" {2,}", head)[-5:], ["SSPH", "DISPH", "GSPH", "Godunov DISPH", "REMIX"])
         self.assertEqual(len(head), len(line))
 
@@ -158,16 +161,16 @@ class Pages(unittest.TestCase):
         nusselt = runs["blankenbach_1a", 24]["values"]["nusselt_volume"]
         # The pretended error is 1/n², exactly.
         self.assertAlmostEqual(nusselt["error"], 24**-2, places=9)
-        orders = {(one["case"], one["quantity"]): one for one in found["orders"]}
-        self.assertAlmostEqual(orders["blankenbach_1a", "nusselt_volume"]["order"], 2.0, places=6)
-        self.assertEqual((orders["air_1e4", "nusselt_volume"]["points"], orders["air_1e4", "nusselt_volume"]["order"]), (2, None))
+        fits = {(one["case"], one["quantity"]): one for one in found["orders"]}
+        self.assertAlmostEqual(fits["blankenbach_1a", "nusselt_volume"]["order"], 2.0, places=6)
+        self.assertEqual((fits["air_1e4", "nusselt_volume"]["points"], fits["air_1e4", "nusselt_volume"]["order"]), (2, None))
         broken = runs["air_1e4", 16]
         self.assertEqual((broken["outcome"], broken["values"]), ("diverged", {}))
         self.assertIn("blown up", broken["reason"])
         page = self.check_page(5)
         self.assertIn("blown up", page)
         self.assertIn('<td class="number e4">+0.17 %</td>', page)
-        self.assertIn(fit.WHY_NONE, page)
+        self.assertIn(orders.WHY_NONE, page)
         self.assertIn("Nothing has changed", self.compare("convection", "--inputs", "blankenbach_1a,air_1e4", "--particles", "16", "24", "32",
                                                           fail="air_1e4:16").stdout)
 
@@ -191,7 +194,7 @@ class Pages(unittest.TestCase):
         self.assertIn("80 particles", runs["blasts", "gsph", 40]["errors_against"])
         self.assertAlmostEqual(runs["blasts", "gsph", 40]["errors"]["density_l1"], 0.5, places=6)
         self.assertAlmostEqual(runs["blasts", "gsph", 40]["sizes"]["density_l1"], 2.0, delta=0.02)  # of the reference run, not its own 2.5
-        self.assertAlmostEqual(shock.relative(runs["sod", "gsph", 40], "density_l1"), 0.025 / 2, delta=2e-4)
+        self.assertAlmostEqual(shock.measure(runs["sod", "gsph", 40], "density_l1")[1], 0.025 / 2, delta=2e-4)
         self.check_page(5)  # convergence, three tests, cost
         self.assertRegex(done.stdout, r"sod +40 .*diverged")
 

@@ -13,7 +13,7 @@ from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, LIMIT_S, MPIEXEC, 
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "programs/python"
 sys.path.insert(0, str(SOURCES))
-from tetsuame.scaling import analysis, model, plan  # noqa: E402  (the path is set first)
+from tetsuame.scaling import analysis, model, runner  # noqa: E402  (the path is set first)
 
 LAUNCHER = f"{MPIEXEC} --bind-to none -n {{ranks}}"
 SIDE, STEPS = 24, 3
@@ -168,13 +168,13 @@ class Numbers(unittest.TestCase):
                 self.assertAlmostEqual(value, 0.9996, places=12)
 
     def test_weak_boxes_are_of_squares(self):
-        for run in plan.runs([1, 2, 6], [1, 2], 50, None):
+        for run in runner.planned([1, 2, 6], [1, 2], 50, None):
             if "weak" in run.kinds:
                 self.assertEqual(run.particles, 2500 * run.cores)
                 self.assertEqual([n % 50 for n in run.counts], [0, 0])
 
     def test_plan_keeps_to_the_cores(self):
-        self.assertEqual({(r.ranks, r.threads) for r in plan.runs([1, 2, 4], [1, 2], 50, 4)},
+        self.assertEqual({(r.ranks, r.threads) for r in runner.planned([1, 2, 4], [1, 2], 50, 4)},
                          {(1, 1), (1, 2), (2, 1), (2, 2), (4, 1)})
 
     def test_halo_is_the_shell_counted_on_a_lattice(self):

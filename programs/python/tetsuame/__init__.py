@@ -21,4 +21,4 @@ def load(directory):
     """The run in this directory, with its history and snapshots as numpy arrays (tetsuame.runs)."""
     from . import runs
 
-    return runs.load(directory)
+    return runs.Run(directory)

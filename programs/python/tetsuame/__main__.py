@@ -4,12 +4,13 @@ import importlib
 import sys
 from pathlib import Path
 
-from . import BAD_INPUT, COMPLETED
+from . import BAD_INPUT, COMPLETED, FILE_FAILED
 from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
 MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
            "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep"}
+CALLED = {"scaling": "bench --scaling"}  # as people start it
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too")}
@@ -31,38 +32,37 @@ def main(arguments: list[str]) -> int:
                "  scaling   measure program C over ranks and threads; write report.html")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
     command = parser.parse_args(arguments[:1]).command
+    try:
+        return run(command, arguments[1:])
+    except Unreadable as problem:
+        status, said = problem.status, problem
+    except ModuleNotFoundError as problem:
+        status, said = BAD_INPUT, f"needs the Python package {problem.name}, which is not here"
+    except OSError as problem:
+        status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
+    print(f"{CALLED.get(command, f'tetsuame {command}')}: {said}", file=sys.stderr)
+    return status
+
+
+def run(command: str, arguments: list[str]) -> int:
+    """Imports only the module asked for: matplotlib takes a second."""
     if command not in MODULES:
         print(f"tetsuame: no command '{command}' (there are {', '.join(MODULES)})", file=sys.stderr)
         return BAD_INPUT
-    def module():
-        """Only the one asked for: matplotlib takes a second."""
-        return importlib.import_module(MODULES[command], __package__)
-
-    if command == "compare" and is_folder(arguments[1:2]):
-        MODULES["compare"] = ".across"
     if command not in OF_A_FOLDER:
-        return told(command, lambda: module().main(arguments[1:]))
+        of_folders = command == "compare" and is_folder(arguments[:1])
+        return importlib.import_module(".across" if of_folders else MODULES[command], __package__).main(arguments)
     about, what = OF_A_FOLDER[command]
     parser = argparse.ArgumentParser(prog=f"tetsuame {command}", description=about)
     parser.add_argument("folder", type=Path, help=what)
-    folder = parser.parse_args(arguments[1:]).folder
-    return told(command, lambda: print(module().make(folder)) or COMPLETED)
+    folder = parser.parse_args(arguments).folder
+    print(importlib.import_module(MODULES[command], __package__).make(folder))
+    return COMPLETED
 
 
 def is_folder(first: list[str]) -> bool:
     """What `compare` begins with: a run's folder, or a study's name, which a folder may have too."""
     return bool(first) and ("/" in first[0] or first[0].startswith(".") or Path(first[0], "resolved.nml").exists())
-
-
-def told(command: str, work) -> int:
-    """The status of the work; what cannot be shown is said in a sentence."""
-    try:
-        return work()
-    except Unreadable as problem:
-        print(f"tetsuame {command}: {problem}", file=sys.stderr)
-    except ModuleNotFoundError as problem:
-        print(f"tetsuame {command}: needs the Python package {problem.name}, which is not here", file=sys.stderr)
-    return BAD_INPUT
 
 
 def entry() -> int:

@@ -21,22 +21,24 @@ def titles(of: list[runs.Run]) -> list[str]:
     return ["/".join(part[common:]) for part in parts]
 
 
-def inputs_that_differ(of: list[tuple[str, runs.Run]]) -> str:
-    """A table of the keys of resolved.nml that are not the same in all."""
-    keys = [read_keys(run.directory / "resolved.nml") for _, run in of]
-    names = dict.fromkeys(name for each in keys for name in each)
-    rows = [[name, *(each.get(name, "–") for each in keys)] for name in names if len({each.get(name) for each in keys}) > 1]
+def that_differ(each: list[dict], form: str) -> list[list[str]]:
+    """A row for each name whose values are not the same in all."""
+    names = dict.fromkeys(name for found in each for name in found)
+    return [[name, *(format(found[name], form) if name in found else "–" for found in each)]
+            for name in names if len({found.get(name) for found in each}) > 1]
+
+
+def inputs(of: list[tuple[str, runs.Run]]) -> str:
+    """Keys of resolved.nml."""
+    rows = that_differ([read_keys(run.directory / "resolved.nml") for _, run in of], "")
     return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else pages.paragraph("None: the inputs are the same.")
 
 
 def metrics(of: list[tuple[str, runs.Run]]) -> str:
     """Status and numbers of summary.json."""
-    each = [run.metrics() for _, run in of]
-    names = dict.fromkeys(name for found in each for name in found)
     rows = [["status", *((run.summary or {}).get("status", "not at its end") for _, run in of)],
             ["steps", *(str((run.summary or {}).get("steps", "–")) for _, run in of)]]
-    rows += [[name.replace("_", " "), *(f"{found[name]:.6g}" if name in found else "–" for found in each)]
-             for name in names if len({found.get(name) for found in each}) > 1]
+    rows += [[name.replace("_", " "), *values] for name, *values in that_differ([run.metrics() for _, run in of], ".6g")]
     return pages.text_table(["measure", *(title for title, _ in of)], rows, words=1)
 
 
@@ -47,7 +49,7 @@ def differences(of: list[tuple[str, runs.Run]], time: float) -> str:
     for title, run in of[1:]:
         a, b = first.snapshot(time), run.snapshot(time)
         for name in a.names:
-            if name in ("ParticleIDs",) or name not in b:
+            if name == "ParticleIDs" or name not in b:
                 continue
             here, there = runs.by_id(a, b, name)
             if not len(here):
@@ -81,18 +83,17 @@ def page(of: list[tuple[str, runs.Run]], time: float | None, wanted: list[str] |
         time = min(run.snapshot().time for _, run in of)
     common = [name for name in of[0][1].snapshot(time).names if all(name in run.snapshot(time) for _, run in of)]
     names = fields.shown(of[0][1].snapshot(time), wanted or [name for name in fields.shown(of[0][1].snapshot(time)) if name in [*common, "Speed"]])
-    parts = [pages.head("Runs side by side", [escape(title) for title, _ in of], ""),
-             pages.section("Inputs that differ", inputs_that_differ(of)), pages.section("Measures that differ", metrics(of))]
-    history = plots.histories(of)
-    if history:
-        parts.append(pages.section("Histories", pages.figure(style.png(history), "Columns of history.csv that vary.")))
-    shown = of[:SHOWN] if dimensions != {1} else []
-    figures = [] if not shown else [pages.figure(style.png(maps(shown, name, time)), escape(f"{fields.look(name).label}, with the same colours")) for name in names]
-    parts.append(pages.section("Fields", "" if len(shown) in (0, len(of)) else pages.paragraph(f"Of the first {SHOWN} runs."), *figures))
-    parts.append(pages.section("Profiles", pages.figure(style.png(plots.profiles([(title, run.snapshot(time)) for title, run in of], names)),
-                                                        "Means over layers.")))
-    parts.append(pages.section(f"Differences from {of[0][0]}, particle by particle", differences(of, time)))
-    return pages.document("runs side by side", parts)
+    mapped = [] if dimensions == {1} else names
+    return pages.document("runs side by side", [
+        pages.head("Runs side by side", [escape(title) for title, _ in of], ""),
+        pages.section("Inputs that differ", inputs(of)), pages.section("Measures that differ", metrics(of)),
+        pages.section("Histories", pages.figure(plots.histories(of), caption="Columns of history.csv that vary.")),
+        pages.section("Fields", pages.paragraph(f"Of the first {SHOWN} runs.") if mapped and len(of) > SHOWN else "",
+                      *(pages.figure(maps(of[:SHOWN], name, time), caption=escape(f"{fields.look(name).label}, with the same colours"))
+                        for name in mapped)),
+        pages.section("Profiles", pages.figure(plots.profiles([(title, run.snapshot(time)) for title, run in of], names),
+                                               caption="Means over layers.")),
+        pages.section(f"Differences from {of[0][0]}, particle by particle", differences(of, time))])
 
 
 def main(arguments: list[str]) -> int:
@@ -105,7 +106,7 @@ def main(arguments: list[str]) -> int:
     o = parser.parse_args(arguments)
     if len(o.directories) < 2:
         raise Unreadable("one run has nothing to be compared with: give two directories or more")
-    of = [runs.load(directory) for directory in o.directories]
+    of = [runs.Run(directory) for directory in o.directories]
     text = page(list(zip(titles(of), of)), o.time, o.fields)
     o.output.mkdir(parents=True, exist_ok=True)
     print(pages.write(o.output, text))

@@ -8,10 +8,17 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from . import pages, style
-from .reading import Unreadable, read_columns, read_json
+from .reading import Unreadable, Columns, read_json
 
 # Of each course its name and colour, by what its columns begin with.
 COURSES = {"": ("balancer", style.BLUE), "rcb_": ("Zoltan RCB", style.ORANGE), "hsfc_": ("Zoltan HSFC", style.PINK)}
+
+# Of what each balancer made of the first cuts, by head: the metric without the balancer, and its form.
+MEASURES = {"spread at first": ("spread_initial", ".1%"), "spread at the end": ("spread_final", ".1%"),
+            "mean/slowest at first": ("efficiency_initial", ".3f"), "mean/slowest at the end": ("efficiency_predicted", ".3f"),
+            "updates": ("updates", "g"), "until 5 %": ("updates_to_5_percent", "g"),
+            "moved an update": ("migrated_fraction_per_update", ".1%"), "run time (s)": ("run_time_balanced", ".4g"),
+            "saved": ("run_time_reduction", ".1%")}
 
 
 @dataclass
@@ -25,7 +32,7 @@ class Run:
 def read(folder: Path) -> Run:
     try:
         summary = read_json(folder / "summary.json", "balance")
-        history, times, cuts = (read_columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
+        history, times, cuts = (Columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
         total = times["computing"] + times["communication"]
         decisions = np.unique(times["decision"]).astype(int)
         by_axis = {}
@@ -64,8 +71,7 @@ def cuts(run: Run):
         drawn.set_clim(0, 2)
         ax.add_collection(drawn)
         style.as_map(ax, *((corners[..., a].min(), corners[..., a].max()) for a in (0, 1)))
-        ax.set_xticks([])
-        ax.set_yticks([])
+        ax.set(xticks=[], yticks=[])
         spread = 100 * run.history["spread"][decision]
         ax.set_title(f"decision {decision}: spread {spread:.1f} %", fontsize=9)
     style.colour_bar(figure, drawn, axes, "time of a rank / mean", shrink=0.7, extend="max")
@@ -81,38 +87,25 @@ def course(run: Run):
         right.plot(step, 100 * np.cumsum(run.history[f"{prefix}migrated_fraction"]), color=colour, label=label)
     if max(run.history["spread"]) > 0:
         left.set_yscale("log")
-    left.set_ylabel("(max - min)/mean of time (%)")
-    right.set_ylabel("particles moved so far (% of all)")
-    for ax in (left, right):
-        ax.set_xlabel("step")
+    left.set(xlabel="step", ylabel="(max - min)/mean of time (%)")
+    right.set(xlabel="step", ylabel="particles moved so far (% of all)")
     left.legend(fontsize=8)
     return figure
 
 
-def percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.1f} %"
+def percent(value: float) -> str:
+    return f"{100 * value:.1f} %"
 
 
 def results(run: Run) -> str:
     """What each balancer made of the first cuts."""
     found = run.summary.get("metrics") or {}
 
-    def of(prefix: str, name: str):
-        return found.get(f"{prefix}{name}")
+    def cell(name: str, form: str) -> str:
+        return pages.number("–" if found.get(name) is None else format(found[name], form).replace("%", " %"))
 
-    def plain(prefix: str, name: str, form: str = "{:g}") -> str:
-        return pages.number("–" if of(prefix, name) is None else form.format(of(prefix, name)))
-
-    columns = {"": lambda p: pages.name(*COURSES[p]),
-               "spread at first": lambda p: pages.number(percent(of(p, "spread_initial"))),
-               "spread at the end": lambda p: pages.number(percent(of(p, "spread_final"))),
-               "mean/slowest at first": lambda p: plain(p, "efficiency_initial", "{:.3f}"),
-               "mean/slowest at the end": lambda p: plain(p, "efficiency_predicted", "{:.3f}"),
-               "updates": lambda p: plain(p, "updates"), "until 5 %": lambda p: plain(p, "updates_to_5_percent"),
-               "moved an update": lambda p: pages.number(percent(of(p, "migrated_fraction_per_update"))),
-               "run time (s)": lambda p: plain(p, "run_time_balanced", "{:.4g}"),
-               "saved": lambda p: pages.number(percent(of(p, "run_time_reduction")))}
-    return pages.columns(list(courses(run)), columns, "wide") + pages.small(
+    rows = [[pages.name(*about), *(cell(prefix + name, form) for name, form in MEASURES.values())] for prefix, about in courses(run).items()]
+    return pages.table(["", *MEASURES], rows, "wide") + pages.small(
         "Spread: (max − min)/mean of the ranks' times. Until 5 %: decisions until the spread was as small; –: it never was. "
         "Saved: of the run time with the first cuts kept.")
 
@@ -126,24 +119,22 @@ def decisions(run: Run) -> str:
     return pages.text_columns(list(range(len(h["step"]))), columns, 0, "wide")
 
 
-def page(run: Run, pictures: dict[str, bytes]) -> str:
+def page(run: Run, folder: Path) -> str:
     s = run.summary
     counts = " × ".join(str(n) for n in s["counts"])
     particles = s.get("fluid_particles", 0) + s.get("wall_particles", 0)
-    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles", f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
+    facts = [f"version {escape(str(s['version']))}" if s.get("version") else "", f"{particles:,} particles",
+             f"{int(np.prod(s['counts']))} virtual ranks, {counts}", f"{s.get('steps', 0):,} steps"]
     return pages.document("load balance", [
         pages.head("Load balance on virtual ranks", facts, "The balancer of the programs, which sees the ranks' times, on times of a cost "
                    "model. What it means: docs/load_balancer.md."),
         pages.section("At a glance", results(run)),
-        pages.section("Cuts", pages.figure(pictures["cuts"], "Cells of the ranks after decisions, coloured by their time over the mean.")),
-        pages.section("Course", pages.figure(pictures["course"], "Left: spread of the ranks' times. Right: particles that have changed their rank.")),
+        pages.section("Cuts", pages.figure(cuts(run), folder / "cuts.png", "Cells of the ranks after decisions, coloured by their time over the mean.")),
+        pages.section("Course", pages.figure(course(run), folder / "course.png",
+                                             "Left: spread of the ranks' times. Right: particles that have changed their rank.")),
         pages.section("Decisions of the balancer", pages.folded("All decisions", decisions(run)))])
 
 
 def make(folder: Path) -> str:
     """Draws, and writes the page; what is said of it."""
-    run = read(folder)
-    pictures = style.draw_all({"cuts": cuts(run), "course": course(run)})
-    for name, picture in pictures.items():
-        (folder / f"{name}.png").write_bytes(picture)
-    return pages.write(folder, page(run, pictures))
+    return pages.write(folder, page(read(folder), folder))

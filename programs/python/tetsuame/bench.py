@@ -24,44 +24,29 @@ def read(path: Path) -> list[dict]:
     measured = read_json(path, "bench")
     if not isinstance(measured, list) or not measured or not all(isinstance(r, dict) and "name" in r for r in measured):
         raise Unreadable(f"{path}: holds no measurements; run bench again")
-    return [r | {"name": f"{r['name']} single"} if r.get("precision") == "single" else r for r in measured]
+    return [r | look(r) for r in measured]
 
 
-def case(name: str) -> tuple[str, bool]:
-    """The case without its precision, and whether that is single."""
-    plain = name.removesuffix(" single")
-    return plain, plain != name
-
-
-def title(name: str) -> str:
-    plain, single = case(name)
-    return CASES.get(plain, (plain, style.INK))[0] + (", single precision" if single else "")
-
-
-def colour(name: str) -> str:
-    return CASES.get(case(name)[0], ("", style.INK))[1]
-
-
-def line(name: str) -> dict:
-    """Keyword arguments of plot()."""
-    plain, single = case(name)
-    gas = plain in style.SCHEME
-    return {"color": colour(name), "linestyle": ":" if single else (0, (4, 2)) if gas else "-", "marker": "s" if gas else "o",
-            "markersize": 4}
+def look(result: dict) -> dict:
+    """What a result is called, and the keyword arguments of plot() for it."""
+    title, colour = CASES.get(result["name"], (result["name"], style.INK))
+    single, gas = result.get("precision") == "single", result["name"] in style.SCHEME
+    return {"title": title + (", single precision" if single else ""),
+            "line": {"color": colour, "linestyle": ":" if single else (0, (4, 2)) if gas else "-", "marker": "s" if gas else "o", "markersize": 4}}
 
 
 def label(result: dict) -> str:
-    return f"{title(result['name'])}, {result['dimension']}-D"
+    return f"{result['title']}, {result['dimension']}-D"
 
 
 def kinds(measured: list[dict]) -> list[tuple[str, int]]:
-    """Name and dimension of every case, in the order measured."""
-    return list(dict.fromkeys((r["name"], r["dimension"]) for r in measured))
+    """Title and dimension of every case, in the order measured."""
+    return list(dict.fromkeys((r["title"], r["dimension"]) for r in measured))
 
 
 def choose(measured: list[dict], kind: tuple[str, int], threads: int | None = None) -> list[dict]:
     """The results of a case by number of particles; all numbers of threads unless one is given."""
-    found = [r for r in measured if (r["name"], r["dimension"]) == kind and threads in (None, r["threads"])]
+    found = [r for r in measured if (r["title"], r["dimension"]) == kind and threads in (None, r["threads"])]
     return sorted(found, key=lambda r: (r["particles"], r["threads"]))
 
 
@@ -79,18 +64,14 @@ def over_particles(measured: list[dict], value, text: str):
     """One line a case over the number of particles, 2-D left and 3-D right, one thread."""
     few = fewest_threads(measured)
     dimensions = sorted({r["dimension"] for r in measured})
-    figure, axes = style.panels(len(dimensions), 2, 3.2)
+    figure, axes = style.panels(len(dimensions), 2, 3.2, text)
     for ax, dimension in zip(axes, dimensions):
         for kind in kinds(measured):
-            if kind[1] != dimension:
-                continue
-            found = choose(measured, kind, few)
-            ax.plot([r["particles"] for r in found], [value(r) for r in found], **line(kind[0]), label=title(kind[0]))
+            if kind[1] == dimension and (found := choose(measured, kind, few)):
+                ax.plot([r["particles"] for r in found], [value(r) for r in found], **found[0]["line"], label=kind[0])
         ax.set_xscale("log")
         ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
-        ax.set_xlabel("particles")
-        ax.set_title(f"{dimension}-D, {count(few)}")
-    axes[0].set_ylabel(text)
+        ax.set(xlabel="particles", title=f"{dimension}-D, {count(few)}")
     style.legend_above(figure, axes)
     return figure
 
@@ -111,13 +92,14 @@ def stages(measured: list[dict]):
 
 
 def beside_others(measured: list[dict]):
-    ours = typical(measured, ("program_c", 2), fewest_threads(measured))
+    title, colour = CASES["program_c"]
+    ours = typical(measured, (title, 2), fewest_threads(measured))
     if ours is None:
         return None
     names = [name for name, *_ in RATES] + [f"Tetsuame, program C, {ours['particles']:,}"]
     values = [0.5 * (low + high) for *_, low, high in RATES] + [1e-6 * ours["updates_per_second_per_core"]]
     figure, ax = style.across(names)
-    ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [colour("program_c")])
+    ax.barh(range(len(names)), values, height=0.68, color=[style.GREY] * len(RATES) + [colour])
     style.say_at_ends(ax, values, [f"{value:.3g}" for value in values])
     ax.set_xlabel("million particle updates a second and core, 2-D")
     return figure
@@ -128,8 +110,8 @@ def scalar(measured: list[dict]):
     if not compared:
         return None
     compared.sort(key=lambda r: (r["dimension"], r["particles"], r["threads"]))
-    figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}{', single' * case(r['name'])[1]}" for r in compared], 0.3)
-    ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=colour("program_c"))
+    figure, ax = style.across([f"{r['dimension']}-D, {r['particles']:,}, {count(r['threads'])}{', single' * (r.get('precision') == 'single')}" for r in compared], 0.3)
+    ax.barh(range(len(compared)), [r["speedup_over_scalar"] for r in compared], height=0.68, color=CASES["program_c"][1])
     ax.axvline(1.0, color=style.INK, linewidth=0.8)
     ax.set_xlabel("program C's two sums: time of the scalar loop / time of the pair engine")
     return figure
@@ -148,28 +130,12 @@ def threads(measured: list[dict]):
             continue
         ax.plot([r["threads"] for r in found],
                 [r["updates_per_second"] / one[largest]["updates_per_second"] for r in found],
-                **line(kind[0]) | {"markerfacecolor": colour(kind[0]) if kind[1] == 2 else "white"},
+                **found[0]["line"] | ({} if kind[1] == 2 else {"markerfacecolor": "white"}),
                 label=f"{label(found[0])}, {largest:,}")
     ax.plot([few, many], [1, many / few], color=style.GREY, linewidth=0.8, label="ideal")
-    ax.set_xticks(sorted({r["threads"] for r in measured}))
-    ax.set_xlabel("threads")
-    ax.set_ylabel(f"speed-up over {count(few)}")
+    ax.set(xticks=sorted({r["threads"] for r in measured}), xlabel="threads", ylabel=f"speed-up over {count(few)}")
     style.legend_beside(ax)
     return figure
-
-
-CAPTIONS = {
-    "others": ("Beside other codes", "Program C with wall correction, lists and integration included, beside the rates "
-               "in the table below. They are not measured in this run."),
-    "rate": ("Rate over size", "A flat line: time per particle does not grow when the arrays no longer fit into caches."),
-    "pair": ("Time per pair", "All of a step's time, divided by the pairs within the kernel's support. Cases with two "
-             "passes over the lists visit each pair twice; it counts once."),
-    "stages": ("Where the time goes", "Shares of a step at the size nearest to 400² particles. Lists: their making, "
-               "spread over {steps} steps. Integration: the integrator's own work on the state."),
-    "scalar": ("Against a scalar loop", "The same two sums over the same list, in turn in the same run; medians of the "
-               "ratios. Both agree to round-off, or bench would have failed."),
-    "threads": ("Threads", "At the largest number of particles of each case; open marks: 3-D."),
-}
 
 
 def other_codes() -> str:
@@ -179,16 +145,12 @@ def other_codes() -> str:
                           "precision, 2-D, about 41 neighbours unless it says otherwise. Each solves its own equations, some simpler."))
 
 
-def speedup(result: dict) -> str:
-    return f"{result['speedup_over_scalar']:.2f}" if "speedup_over_scalar" in result else ""
-
-
 def numbers(measured: list[dict]) -> str:
-    columns = {"Case": lambda r: title(r["name"]), "D": lambda r: str(r["dimension"]), "Particles": lambda r: f"{r['particles']:,}",
+    columns = {"Case": lambda r: r["title"], "D": lambda r: str(r["dimension"]), "Particles": lambda r: f"{r['particles']:,}",
                "Threads": lambda r: str(r["threads"]), "Neighbours": lambda r: f"{r['neighbours']:.1f}",
                "M updates/s per core": lambda r: f"{1e-6 * r['updates_per_second_per_core']:.3g}",
                "M pairs/s per core": lambda r: f"{1e-6 * r['pairs_per_second_per_core']:.4g}",
-               "ns per pair": lambda r: f"{r['ns_per_pair']:.2f}", "Over scalar": speedup,
+               "ns per pair": lambda r: f"{r['ns_per_pair']:.2f}", "Over scalar": lambda r: f"{r['speedup_over_scalar']:.2f}" if "speedup_over_scalar" in r else "",
                "Walls": lambda r: f"{100.0 * r['stages'].get('walls', 0.0):.1f} %",
                "Bytes/particle": lambda r: f"{r['bytes_per_particle']:.0f}", "List bytes": lambda r: f"{r['list_bytes_per_particle']:.0f}",
                "Load": lambda r: f"{r['load_average']:.1f}"}
@@ -202,20 +164,32 @@ def page(measured: list[dict]) -> str:
     load = max(r["load_average"] for r in measured)
     facts = [escape(str(first["processor"])), f"{first['simd_lanes']} lanes of double", f"version {escape(str(first['version']))}",
              f"load average up to {load:.1f}"]
-    drawn = style.draw_all({"others": beside_others(measured), "rate": over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"],
-                                                    "million updates a second and core"),
-                            "pair": over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)"), "stages": stages(measured),
-                            "scalar": scalar(measured), "threads": threads(measured)})
-    parts = [pages.head("Speed of the right-hand side", facts,
-                        "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
-                        "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What "
-                        "bounds the speed: docs/performance.md.")]
-    for name, png in drawn.items():
-        title, caption = CAPTIONS[name]
-        parts.append(pages.section(title, pages.figure(png, caption.format(steps=first["steps_per_list"]))))
-        if name == "others":
-            parts.append(other_codes())
-    return pages.document("speed", [*parts, numbers(measured)])
+    others = pages.figure(beside_others(measured), caption="Program C with wall correction, lists and integration included, beside the rates "
+                          "in the table below. They are not measured in this run.")
+
+    def section(title: str, drawn, caption: str) -> str:
+        return pages.section(title, pages.figure(drawn, caption=caption))
+
+    return pages.document("speed", [
+        pages.head("Speed of the right-hand side", facts,
+                   "A box of liquid iron between two walls, periodic sideways; for the schemes of gas a periodic box, a square of it four "
+                   "times as dense. Every particle off its lattice place, stepped by the programs' own time loop (Euler). Medians. What "
+                   "bounds the speed: docs/performance.md."),
+        pages.section("Beside other codes", others, other_codes() if others else ""),
+        section("Rate over size",
+                over_particles(measured, lambda r: 1e-6 * r["updates_per_second_per_core"], "million updates a second and core"),
+                "A flat line: time per particle does not grow when the arrays no longer fit into caches."),
+        section("Time per pair", over_particles(measured, lambda r: r["ns_per_pair"], "core time per pair (ns)"),
+                "All of a step's time, divided by the pairs within the kernel's support. Cases with two "
+                "passes over the lists visit each pair twice; it counts once."),
+        section("Where the time goes", stages(measured),
+                "Shares of a step at the size nearest to 400² particles. Lists: their making, "
+                f"spread over {first['steps_per_list']} steps. Integration: the integrator's own work on the state."),
+        section("Against a scalar loop", scalar(measured),
+                "The same two sums over the same list, in turn in the same run; medians of the "
+                "ratios. Both agree to round-off, or bench would have failed."),
+        section("Threads", threads(measured), "At the largest number of particles of each case; open marks: 3-D."),
+        numbers(measured)])
 
 
 def make(folder: Path) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, FILE_FAILED, fields, plots, runs, style
+from . import COMPLETED, fields, plots, runs, style
 from .reading import Unreadable
 
 
@@ -77,7 +77,7 @@ def main(arguments: list[str]) -> int:
     o = parser.parse_args(arguments)
     if not 0.1 <= o.rate <= 200 or not 16 <= o.pixels <= 4000:
         parser.error("--rate is 0.1 to 200, --pixels 16 to 4000")
-    run = runs.load(o.directory)
+    run = runs.Run(o.directory)
     names = fields.shown(run.snapshot(), o.fields, most=1)
     if len(run.snapshots) < 2:
         raise Unreadable(f"{o.directory}: one snapshot is no movie; set &output interval for more")
@@ -86,11 +86,7 @@ def main(arguments: list[str]) -> int:
     if not as_gif and shutil.which("ffmpeg") is None:
         raise Unreadable("no ffmpeg on this machine (Debian's package ffmpeg): install it, or use --gif")
     pictures = told(frames(run, names, o.pixels, "xyz".index(o.axis)), len(run.snapshots))
-    try:
-        (write_gif if as_gif else write_mp4)(pictures, target, o.rate)
-    except OSError as problem:
-        print(f"tetsuame movie: {problem.filename}: {problem.strerror}", file=sys.stderr)
-        return FILE_FAILED
+    (write_gif if as_gif else write_mp4)(pictures, target, o.rate)
     print(target)
     return COMPLETED
 

@@ -69,8 +69,16 @@ def write(folder: Path, page: str) -> str:
     return f"Report: {target}"
 
 
-def figure(png: bytes, caption: str) -> str:
-    """`caption` is HTML. The picture is shown as wide as it was drawn; it shrinks with the window down to `LEAST`."""
+def figure(drawn, path: Path | None = None, caption: str = "") -> str:
+    """A figure of matplotlib's, which is closed, and goes to a file as well if one is named; nothing where there is none. `caption`
+    is HTML. The picture is shown as wide as it was drawn; it shrinks with the window down to `LEAST`."""
+    if drawn is None:
+        return ""
+    from . import style  # matplotlib takes a second: not where there is nothing to draw
+
+    png = style.png(drawn)
+    if path:
+        path.write_bytes(png)
     data = base64.b64encode(png).decode()
     share = min(struct.unpack(">I", png[16:20])[0] / FULL, 1.0)
     plain = escape(re.sub(r"<[^>]*>", "", caption).replace("\n", " "), quote=True)

@@ -4,13 +4,12 @@ A state names each proxy (a source, a view, …) and the properties that are not
 file as one in the folder where it was started, so the state has the absolute one.
 """
 import argparse
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
-from . import COMPLETED, FILE_FAILED, fields, movie, runs, style, view
+from . import COMPLETED, fields, movie, runs, style, view
 from .reading import Unreadable
 
 PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
@@ -161,13 +160,9 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("directory", metavar="DIR", help="of the run")
     parser.add_argument("--field", metavar="A", help="that gives the colours (the first that varies)")
     o = parser.parse_args(arguments)
-    run = runs.load(o.directory)
+    run = runs.Run(o.directory)
     text = state(run, fields.shown(run.snapshot(), o.field and [o.field], most=1)[0])
     target = run.directory / "series.pvsm"
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        print(f"tetsuame paraview: {target}: {problem.strerror}", file=sys.stderr)
-        return FILE_FAILED
+    target.write_text(text, encoding="utf-8")
     print(target)
     return COMPLETED

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import FILE_FAILED, COMPLETED, fields, runs, style
+from . import COMPLETED, fields, runs, style
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -130,11 +130,9 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
     if run.snapshots:
         last = run.snapshot(time)
         names = fields.shown(last, wanted)
-        first = run.snapshots[0]
         if last.dimension > 1:
             figures["map"] = maps(last, names)
-        both = [(when(first), first), (when(last), last)] if first is not last else [(when(last), last)]
-        figures["profile"] = profiles(both, names)
+        figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
     target.mkdir(parents=True, exist_ok=True)
     written = []
     for name, figure in figures.items():
@@ -151,11 +149,6 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--time", type=float, help="of the snapshot that is drawn, s (the last)")
     parser.add_argument("--output", metavar="FOLDER", type=Path, help="for the pictures (DIR/plots)")
     o = parser.parse_args(arguments)
-    run = runs.load(o.directory)
-    try:
-        written = make(run, o.output or run.directory / "plots", o.fields, o.time)
-    except OSError as problem:
-        print(f"tetsuame plot: {problem.filename}: {problem.strerror}")
-        return FILE_FAILED
-    print("\n".join(map(str, written)))
+    run = runs.Run(o.directory)
+    print("\n".join(map(str, make(run, o.output or run.directory / "plots", o.fields, o.time))))
     return COMPLETED

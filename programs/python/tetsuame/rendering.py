@@ -60,12 +60,9 @@ def slice_of(snapshot, values: np.ndarray, pixels: int, axis: int, at: float | N
     moments = np.zeros((terms, terms, grid.count))
     right = np.zeros((terms, grid.count))
     neighbours = np.zeros(grid.count)
-    for pixel, which, d in grid.pairs(places[near], spacing[near], height[near] / spacing[near]):
-        q = np.sqrt(sum(component**2 for component in d)) / REACH
-        inside = q < 1
-        pixel, which, q = pixel[inside], which[inside], q[inside]
+    for pixel, which, d, q in grid.pairs(places[near], spacing[near], height[near] / spacing[near]):
         w = (1 - q) ** 4 * (1 + 4 * q)
-        basis = [np.ones_like(q), *(component[inside] for component in d)][:terms]
+        basis = [np.ones_like(q), *d][:terms]
         neighbours += np.bincount(pixel, q < NEAR / REACH, grid.count)
         for i in range(terms):
             right[i] += np.bincount(pixel, w * basis[i] * values[near][which], grid.count)
@@ -103,10 +100,7 @@ def column_of(snapshot, values: np.ndarray, pixels: int, axis: int) -> Map:
     spacing = snapshot.spacing
     grid = _Grid(snapshot, _across(3, axis), pixels, spacing)
     through = np.zeros(grid.count)
-    for pixel, which, d in grid.pairs(snapshot["Coordinates"], spacing, np.zeros(len(spacing))):
-        q = np.sqrt(d[0] ** 2 + d[1] ** 2) / REACH
-        inside = q < 1
-        pixel, which, q = pixel[inside], which[inside], q[inside]
+    for pixel, which, _, q in grid.pairs(snapshot["Coordinates"], spacing, np.zeros(len(spacing))):
         # The kernel's integral along a line at distance q, over the unit ball; in m^-2 times m^3.
         weight = np.interp(q, _LINE_AT, _LINE) * spacing[which] / REACH**2
         through += np.bincount(pixel, weight * values[which], grid.count)
@@ -134,7 +128,8 @@ class _Grid:
         self.count = int(self.shape.prod())
 
     def pairs(self, places: np.ndarray, spacing: np.ndarray, height: np.ndarray):
-        """For each offset of a pixel from a particle's own: the pixels, the particles, and their distances in spacings."""
+        """For each offset of a pixel from a particle's own: the pixels, the particles that reach them, their distances by axis in spacings,
+        and over the kernel's support."""
         if not len(places):
             return
         flat = places[:, list(self.axes)] - self.low
@@ -143,11 +138,11 @@ class _Grid:
         for right in range(-reach[0], reach[0] + 1):
             for up in range(-reach[1], reach[1] + 1):
                 index = own + (right, up)
-                d = ((index + 0.5) * self.pixel - flat) / spacing[:, None]
+                d = np.column_stack([((index + 0.5) * self.pixel - flat) / spacing[:, None], height])
+                q = np.sqrt(d[:, 0] ** 2 + d[:, 1] ** 2 + d[:, 2] ** 2) / REACH
                 index = np.where(self.periodic, index % self.shape, index)
-                inside = ((index >= 0) & (index < self.shape)).all(axis=1) & (np.hypot(d[:, 0], d[:, 1]) < REACH)
-                which = np.flatnonzero(inside)
-                yield index[which, 1] * self.shape[0] + index[which, 0], which, (d[which, 0], d[which, 1], height[which])
+                which = np.flatnonzero(((index >= 0) & (index < self.shape)).all(axis=1) & (q < 1))
+                yield index[which, 1] * self.shape[0] + index[which, 0], which, d[which].T, q[which]
 
     def map(self, values: np.ndarray) -> Map:
         return Map(values.reshape(self.shape[1], self.shape[0]),

@@ -16,25 +16,10 @@ import h5py
 import numpy as np
 
 from . import rendering
-from .reading import Unreadable, read_columns, read_json, read_keys, real
+from .reading import Columns, Unreadable, read_json, read_keys, real
 
 FLUID, WALL = "PartType0", "PartType1"
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # of each axis: at its low end, at its high end
-
-
-class History(dict):
-    """history.csv: a column's name, and its values (one a line that was written). `units`: of each column."""
-
-    def __init__(self, path: Path):
-        try:
-            super().__init__(read_columns(path))
-            with open(path, encoding="utf-8") as file:
-                heads = file.readline().strip().split(",")
-        except OSError as problem:
-            raise Unreadable(f"{path}: {problem.strerror}") from None
-        except (ValueError, UnicodeDecodeError) as problem:
-            raise Unreadable(f"{path}: not a table that a program writes ({problem})") from None
-        self.units = {head.partition(" [")[0]: head.partition(" [")[2].rstrip("]") for head in heads}
 
 
 class Snapshot:
@@ -51,8 +36,8 @@ class Snapshot:
                 self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
                 fluid = file[FLUID]
                 self.names = sorted(fluid)
-                self.units = {name: _text(fluid[name].attrs.get("units", "")) for name in self.names}
-                self.meanings = {name: _text(fluid[name].attrs.get("description", "")) for name in self.names}
+                units = {name: fluid[name].attrs.get("units", "") for name in self.names}
+                self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
                 self.particles = len(fluid["ParticleIDs"])
             except (KeyError, OSError, ValueError) as problem:
                 raise Unreadable(f"{path}: not a snapshot of these programs ({_first_line(problem)})") from None
@@ -165,8 +150,14 @@ class Run:
             return file.readline().lstrip("! ").partition(",")[0].strip() or "unknown"
 
     @functools.cached_property
-    def history(self) -> History:
-        return History(self.directory / "history.csv")
+    def history(self) -> Columns:
+        path = self.directory / "history.csv"
+        try:
+            return Columns(path)
+        except OSError as problem:
+            raise Unreadable(f"{path}: {problem.strerror}") from None
+        except ValueError as problem:
+            raise Unreadable(f"{path}: not a table that a program writes ({problem})") from None
 
     @functools.cached_property
     def snapshots(self) -> list[Snapshot]:
@@ -192,11 +183,6 @@ class Run:
         return found
 
 
-def load(directory: str | Path) -> Run:
-    """The run in this directory; Unreadable if there is none."""
-    return Run(directory)
-
-
 def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.ndarray]:
     """A field of both, for the particles that both hold, in the order of their IDs."""
     if first.dimension != second.dimension:
@@ -205,12 +191,6 @@ def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.
     return first[name][here], second[name][there]
 
 
-def _text(value) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)
-
-
 def _first_line(problem: Exception) -> str:
     return str(problem).strip("'\"").partition("\n")[0]
 
-
-__all__ = ["History", "Run", "Snapshot", "Unreadable", "by_id", "load"]

@@ -58,14 +58,16 @@ def numbered(index: int) -> dict:
     return {"color": CYCLE[index % len(CYCLE)], "linewidth": 1.3, "linestyle": "-" if index < len(CYCLE) else "--"}
 
 
-def panels(count: int, columns: int, height: float, **options):
-    """A grid of axes, those too many removed; the axes wanted, as a list."""
+def panels(count: int, columns: int, height: float, ylabel: str = "", **options):
+    """A grid of axes, those too many removed; the axes wanted, as a list. ylabel: of those in the first column."""
     columns = min(columns, count)
     rows = -(-count // columns)
     figure, grid = plt.subplots(rows, columns, figsize=(WIDTH, height * rows), squeeze=False, **options)
     flat = list(grid.flat)
     for axes in flat[count:]:
         axes.remove()
+    for axes in flat[:count:columns]:
+        axes.set_ylabel(ylabel)
     return figure, flat[:count]
 
 
@@ -149,14 +151,12 @@ def tiles(ax, places, edge: float, **options):
 
 def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     """Lengths alike along both axes, nothing between the ticks."""
-    ax.set_aspect("equal")
-    ax.set_xlim(*x)
-    ax.set_ylim(*y)
+    ax.set(aspect="equal", xlim=x, ylim=y)
     ax.grid(False)
 
 
-def save(figure, path, **options) -> None:
-    figure.savefig(path, **options)
+def save(figure, path) -> None:
+    figure.savefig(path)
     plt.close(figure)
 
 
@@ -165,8 +165,3 @@ def png(figure) -> bytes:
     buffer = io.BytesIO()
     save(figure, buffer)
     return buffer.getvalue()
-
-
-def draw_all(figures: dict) -> dict[str, bytes]:
-    """The pictures by name, without those that have no data to show."""
-    return {name: png(figure) for name, figure in figures.items() if figure is not None}

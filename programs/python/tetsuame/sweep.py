@@ -1,7 +1,6 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
-import csv
 import itertools
 import json
 import os
@@ -14,7 +13,7 @@ from html import escape
 from pathlib import Path
 
 from . import COMPLETED, FAILED, PROGRAMS, pages, runs
-from .reading import Unreadable, read_json, real
+from .reading import Unreadable, beside, last_line, read_json, real, write_csv
 
 MOST = 9  # measures on the page
 ENDED = {0: "completed", 3: "failed"}  # statuses after which the same run again would end the same
@@ -39,26 +38,32 @@ def folder_name(settings: tuple[str, ...]) -> str:
 class Sweep:
     def __init__(self, o: argparse.Namespace):
         self.o = o
-        self.program = o.programs / o.program
-        self.combinations = list(itertools.product(*settings_of(o.set)))
-        self.names = [folder_name(each) for each in self.combinations]
-        if len(set(self.names)) < len(self.names):
+        combinations = list(itertools.product(*settings_of(o.set)))
+        self.runs = {o.output / folder_name(settings): settings for settings in combinations}  # by folder
+        if len(self.runs) < len(combinations):
             raise Unreadable("two of the runs would have the same folder: a value is given twice, or two keys differ in their group alone")
         self.done, self.lock = 0, threading.Lock()
 
-    def command(self, settings: tuple[str, ...], folder: Path) -> list[str]:
+    def options(self, folder: Path) -> list[str]:
+        return [*(part for setting in self.runs[folder] for part in ("--set", setting)), "--output", str(folder)]
+
+    def command(self, folder: Path) -> list[str]:
         start = ["mpirun", "-n", str(self.o.ranks)] if self.o.ranks > 1 else []
         going_on = any(folder.glob("checkpoint_*.h5"))  # else what a run left that was killed early is replaced
-        return [*start, str(self.program), str(self.o.input), *(part for setting in settings for part in ("--set", setting)),
-                "--output", str(folder), *(["--restart", "latest"] if going_on else ["--force"] if folder.exists() else [])]
+        return [*start, str(self.o.programs / self.o.program), str(self.o.input), *self.options(folder),
+                *(["--restart", "latest"] if going_on else ["--force"] if folder.exists() else [])]
 
-    def asked(self, settings: tuple[str, ...]) -> dict:
-        return {"program": self.o.program, "input": self.o.input.read_text(encoding="utf-8"), "settings": list(settings)}
+    def asked(self, folder: Path) -> dict:
+        return {"program": self.o.program, "input": self.o.input.read_text(encoding="utf-8"), "settings": list(self.runs[folder])}
 
-    def status(self, settings: tuple[str, ...], folder: Path) -> str | None:
+    def note(self, folder: Path) -> None:
+        self.o.output.mkdir(parents=True, exist_ok=True)
+        beside(folder, ".json").write_text(json.dumps(self.asked(folder), indent=1), encoding="utf-8")
+
+    def status(self, folder: Path) -> str | None:
         """How it ended, if what stands there is this run at its end."""
         try:
-            if json.loads(self.beside(folder, ".json").read_text(encoding="utf-8")) != self.asked(settings):
+            if json.loads(beside(folder, ".json").read_text(encoding="utf-8")) != self.asked(folder):
                 raise Unreadable(f"{folder}: holds a run of another input or program; give another --output, or remove it")
         except (OSError, ValueError):
             return None
@@ -66,61 +71,38 @@ class Sweep:
         ended = read_json(summary, "the program")["status"] if summary.exists() else None
         return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(ended)
 
-    def beside(self, folder: Path, ending: str) -> Path:
-        """A run's folder is its program's; what we know of it lies beside."""
-        return folder.with_name(folder.name + ending)
-
-    def note(self, settings: tuple[str, ...], folder: Path) -> None:
-        self.o.output.mkdir(parents=True, exist_ok=True)
-        self.beside(folder, ".json").write_text(json.dumps(self.asked(settings), indent=1), encoding="utf-8")
-
-    def one(self, settings: tuple[str, ...], name: str) -> str:
-        folder = self.o.output / name
-        status = self.status(settings, folder)
-        said = f"{status} before" if status else None
+    def one(self, folder: Path) -> str:
+        status = self.status(folder)
+        said = f"{status} before"
         if not status:
-            command = self.command(settings, folder)
-            self.note(settings, folder)
-            with open(self.beside(folder, ".log"), "w", encoding="utf-8") as log:
-                code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=self.environment()).returncode
+            command, terminal = self.command(folder), beside(folder, ".log")
+            self.note(folder)
+            with open(terminal, "w", encoding="utf-8") as log:
+                code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env={"OMP_NUM_THREADS": "1"} | os.environ).returncode
             status = ENDED.get(code, f"exit {code}")
-            said = status if code in ENDED else f"{status}: {last_line(self.beside(folder, '.log'))}"
+            said = status if code in ENDED else f"{status}: {last_line(terminal) or 'nothing said'}"
         with self.lock:
             self.done += 1
-            print(f"{self.done}/{len(self.names)}  {name}: {said}", flush=True)
+            print(f"{self.done}/{len(self.runs)}  {folder.name}: {said}", flush=True)
         return status
-
-    def environment(self) -> dict[str, str]:
-        return os.environ | {"OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}
 
     def lines(self, statuses: list[str]) -> list[dict]:
         """Of each run its settings, its status and all numbers of its summary."""
         lines = []
-        for settings, name, status in zip(self.combinations, self.names, statuses):
+        for (folder, settings), status in zip(self.runs.items(), statuses):
             line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
-            if status in ENDED.values() and (self.o.output / name / "summary.json").exists():
-                run = runs.load(self.o.output / name)
+            if status in ENDED.values() and (folder / "summary.json").exists():
+                run = runs.Run(folder)
                 line |= {"steps": run.summary["steps"], "wall_seconds": run.summary["wall_seconds"]} | run.metrics()
             lines.append(line)
         return lines
 
-    def table(self, lines: list[dict]) -> Path:
-        """sweep.csv: a line a run."""
-        target = self.o.output / "sweep.csv"
-        columns = list(dict.fromkeys(name for line in lines for name in line))
-        with open(target, "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, columns, restval="")
-            writer.writeheader()
-            writer.writerows(lines)
-        return target
-
     def page(self, lines: list[dict]) -> str:
         """report.html; what is said of it."""
-        keys = [setting.partition("=")[0] for setting in self.combinations[0]]
+        keys = [setting.partition("=")[0] for setting in next(iter(self.runs.values()))]
         measures = [name for name in dict.fromkeys(name for line in lines for name in line)
                     if name not in (*keys, "status") and len({line.get(name) for line in lines}) > 1]
         facts = [escape(self.o.program), escape(str(self.o.input)), f"{len(lines)} runs"]
-        drawn = over_settings(lines, keys, [name for name in measures if name != "wall_seconds"][:MOST])
         columns = {escape(key): lambda line, key=key: pages.cell(escape(line[key])) for key in keys}
         columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "failed": "stop"}.get(line["status"], "bad"))}
         columns |= {escape(name.replace("_", " ")): lambda line, name=name: pages.number(f"{line[name]:.6g}" if name in line else "–")
@@ -132,19 +114,18 @@ class Sweep:
                                       + (f", the first {MOST} of {len(measures)}" if len(measures) > MOST else "")
                                       + "; all of them stand in sweep.csv beside this page.")),
             pages.section("Over the settings",
-                          pages.figure(drawn, "Numbers of summary.json over the setting that has most values.") if drawn else "")]))
+                          pages.figure(over_settings(lines, keys, [name for name in measures if name != "wall_seconds"][:MOST]),
+                                       caption="Numbers of summary.json over the setting that has most values."))]))
 
     def scripts(self) -> list[str]:
         """Job scripts by `submit`, one for each run that is not at its end."""
         made = []
-        for settings, name in zip(self.combinations, self.names):
-            folder = self.o.output / name
-            if self.status(settings, folder):
+        for folder in self.runs:
+            if self.status(folder):
                 continue
-            self.note(settings, folder)
-            result = subprocess.run(
-                [str(self.o.programs / "submit"), self.o.program, str(self.o.input), "--ranks", str(self.o.ranks), *shlex.split(self.o.submit),
-                 *(part for setting in settings for part in ("--set", setting)), "--output", str(folder)], capture_output=True, text=True)
+            self.note(folder)
+            result = subprocess.run([str(self.o.programs / "submit"), self.o.program, str(self.o.input), "--ranks", str(self.o.ranks),
+                                     *shlex.split(self.o.submit), *self.options(folder)], capture_output=True, text=True)
             if result.returncode:
                 raise Unreadable(result.stderr.strip().partition("\n")[0])
             made.append(str(folder / "job.sh"))
@@ -158,7 +139,7 @@ def as_number(text: str) -> float | None:
         return None
 
 
-def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> bytes | None:
+def over_settings(lines: list[dict], keys: list[str], measures: list[str]):
     """A panel for each measure over the numeric key with most values, a line for each choice of the others; None without such a key."""
     values = {key: {as_number(line[key]) for line in lines} for key in keys}
     numeric = [key for key in keys if None not in values[key] and len(values[key]) > 1]
@@ -177,18 +158,12 @@ def over_settings(lines: list[dict], keys: list[str], measures: list[str]) -> by
             points = sorted((as_number(line[key]), line[measure]) for line in of if measure in line)
             if points:
                 ax.plot(*zip(*points), marker="o", markersize=3.5, label=title, **style.numbered(index))
-        ax.set_title(measure.replace("_", " "))
-        ax.set_xlabel(key)
+        ax.set(title=measure.replace("_", " "), xlabel=key)
         if len(values[key]) <= 8:
             ax.set_xticks(sorted(values[key]))
     if others:
         style.legend_above(figure, panels)
-    return style.png(figure)
-
-
-def last_line(path: Path) -> str:
-    lines = path.read_text(encoding="utf-8", errors="replace").strip().splitlines()
-    return lines[-1] if lines else "nothing said"
+    return figure
 
 
 def main(arguments: list[str]) -> int:
@@ -216,12 +191,13 @@ def main(arguments: list[str]) -> int:
     jobs = o.jobs or max((os.cpu_count() or 1) // o.ranks, 1)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         try:
-            statuses = list(pool.map(sweep.one, sweep.combinations, sweep.names))
+            statuses = list(pool.map(sweep.one, sweep.runs))
         except KeyboardInterrupt:
             pool.shutdown(wait=False, cancel_futures=True)
             print("\ninterrupted; the same command goes on", file=sys.stderr)
             return 130
     lines = sweep.lines(statuses)
-    print(sweep.table(lines))
+    write_csv(o.output / "sweep.csv", lines)
+    print(o.output / "sweep.csv")
     print(sweep.page(lines))
     return COMPLETED if all(status == "completed" for status in statuses) else FAILED

@@ -4,13 +4,12 @@ import argparse
 import base64
 import html
 import json
-import sys
 import zlib
 from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, FILE_FAILED, fields, movie, plots, runs, style
+from . import COMPLETED, fields, movie, plots, runs, style
 from .reading import Unreadable
 
 LIBRARIES = [Path("/usr/share/javascript/three/three.min.js"), Path("/usr/share/nodejs/three/build/three.min.js")]
@@ -43,41 +42,29 @@ def bounds(snapshots: list) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def values_of(snapshot, name: str, logarithmic: bool) -> np.ndarray:
-    values = snapshot[name].astype(float)
-    return np.log10(np.maximum(values, 1e-300)) if logarithmic else values
-
-
-class Frames:
-    """Frame after frame as deflated bytes: places as 16 bits of the box, a plane of bytes each, then fields as 8 bits of their
-    range; each less what it was in the frame before, which deflates to half."""
-
-    def __init__(self, snapshots: list, described: list[dict]):
-        self.snapshots, self.described = snapshots, described
-        self.low, self.high = bounds(snapshots)
-        self.ids = np.sort(snapshots[0]["ParticleIDs"])
-
-    def order(self, snapshot) -> np.ndarray:
-        ids = snapshot["ParticleIDs"]
-        order = np.argsort(ids, kind="stable")
-        if len(ids) != len(self.ids) or (ids[order] != self.ids).any():
-            raise Unreadable(f"{snapshot.path}: does not hold the particles of {self.snapshots[0].path}")
-        return order
-
-    def __iter__(self):
-        before = None
-        for snapshot in self.snapshots:
-            order = self.order(snapshot)
-            places = (snapshot["Coordinates"][order] - self.low) / (self.high - self.low)
-            now = [np.round(places * 65535).astype(np.uint16).T]
-            for field in self.described:
-                values = values_of(snapshot, field["name"], field["logarithmic"])[order]
-                low, high = field["range"]
-                now.append(np.round(np.clip((values - low) / (high - low), 0, 1) * 255).astype(np.uint8))
-            change = now if before is None else [a - b for a, b in zip(now, before)]  # modulo 2^16 and 2^8
-            planes = [plane for axis in change[0] for plane in ((axis & 255).astype(np.uint8), (axis >> 8).astype(np.uint8))]
-            yield zlib.compress(b"".join(part.tobytes() for part in [*planes, *change[1:]]), 6)
-            before = now
+def frames(snapshots: list, described: list[dict]) -> list[str]:
+    """Frame after frame as deflated bytes, in base64: places as 16 bits of the box, a plane of bytes each, then fields as 8 bits of
+    their range; each less what it was in the frame before, which deflates to half."""
+    low, high = bounds(snapshots)
+    ids = np.sort(snapshots[0]["ParticleIDs"])
+    made, before = [], None
+    for snapshot in snapshots:
+        order = np.argsort(snapshot["ParticleIDs"], kind="stable")
+        if not np.array_equal(snapshot["ParticleIDs"][order], ids):
+            raise Unreadable(f"{snapshot.path}: does not hold the particles of {snapshots[0].path}")
+        places = (snapshot["Coordinates"][order] - low) / (high - low)
+        now = [np.round(places * 65535).astype(np.uint16).T]
+        for field in described:
+            values = snapshot[field["name"]][order].astype(float)
+            if field["logarithmic"]:
+                values = np.log10(np.maximum(values, 1e-300))
+            least, most = field["range"]
+            now.append(np.round(np.clip((values - least) / (most - least), 0, 1) * 255).astype(np.uint8))
+        change = now if before is None else [a - b for a, b in zip(now, before)]  # modulo 2^16 and 2^8
+        planes = [plane for axis in change[0] for plane in ((axis & 255).astype(np.uint8), (axis >> 8).astype(np.uint8))]
+        made.append(base64.b64encode(zlib.compress(b"".join(part.tobytes() for part in [*planes, *change[1:]]), 6)).decode())
+        before = now
+    return made
 
 
 def describe(snapshots: list, names: list[str]) -> list[dict]:
@@ -116,18 +103,18 @@ def page(run: runs.Run, wanted: list[str] | None, three: str, megabytes: float) 
     room = megabytes * 1e6 - len(three) - 5e5
     # Before it is deflated, in base64; what deflating saves is seen on the first frames.
     try_out = run.snapshots[:2]
-    each = len(base64.b64encode(list(Frames(try_out, describe(try_out, names)))[-1]))
+    each = len(frames(try_out, describe(try_out, names))[-1])
     kept = chosen(run.snapshots, each * 1.25, room)
     while True:
         described = describe(kept, names)
-        frames = Frames(kept, described)
-        chunks = [base64.b64encode(chunk).decode() for chunk in frames]
+        chunks = frames(kept, described)
         if sum(map(len, chunks)) <= room or len(kept) <= 2:
             break
         kept = chosen(kept, sum(map(len, chunks)) / len(chunks) * 1.02, room)
     time, columns = histories(run)
     size, unit = fields.scaled("s", kept[-1].time)
-    about = {"dimension": first.dimension, "particles": len(frames.ids), "low": frames.low.tolist(), "high": frames.high.tolist(),
+    low, high = bounds(kept)
+    about = {"dimension": first.dimension, "particles": first.particles, "low": low.tolist(), "high": high.tolist(),
              "spacing": float(np.median(first.spacing)), "times": [snapshot.time for snapshot in kept], "time_size": size, "time_unit": unit,
              "fields": described, "history_time": time, "histories": columns,
              "left_out": f"{len(kept)} of {len(run.snapshots)} snapshots" if len(kept) < len(run.snapshots) else ""}
@@ -150,13 +137,9 @@ def main(arguments: list[str]) -> int:
     o = parser.parse_args(arguments)
     if not o.megabytes >= 2:
         parser.error("--megabytes: at least 2")
-    run = runs.load(o.directory)
+    run = runs.Run(o.directory)
     text = page(run, o.fields, library(o.three), o.megabytes)
     target = o.output or run.directory / "view.html"
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        print(f"tetsuame view: {target}: {problem.strerror}", file=sys.stderr)
-        return FILE_FAILED
+    target.write_text(text, encoding="utf-8")
     print(f"{target} ({len(text) / 1e6:.1f} MB)")
     return COMPLETED

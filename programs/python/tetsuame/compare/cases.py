@@ -7,15 +7,7 @@ PROGRAMS = ("A", "B", "C", "D", "E", "F")
 SHIPPED_INPUTS = ("11", "12", "13", "13_linear", "column")
 ITERATING = ("A", "B")  # the programs that find Y by the Hosono iteration
 
-# The cures of the iteration are run where they are of interest: at 10 GPa, where a
-# solution exists and only the plain iteration misses it.
-CURES = ("newton", "anderson")
-CURED_INPUTS = ("12", "13", "13_linear")
-# At 1e5 Pa on this lattice no solver can help, since there is nothing to find;
-# dividing by the kernel sum makes a solution exist for A. B misses half a neighbourhood
-# at the walls, which no such division gives back.
-NORMALISED_INPUTS = ("11",)
-NORMALISED_PROGRAMS = ("A",)
+CURES = ("newton", "anderson")  # of the iteration
 
 
 @dataclass(frozen=True)
@@ -34,9 +26,13 @@ class Run:
 
 def of_letter(program: str, path: Path, variant: str, settings: tuple[str, ...]) -> Run:
     """Of programs A to F."""
-    binary, file = f"disph_{program.lower()}", path.stem.removeprefix("hydrostatic_")
+    binary, file = f"disph_{program.lower()}", short(path)
     folder = f"{file}/{binary}_{variant.replace(', ', '_')}" if variant else f"{file}/{binary}"
     return Run(binary, path, file, f"{program} ({variant})" if variant else program, folder, variant, settings, program=program)
+
+
+def short(path: Path) -> str:
+    return path.stem.removeprefix("hydrostatic_")
 
 
 def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, ...], case: str = "") -> Run:
@@ -46,22 +42,25 @@ def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, 
                variant, settings, n)
 
 
-def plan(programs: tuple[str, ...], inputs: tuple[Path, ...], settings: tuple[str, ...]) -> list[Run]:
+def plan(programs: tuple[str, ...], inputs: list[Path], settings: list[str]) -> list[Run]:
     """All runs, by input and program. Settings of the command line hold for every run and come
     last: one that chooses the solver leaves nothing for the extra runs to show, so they are dropped."""
     solver_is_given = any(setting.partition("=")[0].strip().lower() == "hosono.solver" for setting in settings)
     cases = []
     for path in inputs:
         for program in programs:
-            base = of_letter(program, path, "", settings)
-            cases.append(base)
-            if program not in ITERATING or solver_is_given:
-                continue
-            if base.file in CURED_INPUTS:
-                cases += [of_letter(program, path, cure, (f"hosono.solver={cure}", *settings)) for cure in CURES]
-            if base.file in NORMALISED_INPUTS:
-                cases.append(of_letter(program, path, "newton", ("hosono.solver=newton", *settings)))
-                if program in NORMALISED_PROGRAMS:
-                    cases.append(of_letter(program, path, "newton, normalised",
-                                      ("hosono.solver=newton", "smoothing.normalise=.true.", *settings)))
+            variants = {"": ()} | (extra(program, short(path)) if program in ITERATING and not solver_is_given else {})
+            cases += [of_letter(program, path, variant, (*own, *settings)) for variant, own in variants.items()]
     return cases
+
+
+def extra(program: str, file: str) -> dict[str, tuple[str, ...]]:
+    """Variants of a program that iterates, and their settings."""
+    if file in ("12", "13", "13_linear"):  # at 10 GPa a solution exists, and only the plain iteration misses it
+        return {cure: (f"hosono.solver={cure}",) for cure in CURES}
+    if file != "11":
+        return {}
+    # At 1e5 Pa on this lattice no solver can help, since there is nothing to find; dividing by the kernel sum makes a
+    # solution exist for A. B misses half a neighbourhood at the walls, which no such division gives back.
+    newton = ("hosono.solver=newton",)
+    return {"newton": newton} | ({"newton, normalised": (*newton, "smoothing.normalise=.true.")} if program == "A" else {})

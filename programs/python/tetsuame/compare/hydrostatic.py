@@ -4,15 +4,14 @@ from html import escape
 from pathlib import Path
 
 from .. import pages, style
-from . import cases, note, prose, report, table
+from ..reading import write_csv
+from . import cases, note, prose, table
+from . import hydrostatic_figures as figures
 from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Run
-from .figures import hydrostatic as figures
-from .options import chosen, find_inputs
-from .results import cost_per_step, resolved_text, wall_share
-from .runner import COMPLETED, Outcome
+from .outcomes import COMPLETED, Outcome
+from .parts import chosen, find_inputs, state_class
 from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, said
 
-NAME = ""
 TITLE = "Programs A to F on hydrostatic states"
 ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
         "Other comparisons: ./run compare convection, shock, rti (each with --help)."
@@ -33,25 +32,25 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     inputs = find_inputs(given.inputs, root, parser, "hydrostatic_")
     if not programs or not inputs:
         parser.error("nothing to run: --programs and --inputs need at least one name each")
-    return cases.plan(programs, tuple(inputs), tuple(given.settings))
+    return cases.plan(programs, inputs, given.settings)
 
 
 def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str]:
-    table.write_csv(outcomes, folder / "table.csv")
+    write_csv(folder / "table.csv", [table.row(outcome) for outcome in outcomes])
     shown = files(outcomes)
     return [overview(outcomes), beside_the_note(outcomes),
             explained("Why the plain iteration diverges", prose.iteration(outcomes)),
-            report.drawn(figures.residual(outcomes, shown), folder / "residual.png",
+            pages.figure(figures.residual(outcomes, shown), folder / "residual.png",
                          "Residual of the iteration by pass. Plain runs are shown in the evaluation that diverged (×: last value), the others "
                          "in the one with most passes. Broad grey: the growth |G| = (κ − 1)(1 − S_min) from the first residual."),
             explained("A limit that no solver removes", prose.limit(outcomes)),
             explained("What the walls do", prose.walls(outcomes)),
-            report.drawn(figures.pressure(outcomes, shown), folder / "pressure.png",
+            pages.figure(figures.pressure(outcomes, shown), folder / "pressure.png",
                          "Relative pressure error of the last snapshot, mean over each row of particles. Runs that stopped are not shown; A and B "
                          "are shown with the first solver that completes."),
             displacements(outcomes, folder),
             explained("What it costs", prose.cost(outcomes)),
-            report.drawn(figures.cost(outcomes, shown), folder / "cost.png",
+            pages.figure(figures.cost(outcomes, shown), folder / "cost.png",
                          "Time a step by stage; A and B with the first solver that completes."),
             all_runs(outcomes)]
 
@@ -67,7 +66,7 @@ FOLDED = {"11", "12", "13_linear"}
 def displacements(outcomes: list[Outcome], folder: Path) -> str:
     text = "File {}: displacement from the start, which should be zero. Colour: its size on one scale for all; arrows: its direction, " \
            "the longest of each map drawn equally long, none where it is round-off; grey: wall particles."
-    blocks = {file: report.drawn(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
+    blocks = {file: pages.figure(figures.displacement(outcomes, file), folder / f"displacement_{file}.png", text.format(escape(file)))
               for file in files(outcomes)}
     fold = any(block and file not in FOLDED for file, block in blocks.items())
     return "\n".join(pages.folded(f"Displacement, file {file}", block) if fold and file in FOLDED else block
@@ -81,29 +80,24 @@ def program_cell(label: str) -> str:
 def overview(outcomes: list[Outcome]) -> str:
     by_place = {(o.case.label, o.case.file): o for o in outcomes}
 
-    def method(label: str) -> str:
-        described = note.TABLE_1[label[0]]
-        parts = (described.volume, f"walls {described.wall}", described.gradient, described.remark)
-        return "" if "(" in label else ", ".join(part for part in parts if part)
-
     def result(label: str, file: str) -> str:
         outcome = by_place.get((label, file))
         if outcome is None:
             return pages.cell("")
         value = error(outcome, "pressure_mean")
-        return pages.cell(escape(cell(outcome)), f"number {report.state_class(outcome.kind)}") if value is None else \
+        return pages.cell(escape(cell(outcome)), f"number {state_class(outcome.kind)}") if value is None else \
             pages.error(value, scientific(value))
 
-    shown = files(outcomes)
-    return pages.section("At a glance", pages.table(
-        ["Program", "Method", *(f"File {escape(file)}" for file in shown)],
-        [[program_cell(label), pages.cell(method(label), "words"), *(result(label, file) for file in shown)] for label in labels(outcomes)]),
-        pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with step/iteration; "
-                        "no solution: the solver saw before its first pass that no state with p &gt; 0 exists. Red: the program crashed."))
+    columns = {"Program": program_cell, "Method": lambda label: pages.cell(note.TABLE_1.get(label, ""), "words"),
+               **{f"File {escape(file)}": lambda label, file=file: result(label, file) for file in files(outcomes)}}
+    return pages.section("At a glance", pages.columns(labels(outcomes), columns),
+                         pages.error_key("Completed: mean of |p − p_ref|/p_ref at the end. Stopped by the program's own checks: with "
+                                         "step/iteration; no solution: the solver saw before its first pass that no state with p &gt; 0 "
+                                         "exists. Red: the program crashed."))
 
 
 def outcome_cell(outcome: Outcome, said: str) -> str:
-    return pages.cell(escape(f"{said}, {where}" if (where := place(outcome)) else said), report.state_class(outcome.kind))
+    return pages.cell(escape(f"{said}, {where}" if (where := place(outcome)) else said), state_class(outcome.kind))
 
 
 def error_cell(what: str):
@@ -137,7 +131,7 @@ def iteration_of(outcome: Outcome) -> str:
     if outcome.case.program not in ITERATING:
         return ""
     try:
-        return ", ".join(resolved_text(outcome.folder, "hosono", key) for key in ("solver", "tolerance"))
+        return ", ".join(outcome.resolved(f"hosono.{key}") for key in ("solver", "tolerance"))
     except (OSError, KeyError):  # a program that crashed may have left nothing
         return ""
 
@@ -155,8 +149,8 @@ def all_runs(outcomes: list[Outcome]) -> str:
                "Outcome": lambda o: outcome_cell(o, said(o)),
                "p error, mean": error_cell("pressure_mean"), "p error, max": error_cell("pressure_max"),
                "ρ error, max": error_cell("density_max"), "moved/Δx, max": error_cell("displacement_max_over_dx"),
-               "ms/step": of_completed(lambda o: f"{1e3 * cost:.2g}" if (cost := cost_per_step(o)) else ""),
-               "walls": of_completed(lambda o: "" if (share := wall_share(o)) is None else f"{100 * share:.0f} %")}
+               "ms/step": of_completed(lambda o: f"{1e3 * cost:.2g}" if (cost := o.cost_per_step) else ""),
+               "walls": of_completed(lambda o: "" if (share := o.wall_share) is None else f"{100 * share:.0f} %")}
     return pages.section("All runs", pages.columns(outcomes, columns, "wide", lambda o: o.case.file),
                          pages.error_key("Errors are relative; walls: their share of the time. With more columns: table.csv "
                                          "beside this page; every run's output: the folder runs."))

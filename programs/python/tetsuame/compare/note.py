@@ -7,23 +7,14 @@ from dataclasses import dataclass
 
 SOURCE = "K. Shobuzako, note of 17 May 2022, section 1.1"
 
-
-@dataclass(frozen=True)
-class Program:
-    volume: str     # how Y comes about
-    wall: str
-    gradient: str
-    remark: str = ""
-
-
-# Table 1. Pattern 1 is the form derived by the note's author, pattern 2 that of the original DISPH papers.
+# Table 1: how Y comes about, walls, gradient. Pattern 1 is the form derived by the note's author, pattern 2 that of the original DISPH papers.
 TABLE_1 = {
-    "A": Program("Hosono iteration", "corrected", "pattern 1"),
-    "B": Program("Hosono iteration", "none", "pattern 1"),
-    "C": Program("our method", "corrected", "pattern 1"),
-    "D": Program("our method", "none", "pattern 1"),
-    "E": Program("our method", "corrected", "pattern 2"),
-    "F": Program("our method", "corrected", "pattern 1", "non-smoothed pressure"),
+    "A": "Hosono iteration, walls corrected, pattern 1",
+    "B": "Hosono iteration, walls none, pattern 1",
+    "C": "our method, walls corrected, pattern 1",
+    "D": "our method, walls none, pattern 1",
+    "E": "our method, walls corrected, pattern 2",
+    "F": "our method, walls corrected, pattern 1, non-smoothed pressure",
 }
 
 

@@ -4,8 +4,7 @@ from html import escape
 
 from . import note
 from .cases import CURES
-from .results import cost_per_step, number, representatives, residuals, wall_share
-from .runner import COMPLETED, Outcome
+from .outcomes import COMPLETED, Outcome, representatives, residuals
 from .table import accuracy_order, agreement_in_place, error, files, note_says, place, set_otherwise
 
 # Properties of the quintic kernel at h = 1.2 spacings on the square lattice, derived in
@@ -61,8 +60,8 @@ def iteration(outcomes: list[Outcome]) -> list[str]:
         "converges at once; for a liquid at the pressures of planetary interiors κ is well above 2, and no time step helps."]
     rows = []
     for outcome in outcomes:
-        kappa = number(outcome.summary, "metrics", "hosono_kappa")
-        growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
+        kappa = outcome.number("metrics", "hosono_kappa")
+        growth = outcome.number("metrics", "hosono_growth_predicted")
         if outcome.case.program == "A" and not outcome.case.variant and kappa is not None and growth and growth > 1:
             passes = math.ceil(-math.log(2.2e-16) / math.log(growth))
             rows.append(f"file {outcome.case.file}: κ = {kappa:.3g}, |G| = {growth:.3g}, so that even round-off "
@@ -129,10 +128,10 @@ def cost(outcomes: list[Outcome]) -> list[str]:
     ratios, shares = [], []
     for file in files(outcomes):
         runs = {o.case.program: o for o in representatives(outcomes, file) if not o.case.variant}
-        if "C" in runs and "D" in runs and cost_per_step(runs["C"]) and cost_per_step(runs["D"]):
-            ratios.append(cost_per_step(runs["C"]) / cost_per_step(runs["D"]))
+        if "C" in runs and "D" in runs and runs["C"].cost_per_step and runs["D"].cost_per_step:
+            ratios.append(runs["C"].cost_per_step / runs["D"].cost_per_step)
         shares += [share for name in ("C", "E", "F") if name in runs
-                   and (share := wall_share(runs[name])) is not None]
+                   and (share := runs[name].wall_share) is not None]
     if ratios:
         text.append(f"The note's correction doubled the run time (× {note.COST_OF_CORRECTION:g}). Here a step of C takes "
                     f"{span(ratios, '.2f')} times as long as one of D, which differ in the correction alone.")

@@ -3,15 +3,14 @@ import argparse
 from html import escape
 from pathlib import Path
 
-from .. import pages
-from . import fit, report, table
+import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from .. import pages, plots, style
+from . import orders, table
 from .cases import Run, of_size
-from .figures import resolution
-from .figures import rti as figures
-from .options import chosen, sizes
-from .report import percent, said
-from .results import history, number
-from .runner import COMPLETED, Outcome
+from .outcomes import COMPLETED, Outcome
+from .parts import chosen, percent, said, sizes, state_class
 
 NAME = "rti"
 TITLE = "Metal over silicate: which scheme survives"
@@ -35,6 +34,7 @@ GROWTH, OVERTURN = "growth", "overturn"
 VISCOSITY = ("rti.viscosity_upper=6e11", "rti.viscosity_lower=6e11")
 # The input's 3.5 spacings are for the Wendland kernel of rti: the quintic of the others would reach 10.5 particles far.
 OWN_SUPPORT = "kernel.h_over_dx=0"
+TWO_AND_LEGEND = {"width_ratios": (1.0, 1.0, 0.28)}  # panels
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -73,19 +73,21 @@ def judged(one: dict) -> dict[str, tuple[float, float]]:
 
 
 def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
-    metrics = outcome.summary.get("metrics") or {}
-    growth, theory = number(metrics, "growth_rate"), number(metrics, "growth_rate_theory")
-    is_growth = outcome.case.file == GROWTH
-    last = {name: float(values[-1]) for name, values in history(outcome.folder).items()}  # for a run that stopped
+    last = {name: float(values[-1]) for name, values in outcome.history.items()}  # for a run that stopped
+
+    def metric(name: str, column: str = "") -> float | None:
+        return outcome.number("metrics", name) or last.get(column or name)
+
     # Of a run that stopped, what it measured before is no growth rate of the whole window.
-    measured = growth if is_growth and outcome.kind == COMPLETED else None
-    return {"stopped_step": table.stopped_step(outcome), "said": table.said(outcome), "time": number(outcome.summary, "time") or last.get("time"),
-            "growth_rate": measured, "growth_theory": theory, "growth_uncertainty": number(metrics, "growth_rate_uncertainty") or 0.0,
-            "growth_error": measured / theory - 1 if measured is not None and theory else None,
-            "metal_centroid": number(metrics, "metal_centroid") or last.get("centroid"),
-            "density_ratio": [number(metrics, f"density_ratio_{end}") or last.get(f"density_ratio_{end}") for end in ("min", "max")],
-            "pressure_min": number(metrics, "pressure_min") or last.get("pressure_min"),
-            "energy_residual": number(metrics, "energy_residual") or last.get("energy_residual")}
+    growth = outcome.number("metrics", "growth_rate") if outcome.case.file == GROWTH and outcome.kind == COMPLETED else None
+    theory = outcome.number("metrics", "growth_rate_theory")
+    return {"stopped_step": table.stopped_step(outcome), "said": table.said(outcome), "time": outcome.number("time") or last.get("time"),
+            "growth_rate": growth, "growth_theory": theory,
+            "growth_uncertainty": outcome.number("metrics", "growth_rate_uncertainty") or 0.0,
+            "growth_error": growth / theory - 1 if growth is not None and theory else None,
+            "metal_centroid": metric("metal_centroid", "centroid"),
+            "density_ratio": [metric(f"density_ratio_{end}") for end in ("min", "max")],
+            "pressure_min": metric("pressure_min"), "energy_residual": metric("energy_residual")}
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
@@ -97,21 +99,20 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
             pages.section("Who survives", outcome_table(measured, names)),
             pages.section(
                 "Overturn",
-                report.drawn(figures.states(outcomes), folder / "states.png", "The last state on disk: metal bright, silicate dark."),
-                report.drawn(figures.courses(outcomes), folder / "courses.png",
+                pages.figure(states(outcomes), folder / "states.png", "The last state on disk: metal bright, silicate dark."),
+                pages.figure(courses(outcomes), folder / "courses.png",
                              "Height of the metal's centroid (a complete overturn ends near 0.25 to 0.3), and the densest and thinnest particle "
                              "over their start values. ×: the run stopped; on the edge of a panel where it was outside.")),
             pages.section(
                 "Growth",
-                report.drawn(figures.growth(outcomes), folder / "growth.png",
+                pages.figure(growth(outcomes), folder / "growth.png",
                              "Amplitude of the mode over its start, at the largest number of particles; broad grey: linear theory with "
                              "compressibility and walls. Under the notes' quintic a lattice resists shear by 0.0036 p, which slows growth by some "
                              "10 % at any number of particles: <code>--set kernel.name=wendland_c6</code> gives all schemes the kernel of rti. "
                              "×: the run stopped."),
-                report.drawn(resolution.convergence(fit.series(measured["runs"], judged),
-                                                    lambda _, name, _quantity: (name, name, figures.colour(name)),
-                                                    "|growth rate/theory − 1|"), folder / "convergence.png",
-                             f"Distance of the growth rate from linear theory; bars: uncertainty of its fit. {resolution.LINES}"),
+                pages.figure(orders.convergence(orders.series(measured["runs"], judged), lambda _, name, _quantity: (name, name, style.COLOUR[name]),
+                                                "|growth rate/theory − 1|"), folder / "convergence.png",
+                             f"Distance of the growth rate from linear theory; bars: uncertainty of its fit. {orders.LINES}"),
                 growth_table(measured, names))]
 
 
@@ -123,13 +124,13 @@ def outcome_table(measured: dict, names: list[str]) -> str:
         low, high = one["density_ratio"]
         return "–" if low is None or high is None else f"{low:.2f} to {high:.2f}"
 
-    of_overturn = {"overturn": lambda one: pages.cell(escape(one["said"]), report.state_class(one["outcome"])),
+    of_overturn = {"overturn": lambda one: pages.cell(escape(one["said"]), state_class(one["outcome"])),
                    "until": lambda one: pages.number(said(one["time"], "{:.0f} s")), "why": lambda one: pages.cell(escape(cause(one["reason"]))),
                    "centroid/L": lambda one: pages.number(said(one["metal_centroid"], "{:.3f}")), "ρ/ρ_start": lambda one: pages.number(ratio(one)),
                    "energy residual": lambda one: pages.error(one["energy_residual"] if one["outcome"] == COMPLETED else None,
                                                               said(one["energy_residual"], "{:.1e}")),
                    "seconds": lambda one: pages.number(said(one["seconds"]))}
-    columns = {"Scheme": lambda name: pages.name(name, figures.colour(name)),
+    columns = {"Scheme": lambda name: pages.name(name, style.COLOUR[name]),
                "growth rate, error": lambda name: growth_cell(finest.get(name)),
                **{head: lambda name, made=made: made(over[name]) if name in over else pages.cell("") for head, made in of_overturn.items()}}
     return pages.columns(names, columns) + pages.error_key("Of a run that stopped: as on the last line of its history.")
@@ -167,9 +168,9 @@ def growth_table(measured: dict, names: list[str]) -> str:
     runs = {(one["variant"], one["n"]): one for one in measured["runs"] if one["case"] == GROWTH}
     columns = {"Scheme": pages.name,
                **{f"error, n = {n}": lambda name, n=n: growth_cell(runs.get((name, n))) for n in sorted({n for _, n in runs})},
-               "order": lambda name: pages.number(fit.order_of(measured, GROWTH, name))}
+               "order": lambda name: pages.number(orders.of(measured, GROWTH, name))}
     theory = next((one["growth_theory"] for one in measured["runs"] if one["growth_theory"]), None)
-    return pages.columns(names, columns) + fit.note(measured) + (pages.small(f"Linear theory: {theory:.6g} 1/s.") if theory else "")
+    return pages.columns(names, columns) + orders.note(measured) + (pages.small(f"Linear theory: {theory:.6g} 1/s.") if theory else "")
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
@@ -181,3 +182,89 @@ def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
         lines.append(f"{one['variant']:<18}{one['case']:<10}{one['n']:>4}  {one['outcome']:<11}{until:>8}  {growth:>13}{centroid:>10}  "
                      f"{short(one['reason'])}")
     return lines
+
+
+def look(name: str) -> dict:
+    return {"color": style.COLOUR[name], "linestyle": (0, (4, 2)) if name in style.DASHED else "-", "linewidth": 1.4}
+
+
+def legend(axes, title: str) -> None:
+    """Of the first panel, in the last."""
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[-1].set_axis_off()
+    axes[-1].legend(handles, labels, loc="center left", fontsize=8.5, title=title, alignment="left", handlelength=3)
+
+
+def states(outcomes: list[Outcome]):
+    runs = [o for o in outcomes if o.case.file == OVERTURN and o.snapshot and "Material" in o.snapshot]
+    if not runs:
+        return None
+    figure, axes = style.map_panels(len(runs), 1.0, 5, bars=False)
+    for ax, o in zip(axes, runs):
+        plots.draw_map(ax, o.snapshot.map("Material"), "Material", "", (0, 1), bar=False)
+        until = o.number("time")
+        said = "complete" if o.kind == COMPLETED else "stopped" if until is None else f"stopped at {until:.0f} s"
+        ax.set_title(o.case.variant, pad=15)
+        ax.text(0, 1.02, f"t = {o.snapshot.time:.0f} s, {said}", transform=ax.transAxes, fontsize=8,
+                color=style.GREY if o.kind == COMPLETED else style.ALARM)
+        ax.set(xticks=[], yticks=[], xlabel="", ylabel="")
+    return figure
+
+
+def courses(outcomes: list[Outcome]):
+    runs = [(o, columns) for o in outcomes if o.case.file == OVERTURN and (columns := o.history)]
+    if not runs:
+        return None
+    figure, axes = style.panels(3, 3, 3.6, gridspec_kw=TWO_AND_LEGEND)
+    for o, columns in runs:
+        t = columns["time"]
+        axes[0].plot(t, columns["centroid"], label=o.case.variant, **look(o.case.variant))
+        axes[1].plot(t, columns["density_ratio_max"], **look(o.case.variant))
+        axes[1].plot(t, columns["density_ratio_min"], **look(o.case.variant))
+    # A density that has run away would press the others into a line.
+    axes[1].set_ylim(max(0.5, axes[1].get_ylim()[0]), min(2.0, axes[1].get_ylim()[1]))
+    for ax, label in zip(axes, ("centroid of the metal/L", "ρ/ρ_start, largest and least")):
+        ax.set(xlabel="time (s)", ylabel=label)
+        ax.set_xlim(left=0)
+    for o, columns in runs:
+        if o.kind != COMPLETED:  # up to some steps after the last line of its history
+            for ax, quantity in ((axes[0], "centroid"), (axes[1], "density_ratio_max")):
+                style.stopped(ax, o.number("time") or columns["time"][-1], columns[quantity][-1], style.COLOUR[o.case.variant])
+    legend(axes, "Scheme")
+    return figure
+
+
+def growth(outcomes: list[Outcome]):
+    finest = max((o.case.n for o in outcomes if o.case.file == GROWTH), default=0)
+    runs = [(o, columns) for o in outcomes if o.case.file == GROWTH and o.case.n == finest and (columns := o.history)]
+    if not runs:
+        return None
+    figure, axes = style.panels(3, 3, 3.4, gridspec_kw=TWO_AND_LEGEND)
+    rates = [rate for o, _ in runs if (rate := o.number("metrics", "growth_rate_theory"))]
+    end = max(columns["time"][-1] for _, columns in runs)
+    if rates:
+        t = np.array([0.0, end])
+        axes[0].plot(t, np.exp(rates[0] * t), color=style.GREY, linewidth=5, alpha=0.35, zorder=1)
+    stops, ratios = [], [1.0]
+    for o, columns in runs:
+        amplitude = columns["mode_amplitude"] / columns["mode_amplitude"][0]
+        good = amplitude > 0
+        t, amplitude = columns["time"][good], amplitude[good]
+        axes[0].plot(t, amplitude, label=o.case.variant, **look(o.case.variant))
+        if rates:
+            ratio = amplitude / np.exp(rates[0] * t)
+            axes[1].plot(t, ratio, **look(o.case.variant))
+            ratios.extend(ratio)
+        if o.kind != COMPLETED:
+            stops.append((o.number("time") or t[-1], amplitude[-1], style.COLOUR[o.case.variant]))
+    axes[0].set_yscale("log")
+    axes[0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes[0].yaxis.set_minor_formatter(NullFormatter())
+    axes[1].set_ylim(max(0.3, 0.98 * min(ratios)), min(1.5, 1.02 * max(ratios)))
+    for ax, label in zip(axes, ("amplitude/start", "amplitude/theory")):
+        ax.set(xlabel="time (s)", ylabel=label, xlim=(0, end))
+    for stop in stops:
+        style.stopped(axes[0], *stop)
+    legend(axes, f"Scheme, n = {finest}")
+    return figure

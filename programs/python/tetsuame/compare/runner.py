@@ -9,37 +9,24 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from pathlib import Path
 
+from ..reading import beside, last_line
 from .cases import Run
+from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
 
-COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
 CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 
-@dataclass(frozen=True)
-class Outcome:
-    case: Run
-    kind: str        # COMPLETED, STOPPED (exit 3: a result), CRASHED
-    reason: str      # in words, unless completed
-    folder: Path
-    summary: dict    # summary.json; empty if there is none
-    reused: bool     # the last report's run: nothing it depends on has changed
-
-
 def run_all(cases: list[Run], given: argparse.Namespace) -> list[Outcome]:
-    """The outcomes in the order of the cases; `given`: of options.add_common."""
+    """The outcomes in the order of the cases; `given`: of study.options."""
     progress = Progress(len(cases))
-    outcomes: dict[Run, Outcome] = {}
     with ThreadPoolExecutor(given.jobs) as pool:
-        futures = {pool.submit(run_one, case, given, progress): case for case in cases}
+        futures = [pool.submit(run_one, case, given, progress) for case in cases]
         for future in as_completed(futures):
-            outcome = future.result()
-            outcomes[outcome.case] = outcome
-            progress.finished(outcome)
+            progress.finished(future.result())
     progress.end()
-    return [outcomes[case] for case in cases]
+    return [future.result() for future in futures]
 
 
 def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outcome:
@@ -49,7 +36,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
         return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
 
     mark = fingerprint(program, case)
-    record = record_of(folder)
+    record = beside(folder, ".json")
     if not given.fresh and (status := recorded_status(record, mark)) is not None:
         outcome = judge(case, folder, status, True)
         if outcome.kind != CRASHED:
@@ -63,7 +50,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
     for setting in case.settings:
         command += ["--set", setting]
     progress.started(case)
-    with open(terminal_of(folder), "w") as log:
+    with open(beside(folder, ".log"), "w") as log:
         try:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                     env=os.environ | {"OMP_NUM_THREADS": "1"},
@@ -78,41 +65,28 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
 
 def judge(case: Run, folder: Path, status: int, reused: bool) -> Outcome:
     """What the exit status and summary.json together say."""
+    summary, fault = {}, "left an empty summary.json"
     try:
         summary = json.loads((folder / "summary.json").read_text())
     except OSError:
-        summary, fault = {}, "left no summary.json"
+        fault = "left no summary.json"
     except ValueError:
-        summary, fault = {}, "left a summary.json that is no JSON"
+        fault = "left a summary.json that is no JSON"
+    said, kind = summary.get("status"), CRASHED
     if status < 0:
-        name = signal.Signals(-status).name if -status in iter(signal.Signals) else f"signal {-status}"
-        return Outcome(case, CRASHED, f"killed by {name}", folder, summary, reused)
-    if status not in (0, CALCULATION_FAILED):
-        return Outcome(case, CRASHED, f"exit {status}{last_line(folder)}", folder, summary, reused)
-    if not summary:
-        return Outcome(case, CRASHED, f"exit {status}, but {fault}", folder, summary, reused)
-    said = summary.get("status")
-    if (said == "completed") != (status == 0):
-        return Outcome(case, CRASHED, f"exit {status}, but summary.json says '{said}'", folder, summary, reused)
-    if status == 0:
-        return Outcome(case, COMPLETED, "", folder, summary, reused)
-    return Outcome(case, STOPPED, summary.get("message") or "the calculation failed", folder, summary, reused)
-
-
-def last_line(folder: Path) -> str:
-    said = terminal_of(folder)
-    lines = said.read_text(errors="replace").strip().splitlines() if said.is_file() else []
-    return f": {lines[-1].strip()[:200]}" if lines else ""
-
-
-def record_of(folder: Path) -> Path:
-    """Beside a run's folder, which belongs to the program: what compare notes of the run."""
-    return folder.with_name(folder.name + ".json")
-
-
-def terminal_of(folder: Path) -> Path:
-    """Beside a run's folder: what the program wrote to the terminal."""
-    return folder.with_name(folder.name + ".log")
+        reason = f"killed by {signal.Signals(-status).name if -status in iter(signal.Signals) else f'signal {-status}'}"
+    elif status not in (0, CALCULATION_FAILED):
+        line = last_line(beside(folder, ".log"))
+        reason = f"exit {status}" + (f": {line.strip()[:200]}" if line else "")
+    elif not summary:
+        reason = f"exit {status}, but {fault}"
+    elif (said == "completed") != (status == 0):
+        reason = f"exit {status}, but summary.json says '{said}'"
+    elif status == 0:
+        kind, reason = COMPLETED, ""
+    else:
+        kind, reason = STOPPED, summary.get("message") or "the calculation failed"
+    return Outcome(case, kind, reason, folder, summary, reused)
 
 
 def fingerprint(program: Path, case: Run) -> str:

@@ -8,20 +8,16 @@ import numpy as np
 
 from .. import pages
 from ..style import SCHEME
-from . import fit, report
+from . import orders
+from . import shock_figures as figures
 from .cases import Run, of_size
-from .figures import resolution
-from .figures import shock as figures
-from .options import chosen, sizes
-from .report import count, percent, said
-from .results import fluid, number
-from .runner import COMPLETED, Outcome
+from .outcomes import COMPLETED, Outcome
+from .parts import chosen, count, percent, said, sizes, state_class
 from .table import place
 
 NAME = "shock"
 TITLE = "SSPH, DISPH, GSPH, Godunov DISPH and REMIX on contacts and shocks"
 ABOUT = "Run the program shock with its five schemes on shock tubes and small tests in two dimensions; compare with exact solutions."
-SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,8 @@ TESTS = {
 }
 OVER = "Errors of ρ, v and p are coloured by their part of the exact field's largest value."
 WIDE = max(len(name) for name, _ in SCHEME.values()) + 2  # of a column on the terminal
-ERRORS = ("density_l1", "velocity_l1", "pressure_l1")
+# Of each L1 error its sign, and the field.
+ERRORS = {"density_l1": ("ρ", "Density"), "velocity_l1": ("v", "Velocities"), "pressure_l1": ("p", "Pressure")}
 METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate": ("growth rate", "growth_rate_theory"),
            "square_area_change": ("change of area", None), "square_corner_radius": ("corner radius/edge", None),
            "density_max": ("largest density", None)}
@@ -58,14 +55,14 @@ METRICS = {"shock_radius": ("shock radius", "shock_radius_exact"), "growth_rate"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tests", default=",".join(TESTS), metavar="NAME,…", help="tests to run (default: %(default)s)")
-    parser.add_argument("--schemes", default=",".join(SCHEMES), metavar="NAME,…", help="schemes (default: all five)")
+    parser.add_argument("--schemes", default=",".join(SCHEME), metavar="NAME,…", help="schemes (default: all five)")
     parser.add_argument("--particles", nargs="+", type=int, metavar="N",
                         help="particles along x, for every test named (default: each test's own)")
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
     tests = chosen("--tests", "test", given.tests, ",", TESTS, parser)
-    schemes = chosen("--schemes", "scheme", given.schemes, ",", SCHEMES, parser)
+    schemes = chosen("--schemes", "scheme", given.schemes, ",", SCHEME, parser)
     runs = []
     for name in tests:
         test = TESTS[name]
@@ -89,46 +86,42 @@ def judged(one: dict) -> dict[str, tuple[float, float]]:
 def row(outcome: Outcome, outcomes: list[Outcome]) -> dict | None:
     if outcome.case.variant == "reference":
         return None
-    summary, done = outcome.summary, outcome.kind == COMPLETED
-    errors = {name: number(summary, "errors", name) for name in ERRORS} if done else {}
+    done = outcome.kind == COMPLETED
+    errors = {name: outcome.number("errors", name) for name in ERRORS} if done else {}
     against = "exact solution"
     fine = next((o for o in outcomes if (o.case.file, o.case.variant, o.kind) == (outcome.case.file, "reference", COMPLETED)), None)
     if done and fine is not None:
-        errors, against = errors_against(outcome.folder, fine.folder), f"gsph with {fine.case.n} particles"
+        errors, against = l1(outcome.snapshot, fine.snapshot), f"gsph with {fine.case.n} particles"
     values = {}
     for name, (_, right) in METRICS.items():
-        value = number(summary, "metrics", name)
+        value = outcome.number("metrics", name)
         if value is not None and done:
-            exact = number(summary, "metrics", right) if right else None
+            exact = outcome.number("metrics", right) if right else None
             values[name] = {"value": value, "exact": exact, "error": value / exact - 1 if exact else None}
-    return {"place": place(outcome) or None, "sizes": sizes_of(outcome, fine) if done else {}, "errors": {name: value for name, value in errors.items() if value is not None},
-            "errors_against": against if any(value is not None for value in errors.values()) else None, "metrics": values,
-            "energy_drift": number(summary, "conservation", "energy") if done else None}
+    errors = {name: value for name, value in errors.items() if value is not None}
+    return {"place": place(outcome) or None, "sizes": sizes_of(outcome, fine) if done else {}, "errors": errors,
+            "errors_against": against if errors else None, "metrics": values,
+            "energy_drift": outcome.number("conservation", "energy") if done else None}
 
 
 def sizes_of(outcome: Outcome, fine: Outcome | None) -> dict[str, float]:
     """Of each field that an L1 error is of, the largest value in the solution it is held against: the errors are shown over them."""
-    fields = fluid((fine or outcome).folder) or {}
+    fields = (fine or outcome).snapshot or {}
     ending = "" if fine else "Reference"
-    return {error: float(np.abs(fields[name + ending]).max()) for error, name in
-            (("density_l1", "Density"), ("velocity_l1", "Velocities"), ("pressure_l1", "Pressure")) if name + ending in fields}
+    return {error: float(np.abs(fields[name + ending]).max()) for error, (_, name) in ERRORS.items() if name + ending in fields}
 
 
-def errors_against(folder: Path, fine: Path) -> dict[str, float]:
-    """L1 errors in one dimension against another run: means over the volume, its values interpolated between particles."""
-    here, there = fluid(folder), fluid(fine)
-    return {} if here is None or there is None else l1(here, there)
-
-
-def l1(here: dict, there: dict) -> dict[str, float]:
+def l1(here, there) -> dict[str, float]:
+    """L1 errors in one dimension against another snapshot: means over the volume, its values interpolated between particles."""
+    if here is None or there is None:
+        return {}
     x, order = here["Coordinates"][:, 0], np.argsort(there["Coordinates"][:, 0])
     volume = here["Masses"] / here["Density"]
     errors = {}
-    for name, mine, other in (("density_l1", here["Density"], there["Density"]),
-                              ("velocity_l1", here["Velocities"][:, 0], there["Velocities"][:, 0]),
-                              ("pressure_l1", here["Pressure"], there["Pressure"])):
+    for error, (_, name) in ERRORS.items():
+        mine, other = (fields[name] if fields[name].ndim == 1 else fields[name][:, 0] for fields in (here, there))
         right = np.interp(x, there["Coordinates"][order, 0], other[order])
-        errors[name] = float((volume * np.abs(mine - right)).sum() / volume.sum())
+        errors[error] = float((volume * np.abs(mine - right)).sum() / volume.sum())
     return errors
 
 
@@ -137,30 +130,29 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     parts = [pages.paragraph("One kernel and one time integration; the schemes differ in what they smooth (mass, energy, or nothing: REMIX) and "
                              "in where dissipation comes from (artificial viscosity or Riemann problems)."),
              pages.section("At a glance", glance(measured, tests)),
-             pages.section("Convergence", report.drawn(
-                 resolution.convergence(fit.series(measured["runs"], judged), lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"),
+             pages.section("Convergence", pages.figure(
+                 orders.convergence(orders.series(measured["runs"], judged), lambda test, scheme, _: (test, *SCHEME[scheme]), "L1 error"),
                  folder / "convergence.png",
-                 f"Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. {resolution.LINES}"))]
+                 f"Mean of |ρ − ρ_exact| over the volume, of the vortex |v − v_exact|. {orders.LINES}"))]
     parts += [pages.section(f"{test.replace('_', ' ')}: {TESTS[test].about}",
-                            report.drawn(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
+                            pages.figure(figures.state(outcomes, test), folder / f"{test}.png", figures.caption(outcomes, test)),
                             test_table(measured, test)) for test in tests]
-    return [*parts, pages.section("What it costs", report.drawn(
-        resolution.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6), folder / "cost.png",
+    return [*parts, pages.section("What it costs", pages.figure(
+        orders.cost(measured["runs"], SCHEME, "updates_per_second", "million particle updates a second", 1e6), folder / "cost.png",
         "Particle updates (particles times right-hand sides) a second at each test's largest number of particles, one thread; other work on "
         "the machine shows in it."))]
 
 
 def glance(measured: dict, tests: list[str]) -> str:
     """Each test at its finest resolution: the density's error, or what stands for it; the least is bold."""
-    schemes = [s for s in SCHEMES if any(one["variant"] == s for one in measured["runs"])]
+    schemes = [s for s in SCHEME if any(one["variant"] == s for one in measured["runs"])]
     rows = []
     for test in tests:
         runs = [one for one in measured["runs"] if one["case"] == test]
         finest = max(one["n"] for one in runs)
         by_scheme = {one["variant"]: one for one in runs if one["n"] == finest}
         name = headline(list(by_scheme.values()))
-        values = {s: size(one, name) for s, one in by_scheme.items()}
-        least = min((v for v in values.values() if v is not None), default=None)
+        least = min((size for one in by_scheme.values() if (size := measure(one, name)[0]) is not None), default=None)
 
         def result(scheme: str) -> str:
             one = by_scheme.get(scheme)
@@ -168,8 +160,9 @@ def glance(measured: dict, tests: list[str]) -> str:
                 return pages.cell("")
             if one["outcome"] != COMPLETED:
                 return pages.cell(escape(", ".join(filter(None, (one["outcome"], one["place"])))), "stop")
-            best = values[scheme] is not None and values[scheme] <= max(1.001 * least, 1e-9)
-            return pages.error(relative(one, name), headline_text(one, name), "best" if best else "")
+            size, relative, text = measure(one, name)
+            best = size is not None and size <= max(1.001 * least, 1e-9)
+            return pages.error(relative, text, "best" if best else "")
 
         rows.append([pages.name(test), pages.number(finest), pages.cell(headline_name(name)), *map(result, schemes)])
     return pages.table(["Test", "n", "measure", *(SCHEME[s][0] for s in schemes)], rows) + \
@@ -186,32 +179,16 @@ def headline(runs: list[dict]) -> str:
 
 
 def headline_name(name: str) -> str:
-    return f"{METRICS[name][0]}{', error' if METRICS[name][1] else ''}" if name in METRICS else \
-        {"density_l1": "L1 error of ρ", "velocity_l1": "L1 error of v"}[name]
+    return f"{METRICS[name][0]}{', error' if METRICS[name][1] else ''}" if name in METRICS else f"L1 error of {ERRORS[name][0]}"
 
 
-def size(one: dict, name: str) -> float | None:
-    if name in METRICS:
-        value = one["metrics"].get(name)
-        if value is None:
-            return None
-        return abs(value["error"] if value["exact"] else value["value"])
-    return one["errors"].get(name)
-
-
-def relative(one: dict, name: str) -> float | None:
-    """size() of a measure; of an L1 error over the largest value of its field."""
-    value = size(one, name)
-    if name in METRICS or value is None:
-        return value
-    return value / one["sizes"][name] if one["sizes"].get(name) else None
-
-
-def headline_text(one: dict, name: str) -> str:
-    value = one["metrics"].get(name) if name in METRICS else None
-    if value is not None:
-        return percent(value["error"] if value["exact"] else value["value"])
-    return scientific(one["errors"].get(name))
+def measure(one: dict, name: str) -> tuple[float | None, float | None, str]:
+    """A measure's size, the size of which it has its colour (of an L1 error over the largest value of its field), and its text."""
+    if name in METRICS and (value := one["metrics"].get(name)) is not None:
+        shown = value["error"] if value["exact"] else value["value"]
+        return abs(shown), abs(shown), percent(shown)
+    size, largest = one["errors"].get(name), one["sizes"].get(name)
+    return size, size / largest if size is not None and largest else None, scientific(size)
 
 
 def scientific(value: float | None) -> str:
@@ -219,7 +196,7 @@ def scientific(value: float | None) -> str:
 
 
 def test_table(measured: dict, test: str) -> str:
-    runs = sorted((one for one in measured["runs"] if one["case"] == test), key=lambda one: (SCHEMES.index(one["variant"]), one["n"]))
+    runs = sorted((one for one in measured["runs"] if one["case"] == test), key=lambda one: (list(SCHEME).index(one["variant"]), one["n"]))
     finest = max(one["n"] for one in runs)
 
     def metric(one: dict, name: str) -> str:
@@ -230,14 +207,13 @@ def test_table(measured: dict, test: str) -> str:
         return pages.error(value["error"], text)
 
     def order(one: dict) -> str:
-        return pages.number(fit.order_of(measured, test, one["variant"]) if one["n"] == finest else "")
+        return pages.number(orders.of(measured, test, one["variant"]) if one["n"] == finest else "")
 
     def outcome(one: dict) -> str:
         text = one["outcome"] if one["outcome"] == COMPLETED else f"{one['outcome']}: {one['reason']}"
-        return pages.cell(escape(text), report.state_class(one["outcome"]))
+        return pages.cell(escape(text), state_class(one["outcome"]))
 
-    names = {"density_l1": "L1 of ρ", "velocity_l1": "L1 of v", "pressure_l1": "L1 of p"}
-    errors = {names[name]: lambda one, name=name: pages.error(relative(one, name), scientific(one["errors"].get(name)))
+    errors = {f"L1 of {ERRORS[name][0]}": lambda one, name=name: pages.error(*measure(one, name)[1:])
               for name in ERRORS if any(name in one["errors"] for one in runs)}
     metrics = {METRICS[name][0]: lambda one, name=name: metric(one, name)
                for name in METRICS if any(name in one["metrics"] for one in runs)}
@@ -250,16 +226,16 @@ def test_table(measured: dict, test: str) -> str:
     note = "" if not against else f"the {against}." if against.startswith("exact") else f"{against}: what both have wrong does not show."
     none = errors and any(one["order"] is None for one in measured["orders"] if one["case"] == test)
     return pages.columns(runs, columns, "wide", lambda one: one["variant"]) + \
-        pages.small(" ".join(filter(None, (f"Errors against {escape(note)}" if note else "", fit.WHY_NONE if none else ""))))
+        pages.small(" ".join(filter(None, (f"Errors against {escape(note)}" if note else "", orders.WHY_NONE if none else ""))))
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
-    lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>{WIDE}}" for s in SCHEMES)]
+    lines = [f"{'test':<19}{'n':>5}  {'measure':<24}" + "".join(f"{SCHEME[s][0]:>{WIDE}}" for s in SCHEME)]
     for test in dict.fromkeys(one["case"] for one in measured["runs"]):
         for n in sorted({one["n"] for one in measured["runs"] if one["case"] == test}):
             runs = {one["variant"]: one for one in measured["runs"] if one["case"] == test and one["n"] == n}
             name = headline(list(runs.values()))
-            cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else headline_text(runs[s], name)):>{WIDE}}"
-                            for s in SCHEMES)
+            cells = "".join(f"{('' if s not in runs else runs[s]['outcome'] if runs[s]['outcome'] != COMPLETED else measure(runs[s], name)[2]):>{WIDE}}"
+                            for s in SCHEME)
             lines.append(f"{test:<19}{n:>5}  {headline_name(name):<24}{cells}")
     return lines

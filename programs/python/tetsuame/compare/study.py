@@ -10,27 +10,52 @@ import argparse
 import hashlib
 import json
 import math
+import os
+import platform
+from html import escape
 from pathlib import Path
 
 from .. import ROOT, pages
-from . import convection, fit, hydrostatic, options, report, results, rti, runner, shock, table
+from ..reading import beside
+from . import convection, hydrostatic, orders, rti, runner, shock, table
+from .outcomes import COMPLETED, CRASHED, Outcome
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
 
 
-def main(arguments: list[str]) -> int:
-    name, arguments = (arguments[0], arguments[1:]) if arguments and arguments[0] in SUBJECTS else ("", arguments)
-    subject = SUBJECTS.get(name, hydrostatic)
-    command = f"./run compare {name}".strip()
-    parser = argparse.ArgumentParser(prog=command, description=subject.ABOUT,
+def options(name: str, subject) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog=f"./run compare {name}".strip(), description=subject.ABOUT,
                                      epilog="Exit status: 0 when every run ended as a calculation does (a divergence is a result), "
                                             "1 when a program crashed, 2 for a mistake on this command line.")
     subject.add_options(parser)
     if name:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
-    options.add_common(parser, ROOT, f"output/compare/{name}".rstrip("/"))
+    parser.add_argument("--output", default=f"output/compare/{name}".rstrip("/"), metavar="DIR", type=Path,
+                        help="where report.html goes (default: %(default)s)")
+    parser.add_argument("--jobs", default=len(os.sched_getaffinity(0)), type=int, metavar="N",
+                        help="programs at a time, one thread each (default: the number of cores, %(default)s)")
+    parser.add_argument("--set", dest="settings", action="append", default=[], metavar="GROUP.KEY=VALUE",
+                        help="a setting for every run; may be repeated")
+    parser.add_argument("--binaries", default=ROOT / "build" / "programs", metavar="DIR", type=Path,
+                        help="folder of the programs (default: build/programs)")
+    parser.add_argument("--time-limit", default=3600.0, type=float, metavar="S",
+                        help="seconds after which a run counts as crashed (default: %(default)g)")
+    parser.add_argument("--fresh", action="store_true",
+                        help="run again also what has not changed since the last report")
+    return parser
+
+
+def main(arguments: list[str]) -> int:
+    name, arguments = (arguments[0], arguments[1:]) if arguments and arguments[0] in SUBJECTS else ("", arguments)
+    subject = SUBJECTS.get(name, hydrostatic)
+    parser = options(name, subject)
     given = parser.parse_args(arguments)
-    options.check_common(given, parser)
+    if given.jobs < 1:
+        parser.error("--jobs: needs at least 1")
+    for setting in given.settings:
+        group, _, rest = setting.partition(".")
+        if not group or "=" not in rest:
+            parser.error(f"--set: '{setting}' is not of the form group.key=value")
     runs = subject.plan(given, ROOT, parser)
     if not runs:
         parser.error("nothing to run")
@@ -39,7 +64,7 @@ def main(arguments: list[str]) -> int:
     measured = None
     if name:
         runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
-        measured = {"study": name, "runs": runs, "orders": fit.orders(runs, subject.judged)}
+        measured = {"study": name, "runs": runs, "orders": orders.entries(runs, subject.judged)}
 
     # The page is written only when the runs that it shows, or what writes it, have changed.
     mark, stamp, target = fingerprint(outcomes), given.output / "report.stamp", given.output / "report.html"
@@ -47,37 +72,74 @@ def main(arguments: list[str]) -> int:
     if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
         stamp.unlink(missing_ok=True)
         again = arguments if name else [word for setting in given.settings for word in ("--set", setting)]
-        target.write_text(page(subject, outcomes, measured, given, " ".join([command, *again])), encoding="utf-8")
+        target.write_text(page(subject, outcomes, measured, given, " ".join([parser.prog, *again])), encoding="utf-8")
         stamp.write_text(mark)
-    print("\n".join(subject.terminal(outcomes, measured) + report.crash_lines(outcomes)))
+    print("\n".join(subject.terminal(outcomes, measured) + crash_lines(outcomes)))
     if unchanged:
         print("Nothing has changed since these runs; --fresh runs them again.")
     print(f"Report: {target}")
-    return 1 if any(outcome.kind == runner.CRASHED for outcome in outcomes) else 0  # a crash is none of the results
+    return 1 if any(outcome.kind == CRASHED for outcome in outcomes) else 0  # a crash is none of the results
 
 
-def common(outcome: runner.Outcome) -> dict:
+def common(outcome: Outcome) -> dict:
     """What results.json has of every run."""
     return {"case": outcome.case.file, "variant": outcome.case.variant, "n": outcome.case.n, "outcome": table.verdict(outcome),
-            "reason": outcome.reason or None, **results.cost(outcome)}
+            "reason": outcome.reason or None, "right_hand_sides": outcome.number("rhs_evaluations"),
+            "seconds": outcome.number("stepping_seconds") or outcome.number("wall_seconds"),
+            "updates_per_second": outcome.number("particle_updates_per_second")}
 
 
-def page(subject, outcomes: list[runner.Outcome], measured: dict | None, given: argparse.Namespace, again: str) -> str:
+def page(subject, outcomes: list[Outcome], measured: dict | None, given: argparse.Namespace, again: str) -> str:
     if measured is not None:
         (given.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
     for old in given.output.glob("*.png"):
         old.unlink()
-    parts = [pages.head(subject.TITLE, report.facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), report.crashes(outcomes),
-             *subject.sections(outcomes, measured, given.output), report.reasons(outcomes),
+    parts = [pages.head(subject.TITLE, facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), crashes(outcomes),
+             *subject.sections(outcomes, measured, given.output), reasons(outcomes),
              pages.section("To see it again", pages.commands(again + getattr(subject, "AGAIN", "")))]
     return pages.document(subject.TITLE, parts)
 
 
-def fingerprint(outcomes: list[runner.Outcome]) -> str:
+def facts(outcomes: list[Outcome], settings: tuple[str, ...]) -> list[str]:
+    versions = sorted({str(o.summary["version"]) for o in outcomes if o.summary.get("version")})
+    counts = [f"{sum(o.kind == kind for o in outcomes)} {word}" for kind, word in
+              ((COMPLETED, "completed"), ("stopped", "stopped by their own checks"), (CRASHED, "crashed"))
+              if any(o.kind == kind for o in outcomes)]
+    return [f"version {', '.join(versions)}" if versions else "", f"{len(outcomes)} runs: {', '.join(counts)}", platform.machine(),
+            f"settings: {escape(', '.join(settings))}" if settings else ""]
+
+
+def crashes(outcomes: list[Outcome]) -> str:
+    return "\n".join(pages.paragraph(f"Crashed: {escape(o.case.label)} on file {escape(o.case.file)}: {escape(o.reason)}. "
+                                     "This is a fault of the program, not a result.", "bad") for o in outcomes if o.kind == CRASHED)
+
+
+def crash_lines(outcomes: list[Outcome]) -> list[str]:
+    """For the terminal."""
+    lines = []
+    for o in outcomes:
+        if o.kind == CRASHED:
+            lines.append(f"CRASHED: {o.case.label} on file {o.case.file}: {o.reason}")
+            if (said := beside(o.folder, ".log")).is_file():
+                lines.append(f"         what it said: {said}")
+    return lines
+
+
+def reasons(outcomes: list[Outcome]) -> str:
+    """What the runs that stopped said, once for those that said the same."""
+    said: dict[str, list[str]] = {}
+    for outcome in outcomes:
+        if outcome.kind not in (COMPLETED, CRASHED):
+            said.setdefault(outcome.reason, []).append(f"{outcome.case.label} on {outcome.case.file}")
+    items = [f"{escape('; '.join(names))}: <code>{escape(reason)}</code>" for reason, names in said.items()]
+    return pages.section("What the programs said when they stopped", pages.listed(items, "small")) if items else ""
+
+
+def fingerprint(outcomes: list[Outcome]) -> str:
     """Changes with the runs that the report shows and with what writes it."""
     digest = hashlib.sha256()
     for outcome in outcomes:
-        record = runner.record_of(outcome.folder)
+        record = beside(outcome.folder, ".json")
         digest.update(f"{outcome.case.folder} {outcome.kind}".encode())
         digest.update(record.read_bytes() if record.is_file() else b"-")
     for source in sorted(Path(__file__).parents[1].rglob("*")):

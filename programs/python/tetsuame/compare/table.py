@@ -1,30 +1,28 @@
 """The tables: what each run gave, for the terminal and as CSV."""
-import csv
 import re
 import sys
-from pathlib import Path
 
 from . import note
-from .results import cost_per_step, number, resolved, wall_share
-from .runner import COMPLETED, CRASHED, STOPPED, Outcome
+from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
+
 
 def row(outcome: Outcome) -> dict:
     """Of table.csv; None where there is no value."""
-    summary, case = outcome.summary, outcome.case
+    case = outcome.case
     return {"file": case.file, "program": case.program, "variant": case.variant, "outcome": verdict(outcome),
-            "step": stopped_step(outcome), "iteration": number(summary, "diverged_iteration"), "reason": outcome.reason or None,
+            "step": stopped_step(outcome), "iteration": outcome.number("diverged_iteration"), "reason": outcome.reason or None,
             "note": note_says(outcome), "agrees": agreement(outcome), "agrees_in_place": agreement_in_place(outcome),
             "pressure_error_mean": error(outcome, "pressure_mean"), "pressure_error_max": error(outcome, "pressure_max"),
             "density_error_max": error(outcome, "density_max"),
-            "displacement_max_over_dx": error(outcome, "displacement_max_over_dx"), "steps": number(summary, "steps"),
-            "seconds_per_step": cost_per_step(outcome), "wall_correction_share": wall_share(outcome),
-            **{f"{name}_drift": number(summary, "conservation", name) for name in ("mass", "momentum", "energy")},
-            "state_hash": summary.get("state_hash")}
+            "displacement_max_over_dx": error(outcome, "displacement_max_over_dx"), "steps": outcome.number("steps"),
+            "seconds_per_step": outcome.cost_per_step, "wall_correction_share": outcome.wall_share,
+            **{f"{name}_drift": outcome.number("conservation", name) for name in ("mass", "momentum", "energy")},
+            "state_hash": outcome.summary.get("state_hash")}
 
 
 def error(outcome: Outcome, name: str) -> float | None:
     """An error of a completed run; those of a run that stopped are of a state on its way out."""
-    return number(outcome.summary, "errors", name) if outcome.kind == COMPLETED else None
+    return outcome.number("errors", name) if outcome.kind == COMPLETED else None
 
 
 def verdict(outcome: Outcome) -> str:
@@ -34,13 +32,13 @@ def verdict(outcome: Outcome) -> str:
 
 def said(outcome: Outcome) -> str:
     """As verdict(), for people: a solver that saw before its first pass that there is nothing to find has not diverged."""
-    none = outcome.kind == STOPPED and number(outcome.summary, "diverged_iteration") == 0
+    none = outcome.kind == STOPPED and outcome.number("diverged_iteration") == 0
     return "no solution" if none else verdict(outcome)
 
 
 def stopped_step(outcome: Outcome) -> int | None:
     """The step in which a calculation stopped; a failure that is no divergence has it in its message."""
-    if (step := number(outcome.summary, "diverged_step")) is not None:
+    if (step := outcome.number("diverged_step")) is not None:
         return int(step)
     said = re.match(r"step (\d+):", outcome.reason)
     return int(said[1]) if outcome.kind == STOPPED and said else None
@@ -49,7 +47,7 @@ def stopped_step(outcome: Outcome) -> int | None:
 def place(outcome: Outcome) -> str:
     """Where a calculation stopped: 'step 1, iteration 2'."""
     # Iteration 0: before the first pass.
-    parts = ("step", stopped_step(outcome)), ("iteration", number(outcome.summary, "diverged_iteration"))
+    parts = ("step", stopped_step(outcome)), ("iteration", outcome.number("diverged_iteration"))
     return ", ".join(f"{word} {value:g}" for word, value in parts if value)
 
 
@@ -78,7 +76,7 @@ def agreement_in_place(outcome: Outcome) -> str | None:
     entry = entry_of(outcome)
     if entry is None or not entry.diverged or outcome.kind != STOPPED:
         return None
-    ours = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
+    ours = stopped_step(outcome), outcome.number("diverged_iteration")
     return "yes" if ours == (entry.step, entry.iteration) else "no"
 
 
@@ -91,7 +89,7 @@ def set_otherwise(outcome: Outcome) -> list[str]:
               ("initial", "temperature", note.TEMPERATURE))
     try:
         return [f"&{group} {key} = {value:g}, the note: {noted}" for group, key, noted in wanted
-                if (value := resolved(outcome.folder, group, key)) != float(noted)]
+                if (value := outcome.setting(f"{group}.{key}")) != float(noted)]
     except (OSError, KeyError):  # a program that crashed may have left nothing
         return []
 
@@ -118,14 +116,6 @@ def accuracy_order(outcomes: list[Outcome], file: str) -> str | None:
     return text
 
 
-def write_csv(outcomes: list[Outcome], path: Path) -> None:
-    rows = [row(outcome) for outcome in outcomes]
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
-
-
 def cell(outcome: Outcome | None) -> str:
     """A run in a few characters: the mean pressure error, or where it stopped."""
     if outcome is None:
@@ -133,7 +123,7 @@ def cell(outcome: Outcome | None) -> str:
     if outcome.kind == CRASHED:
         return "CRASHED"
     if outcome.kind != COMPLETED:
-        step, iteration = stopped_step(outcome), number(outcome.summary, "diverged_iteration")
+        step, iteration = stopped_step(outcome), outcome.number("diverged_iteration")
         where = f" {step}" if step is not None and iteration != 0 else ""
         return said(outcome) + where + (f"/{iteration:g}" if iteration else "")
     value = error(outcome, "pressure_mean")

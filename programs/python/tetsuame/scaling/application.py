@@ -8,9 +8,9 @@ import sys
 import time
 from pathlib import Path
 
-from .. import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED, ROOT, pages
+from .. import COMPLETED, ROOT, pages
 from ..reading import Unreadable
-from . import analysis, plan, runner
+from . import analysis, runner
 
 
 def numbers(text: str) -> list[int]:
@@ -83,14 +83,14 @@ def study(given: argparse.Namespace) -> None:
     # A named launcher may reach other machines, so that this one's cores say nothing.
     free = given.launcher is not None or (given.ranks is not None and given.threads is not None)
     if given.launcher is not None and given.ranks is None:
-        raise runner.Refused("--launcher needs --ranks: how many there may be is not known here")
+        raise Unreadable("--launcher needs --ranks: how many there may be is not known here")
     ranks = given.ranks or powers(cores)
     threads = given.threads or ([1] if given.launcher is not None else powers(cores))
     side = given.size or (150 if given.quick else 400)
     repeats = given.repeats or (3 if given.quick else 5)
-    runs = plan.runs(ranks, threads, side, None if free else cores)
+    runs = runner.planned(ranks, threads, side, None if free else cores)
     if not runs:
-        raise runner.Refused(f"every combination needs more than this machine's {cores} cores: name both --ranks and --threads to "
+        raise Unreadable(f"every combination needs more than this machine's {cores} cores: name both --ranks and --threads to "
                             "have them run all the same")
     program, exchange = given.binaries / "disph_c", given.binaries / "exchange"
     runner.check(given.launcher or default_launcher(1), [program, exchange])
@@ -101,17 +101,15 @@ def study(given: argparse.Namespace) -> None:
 
     begin = time.monotonic()
     facts = machine()
-    readings: dict[plan.Run, list[dict]] = {run: [] for run in runs}
+    readings: dict[runner.Run, list[dict]] = {run: [] for run in runs}
     source = ROOT / "inputs/hydrostatic_13.nml"
     for n in range(repeats):
         # There and back, so that a slow drift of the machine's speed favours none.
         for run in runs if n % 2 == 0 else runs[::-1]:
-            if run.copies:
-                readings[run].append(runner.measure_copies(run, program, source, given.steps, work))
-                continue
             launcher = given.launcher or default_launcher(run.cores)
-            readings[run].append(runner.measure(run, launcher, program, source, given.steps, work))
-        runner.say(f"round {n + 1} of {repeats}, {len(runs)} runs each, {time.monotonic() - begin:.0f} s")
+            readings[run].append(runner.measure_copies(run, program, source, given.steps, work) if run.copies else
+                                 runner.measure(run, launcher, program, source, given.steps, work))
+        print(f"scaling: round {n + 1} of {repeats}, {len(runs)} runs each, {time.monotonic() - begin:.0f} s", file=sys.stderr, flush=True)
     rows = [analysis.result(kind, run, read, facts) for kind in ("strong", "weak", "copies") for run, read in readings.items() if kind in run.kinds]
     analysis.add_efficiency(rows)
     exchanges = [runner.exchange(r, given.launcher or default_launcher(r), exchange, work) for r in ranks if r > 1]
@@ -135,15 +133,6 @@ def report(folder: Path) -> None:
 
 def main(arguments: list[str]) -> int:
     given = parser().parse_args(arguments)
-    try:
-        study(given)
-        report(given.output)
-        return COMPLETED
-    except (runner.Refused, Unreadable) as problem:
-        status, said = BAD_INPUT, problem
-    except runner.Failed as problem:
-        status, said = FAILED, problem
-    except OSError as problem:
-        status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
-    print(f"bench --scaling: {said}", file=sys.stderr)
-    return status
+    study(given)
+    report(given.output)
+    return COMPLETED

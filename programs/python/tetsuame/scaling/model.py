@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .plan import factors
+from .runner import factors
 
 WIDTH = 3.8  # spacings: reach of the kernel (3 h, h = 1.2) and the lists' skin (0.2), as in `balance`
 

@@ -5,21 +5,26 @@ from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ... import style
-from ..results import Residuals, cost_per_step, fluid, lattice, number, representatives, residuals, stages
-from ..runner import COMPLETED, Outcome
+from .. import style
+from .outcomes import COMPLETED, Outcome, Residuals, representatives, residuals
 
 # ---- pressure error against depth, from the last snapshots: one panel for each input ----------------------------------
 
 ROUND_OFF = 1e-16  # smaller errors, zero too, are drawn here
 
 
-def by_row(fields: dict, height: float, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+def spacing_of(outcome: Outcome) -> float:
+    """Of the start lattice, m."""
+    return outcome.snapshot.lengths[1] / outcome.setting("domain.particles_y")
+
+
+def by_row(outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
     """Depth (km) of each row of the start lattice, and the mean relative pressure error in it."""
-    y, reference = fields["Coordinates"][:, 1], fields["PressureReference"]
+    snapshot, height, spacing = outcome.snapshot, outcome.snapshot.lengths[1], spacing_of(outcome)
+    y, reference = snapshot["Coordinates"][:, 1], snapshot["PressureReference"]
     rows = round(height / spacing)
     row = np.clip(np.floor(y / spacing).astype(int), 0, rows - 1)
-    relative = np.abs(fields["Pressure"] - reference) / np.abs(reference)
+    relative = np.abs(snapshot["Pressure"] - reference) / np.abs(reference)
     count = np.bincount(row, minlength=rows)
     full = count > 0
     mean = np.bincount(row, relative, minlength=rows)[full] / count[full]
@@ -28,33 +33,26 @@ def by_row(fields: dict, height: float, spacing: float) -> tuple[np.ndarray, np.
 
 
 def pressure(outcomes: list[Outcome], files: list[str]):
-    curves = {}
-    for file in files:
-        for outcome in representatives(outcomes, file):
-            fields = fluid(outcome.folder)
-            if fields is not None and "PressureReference" in fields:
-                (_, height), spacing = lattice(outcome.folder)
-                curves.setdefault(file, []).append((outcome.case, by_row(fields, height, spacing)))
+    shown = ((file, [o for o in representatives(outcomes, file) if o.snapshot and "PressureReference" in o.snapshot]) for file in files)
+    curves = {file: runs for file, runs in shown if runs}
     if not curves:
         return None
     # One panel more than there are inputs holds the legend.
-    figure, axes = style.panels(len(curves) + 1, 3, 3.1, sharex=True, sharey=True)
+    figure, axes = style.panels(len(curves) + 1, 3, 3.1, "depth (km)", sharex=True, sharey=True)
     handles = {}
-    for ax, (file, lines) in zip(axes, curves.items()):
-        for case, (depth, error) in lines:
-            label = f"{case.program} (cured)" if case.variant else case.program
-            handles[label], = ax.plot(error, depth, **style.line(case.program), label=label)
+    for ax, (file, runs) in zip(axes, curves.items()):
+        for o in runs:
+            depth, error = by_row(o)
+            label = f"{o.case.program} (cured)" if o.case.variant else o.case.program
+            handles[label], = ax.plot(error, depth, **style.line(o.case.program), label=label)
         ax.set_title(f"File {file}")
-    axes[0].set_xscale("log")
-    axes[0].set_xlim(ROUND_OFF / 3, 1)
+    axes[0].set(xscale="log", xlim=(ROUND_OFF / 3, 1))
     axes[0].set_ylim(bottom=0)
     axes[0].invert_yaxis()
     for ax in axes[:-1]:
         ax.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1], ["≤ 1e-16", "1e-12", "1e-8", "1e-4", ""])
         ax.tick_params(labelbottom=True)
         ax.set_xlabel("mean |p − p_ref| / p_ref in a row")
-        if ax.get_subplotspec().is_first_col():
-            ax.set_ylabel("depth (km)")
     axes[-1].set_axis_off()
     axes[-1].legend(handles=[handles[label] for label in sorted(handles)], loc="center left", title="Program",
                     alignment="left", fontsize=10, labelspacing=0.7)
@@ -70,32 +68,28 @@ COLOURS = ListedColormap(colormaps["YlOrBr"](np.linspace(0.1, 0.72, 256)))
 
 
 def displacement(outcomes: list[Outcome], file: str):
-    states = [(outcome, fields) for outcome in representatives(outcomes, file)
-              if (fields := fluid(outcome.folder)) is not None and "Displacement" in fields]
-    if not states:
+    runs = [o for o in representatives(outcomes, file) if o.snapshot and "Displacement" in o.snapshot]
+    if not runs:
         return None
-    lengths, _ = lattice(states[0][0].folder)
-    figure, axes = style.map_panels(len(states), lengths[0] / lengths[1], bars=False, sharex=True, sharey=True)
-    norm = LogNorm(SMALLEST, LARGEST, clip=True)
-    points = None
-    for ax, (outcome, fields) in zip(axes, states):
-        points = draw_map(ax, outcome, fields, norm)
-        if ax.get_subplotspec().is_first_col():
-            ax.set_ylabel("y (km)")
+    lengths = runs[0].snapshot.lengths
+    figure, axes = style.map_panels(len(runs), lengths[0] / lengths[1], bars=False, ylabel="y (km)", sharex=True, sharey=True)
+    for ax, outcome in zip(axes, runs):
+        points = draw_map(ax, outcome)
         if ax.get_subplotspec().is_last_row():
             ax.set_xlabel("x (km)")
     style.colour_bar(figure, points, axes, "|displacement| / spacing", shrink=0.75, aspect=30, pad=0.015, extend="both")
     return figure
 
 
-def draw_map(ax, outcome: Outcome, fields: dict, norm):
-    lengths, spacing = lattice(outcome.folder)
-    position, moved = fields["Coordinates"][:, :2] / 1e3, fields["Displacement"][:, :2]
+def draw_map(ax, outcome: Outcome):
+    snapshot, spacing = outcome.snapshot, spacing_of(outcome)
+    position, moved = snapshot["Coordinates"] / 1e3, snapshot["Displacement"]
     distance = np.hypot(*moved.T) / spacing
     largest = distance.max()
-    if (walls := fluid(outcome.folder, "PartType1")) is not None:
-        style.tiles(ax, walls["Coordinates"][:, :2] / 1e3, 0.3 * spacing / 1e3, color=style.FAINT)
-    points = style.tiles(ax, position, 0.92 * spacing / 1e3, array=np.maximum(distance, SMALLEST), norm=norm, cmap=COLOURS)
+    if len(walls := snapshot.wall("Coordinates")):
+        style.tiles(ax, walls / 1e3, 0.3 * spacing / 1e3, color=style.FAINT)
+    points = style.tiles(ax, position, 0.92 * spacing / 1e3, array=np.maximum(distance, SMALLEST), cmap=COLOURS,
+                         norm=LogNorm(SMALLEST, LARGEST, clip=True))
     # Below the colours' range the directions are those of round-off.
     if largest > SMALLEST:
         arrows = moved / spacing / largest * ARROW * spacing / 1e3
@@ -106,7 +100,7 @@ def draw_map(ax, outcome: Outcome, fields: dict, norm):
     said = f"largest: {largest:.1e} spacings" if largest > 0 else "none moved"
     ax.text(0, 1.015, said, transform=ax.transAxes, fontsize=8.5, color=style.GREY)
     margin = 3.2 * spacing / 1e3
-    style.as_map(ax, *((-margin, length / 1e3 + margin) for length in lengths))
+    style.as_map(ax, *((-margin, length / 1e3 + margin) for length in snapshot.lengths))
     return points
 
 
@@ -130,7 +124,7 @@ def residual(outcomes: list[Outcome], files: list[str]):
         return None
     shown_files = [file for file in files if any(outcome.case.file == file for outcome, _ in curves)]
     # One panel more than there are inputs holds the legend.
-    figure, axes = style.panels(len(shown_files) + 1, 3, 2.9)
+    figure, axes = style.panels(len(shown_files) + 1, 3, 2.9, "largest |ln(Y_new/Y)|")
     for ax, file in zip(axes, shown_files):
         crosses: list = []
         ax.set_yscale("log")
@@ -139,15 +133,12 @@ def residual(outcomes: list[Outcome], files: list[str]):
                 draw_line(ax, outcome, history, crosses)
         if not ax.lines:  # nothing but crosses
             ax.set_ylim(1e-3, 1.0)
-        ends = [*ax.get_xlim(), *(x for x, *_ in crosses)] if ax.lines else [x for x, *_ in crosses]
+        ends = [*(ax.get_xlim() if ax.lines else ()), *(x for x, *_ in crosses)]
         ax.set_xlim(min(min(ends) - 0.3, 0.7), max(max(ends) + 0.3, 2.3))
         for cross in crosses:
             style.stopped(ax, *cross)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-        ax.set_title(f"File {file}")
-        ax.set_xlabel("pass")
-        if ax.get_subplotspec().is_first_col():
-            ax.set_ylabel("largest |ln(Y_new/Y)|")
+        ax.set(title=f"File {file}", xlabel="pass")
     draw_legend(axes[-1], curves)
     return figure
 
@@ -168,7 +159,7 @@ def draw_line(ax, outcome: Outcome, history: Residuals, crosses: list) -> None:
             marker="o" if len(passes) == 1 else None, markersize=3.5)
     if stopped and good[-1]:
         crosses.append((passes[-1], values[-1], colour))
-    growth = number(outcome.summary, "metrics", "hosono_growth_predicted")
+    growth = outcome.number("metrics", "hosono_growth_predicted")
     if not variant and growth is not None and growth > 1:
         # From the first residual, as many passes as were made, at least two so that the slope is seen.
         line = np.arange(passes[0], passes[0] + max(len(passes), 2))
@@ -193,20 +184,16 @@ def draw_legend(ax, curves: list) -> None:
 SMALL, MOST = 0.01, 6  # of the time of all runs: stages below are not told apart; nor more than so many
 
 
-def input_shown(outcomes: list[Outcome], files: list[str]) -> str | None:
-    """The input with most completed runs, the last of equals: cost depends little on the input."""
-    timed = [o.case.file for o in outcomes if o.kind == COMPLETED and cost_per_step(o)]
-    return max(reversed(files), key=timed.count) if timed else None
-
-
 def cost(outcomes: list[Outcome], files: list[str]):
-    file = input_shown(outcomes, files)
-    if file is None:
+    """Of the input with most completed runs, the last of equals: cost depends little on the input."""
+    timed = [o.case.file for o in outcomes if o.kind == COMPLETED and o.cost_per_step]
+    if not timed:
         return None
-    runs = [o for o in representatives(outcomes, file) if cost_per_step(o)]
+    file = max(reversed(files), key=timed.count)
+    runs = [o for o in representatives(outcomes, file) if o.cost_per_step]
     total: dict[str, float] = {}
     for outcome in runs:
-        for name, seconds in stages(outcome).items():
+        for name, seconds in outcome.stages.items():
             total[name] = total.get(name, 0.0) + seconds
     walls = [name for name in total if name.startswith("wall")]
     seen = [name for name in total if name not in walls and total[name] > SMALL * sum(total.values())]
@@ -216,7 +203,7 @@ def cost(outcomes: list[Outcome], files: list[str]):
     parts = {"wall correction": (style.STAGE["walls"], walls)} | \
         {name.replace("_", " "): (style.STAGE.get(name, style.GREY), [name]) for name in others}
     rest = [name for name in total if name not in {*walls, *others}]
-    milliseconds = {label: (colour, [1e3 * sum(stages(o).get(name, 0.0) for name in names) / o.summary["steps"] for o in runs])
+    milliseconds = {label: (colour, [1e3 * sum(o.stages.get(name, 0.0) for name in names) / o.summary["steps"] for o in runs])
                     for label, (colour, names) in (parts | {"everything else": (style.STAGE["rest"], rest)}).items()}
     figure, ax, ends = style.stacked([outcome.case.label for outcome in runs], milliseconds, "time a step without output (ms), one thread",
                                      margin=1.3)
