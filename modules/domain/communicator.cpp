@@ -71,11 +71,9 @@ std::vector<double> communicator::every(std::span<const double> values) const {
 }
 
 double communicator::exact(foundation::exact_sum sum) const {
-  sum.normalise();
-  auto& chunks = sum.raw();
-  const foundation::collective timed;
-  MPI_Allreduce(MPI_IN_PLACE, chunks.data(), static_cast<int>(chunks.size()), MPI_INT64_T, MPI_SUM, comm);
-  return sum.value();
+  double result = 0.0;
+  foundation::sum_over_ranks(comm, {&sum, 1}, {&result, 1});
+  return result;
 }
 
 std::string communicator::broadcast(const std::string& text) const { return foundation::broadcast(comm, text); }

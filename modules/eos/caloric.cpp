@@ -84,16 +84,7 @@ double caloric::internal_energy(double rho, double T) const {
   return isotherm(rho).u + (T - T0_) * (c.a + 0.5 * c.b * (T + T0_));
 }
 
-double caloric::temperature(double rho, double u) const {
-  if (const auto* own = std::get_if<tillotson>(&material_)) return own->temperature(rho, u);
-  return warmed(capacity(rho), u - isotherm(rho).u);
-}
-
-// b/2 dT^2 + c_V(T0) dT = gained, in the form that stands b = 0
-double caloric::warmed(const heat& c, double gained) const {
-  const double of_T0 = c.a + c.b * T0_;
-  return T0_ + 2.0 * gained / (of_T0 + std::sqrt(of_T0 * of_T0 + 2.0 * c.b * gained));
-}
+double caloric::temperature(double rho, double u) const { return at(rho, u).T; }
 
 caloric_state caloric::at(double rho, double u) const {
   if (const auto* own = std::get_if<tillotson>(&material_)) {
@@ -104,7 +95,9 @@ caloric_state caloric::at(double rho, double u) const {
   }
   const part cold = isotherm(rho);
   const heat c = capacity(rho);
-  const double T = warmed(c, u - cold.u);
+  // b/2 dT^2 + c_V(T0) dT = gained, in the form that stands b = 0
+  const double gained = u - cold.u, of_T0 = c.a + c.b * T0_;
+  const double T = T0_ + 2.0 * gained / (of_T0 + std::sqrt(of_T0 * of_T0 + 2.0 * c.b * gained));
   const properties s = evaluate(material_, rho, T);
   const double u_rho = (cold.slope + 0.5 * c.slope * c.b * (T * T - T0_ * T0_)) / rho;
   const double c2 = s.K_T / rho + s.alpha * s.K_T / s.c_V * (s.p / (rho * rho) - u_rho);

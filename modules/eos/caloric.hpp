@@ -37,7 +37,6 @@ class caloric {
   };
   part isotherm(double rho) const;
   heat capacity(double rho) const;
-  double warmed(const heat& c, double gained) const;  // K, by so many J/kg above the isotherm T0
 
   any material_;
   double rho0_ = 1.0, T0_ = 0.0;

@@ -70,7 +70,7 @@ double invert(const Eos& eos, double p, double T, const density_search& range) {
       "equation of state '{}': no density has p = {:g} Pa at T = {:g} K; with T >= 0 and at this temperature the "
       "pressure goes from {:g} Pa (at {:g} kg/m^3) to {:g} Pa (at {:g} kg/m^3): check the initial pressure and "
       "temperature, or the material's parameters",
-      eos.about.name, p, T, eos.pressure(least, T), least, eos.pressure(range.high, T), range.high));
+      eos.about.name, p, T, eos.evaluate(least, T).p, least, eos.evaluate(range.high, T).p, range.high));
 }
 
 }  // namespace tetsuame::eos

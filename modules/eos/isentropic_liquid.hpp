@@ -19,11 +19,6 @@ struct isentropic_liquid {
   double gamma0, q;           // dimensionless
   double c_V;                 // J/(kg K)
 
-  double pressure(double rho, double T) const {
-    const double L = std::log(rho / rho0);
-    return p0 + reference.at(L).p + gamma(L) * rho * c_V * (T - isentrope_temperature(L));
-  }
-
   properties evaluate(double rho, double T) const {
     const double L = std::log(rho / rho0);
     const auto isentrope = reference.at(L);

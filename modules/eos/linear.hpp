@@ -16,13 +16,9 @@ struct linear {
   double p0, rho0, K, alpha0, T0, c_V;  // Pa, kg/m^3, Pa, 1/K, K, J/(kg K)
 
   template <class R>
-  R pressure(const R& rho, const R& T) const {
-    return p0 + K * ((rho / rho0 - 1.0) + alpha0 * (T - T0));
-  }
-
-  template <class R>
   properties_of<R> evaluate(const R& rho, const R& T) const {
-    return from_derivatives<R>(rho, T, pressure(rho, T), K * rho / rho0, alpha0 * K, c_V);
+    const R p = p0 + K * ((rho / rho0 - 1.0) + alpha0 * (T - T0));
+    return from_derivatives<R>(rho, T, p, K * rho / rho0, alpha0 * K, c_V);
   }
 
   // kg/m^3; fail_calculation where the line gives no positive density.
@@ -32,7 +28,7 @@ struct linear {
       foundation::fail_calculation(fmt::format(
           "equation of state '{}': p = {:g} Pa at T = {:g} K gives the density {:g} kg/m^3; at this temperature p must "
           "be above {:g} Pa",
-          about.name, p, T, rho, pressure(0.0, T)));
+          about.name, p, T, rho, evaluate(0.0, T).p));
     return rho;
   }
 };

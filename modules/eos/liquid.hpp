@@ -26,11 +26,6 @@ struct liquid {
   Curve reference;  // isotherm at T0
   thermal_part thermal;
 
-  double pressure(double rho, double T) const {
-    const double L = std::log(rho / rho0);
-    return p0 + reference.at(L).p + gamma_rho(rho, L) * energy_difference(T, electronic(L));
-  }
-
   template <class R>
   properties_of<R> evaluate(const R& rho, const R& T) const {
     const R L = foundation::log(R(rho / rho0));

@@ -14,8 +14,6 @@ struct stiffened_gas {
   description about;
   double gamma, p_infinity, c_V;  // dimensionless, Pa, J/(kg K)
 
-  double pressure(double rho, double T) const { return (gamma - 1.0) * rho * c_V * T - p_infinity; }
-
   template <class R>
   properties_of<R> evaluate(const R& rho, const R& T) const {
     const R alpha_K = (gamma - 1.0) * rho * c_V;

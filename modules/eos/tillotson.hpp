@@ -12,8 +12,8 @@
 
 #include <eos/inversion.hpp>
 #include <eos/properties.hpp>
+#include <memory>
 #include <string_view>
-#include <vector>
 
 namespace tetsuame::eos {
 
@@ -23,6 +23,7 @@ struct tillotson_parameters {
   double a, b, E0;     // dimensionless, dimensionless, J/kg
   double E_iv, E_cv;   // J/kg: incipient and complete vaporisation
   double alpha, beta;  // dimensionless
+  double c_V;          // J/(kg K), no part of the fits: of the solid near room temperature
 };
 
 // 'iron', 'granite' or 'basalt'; fail_input for another name.
@@ -46,7 +47,6 @@ struct tillotson {
   tillotson(description about_, const tillotson_parameters& material_, double T0_, double c_V_);
 
   // Above largest_compression * rho0 all results are not a number.
-  double pressure(double rho, double T) const;
   properties evaluate(double rho, double T) const;
   // kg/m^3; fail_calculation outside the pressures of the stable branch.
   double density(double p, double T) const;
@@ -60,12 +60,8 @@ struct tillotson {
   };
   isentrope_point isentrope(double rho) const;
 
-  // At equal steps of ln(rho/rho0): u_s, ln T_s and their d/d ln rho, for cubic Hermite pieces.
-  struct node {
-    double u, u_slope, ln_T, ln_T_slope;
-  };
-  std::vector<node> table_;
-  double step_;
+  struct curves;  // of the reference isentrope
+  std::shared_ptr<const curves> curves_;
 };
 
 }  // namespace tetsuame::eos

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <exception>
 #include <foundation/agree.hpp>
+#include <foundation/waiting.hpp>
 #include <limits>
 #include <new>
+#include <vector>
 
 namespace tetsuame::foundation {
 
@@ -61,5 +64,23 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work) {
 }
 
 std::string broadcast(MPI_Comm comm, const std::string& text) { return broadcast_from(comm, 0, text); }
+
+void sum_over_ranks(MPI_Comm comm, std::span<exact_sum> sums, std::span<double> results) {
+  std::vector<std::int64_t> message;
+  for (exact_sum& sum : sums) {
+    sum.normalise();
+    message.insert(message.end(), sum.raw().begin(), sum.raw().end());
+  }
+  {
+    const collective timed;
+    MPI_Allreduce(MPI_IN_PLACE, message.data(), static_cast<int>(message.size()), MPI_INT64_T, MPI_SUM, comm);
+  }
+  auto next = message.cbegin();
+  for (double& result : results) {
+    exact_sum total;
+    for (std::int64_t& chunk : total.raw()) chunk = *next++;
+    result = total.value();
+  }
+}
 
 }  // namespace tetsuame::foundation

@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <foundation/error.hpp>
+#include <foundation/exact_sum.hpp>
 #include <functional>
+#include <span>
 #include <string>
 
 namespace tetsuame::foundation {
@@ -24,5 +26,9 @@ void on_rank_0(MPI_Comm comm, const std::function<void()>& work);
 
 // Collective. Rank 0's value, on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);
+
+// Collective. The sums over ranks of every rank's `sums`, each rounded once, in one message: the same bits for any
+// number of ranks. results.size() == sums.size(); `sums` are left normalised.
+void sum_over_ranks(MPI_Comm comm, std::span<exact_sum> sums, std::span<double> results);
 
 }  // namespace tetsuame::foundation

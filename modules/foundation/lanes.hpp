@@ -117,6 +117,7 @@ double sum(const R& a) {
 // those are compiled with an option of their own (finite-math-only), which g++ hands on to a small function that
 // calls them, and does not inline that one into others any more, whatever is asked for.
 inline double greater(double a, double b) { return b < a ? a : b; }
+inline double lesser(double a, double b) { return a < b ? a : b; }
 template <class R>
 [[gnu::always_inline]] inline R greater(const R& a, const R& b) {
 #if defined(__AVX512F__)

@@ -7,11 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <foundation/error.hpp>
-#include <integrators/reduce.hpp>
 #include <integrators/stabilised.hpp>
 #include <integrators/state_vector.hpp>
+#include <limits>
 #include <utility>
 
 namespace tetsuame::integrators {
@@ -25,94 +24,46 @@ using foundation::fail_input;
 constexpr double safety = 0.9, most_growth = 5.0;
 constexpr int most_attempts = 20;  // at one step
 
-struct release_table {
-  void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
-};
-using table_handle = std::unique_ptr<ARKodeButcherTableMem, release_table>;
-
-struct release_arkode {
-  void operator()(void* memory) const { ERKStepFree(&memory); }
-};
-using arkode_handle = std::unique_ptr<void, release_arkode>;
+using table_handle = std::unique_ptr<ARKodeButcherTableMem, freed_by<ARKodeButcherTable_Free>>;
+using arkode_handle = std::unique_ptr<void, freed_by<[](void* memory) { ERKStepFree(&memory); }>>;
 
 // A. Ralston, Math. Comp. 16, 431 (1962): of the two-stage methods of order 2 the one with the
 // smallest bound on the error; forward Euler is embedded.
-table_handle ralston_table() {
+ARKodeButcherTable ralston_table() {
   double c[] = {0.0, 2.0 / 3.0}, a[] = {0.0, 0.0, 2.0 / 3.0, 0.0}, b[] = {0.25, 0.75}, d[] = {1.0, 0.0};
-  return table_handle(ARKodeButcherTable_Create(2, 2, 1, c, a, b, d));
+  return ARKodeButcherTable_Create(2, 2, 1, c, a, b, d);
 }
 
 // C.-W. Shu, S. Osher, J. Comput. Phys. 77, 439 (1988), (2.18)
-table_handle ssp_rk3_table() {
+ARKodeButcherTable ssp_rk3_table() {
   double c[] = {0.0, 1.0, 0.5}, a[] = {0, 0, 0, 1.0, 0, 0, 0.25, 0.25, 0}, b[] = {1.0 / 6, 1.0 / 6, 2.0 / 3};
-  return table_handle(ARKodeButcherTable_Create(3, 3, 0, c, a, b, nullptr));
+  return ARKodeButcherTable_Create(3, 3, 0, c, a, b, nullptr);
 }
 
 // W. Kutta, Z. Math. Phys. 46, 435 (1901)
-table_handle rk4_table() {
+ARKodeButcherTable rk4_table() {
   double c[] = {0.0, 0.5, 0.5, 1.0}, b[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   double a[] = {0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1.0, 0};
-  return table_handle(ARKodeButcherTable_Create(4, 4, 0, c, a, b, nullptr));
+  return ARKodeButcherTable_Create(4, 4, 0, c, a, b, nullptr);
 }
 
-bool stabilised(const std::string& method) { return method == "rkl2" || method == "rkc2"; }
-bool formed_here(const std::string& method) { return stabilised(method) || method == "ab2" || method == "euler"; }
-
-table_handle table_of(const std::string& method, int order) {
-  if (formed_here(method)) return nullptr;
-  if (method == "ssp_rk3") return ssp_rk3_table();
-  if (method == "rk4") return rk4_table();
-  switch (order) {
-    case 2:
-      return ralston_table();
-    case 3:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_BOGACKI_SHAMPINE_4_2_3));
-    case 4:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_ZONNEVELD_5_3_4));
-    default:
-      return table_handle(ARKodeButcherTable_LoadERK(ARKODE_DORMAND_PRINCE_7_4_5));
-  }
-}
-
-int order_of(const explicit_options& o) {
-  const std::map<std::string, int> fixed = {{"euler", 1},   {"order_2", 2}, {"order_3", 3}, {"order_4", 4},
-                                            {"order_5", 5}, {"ab2", 2},     {"ssp_rk3", 3}, {"rk4", 4},
-                                            {"rkl2", 2},    {"rkc2", 2}};
-  if (const auto found = fixed.find(o.method); found != fixed.end()) return found->second;
-  if (o.method != "adaptive")
-    fail_input(
-        fmt::format("time integration method '{}' is unknown: give 'euler', 'order_2', 'order_3', 'order_4', "
-                    "'order_5', 'ssp_rk3', 'rk4', 'ab2', 'rkl2', 'rkc2' or 'adaptive'",
-                    o.method));
-  if (o.order < 2 || o.order > 5)
-    fail_input(fmt::format("order {} of the adaptive method is not available: give 2, 3, 4 or 5", o.order));
-  return o.order;
-}
-
-void check(const explicit_options& o, bool adaptive) {
-  if (stabilised(o.method) && o.max_stages < 3)
-    fail_input(fmt::format("max_stages must be >= 3, not {}", o.max_stages));
-  if ((adaptive || stabilised(o.method)) && !(o.rtol > 0.0 && o.rtol < 1.0))
-    fail_input(fmt::format("rtol must lie between 0 and 1, not {}", o.rtol));
-  if (!adaptive) {
-    if (!(o.dt > 0.0) || !std::isfinite(o.dt))
-      fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
-    return;
-  }
-  if (!(o.dt >= 0.0) || !std::isfinite(o.dt)) fail_input(fmt::format("the first step dt must be >= 0, not {}", o.dt));
-}
-
-// weighed: by the error control
-void check(const std::vector<field>& fields, bool weighed, bool keeps_rate, std::size_t n) {
-  for (const field& f : fields) {
-    if (keeps_rate && n > 0 && f.previous_rate == nullptr)
-      fail_input(fmt::format("method 'ab2' needs an array for the earlier rate of {}", f.name));
-    if (!(f.absolute_tolerance >= 0.0) || !(f.scale >= 0.0))
-      fail_input(fmt::format("tolerance and scale of {} must be >= 0", f.name));
-    if (weighed && f.absolute_tolerance == 0.0 && f.scale == 0.0)
-      fail_input(fmt::format(
-          "{} needs an absolute tolerance or a scale: where it vanishes a relative one means nothing", f.name));
-  }
+// What ARKODE steps by; none for the methods that are formed here.
+table_handle table_of(const explicit_options& o) {
+  const std::map<std::string, std::function<ARKodeButcherTable()>> methods{
+      {"euler", nullptr},
+      {"ab2", nullptr},
+      {"rkl2", nullptr},
+      {"rkc2", nullptr},
+      {"order_2", ralston_table},
+      {"order_3", [] { return ARKodeButcherTable_LoadERK(ARKODE_BOGACKI_SHAMPINE_4_2_3); }},
+      {"order_4", [] { return ARKodeButcherTable_LoadERK(ARKODE_ZONNEVELD_5_3_4); }},
+      {"order_5", [] { return ARKodeButcherTable_LoadERK(ARKODE_DORMAND_PRINCE_7_4_5); }},
+      {"ssp_rk3", ssp_rk3_table},
+      {"rk4", rk4_table}};
+  const auto found = methods.find(o.method == "adaptive" ? fmt::format("order_{}", o.order) : o.method);
+  if (found == methods.end())
+    fail_input(fmt::format("time integration method '{}' of order {} is unknown", o.method, o.order));
+  return table_handle(found->second ? found->second() : nullptr);
 }
 
 std::vector<double*> arrays(const std::vector<field>& fields) {
@@ -139,20 +90,19 @@ struct explicit_integrator::implementation {
   rhs_function rhs;
   limit_function limit;
   radius_function radius_bound;
-
-  int order = order_of(options);
-  bool adaptive = options.method == "adaptive" || (stabilised(options.method) && options.error_control);
-  bool is_stabilised = stabilised(options.method), is_ab2 = options.method == "ab2",
-       is_euler = options.method == "euler";
-  stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
-  table_handle table = table_of(options.method, order);
-
   double t;
+
+  bool is_ab2 = options.method == "ab2", is_euler = options.method == "euler",
+       is_stabilised = options.method == "rkl2" || options.method == "rkc2";
+  bool adaptive = options.method == "adaptive" || (is_stabilised && options.error_control);
+  stabilised_method kind = options.method == "rkc2" ? stabilised_method::rkc2 : stabilised_method::rkl2;
+  table_handle table = table_of(options);  // none: the steps are formed here
+
   double previous_error = 0.0;
   double previous_dt = 0.0;  // explicit_memory
   explicit_statistics statistics{};
 
-  sundials_context context{};
+  sundials::Context context{};
   sundials_messages messages{};
   exception_carrier thrown{};
   vector_handle home{};         // over the particle arrays; ARKODE forms every stage in it
@@ -168,395 +118,424 @@ struct explicit_integrator::implementation {
   int rhs_status = 0;              // the last value of f that was not 0
   double step_error = 0.0;         // e of the last attempt
 
-  void build();
+  // ---- setting up ------------------------------------------------------------------------------
+
+  void check_fields() const {
+    for (const field& f : fields) {
+      if (is_ab2 && n > 0 && f.previous_rate == nullptr)
+        fail_input(fmt::format("method 'ab2' needs an array for the earlier rate of {}", f.name));
+      if (adaptive && f.absolute_tolerance == 0.0 && f.scale == 0.0)
+        fail_input(fmt::format(
+            "{} needs an absolute tolerance or a scale: where it vanishes a relative one means nothing", f.name));
+    }
+  }
+
+  void build() {
+    arkode.reset();
+    start_rate.reset();
+    latest_rate.reset();
+    saved.reset();
+    spare.reset();
+    home = make_state_vector(context, communicator, arrays(fields), n);
+    // ARKODE asks for a norm a step even where the step is fixed and nobody uses it.
+    if (!adaptive) home->ops->nvwrmsnorm = [](N_Vector, N_Vector) { return 0.0; };
+    start_rate.reset(N_VClone(home.get()));
+    latest_rate.reset(N_VClone(home.get()));
+    rate_known = false;
+    if (table) {
+      set_up_arkode();
+    } else {
+      saved.reset(N_VClone(home.get()));
+      spare.reset(is_stabilised ? N_VClone(home.get()) : nullptr);
+    }
+  }
+
+  void set_up_arkode() {
+    const ARKRhsFn call_rhs = [](double at, N_Vector y, N_Vector ydot, void* data) {
+      return static_cast<implementation*>(data)->called_by_arkode(at, y, ydot);
+    };
+    const ARKEwtFn call_weights = [](N_Vector y, N_Vector w, void* data) {
+      const auto* self = static_cast<const implementation*>(data);
+      if (self->adaptive) self->weights(y, w);
+      return 0;
+    };
+    // ARKODE's only word on the error estimate; the step that follows is chosen here, not there.
+    const ARKAdaptFn note_error = [](N_Vector, double, double h, double, double, double e, double, double, int, int,
+                                     double* h_new, void* data) {
+      static_cast<implementation*>(data)->step_error = e;
+      *h_new = h;
+      return 0;
+    };
+    arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context));
+    void* m = arkode.get();
+    if (m == nullptr || !TETSUAME_KEEP_MESSAGES(ERKStepSetErrHandlerFn, m, context, messages) ||
+        ERKStepSetUserData(m, this) != ARK_SUCCESS ||
+        // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
+        ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||
+        ERKStepSetInterpolantDegree(m, 0) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
+        ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
+        ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
+        ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)
+      fail_calculation("ARKODE could not be set up: " + messages.last);
+  }
+
+  // ---- rates and states ------------------------------------------------------------------------
+
+  int evaluate(double at, N_Vector rate) {
+    ++statistics.evaluations;
+    const int status = thrown.guard(communicator, [&] { return rhs(at, values_to_overwrite(rate)); });
+    if (status != 0) rhs_status = status;
+    return status;
+  }
+
+  int called_by_arkode(double at, N_Vector state, N_Vector rate) {
+    if (std::exchange(starting, false)) {
+      N_VScale(1.0, start_rate.get(), rate);
+      first_stage = rate;
+      stages_left = table->stages - 1;
+      return 0;
+    }
+    // After the last stage ARKODE asks for the rate of the new state. A fixed step is not tried again, so
+    // that by then nobody needs the rate at its start: the new one may stand in its place.
+    if (stages_left-- == 0 && !adaptive) {
+      for (N_Vector done : {first_stage, start_rate.get(), latest_rate.get()}) forget_values(done);
+      rate_known = false;
+    }
+    if (!holds_values_of(home.get(), state)) N_VScale(1.0, state, home.get());
+    const int status = evaluate(at, rate);
+    if (status == 0) N_VScale(1.0, rate, latest_rate.get());
+    return status;
+  }
+
   // Whether the latest rate is that of the state at the end of the step. ARKODE before 7 asks for that unless the
   // table's last abscissa is 1, from 7 on it does not: then it is the last stage's, which is the same for a table whose
   // last row holds its weights (first same as last).
   bool latest_is_of_the_end() const {
-    return formed_here(options.method) || stages_left < 0 || last_stage_is_the_end();
+    return !table || stages_left < 0 || std::equal(table->b, table->b + table->stages, table->A[table->stages - 1]);
   }
-  bool last_stage_is_the_end() const {
-    const int last = table->stages - 1;
-    return std::equal(table->b, table->b + table->stages, table->A[last]);
+
+  // f(k, i) for value i of field k
+  template <class F>
+  void for_all_values(const F& f) const {
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+#pragma omp parallel for simd schedule(static) if (n > 4096)
+      for (std::size_t i = 0; i < n; ++i) f(k, i);
+    }
   }
-  int evaluate(double at, N_Vector rate);
-  int called_by_arkode(double at, N_Vector state, N_Vector rate);
-  void weights(N_Vector state, N_Vector weight) const;
-  void know_rate();
-  double first_dt(double t_stop);
-  plan choose(double t_stop, const std::string& stop_is);
-  plan choose_fixed(double t_stop, const std::string& stop_is) const;
-  void cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const;
-  outcome attempt(double dt);
-  outcome attempt_with_arkode(double dt);
-  outcome attempt_here(double dt);
-  int stabilised_stages(double dt);
-  int ab2_step(double dt);
-  int euler_step(double dt);
-  void form_stage(const recurrence& r, std::size_t j, double dt);
-  void estimate_error(double factor, double dt);
-  void know_radius();
-  double largest_stabilised_dt() const;
-  void return_to_saved();
+
+  // Array k of the particles at i = value(k, i), which may read what it replaces.
   template <class Value>
-  void set_arrays(Value value);
-  void raise_rhs_failure();
-  [[noreturn]] void raise_unevaluable(double dt);
-  double accepted_factor(bool after_failure) const;
-  double failed_factor(outcome why) const;
+  void set_arrays(const Value& value) {
+    for_all_values([&](std::size_t k, std::size_t i) { fields[k].data[i] = value(k, i); });
+    home_was_changed(home.get());
+  }
+
+  double magnitude(std::size_t k, double y) const { return fields[k].scale > 0.0 ? fields[k].scale : y; }
+
+  void weights(N_Vector state, N_Vector weight) const {
+    const auto y = values(state);
+    const auto w = values_to_overwrite(weight);
+    for_all_values([&](std::size_t k, std::size_t i) {
+      w[k][i] = 1.0 / (options.rtol * magnitude(k, std::fabs(y[k][i])) + fields[k].absolute_tolerance);
+    });
+  }
+
+  void raise_rhs_failure() {
+    thrown.rethrow();
+    if (rhs_status < 0)
+      fail_calculation(
+          fmt::format("the rates of change could not be evaluated in the step from t = {:.17g} s (on this or "
+                      "another rank, which says why)",
+                      t));
+  }
+
+  [[noreturn]] void raise_unevaluable(double dt) const {
+    fail_calculation(
+        fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
+                    "try a smaller dt or method = 'adaptive'",
+                    dt, t));
+  }
+
+  void know_rate() {
+    if (rate_known) return;
+    rhs_status = 0;
+    if (evaluate(t, start_rate.get()) != 0) {
+      raise_rhs_failure();
+      fail_calculation(
+          fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
+    }
+    rate_known = true;
+  }
+
+  void know_radius() {
+    statistics.radius = radius_bound(t);
+    if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
+      fail_calculation(fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t,
+                                   statistics.radius));
+  }
+
+  // ---- the length of a step --------------------------------------------------------------------
+
+  // A change of one percent of the state, or of one tolerance, whichever allows more.
+  // [E. Hairer, S. P. Nørsett, G. Wanner, Solving ODEs I, II.4, first guess]
+  double first_dt(double t_stop) {
+    if (options.dt > 0.0) return options.dt;
+    const vector_handle weight(N_VClone(home.get())), size(N_VClone(home.get()));
+    weights(home.get(), weight.get());
+    const auto y = values(home.get());
+    const auto of_state = values_to_overwrite(size.get());
+    for_all_values([&](std::size_t k, std::size_t i) { of_state[k][i] = magnitude(k, y[k][i]); });
+    const double state = N_VWrmsNorm(size.get(), weight.get());
+    const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
+    return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
+  }
+
+  plan choose_fixed(double t_stop, const std::string& stop_is) const {
+    const double rest = t_stop - t, dt = options.dt;
+    // Rounding accumulated over many steps must not leave a sliver before an output time.
+    if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, options.dt_is, true, false};
+    if (rest < dt) return {rest, stop_is, true, true};
+    return {dt, options.dt_is, false, false};
+  }
+
+  void cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const {
+    const double rest = t_stop - t;
+    if (p.dt >= rest) {
+      p.cut_for_output = p.dt > rest;
+      p.reaches_stop = true;
+      p.dt = rest;
+      // so that the last stage's time is t_stop in every bit
+      for (int k = 0; k < 4 && t + p.dt != t_stop; ++k) p.dt = std::nextafter(p.dt, t + p.dt < t_stop ? 2 * rest : 0.0);
+    } else if (p.dt > 0.5 * rest) {  // two equal steps rather than one and a sliver
+      p.cut_for_output = true;
+      p.dt = 0.5 * rest;
+    }
+    if (p.cut_for_output) p.limited_by = stop_is;
+  }
+
+  // Of the most stages; a little below the limit, so that rounding of dt * radius does not ask for a stage more.
+  double largest_stabilised_dt() const {
+    const double largest = stability_limit(kind, largest_stages(kind, options.max_stages)) * (1.0 - 1e-12);
+    return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
+  }
+
+  plan choose(double t_stop, const std::string& stop_is) {
+    if (!adaptive) {
+      if (is_stabilised) know_radius();
+      return choose_fixed(t_stop, stop_is);
+    }
+    if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
+    plan p{statistics.next_dt, "accuracy", false, false};
+    if (limit) {
+      const step_limit stable = limit(t);
+      if (!(stable.dt > 0.0))
+        fail_calculation(
+            fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
+      if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
+    }
+    if (is_stabilised) {
+      know_radius();
+      if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
+    }
+    cut_for_stop(t_stop, stop_is, p);
+    return p;
+  }
+
   // The estimates of 'rkl2' and 'rkc2' are of third order in dt.
   double embedding_exponent() const { return is_stabilised ? 1.0 / 3.0 : 1.0 / (table->p + 1); }
-};
 
-void explicit_integrator::implementation::build() {
-  arkode.reset();
-  start_rate.reset();
-  latest_rate.reset();
-  saved.reset();
-  spare.reset();
-  home = make_state_vector(context, communicator, arrays(fields), n, adaptive ? norms::computed : norms::skipped);
-  start_rate.reset(N_VClone(home.get()));
-  latest_rate.reset(N_VClone(home.get()));
-  rate_known = false;
-  if (formed_here(options.method)) {
-    saved.reset(N_VClone(home.get()));
-    spare.reset(is_stabilised ? N_VClone(home.get()) : nullptr);
-    return;
+  double accepted_factor(bool after_failure) const {
+    const double smallest = 1e-10;  // an error of 0 must not divide
+    const double e = std::max(step_error, smallest), k = embedding_exponent();
+    const double raw = previous_error > 0.0
+                           ? safety * std::pow(e, -0.7 * k) * std::pow(std::max(previous_error, smallest), 0.4 * k)
+                           : safety * std::pow(e, -k);
+    return std::clamp(raw, 0.2, after_failure ? 1.0 : most_growth);
   }
 
-  const ARKRhsFn call_rhs = [](double at, N_Vector y, N_Vector ydot, void* data) {
-    return static_cast<implementation*>(data)->called_by_arkode(at, y, ydot);
-  };
-  const ARKEwtFn call_weights = [](N_Vector y, N_Vector w, void* data) {
-    const auto* self = static_cast<const implementation*>(data);
-    if (self->adaptive) self->weights(y, w);
-    return 0;
-  };
-  // ARKODE's only word on the error estimate; the step that follows is chosen here, not there.
-  const ARKAdaptFn note_error = [](N_Vector, double, double h, double, double, double e, double, double, int, int,
-                                   double* h_new, void* data) {
-    static_cast<implementation*>(data)->step_error = e;
-    *h_new = h;
-    return 0;
-  };
-
-  arkode.reset(ERKStepCreate(call_rhs, t, home.get(), context.get()));
-  void* m = arkode.get();
-  if (m == nullptr || !TETSUAME_KEEP_MESSAGES(ERKStepSetErrHandlerFn, m, context, messages) ||
-      ERKStepSetUserData(m, this) != ARK_SUCCESS ||
-      // Nothing is asked for between steps: a history of one state, which shares the step's own memory.
-      ERKStepSetInterpolantType(m, ARK_INTERP_LAGRANGE) != ARK_SUCCESS ||
-      ERKStepSetInterpolantDegree(m, 0) != ARK_SUCCESS || ERKStepSetTable(m, table.get()) != ARK_SUCCESS ||
-      ERKStepWFtolerances(m, call_weights) != ARK_SUCCESS ||
-      ERKStepSetAdaptivityFn(m, note_error, this) != ARK_SUCCESS || ERKStepSetErrorBias(m, 1.0) != ARK_SUCCESS ||
-      ERKStepSetMaxErrTestFails(m, 1) != ARK_SUCCESS)
-    fail_calculation("ARKODE could not be set up: " + messages.last);
-}
-
-int explicit_integrator::implementation::evaluate(double at, N_Vector rate) {
-  const int own = thrown.guard([&] { return rhs(at, values_to_overwrite(rate)); });
-  ++statistics.evaluations;
-  const int status = worst_allreduce(communicator, own);
-  if (status != 0) rhs_status = status;
-  return status;
-}
-
-int explicit_integrator::implementation::called_by_arkode(double at, N_Vector state, N_Vector rate) {
-  if (std::exchange(starting, false)) {
-    N_VScale(1.0, start_rate.get(), rate);
-    first_stage = rate;
-    stages_left = table->stages - 1;
-    return 0;
+  double failed_factor(outcome why) const {
+    if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
+    return std::clamp(safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
   }
-  // After the last stage ARKODE asks for the rate of the new state. A fixed step is not tried again, so
-  // that by then nobody needs the rate at its start: the new one may stand in its place.
-  if (stages_left-- == 0 && !adaptive) {
-    for (N_Vector done : {first_stage, start_rate.get(), latest_rate.get()}) forget_values(done);
-    rate_known = false;
+
+  // ---- attempts at a step ----------------------------------------------------------------------
+
+  outcome attempt(double dt) {
+    if (!(t + dt > t))
+      fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
+    ++statistics.attempts;
+    rhs_status = 0;
+    step_error = 0.0;
+    return table ? attempt_with_arkode(dt) : attempt_here(dt);
   }
-  if (!holds_values_of(home.get(), state)) N_VScale(1.0, state, home.get());
-  const int status = evaluate(at, rate);
-  if (status == 0) N_VScale(1.0, rate, latest_rate.get());
-  return status;
-}
 
-void explicit_integrator::implementation::weights(N_Vector state, N_Vector weight) const {
-  const auto y = values(state);
-  const auto w = values_to_overwrite(weight);
-  for (std::size_t k = 0; k < fields.size(); ++k) {
-    const double *yk = y[k], rtol = options.rtol, atol = fields[k].absolute_tolerance, scale = fields[k].scale;
-    double* wk = w[k];
-#pragma omp parallel for simd schedule(static) if (n > 4096)
-    for (std::size_t i = 0; i < n; ++i) wk[i] = 1.0 / (rtol * (scale > 0.0 ? scale : std::fabs(yk[i])) + atol);
-  }
-}
+  outcome attempt_with_arkode(double dt) {
+    starting = true;
+    messages.last.clear();
+    void* m = arkode.get();
+    double reached = t;
+    int flag = adaptive ? ERKStepSetInitStep(m, dt) : ERKStepSetFixedStep(m, dt);
+    if (flag == ARK_SUCCESS) flag = ERKStepReset(m, t, home.get());
+    if (flag == ARK_SUCCESS) flag = ERKStepEvolve(m, t + dt, home.get(), &reached, ARK_ONE_STEP);
+    if (flag == ARK_SUCCESS) return outcome::accepted;
 
-void explicit_integrator::implementation::raise_rhs_failure() {
-  thrown.rethrow();
-  if (rhs_status < 0)
-    fail_calculation(
-        fmt::format("the rates of change could not be evaluated in the step from t = {:.17g} s (on this or "
-                    "another rank, which says why)",
-                    t));
-}
-
-void explicit_integrator::implementation::know_rate() {
-  if (rate_known) return;
-  rhs_status = 0;
-  if (evaluate(t, start_rate.get()) != 0) {
     raise_rhs_failure();
-    fail_calculation(
-        fmt::format("the rates of change could not be evaluated at t = {:.17g} s, the start of a step", t));
-  }
-  rate_known = true;
-}
-
-// A change of one percent of the state, or of one tolerance, whichever allows more.
-// [E. Hairer, S. P. Nørsett, G. Wanner, Solving ODEs I, II.4, first guess]
-double explicit_integrator::implementation::first_dt(double t_stop) {
-  if (options.dt > 0.0) return options.dt;
-  const vector_handle weight(N_VClone(home.get()));
-  weights(home.get(), weight.get());
-  const vector_handle magnitude(N_VClone(home.get()));
-  const auto y = values(home.get());
-  const auto size = values_to_overwrite(magnitude.get());
-  for (std::size_t k = 0; k < fields.size(); ++k)
-    for (std::size_t i = 0; i < n; ++i) size[k][i] = fields[k].scale > 0.0 ? fields[k].scale : y[k][i];
-  const double state = N_VWrmsNorm(magnitude.get(), weight.get());
-  const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
-  return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
-}
-
-explicit_integrator::implementation::plan explicit_integrator::implementation::choose_fixed(
-    double t_stop, const std::string& stop_is) const {
-  const double rest = t_stop - t, dt = options.dt;
-  // Rounding accumulated over many steps must not leave a sliver before an output time.
-  if (std::fabs(rest - dt) <= 1e-6 * dt) return {dt, options.dt_is, true, false};
-  if (rest < dt) return {rest, stop_is, true, true};
-  return {dt, options.dt_is, false, false};
-}
-
-void explicit_integrator::implementation::cut_for_stop(double t_stop, const std::string& stop_is, plan& p) const {
-  const double rest = t_stop - t;
-  if (p.dt >= rest) {
-    p.cut_for_output = p.dt > rest;
-    p.reaches_stop = true;
-    p.dt = rest;
-    // so that the last stage's time is t_stop in every bit
-    for (int k = 0; k < 4 && t + p.dt != t_stop; ++k) p.dt = std::nextafter(p.dt, t + p.dt < t_stop ? 2 * rest : 0.0);
-  } else if (p.dt > 0.5 * rest) {  // two equal steps rather than one and a sliver
-    p.cut_for_output = true;
-    p.dt = 0.5 * rest;
-  }
-  if (p.cut_for_output) p.limited_by = stop_is;
-}
-
-explicit_integrator::implementation::plan explicit_integrator::implementation::choose(double t_stop,
-                                                                                      const std::string& stop_is) {
-  if (!adaptive) {
-    if (is_stabilised) know_radius();
-    return choose_fixed(t_stop, stop_is);
-  }
-  if (statistics.next_dt == 0.0) statistics.next_dt = first_dt(t_stop);
-  plan p{statistics.next_dt, "accuracy", false, false};
-  if (limit) {
-    const step_limit stable = limit(t);
-    if (!(stable.dt > 0.0))
+    if (rhs_status > 0 && adaptive) return outcome::unevaluable;
+    if (rhs_status > 0) raise_unevaluable(dt);
+    if (flag == ARK_ERR_FAILURE && !(step_error <= 1.0)) return outcome::rejected;
+    if (flag == ARK_TOO_MUCH_ACC)
       fail_calculation(
-          fmt::format("the stable step by '{}' at t = {:.17g} s is {}, not > 0", stable.name, t, stable.dt));
-    if (stable.dt < p.dt) p = {stable.dt, stable.name, false, false};
+          fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
+    fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
   }
-  if (is_stabilised) {
-    know_radius();
-    if (const double dt = largest_stabilised_dt(); dt < p.dt) p = {dt, "stages", false, false};
-  }
-  cut_for_stop(t_stop, stop_is, p);
-  return p;
-}
 
-explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt(double dt) {
-  if (!(t + dt > t))
-    fail_calculation(fmt::format("the step of {} s at t = {:.17g} s no longer advances the time", dt, t));
-  ++statistics.attempts;
-  rhs_status = 0;
-  step_error = 0.0;
-  return formed_here(options.method) ? attempt_here(dt) : attempt_with_arkode(dt);
-}
+  void return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
 
-void explicit_integrator::implementation::raise_unevaluable(double dt) {
-  fail_calculation(
-      fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
-                  "try a smaller dt or method = 'adaptive'",
-                  dt, t));
-}
-
-explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_with_arkode(double dt) {
-  starting = true;
-  messages.last.clear();
-  void* m = arkode.get();
-  double reached = t;
-  int flag = adaptive ? ERKStepSetInitStep(m, dt) : ERKStepSetFixedStep(m, dt);
-  if (flag == ARK_SUCCESS) flag = ERKStepReset(m, t, home.get());
-  if (flag == ARK_SUCCESS) flag = ERKStepEvolve(m, t + dt, home.get(), &reached, ARK_ONE_STEP);
-  if (flag == ARK_SUCCESS) return outcome::accepted;
-
-  raise_rhs_failure();
-  if (rhs_status > 0 && adaptive) return outcome::unevaluable;
-  if (rhs_status > 0) raise_unevaluable(dt);
-  if (flag == ARK_ERR_FAILURE && !(step_error <= 1.0)) return outcome::rejected;
-  if (flag == ARK_TOO_MUCH_ACC)
-    fail_calculation(
-        fmt::format("rtol = {} asks for more digits than a double has at t = {:.17g} s: raise it", options.rtol, t));
-  fail_calculation(fmt::format("ARKODE failed at t = {:.17g} s (code {}): {}", t, flag, messages.last));
-}
-
-// array k of the particles at i = value(k, i), which may read what it replaces
-template <class Value>
-void explicit_integrator::implementation::set_arrays(Value value) {
-  for (std::size_t k = 0; k < fields.size(); ++k) {
-    double* y = fields[k].data;
-#pragma omp parallel for simd schedule(static) if (n > 4096)
-    for (std::size_t i = 0; i < n; ++i) y[i] = value(k, i);
-  }
-  home_was_changed(home.get());
-}
-
-void explicit_integrator::implementation::return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
-
-// Y_j into the particle arrays, from Y_(j-1) there, Y_(j-2) in `spare` (j = 2: Y_0), which takes Y_(j-1).
-void explicit_integrator::implementation::form_stage(const recurrence& r, std::size_t j, double dt) {
-  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
-  if (j == 1) {
-    const double a = r.mu_tilde[1] * dt;
-    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + a * f0[k][i]; });
-    return;
-  }
-  const auto f = values(latest_rate.get());
-  const auto before = values_to_overwrite(spare.get());
-  const double mu = r.mu[j], nu = r.nu[j], rest = 1.0 - mu - nu, a = r.mu_tilde[j] * dt, a0 = r.gamma_tilde[j] * dt;
-  set_arrays([&](std::size_t k, std::size_t i) {
-    const double y1 = fields[k].data[i], y2 = j == 2 ? y0[k][i] : before[k][i];
-    before[k][i] = y1;
-    return rest * y0[k][i] + mu * y1 + nu * y2 + (a * f[k][i] + a0 * f0[k][i]);
-  });
-}
-
-// step_error = | K [y_n - y_(n+1) + dt/2 (F_n + F_(n+1))] |_w, the weights those of y_n
-void explicit_integrator::implementation::estimate_error(double factor, double dt) {
-  const auto y0 = values(saved.get()), f0 = values(start_rate.get()), f1 = values(latest_rate.get());
-  const auto weighted = values_to_overwrite(spare.get());
-  weights(saved.get(), spare.get());
-  for (std::size_t k = 0; k < fields.size(); ++k) {
-    const double* y1 = fields[k].data;
-#pragma omp parallel for simd schedule(static) if (n > 4096)
-    for (std::size_t i = 0; i < n; ++i)
-      weighted[k][i] *= factor * (y0[k][i] - y1[i] + 0.5 * dt * (f0[k][i] + f1[k][i]));
-  }
-  const auto length = static_cast<double>(N_VGetLength(home.get()));
-  step_error = length == 0.0 ? 0.0 : std::sqrt(N_VDotProd(spare.get(), spare.get()) / length);
-}
-
-// One step of 'rkl2' or 'rkc2' and the rate at its end; the value of f that was not 0, or 0.
-int explicit_integrator::implementation::stabilised_stages(double dt) {
-  const double z = dt * statistics.radius;
-  const int stages = stages_for(kind, z, options.max_stages);
-  if (stages > options.max_stages)
-    fail_calculation(
-        fmt::format("a step of {} s at t = {:.17g} s, spectral radius {} 1/s, takes more than the {} stages of "
-                    "max_stages: raise it or take a smaller dt",
-                    dt, t, statistics.radius, options.max_stages));
-  statistics.stages = stages;
-  const recurrence r = make_recurrence(kind, stages);
-  for (std::size_t j = 1; j < r.c.size(); ++j) {
-    form_stage(r, j, dt);
-    const double c = j + 1 < r.c.size() ? r.c[j] : 1.0;
-    if (const int status = evaluate(t + c * dt, latest_rate.get()); status != 0) return status;
-  }
-  if (adaptive) estimate_error(r.error_factor, dt);
-  return 0;
-}
-
-int explicit_integrator::implementation::ab2_step(double dt) {
-  const auto y0 = values(saved.get()), f0 = values(start_rate.get());
-  const double ratio = previous_dt > 0.0 ? dt / previous_dt : 0.0;
-  if (ratio > 0.0 && ratio <= 1.5) {
-    const double now = dt * (1.0 + 0.5 * ratio), before = dt * 0.5 * ratio;
-    set_arrays([&](std::size_t k, std::size_t i) {
-      return y0[k][i] + (now * f0[k][i] - before * fields[k].previous_rate[i]);
-    });
-  } else {
-    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (2.0 / 3.0) * f0[k][i]; });
-    if (const int status = evaluate(t + dt * (2.0 / 3.0), latest_rate.get()); status != 0) return status;
-    const auto f1 = values(latest_rate.get());
-    set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
-  }
-  return evaluate(t + dt, latest_rate.get());
-}
-
-// In one sweep: the state is kept and moves on. A fixed step is not tried again, so the rate at its end
-// may stand in the place of that at its start.
-int explicit_integrator::implementation::euler_step(double dt) {
-  const auto f = values(start_rate.get());
-  const auto before = values_to_overwrite(saved.get());
-  set_arrays([&](std::size_t k, std::size_t i) {
-    before[k][i] = fields[k].data[i];
-    return before[k][i] + dt * f[k][i];
-  });
-  for (N_Vector done : {start_rate.get(), latest_rate.get()}) forget_values(done);
-  rate_known = false;
-  return evaluate(t + dt, latest_rate.get());
-}
-
-explicit_integrator::implementation::outcome explicit_integrator::implementation::attempt_here(double dt) {
-  if (!is_euler) N_VScale(1.0, home.get(), saved.get());
-  int status = 0;
-  try {
-    status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
-  } catch (...) {
-    return_to_saved();
-    throw;
-  }
-  if (status == 0 && (!adaptive || step_error <= 1.0)) {
-    if (is_ab2) {
-      const auto f0 = values(start_rate.get());
-      for (std::size_t k = 0; k < fields.size(); ++k) std::copy_n(f0[k], n, fields[k].previous_rate);
-      previous_dt = dt;
+  outcome attempt_here(double dt) {
+    if (!is_euler) N_VScale(1.0, home.get(), saved.get());
+    int status = 0;
+    try {
+      status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);
+    } catch (...) {
+      return_to_saved();
+      throw;
     }
-    return outcome::accepted;
+    if (status == 0 && (!adaptive || step_error <= 1.0)) {
+      if (is_ab2) {
+        const auto f0 = values(start_rate.get());
+        for_all_values([&](std::size_t k, std::size_t i) { fields[k].previous_rate[i] = f0[k][i]; });
+        previous_dt = dt;
+      }
+      return outcome::accepted;
+    }
+    return_to_saved();
+    if (status == 0) return outcome::rejected;
+    raise_rhs_failure();
+    if (!adaptive) raise_unevaluable(dt);
+    return outcome::unevaluable;
   }
-  return_to_saved();
-  if (status == 0) return outcome::rejected;
-  raise_rhs_failure();
-  if (!adaptive) raise_unevaluable(dt);
-  return outcome::unevaluable;
-}
 
-double explicit_integrator::implementation::largest_stabilised_dt() const {
-  // A little below the limit, so that rounding of dt * radius does not ask for a stage more.
-  const double largest = stability_limit(kind, largest_stages(kind, options.max_stages)) * (1.0 - 1e-12);
-  return statistics.radius > 0.0 ? largest / statistics.radius : std::numeric_limits<double>::infinity();
-}
+  // Each step that is formed here, and the rate at its end; gives the value of f that was not 0, or 0.
 
-void explicit_integrator::implementation::know_radius() {
-  statistics.radius = radius_bound(t);
-  if (!(statistics.radius >= 0.0) || !std::isfinite(statistics.radius))
-    fail_calculation(
-        fmt::format("the spectral radius at t = {:.17g} s is {} 1/s, not a finite number >= 0", t, statistics.radius));
-}
+  // In one sweep: the state is kept and moves on. A fixed step is not tried again, so the rate at its end
+  // may stand in the place of that at its start.
+  int euler_step(double dt) {
+    const auto f = values(start_rate.get());
+    const auto before = values_to_overwrite(saved.get());
+    set_arrays([&](std::size_t k, std::size_t i) {
+      before[k][i] = fields[k].data[i];
+      return before[k][i] + dt * f[k][i];
+    });
+    for (N_Vector done : {start_rate.get(), latest_rate.get()}) forget_values(done);
+    rate_known = false;
+    return evaluate(t + dt, latest_rate.get());
+  }
 
-double explicit_integrator::implementation::accepted_factor(bool after_failure) const {
-  const double smallest = 1e-10;  // an error of 0 must not divide
-  const double e = std::max(step_error, smallest), k = embedding_exponent();
-  const double raw = previous_error > 0.0
-                         ? safety * std::pow(e, -0.7 * k) * std::pow(std::max(previous_error, smallest), 0.4 * k)
-                         : safety * std::pow(e, -k);
-  return std::clamp(raw, 0.2, after_failure ? 1.0 : most_growth);
-}
+  int ab2_step(double dt) {
+    const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+    const double ratio = previous_dt > 0.0 ? dt / previous_dt : 0.0;
+    if (ratio > 0.0 && ratio <= 1.5) {
+      const double now = dt * (1.0 + 0.5 * ratio), before = dt * 0.5 * ratio;
+      set_arrays([&](std::size_t k, std::size_t i) {
+        return y0[k][i] + (now * f0[k][i] - before * fields[k].previous_rate[i]);
+      });
+    } else {
+      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (2.0 / 3.0) * f0[k][i]; });
+      if (const int status = evaluate(t + dt * (2.0 / 3.0), latest_rate.get()); status != 0) return status;
+      const auto f1 = values(latest_rate.get());
+      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + dt * (0.25 * f0[k][i] + 0.75 * f1[k][i]); });
+    }
+    return evaluate(t + dt, latest_rate.get());
+  }
 
-double explicit_integrator::implementation::failed_factor(outcome why) const {
-  if (why == outcome::unevaluable || !std::isfinite(step_error)) return 0.25;
-  return std::clamp(safety * std::pow(step_error, -embedding_exponent()), 0.1, 0.9);
-}
+  int stabilised_stages(double dt) {
+    const int stages = stages_for(kind, dt * statistics.radius, options.max_stages);
+    if (stages > options.max_stages)
+      fail_calculation(
+          fmt::format("a step of {} s at t = {:.17g} s, spectral radius {} 1/s, takes more than the {} stages of "
+                      "max_stages: raise it or take a smaller dt",
+                      dt, t, statistics.radius, options.max_stages));
+    statistics.stages = stages;
+    const recurrence r = make_recurrence(kind, stages);
+    for (std::size_t j = 1; j < r.c.size(); ++j) {
+      form_stage(r, j, dt);
+      const double c = j + 1 < r.c.size() ? r.c[j] : 1.0;
+      if (const int status = evaluate(t + c * dt, latest_rate.get()); status != 0) return status;
+    }
+    if (adaptive) estimate_error(r.error_factor, dt);
+    return 0;
+  }
+
+  // Y_j into the particle arrays, from Y_(j-1) there, Y_(j-2) in `spare` (j = 2: Y_0), which takes Y_(j-1).
+  void form_stage(const recurrence& r, std::size_t j, double dt) {
+    const auto y0 = values(saved.get()), f0 = values(start_rate.get());
+    if (j == 1) {
+      const double a = r.mu_tilde[1] * dt;
+      set_arrays([&](std::size_t k, std::size_t i) { return y0[k][i] + a * f0[k][i]; });
+      return;
+    }
+    const auto f = values(latest_rate.get());
+    const auto before = values_to_overwrite(spare.get());
+    const double mu = r.mu[j], nu = r.nu[j], rest = 1.0 - mu - nu, a = r.mu_tilde[j] * dt, a0 = r.gamma_tilde[j] * dt;
+    set_arrays([&](std::size_t k, std::size_t i) {
+      const double y1 = fields[k].data[i], y2 = j == 2 ? y0[k][i] : before[k][i];
+      before[k][i] = y1;
+      return rest * y0[k][i] + mu * y1 + nu * y2 + (a * f[k][i] + a0 * f0[k][i]);
+    });
+  }
+
+  // step_error = | K [y_n - y_(n+1) + dt/2 (F_n + F_(n+1))] |_w, the weights those of y_n
+  void estimate_error(double factor, double dt) {
+    const auto y0 = values(saved.get()), f0 = values(start_rate.get()), f1 = values(latest_rate.get());
+    const auto weighted = values_to_overwrite(spare.get());
+    weights(saved.get(), spare.get());
+    for_all_values([&](std::size_t k, std::size_t i) {
+      weighted[k][i] *= factor * (y0[k][i] - fields[k].data[i] + 0.5 * dt * (f0[k][i] + f1[k][i]));
+    });
+    const auto length = static_cast<double>(N_VGetLength(home.get()));
+    step_error = length == 0.0 ? 0.0 : std::sqrt(N_VDotProd(spare.get(), spare.get()) / length);
+  }
+
+  // ---- one accepted step -----------------------------------------------------------------------
+
+  double step(double t_stop, const std::string& stop_is) {
+    if (!(t_stop > t)) fail_input(fmt::format("the stop time {} s must lie after t = {} s", t_stop, t));
+    know_rate();
+    plan p = choose(t_stop, stop_is);
+
+    int failures = 0;
+    for (;; ++failures) {
+      if (failures == most_attempts)
+        fail_calculation(
+            fmt::format("no step from t = {:.17g} s passed in {} attempts, the last one of {} s with error {} "
+                        "of the tolerance: the state there may be unphysical",
+                        t, failures, p.dt, step_error));
+      const outcome reached = attempt(p.dt);
+      if (reached == outcome::accepted) break;
+      ++(reached == outcome::rejected ? statistics.rejections : statistics.unevaluable);
+      p = {p.dt * failed_factor(reached), "accuracy", false, false};
+    }
+
+    const double t_stages = t + p.dt;  // where f was evaluated last
+    t = p.reaches_stop ? t_stop : t_stages;
+    N_VScale(1.0, latest_rate.get(), start_rate.get());
+    rate_known = t == t_stages && latest_is_of_the_end();
+
+    ++statistics.steps;
+    ++statistics.limited_by[p.limited_by];
+    statistics.last_dt = p.dt;
+    statistics.last_error = step_error;
+    if (!adaptive) {
+      statistics.next_dt = options.dt;
+      return t;
+    }
+    const double next = p.dt * accepted_factor(failures > 0);
+    // A step cut short for an output time says little about the next one.
+    statistics.next_dt = p.cut_for_output ? std::max(next, statistics.next_dt) : next;
+    if (!p.cut_for_output) previous_error = step_error;
+    return t;
+  }
+};
 
 explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
                                          explicit_options options, rhs_function rhs, limit_function limit,
@@ -569,64 +548,26 @@ explicit_integrator::explicit_integrator(MPI_Comm communicator, std::vector<fiel
                                .limit = std::move(limit),
                                .radius_bound = std::move(radius),
                                .t = t}) {
-  check(self_->options, self_->adaptive);
-  if (self_->is_stabilised && !self_->radius_bound)
-    fail_input(fmt::format("method '{}' needs a bound of the spectral radius", self_->options.method));
-  check(self_->fields, self_->adaptive, self_->is_ab2, n);
+  const auto& o = self_->options;
+  if (!self_->adaptive && !(o.dt > 0.0 && std::isfinite(o.dt)))
+    fail_input(fmt::format("method '{}' needs a step dt > 0, not {}", o.method, o.dt));
+  self_->check_fields();
   self_->build();
 }
 
 explicit_integrator::~explicit_integrator() = default;
 
-double explicit_integrator::step(double t_stop, const std::string& stop_is) {
-  implementation& s = *self_;
-  if (!(t_stop > s.t)) fail_input(fmt::format("the stop time {} s must lie after t = {} s", t_stop, s.t));
-  s.know_rate();
-  implementation::plan p = s.choose(t_stop, stop_is);
-
-  int failures = 0;
-  for (;; ++failures) {
-    if (failures == most_attempts)
-      fail_calculation(
-          fmt::format("no step from t = {:.17g} s passed in {} attempts, the last one of {} s with error {} "
-                      "of the tolerance: the state there may be unphysical",
-                      s.t, failures, p.dt, s.step_error));
-    const auto outcome = s.attempt(p.dt);
-    if (outcome == implementation::outcome::accepted) break;
-    ++(outcome == implementation::outcome::rejected ? s.statistics.rejections : s.statistics.unevaluable);
-    p = {p.dt * s.failed_factor(outcome), "accuracy", false, false};
-  }
-
-  const double t_stages = s.t + p.dt;  // where f was evaluated last
-  s.t = p.reaches_stop ? t_stop : t_stages;
-  N_VScale(1.0, s.latest_rate.get(), s.start_rate.get());
-  s.rate_known = s.t == t_stages && s.latest_is_of_the_end();
-
-  explicit_statistics& statistics = s.statistics;
-  ++statistics.steps;
-  ++statistics.limited_by[p.limited_by];
-  statistics.last_dt = p.dt;
-  statistics.last_error = s.step_error;
-  if (!s.adaptive) {
-    statistics.next_dt = s.options.dt;
-    return s.t;
-  }
-  const double next = p.dt * s.accepted_factor(failures > 0);
-  // A step cut short for an output time says little about the next one.
-  statistics.next_dt = p.cut_for_output ? std::max(next, statistics.next_dt) : next;
-  if (!p.cut_for_output) s.previous_error = s.step_error;
-  return s.t;
-}
+double explicit_integrator::step(double t_stop, const std::string& stop_is) { return self_->step(t_stop, stop_is); }
 
 double explicit_integrator::time() const { return self_->t; }
 
 void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
   implementation& s = *self_;
   const bool changed = n != s.n || fields.size() != s.fields.size();
-  check(fields, s.adaptive, s.is_ab2, n);
   s.fields = std::move(fields);
   s.n = n;
-  if (worst_allreduce(s.communicator, changed ? 1 : 0) != 0)
+  s.check_fields();
+  if (s.thrown.guard(s.communicator, [&] { return changed ? 1 : 0; }) != 0)
     s.build();
   else
     set_home_arrays(s.home.get(), arrays(s.fields));

@@ -104,7 +104,8 @@ struct explicit_memory {
 
 class explicit_integrator {
  public:
-  // fail_input if an option or tolerance is out of range. Collective, as all that follows.
+  // fail_input for an unknown method, a fixed step that is not above 0, or a field without what the method needs.
+  // Collective, as all that follows.
   explicit_integrator(MPI_Comm communicator, std::vector<field> fields, std::size_t n, double t,
                       explicit_options options, rhs_function rhs, limit_function limit = {},
                       radius_function radius = {});

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <integrators/nonlinear.hpp>
-#include <integrators/reduce.hpp>
 #include <integrators/state_vector.hpp>
 #include <limits>
 #include <memory>
@@ -17,17 +16,9 @@ namespace tetsuame::integrators {
 namespace {
 
 using foundation::fail_calculation;
-using foundation::fail_input;
 
-struct release_kinsol {
-  void operator()(void* memory) const { KINFree(&memory); }
-};
-using kinsol_handle = std::unique_ptr<void, release_kinsol>;
-
-struct release_solver {
-  void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
-};
-using solver_handle = std::unique_ptr<_generic_SUNLinearSolver, release_solver>;
+using kinsol_handle = std::unique_ptr<void, freed_by<[](void* memory) { KINFree(&memory); }>>;
+using solver_handle = std::unique_ptr<_generic_SUNLinearSolver, freed_by<SUNLinSolFree>>;
 
 // One solve: what the C callbacks reach through KINSOL's user data.
 struct problem {
@@ -39,65 +30,60 @@ struct problem {
   const jacobian_times* product = nullptr;
   const jacobian_diagonal* diagonal = nullptr;
 
-  sundials_context context{};
+  sundials::Context context{};
   sundials_messages messages{};
   exception_carrier thrown{};
-  vector_handle home{}, ones{}, diagonal_values{};
+  vector_handle home{}, ones{};
+  vector_handle spare{};  // g(x) - x, or about the diagonal of the Jacobian
   kinsol_handle kinsol{};
   nonlinear_result result{};
   bool reached = false;  // the tolerance, at the x where g was evaluated last
   int status = 0;        // the last callback's value that was not 0
 
   std::span<const double> read(N_Vector v) const { return {values(v)[0], x.size()}; }
-  static std::span<double> write(N_Vector v) { return {values_to_overwrite(v)[0], local_length(v)}; }
+  std::span<double> write(N_Vector v) const { return {values_to_overwrite(v)[0], x.size()}; }
 
   int guard(const std::function<int()>& call) {
-    const int worst = worst_allreduce(communicator, thrown.guard(call));
+    const int worst = thrown.guard(communicator, call);
     if (worst != 0) status = worst;
     return worst;
   }
-  void note_residual(double local) {
-    result.residuals.push_back(maximum_allreduce(communicator, std::isnan(local) ? HUGE_VAL : local));
+  // Its largest absolute value; infinite where one is not a number.
+  double note_residual(N_Vector residual_vector) {
+    result.residuals.push_back(N_VMaxNorm(residual_vector));
+    return result.residuals.back();
   }
 };
 
 problem& problem_of(void* data) { return *static_cast<problem*>(data); }
-
-double largest(double so_far, double value) {
-  return std::isnan(value) ? HUGE_VAL : std::max(so_far, std::fabs(value));
-}
 
 // KINSOL looks at the step between iterates, which acceleration can make small far from the
 // solution, so the residual is looked at here; KINSOL is stopped by a failure it reports back.
 int call_map(N_Vector x, N_Vector g, void* data) {
   problem& p = problem_of(data);
   const auto from = p.read(x);
-  const auto to = problem::write(g);
+  const auto to = p.write(g);
   ++p.result.evaluations;
   if (p.guard([&] { return (*p.map)(from, to); }) != 0) return -1;
-  double worst = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) worst = largest(worst, to[i] - from[i]);
-  p.note_residual(worst);
-  p.reached = p.result.residuals.back() <= p.tolerance;
-  return p.reached || !std::isfinite(p.result.residuals.back()) ? -1 : 0;
+  N_VLinearSum(1.0, g, -1.0, x, p.spare.get());
+  const double residual = p.note_residual(p.spare.get());
+  p.reached = residual <= p.tolerance;
+  return p.reached || !std::isfinite(residual) ? -1 : 0;
 }
 
 int call_residual(N_Vector x, N_Vector f, void* data) {
   problem& p = problem_of(data);
   const auto from = p.read(x);
-  const auto to = problem::write(f);
+  const auto to = p.write(f);
   ++p.result.evaluations;
   if (const int status = p.guard([&] { return (*p.residual)(from, to); }); status != 0) return status;
-  double worst = 0.0;
-  for (double value : to) worst = largest(worst, value);
-  p.note_residual(worst);
-  return std::isfinite(p.result.residuals.back()) ? 0 : 1;
+  return std::isfinite(p.note_residual(f)) ? 0 : 1;
 }
 
 int call_product(N_Vector v, N_Vector jv, N_Vector x, int*, void* data) {
   problem& p = problem_of(data);
   const auto at = p.read(x), direction = p.read(v);
-  const auto to = problem::write(jv);
+  const auto to = p.write(jv);
   ++p.result.products;
   return p.guard([&] { return (*p.product)(at, direction, to); });
 }
@@ -105,20 +91,21 @@ int call_product(N_Vector v, N_Vector jv, N_Vector x, int*, void* data) {
 int set_up_diagonal(N_Vector x, N_Vector, N_Vector, N_Vector, void* data) {
   problem& p = problem_of(data);
   const auto at = p.read(x);
-  const auto to = problem::write(p.diagonal_values.get());
+  const auto to = p.write(p.spare.get());
   return p.guard([&] { return (*p.diagonal)(at, to); });
 }
 
 int apply_diagonal(N_Vector, N_Vector, N_Vector, N_Vector, N_Vector v, void* data) {
-  N_VDiv(v, problem_of(data).diagonal_values.get(), v);
+  N_VDiv(v, problem_of(data).spare.get(), v);
   return 0;
 }
 
 void set_up(problem& p) {
   p.home = make_state_vector(p.context, p.communicator, {p.x.data()}, p.x.size());
   p.ones.reset(N_VClone(p.home.get()));
+  p.spare.reset(N_VClone(p.home.get()));
   N_VConst(1.0, p.ones.get());
-  p.kinsol.reset(KINCreate(p.context.get()));
+  p.kinsol.reset(KINCreate(p.context));
   void* k = p.kinsol.get();
   if (k == nullptr || !TETSUAME_KEEP_MESSAGES(KINSetErrHandlerFn, k, p.context, p.messages) ||
       KINSetUserData(k, &p) != KIN_SUCCESS)
@@ -150,17 +137,10 @@ void finish(problem& p, int flag) {
                                   p.result.iterations, flag, told);
 }
 
-void check_common(double tolerance, int max_iterations) {
-  if (!(tolerance > 0.0)) fail_input(fmt::format("the tolerance must be > 0, not {}", tolerance));
-  if (max_iterations < 1) fail_input(fmt::format("max_iterations must be >= 1, not {}", max_iterations));
-}
-
 }  // namespace
 
 nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixed_point_map& g,
                           const anderson_options& options) {
-  check_common(options.tolerance, options.max_iterations);
-  if (options.depth < 0) fail_input(fmt::format("the Anderson depth must be >= 0, not {}", options.depth));
   problem p{.communicator = communicator, .x = x, .tolerance = options.tolerance, .map = &g};
   set_up(p);
   void* k = p.kinsol.get();
@@ -179,7 +159,6 @@ nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixe
 nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const residual_function& f,
                                const jacobian_times& jv, const jacobian_diagonal& diagonal,
                                const newton_options& options) {
-  check_common(options.tolerance, options.max_iterations);
   constexpr int krylov_dimension = 20, krylov_restarts = 5;  // GMRES vectors before a restart
   constexpr double largest_step = 10.0;                      // root mean square over x of one Newton step at most
   problem p{.communicator = communicator,
@@ -197,13 +176,12 @@ nonlinear_result newton_krylov(MPI_Comm communicator, std::span<double> x, const
                  // KINSOL measures a step by its 2-norm
                  KINSetMaxNewtonStep(k, largest_step * std::sqrt(std::max(unknowns, 1.0))) == KIN_SUCCESS &&
                  KINInit(k, call_residual, p.home.get()) == KIN_SUCCESS);
-  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), SUN_PREC_RIGHT, krylov_dimension, p.context.get()));
+  const solver_handle solver(SUNLinSol_SPGMR(p.home.get(), SUN_PREC_RIGHT, krylov_dimension, p.context));
   require(p, solver != nullptr && SUNLinSol_SPGMRSetMaxRestarts(solver.get(), krylov_restarts) == 0 &&
                  // classical Gram–Schmidt: one message instead of one a vector
                  SUNLinSol_SPGMRSetGSType(solver.get(), SUN_CLASSICAL_GS) == 0 &&
                  KINSetLinearSolver(k, solver.get(), nullptr) == KIN_SUCCESS &&
                  KINSetJacTimesVecFn(k, call_product) == KIN_SUCCESS);
-  p.diagonal_values.reset(N_VClone(p.home.get()));
   require(p, KINSetPreconditioner(k, set_up_diagonal, apply_diagonal) == KIN_SUCCESS &&
                  KINSetMaxSetupCalls(k, 1) == KIN_SUCCESS);
 

@@ -51,8 +51,7 @@ struct nonlinear_result {
 };
 
 // x: the first guess, then the last iterate. When converged, g was evaluated last at just this x,
-// and the last of `residuals` is its residual. Rethrows what g threw. fail_input if an option is
-// out of range. Collective.
+// and the last of `residuals` is its residual. Rethrows what g threw. Collective.
 nonlinear_result anderson(MPI_Comm communicator, std::span<double> x, const fixed_point_map& g,
                           const anderson_options& options = {});
 

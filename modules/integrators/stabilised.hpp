@@ -18,7 +18,7 @@ struct recurrence {
   std::vector<double> mu, nu, mu_tilde, gamma_tilde;
 };
 
-// stages >= 2 (rkc2), >= 3 (rkl2; even numbers work, but damp less); std::invalid_argument else.
+// stages >= 2 (rkc2), >= 3 (rkl2; even numbers work, but damp less).
 recurrence make_recurrence(stabilised_method method, int stages);
 
 // rkc2: (w_0 + 1) T_s''(w_0) / T_s'(w_0), about 0.65 s^2; rkl2: (s^2 + s - 2) / 2.

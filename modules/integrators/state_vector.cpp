@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <integrators/reduce.hpp>
+#include <foundation/agree.hpp>
+#include <foundation/waiting.hpp>
 #include <integrators/state_vector.hpp>
 #include <limits>
 #include <memory>
@@ -135,7 +136,7 @@ void sums(const family& f, std::span<double> results, Term term) {
 #pragma omp critical(tetsuame_state_vector_sums)
     for (std::size_t j = 0; j < mine.size(); ++j) total[j].add(mine[j]);
   }
-  exact_allreduce(f.communicator, total, results);
+  foundation::sum_over_ranks(f.communicator, total, results);
 }
 
 template <class Term>
@@ -145,8 +146,9 @@ double sum(const family& f, Term term) {
   return result;
 }
 
+// The largest value(field, i) of all ranks, or `lowest`.
 template <class Value>
-double local_maximum(const family& f, double lowest, Value value) {
+double maximum(const family& f, double lowest, Value value) {
   double largest = lowest;
   for (std::size_t k = 0; k < f.fields; ++k) {
 #pragma omp parallel for schedule(static) reduction(max : largest) if (f.n > 8 * block_length)
@@ -155,6 +157,8 @@ double local_maximum(const family& f, double lowest, Value value) {
       largest = std::max(largest, std::isnan(v) ? infinity : v);
     }
   }
+  const foundation::collective timed;
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, f.communicator);
   return largest;
 }
 
@@ -243,9 +247,7 @@ double dot_product(N_Vector x, N_Vector y) {
 }
 double maximum_norm(N_Vector x) {
   double* const* px = read(x);
-  const double local =
-      local_maximum(family_of(x), 0.0, [=](std::size_t k, std::size_t i) { return std::fabs(px[k][i]); });
-  return maximum_allreduce(family_of(x).communicator, local);
+  return maximum(family_of(x), 0.0, [=](std::size_t k, std::size_t i) { return std::fabs(px[k][i]); });
 }
 double sum_of_weighted_squares(N_Vector x, N_Vector w) {
   double *const *px = read(x), *const *pw = read(w);
@@ -258,11 +260,9 @@ double weighted_rms_norm(N_Vector x, N_Vector w) {
   const auto length = static_cast<double>(global_length(x));
   return length == 0.0 ? 0.0 : std::sqrt(sum_of_weighted_squares(x, w) / length);
 }
-double skipped_norm(N_Vector, N_Vector) { return 0.0; }
 double minimum(N_Vector x) {
   double* const* px = read(x);
-  const double local = -local_maximum(family_of(x), -infinity, [=](std::size_t k, std::size_t i) { return -px[k][i]; });
-  return minimum_allreduce(family_of(x).communicator, local);
+  return -maximum(family_of(x), -infinity, [=](std::size_t k, std::size_t i) { return -px[k][i]; });
 }
 double weighted_l2_norm(N_Vector x, N_Vector w) { return std::sqrt(sum_of_weighted_squares(x, w)); }
 
@@ -308,7 +308,7 @@ int dot_product_multi(int count, N_Vector x, N_Vector* y, double* results) {
   return 0;
 }
 
-void fill_operations(_generic_N_Vector_Ops& ops, norms wanted) {
+void fill_operations(_generic_N_Vector_Ops& ops) {
   ops.nvgetvectorid = vector_id;
   ops.nvclone = ops.nvcloneempty = clone;
   ops.nvdestroy = destroy;
@@ -324,7 +324,7 @@ void fill_operations(_generic_N_Vector_Ops& ops, norms wanted) {
   ops.nvaddconst = add_constant;
   ops.nvdotprod = dot_product;
   ops.nvmaxnorm = maximum_norm;
-  ops.nvwrmsnorm = wanted == norms::computed ? weighted_rms_norm : skipped_norm;
+  ops.nvwrmsnorm = weighted_rms_norm;
   ops.nvmin = minimum;
   ops.nvwl2norm = weighted_l2_norm;
   ops.nvlinearcombination = linear_combination;
@@ -333,21 +333,18 @@ void fill_operations(_generic_N_Vector_Ops& ops, norms wanted) {
 
 }  // namespace
 
-vector_handle make_state_vector(const sundials_context& context, MPI_Comm communicator, std::vector<double*> fields,
-                                std::size_t n, norms wanted) {
+vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, std::vector<double*> fields, std::size_t n) {
   auto shared = std::make_shared<family>(family{communicator, fields.size(), n, 0, 0, {}});
   long long total = static_cast<long long>(n);
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_LONG_LONG, MPI_SUM, communicator);
   shared->global_length = static_cast<sunindextype>(total) * static_cast<sunindextype>(fields.size());
 
-  vector_handle v(N_VNewEmpty(context.get()));
+  vector_handle v(N_VNewEmpty(context));
   if (!v) throw std::bad_alloc();
-  fill_operations(*v->ops, wanted);
+  fill_operations(*v->ops);
   v->content = new content{std::move(shared), std::move(fields), nullptr, true};
   return v;
 }
-
-std::size_t local_length(N_Vector v) { return family_of(v).n; }
 
 std::span<const double* const> values(N_Vector v) {
   return {const_cast<const double* const*>(read(v)), family_of(v).fields};

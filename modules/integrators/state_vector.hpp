@@ -22,16 +22,10 @@
 
 namespace tetsuame::integrators {
 
-// norms::skipped makes every weighted root-mean-square norm 0 without communication: ARKODE
-// asks for one a step even where the step is fixed and nobody uses it.
-enum class norms { computed, skipped };
-
 // A home vector over `fields`, arrays of n values each. Collective over `communicator`, which
 // must outlive the vector, as must `context`. N_VGetLength is the global number of values.
-vector_handle make_state_vector(const sundials_context& context, MPI_Comm communicator, std::vector<double*> fields,
-                                std::size_t n, norms = norms::computed);
+vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, std::vector<double*> fields, std::size_t n);
 
-std::size_t local_length(N_Vector v);                      // values of one field on this rank
 std::span<const double* const> values(N_Vector v);         // one pointer a field
 std::span<double* const> values_to_overwrite(N_Vector v);  // the same, to be written in full: old values are lost
 

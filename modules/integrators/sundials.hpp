@@ -1,47 +1,29 @@
-// What every use of SUNDIALS here shares, for versions 6.4 to 7: the context all its objects belong to, and a
-// handler that keeps SUNDIALS' messages instead of printing them, so that each becomes
-// a foundation::error or a result's reason. Also carries exceptions through C code.
+// What every use of SUNDIALS here shares, for versions 6.4 to 7: handles, and a handler that keeps its messages instead
+// of printing them, so that each becomes a foundation::error or a result's reason. Also carries exceptions through C
+// code.
 #pragma once
 
 #include <fmt/format.h>
+#include <mpi.h>
 #include <sundials/sundials_config.h>
-#include <sundials/sundials_context.h>
 #include <sundials/sundials_nvector.h>
 
+#include <sundials/sundials_context.hpp>
+
 #include <exception>
-#include <foundation/error.hpp>
+#include <foundation/waiting.hpp>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace tetsuame::integrators {
 
-class sundials_context {
- public:
-  sundials_context() {
-    SUNContext context = nullptr;
-#if SUNDIALS_VERSION_MAJOR >= 7
-    const int status = SUNContext_Create(SUN_COMM_NULL, &context);
-#else
-    const int status = SUNContext_Create(nullptr, &context);
-#endif
-    if (status != 0) foundation::fail_calculation("SUNDIALS could not create its context: is there enough memory?");
-    context_.reset(context);
-  }
-  SUNContext get() const { return context_.get(); }
-
- private:
-  struct release {
-    void operator()(SUNContext context) const { SUNContext_Free(&context); }
-  };
-  std::unique_ptr<std::remove_pointer_t<SUNContext>, release> context_;
+// Gives back what one of SUNDIALS' functions does.
+template <auto free>
+struct freed_by {
+  void operator()(auto* p) const { free(p); }
 };
-
-struct release_vector {
-  void operator()(N_Vector v) const { N_VDestroy(v); }
-};
-using vector_handle = std::unique_ptr<_generic_N_Vector, release_vector>;
+using vector_handle = std::unique_ptr<_generic_N_Vector, freed_by<N_VDestroy>>;
 
 // SUNDIALS' last error message; warnings are not kept. An address of it is the handler's data.
 struct sundials_messages {
@@ -62,8 +44,8 @@ struct sundials_messages {
 // has.
 #if SUNDIALS_VERSION_MAJOR >= 7
 #define TETSUAME_KEEP_MESSAGES(set, memory, context, messages) \
-  (SUNContext_ClearErrHandlers((context).get()) == 0 &&        \
-   SUNContext_PushErrHandler((context).get(), sundials_messages::of_context, &(messages)) == 0)
+  (SUNContext_ClearErrHandlers(context) == 0 &&                \
+   SUNContext_PushErrHandler(context, sundials_messages::of_context, &(messages)) == 0)
 #else
 #define TETSUAME_KEEP_MESSAGES(set, memory, context, messages) \
   (set(memory, sundials_messages::handler, &(messages)) == 0)
@@ -72,15 +54,20 @@ struct sundials_messages {
 // Calls that SUNDIALS must not see fail with an exception: the first one thrown waits here.
 class exception_carrier {
  public:
-  // call()'s own value, or -1 when it threw.
+  // call()'s own value, or -1 when it threw; of all ranks' values the most severe: 0 only if all are 0, else the
+  // smallest negative one if any is negative, else the largest. Collective.
   template <class Call>
-  int guard(const Call& call) noexcept {
+  int guard(MPI_Comm communicator, const Call& call) noexcept {
+    int status = -1;
     try {
-      return call();
+      status = call();
     } catch (...) {
       if (!waiting_) waiting_ = std::current_exception();
-      return -1;
     }
+    int extremes[2] = {status, -status};
+    const foundation::collective timed;
+    MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_INT, MPI_MAX, communicator);
+    return extremes[1] > 0 ? -extremes[1] : extremes[0];
   }
   void rethrow() {  // if one waits
     if (waiting_) std::rethrow_exception(std::exchange(waiting_, nullptr));

@@ -71,7 +71,6 @@ class functions_of_distance {
 
   double support() const { return support_; }  // m
   double self() const { return value(0.0); }   // W(0), 1/m^D
-  double smoothing_length() const { return support_ / Kernel::support_over_h; }
 
   // m; for 1/r in `both`, r is taken to be at least this. Nearer than this, differences of a spline's
   // pieces are lost in the rounding of its terms.

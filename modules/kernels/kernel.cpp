@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <foundation/error.hpp>
 #include <kernels/kernel.hpp>
 #include <vector>
@@ -31,11 +30,7 @@ any<D> pick(std::string_view name, double support) {
 
 template <int D>
 any<D> make(std::string_view name, double h) {
-  const entry& line = find(name);
-  if (!(std::isfinite(h) && h > 0.0))
-    foundation::fail_input(
-        fmt::format("the smoothing length of kernel '{}' is {} m: it must be finite and positive", name, h));
-  return pick<D>(name, line.support_over_h * h);
+  return pick<D>(name, find(name).support_over_h * h);
 }
 
 template any<1> make<1>(std::string_view, double);

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 
 #include <kernels/splines.hpp>
@@ -29,19 +30,14 @@ struct entry {
 };
 
 // Default h_over_dx: why, docs/theory/kernels.md.
-inline constexpr std::array<entry, 5> table{{
-    {quintic_spline<2>::name, quintic_spline<2>::support_over_h, quintic_spline<2>::default_h_over_dx},
-    {cubic_spline<2>::name, cubic_spline<2>::support_over_h, cubic_spline<2>::default_h_over_dx},
-    {wendland_c2<2>::name, wendland_c2<2>::support_over_h, wendland_c2<2>::default_h_over_dx},
-    {wendland_c4<2>::name, wendland_c4<2>::support_over_h, wendland_c4<2>::default_h_over_dx},
-    {wendland_c6<2>::name, wendland_c6<2>::support_over_h, wendland_c6<2>::default_h_over_dx},
-}};
+inline constexpr auto table = []<class... Kernel>(std::type_identity<std::variant<Kernel...>>) {
+  return std::array{entry{Kernel::name, Kernel::support_over_h, Kernel::default_h_over_dx}...};
+}(std::type_identity<any<2>>{});
 
 // The table's line of that name; fail_input with all the names if there is none.
 const entry& find(std::string_view name);
 
-// The kernel of that name and smoothing length h (m); fail_input for an unknown name or
-// an h that is not finite and positive.
+// The kernel of that name and smoothing length h > 0 (m); fail_input for an unknown name.
 template <int D>
 any<D> make(std::string_view name, double h);
 

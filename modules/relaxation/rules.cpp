@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <foundation/error.hpp>
 #include <relaxation/rules.hpp>
 
 namespace tetsuame::relaxation {
@@ -54,12 +51,6 @@ bound rsst_bound(const powers& n, bool layers) {
   return {fall, layers ? "S1 (34)" : "S1 (32)"};
 }
 
-void require_slowing(const char* name, const std::optional<double>& given) {
-  if (given && !(*given >= 1.0 && std::isfinite(*given)))
-    foundation::fail_input(
-        fmt::format("{} must be at least 1, not {}: below it sound or inertia would grow", name, *given));
-}
-
 }  // namespace
 
 std::vector<rule> all_rules(const fluid_layer& f, double phi_xi) {
@@ -88,8 +79,6 @@ std::vector<rule> all_rules(const fluid_layer& f, double phi_xi) {
 }
 
 recommendation recommend(const fluid_layer& f, const choice& wanted) {
-  require_slowing("zeta", wanted.zeta);
-  require_slowing("xi", wanted.xi);
   const powers n(f);
   const bool later = wanted.rule == "later", layers = wanted.boundary_layers || later;
   const bool viscous = later ? n.later_viscous() : reached_balance(f, layers) == balance::viscous;

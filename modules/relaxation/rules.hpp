@@ -56,7 +56,7 @@ struct choice {
   std::string rule = "slower_speed";  // of [S1]; "later": of [S1b]
   bool boundary_layers = true;        // the wider bounds
   double mach = 0.1, phi_xi = 0.5;    // V/c_eff, the factor below the bound; xi below its bound
-  std::optional<double> zeta = std::nullopt, xi = std::nullopt;  // given: taken as they are
+  std::optional<double> zeta = std::nullopt, xi = std::nullopt;  // >= 1; given: taken as they are
 };
 
 struct recommendation {
@@ -73,7 +73,7 @@ struct recommendation {
   double viscous_share = 1.0, wave_share = 1.0;
 };
 
-// zeta and xi are never below 1: slowed is what they are for. fail_input if one given is below 1.
+// zeta and xi are never below 1: slowed is what they are for.
 recommendation recommend(const fluid_layer& f, const choice& wanted);
 
 }  // namespace tetsuame::relaxation

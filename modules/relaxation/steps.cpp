@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <foundation/error.hpp>
 #include <relaxation/steps.hpp>
 
 namespace tetsuame::relaxation {
@@ -10,9 +9,7 @@ namespace {
 // The largest n in 1 … 10^9 that is affordable, where affordable(n) is true up to some n and false
 // beyond it; 0 if none is.
 template <class Test>
-std::int64_t largest_that(const cost& c, const budget& b, const Test& affordable) {
-  if (std::isfinite(b.seconds) && !(c.updates_per_second > 0.0))
-    foundation::fail_input("a run time needs the rate of updates of the machine");
+std::int64_t largest_that(const Test& affordable) {
   std::int64_t below = 0, above = 1'000'000'001;
   while (above - below > 1) {
     const std::int64_t middle = below + (above - below) / 2;
@@ -55,7 +52,7 @@ convection_plan plan_convection(const fluid_layer& f, const recommendation& r, s
 
 std::int64_t largest_n(const fluid_layer& f, const recommendation& r, int dimension, double volume_ratio,
                        double fraction, const cost& c, const budget& b) {
-  return largest_that(c, b, [&](std::int64_t n) {
+  return largest_that([&](std::int64_t n) {
     const auto p = plan_convection(f, r, n, dimension, volume_ratio, fraction, c);
     return p.steps <= b.steps && p.seconds <= b.seconds;
   });
@@ -92,7 +89,7 @@ overturn_plan plan_overturn(const two_layers& s, std::int64_t n, int dimension, 
 
 affordable afford(const two_layers& s, std::int64_t n, int dimension, const cost& c, const budget& b) {
   affordable a{};
-  a.n = largest_that(c, b, [&](std::int64_t side) {
+  a.n = largest_that([&](std::int64_t side) {
     const auto p = plan_overturn(s, side, dimension, c);
     return p.steps <= b.steps && p.seconds <= b.seconds;
   });

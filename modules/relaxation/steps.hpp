@@ -38,8 +38,7 @@ struct convection_plan {
 convection_plan plan_convection(const fluid_layer& f, const recommendation& r, std::int64_t n, int dimension,
                                 double volume_ratio, double fraction, const cost& c);
 
-// At most so many steps or seconds of computing (infinite: no such wish). fail_input if seconds are asked for without a
-// rate.
+// At most so many steps, or seconds of computing, which need a rate (infinite: no such wish).
 struct budget {
   double steps = std::numeric_limits<double>::infinity();
   double seconds = std::numeric_limits<double>::infinity();

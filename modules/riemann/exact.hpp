@@ -10,20 +10,44 @@
 // p_least = -min(p_inf) is where the first of the sides has no sound; F(p_least) >= 0: vacuum.
 #pragma once
 
-#include <riemann/states.hpp>
-#include <type_traits>
-
-// glibc's pow for four lanes (libmvec, error below 4 ulp): std::experimental::simd calls the
-// scalar one lane by lane, which makes the whole solution four times as slow.
-#if defined(__AVX2__) && defined(__x86_64__) && defined(__GLIBC__)
-#define TETSUAME_VECTOR_POW 1
-#include <immintrin.h>
-extern "C" __m256d _ZGVdN4vv_pow(__m256d, __m256d);
-#else
-#define TETSUAME_VECTOR_POW 0
-#endif
+#include <cmath>
+#include <experimental/simd>
+#include <foundation/lanes.hpp>
+#include <foundation/lanes_math.hpp>
 
 namespace tetsuame::riemann {
+
+// A choice by mask.
+template <class R>
+using mask_of = decltype(R() < R());
+
+using foundation::select;
+inline double select(bool yes, double a, double b) { return yes ? a : b; }
+
+// A side: a stiffened gas of its own,
+//   p = (gamma - 1) rho e - p_inf,   K_S = rho c^2 = gamma (p + p_inf),
+// which holds the ideal gas (p_inf = 0) and, with gamma = dK_S/dp and p_inf = K_S/gamma - p at a state, any equation of
+// state near it (docs/theory/riemann.md). R: double, or lanes of it.
+template <class R>
+struct side {
+  R rho, u, p;          // kg/m^3; m/s towards +x; Pa. rho > 0, p > -p_infinity
+  R gamma, p_infinity;  // dimensionless > 1; Pa
+};
+
+template <class R>
+R sound_speed(const side<R>& s) {
+  using std::sqrt;
+  return sqrt(s.gamma * (s.p + s.p_infinity) / s.rho);
+}
+
+// Between the outer waves. The contact parts left from right.
+template <class R>
+struct star {
+  R p, u;             // Pa, m/s; u is (u_l + u_r)/2
+  R u_l, u_r;         // m/s: both u, but where a vacuum opens between them
+  R rho_l, rho_r;     // kg/m^3
+  mask_of<R> vacuum;  // the sides part: p is the least pressure either can have
+};
 
 namespace detail {
 
@@ -32,27 +56,8 @@ struct wave {
   R f, slope;  // m/s; m/(s Pa)
 };
 
-// Unqualified: lanes find their own by their namespace.
-using std::exp, std::sqrt;
-
-template <class R>
-R power(const R& x, const R& y) {
-  using std::pow;
-#if TETSUAME_VECTOR_POW
-  if constexpr (std::is_same_v<R, std::experimental::simd<double, std::experimental::simd_abi::_VecBuiltin<32>>>)
-    return R(_ZGVdN4vv_pow(static_cast<__m256d>(x), static_cast<__m256d>(y)));
-  else
-#endif
-    return pow(x, y);
-}
-template <class R>
-R greater(const R& a, const R& b) {
-  return select(a < b, b, a);
-}
-template <class R>
-R smaller(const R& a, const R& b) {
-  return select(b < a, b, a);
-}
+// Unqualified: lanes find their own by their namespace. Of greater(a, b) and lesser(a, b), b where one is not a number.
+using foundation::greater, foundation::lesser, std::exp, std::sqrt, std::experimental::any_of;
 
 // f/(p - p_K) of a shock.
 template <class R>
@@ -68,8 +73,8 @@ wave<R> curve(const side<R>& s, const R& c, const R& p) {
   const R B = minus / plus * P_K, root = shock_slope(s, p);
   wave<R> w{(p - s.p) * root, root * (1.0 - 0.5 * (p - s.p) / (P + B))};
   const auto rarefies = p < s.p;
-  if (any(rarefies)) {
-    const R ratio = P / P_K, speed = power(ratio, R(0.5 * minus / s.gamma));  // c*/c
+  if (any_of(rarefies)) {
+    const R ratio = P / P_K, speed = foundation::pow(ratio, R(0.5 * minus / s.gamma));  // c*/c
     w.f = select(rarefies, R(2.0 * c / minus * (speed - 1.0)), w.f);
     w.slope = select(rarefies, R(speed / (ratio * s.rho * c)), w.slope);
   }
@@ -81,7 +86,7 @@ R star_density(const side<R>& s, const R& p) {
   const R ratio = (p + s.p_infinity) / (s.p + s.p_infinity), mu = (s.gamma - 1.0) / (s.gamma + 1.0);
   R rho = s.rho * (ratio + mu) / (mu * ratio + 1.0);
   const auto rarefies = p < s.p;
-  if (any(rarefies)) rho = select(rarefies, R(s.rho * power(ratio, R(1.0 / s.gamma))), rho);
+  if (any_of(rarefies)) rho = select(rarefies, R(s.rho * foundation::pow(ratio, R(1.0 / s.gamma))), rho);
   return rho;
 }
 
@@ -94,11 +99,11 @@ struct problem {
   mask_of<R> vacuum, rarefy;  // rarefy: both waves are rarefactions
 
   problem(const side<R>& l_, const side<R>& r_) : l(l_), r(r_), c_l(sound_speed(l_)), c_r(sound_speed(r_)) {
-    p_low = smaller(l.p, r.p);
-    p_least = 0.0 - smaller(l.p_infinity, r.p_infinity);
+    p_low = lesser(r.p, l.p);
+    p_least = 0.0 - lesser(r.p_infinity, l.p_infinity);
     rarefy = at(p_low).f > 0.0;
     vacuum = rarefy;
-    if (any(rarefy)) vacuum = rarefy && (curve(l, c_l, p_least).f + curve(r, c_r, p_least).f + r.u - l.u >= 0.0);
+    if (any_of(rarefy)) vacuum = rarefy && (curve(l, c_l, p_least).f + curve(r, c_r, p_least).f + r.u - l.u >= 0.0);
   }
 
   wave<R> at(const R& p) const {
@@ -112,13 +117,13 @@ struct problem {
   R start() const {
     const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
     const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
-    const R root = greater(R(closing), R(0.0)) /
+    const R root = greater(R(0.0), R(closing)) /
                    (sqrt(R(2.0 / ((l.gamma + 1.0) * l.rho))) + sqrt(R(2.0 / ((r.gamma + 1.0) * r.rho))));
-    const R cold = root * root - greater(l.p_infinity, r.p_infinity);
-    R p = greater(p_low, greater(acoustic, cold));
+    const R cold = root * root - greater(r.p_infinity, l.p_infinity);
+    R p = greater(greater(cold, acoustic), p_low);
     for (int k = 0; k < 2; ++k) {
       const R g_l = shock_slope(l, p), g_r = shock_slope(r, p);
-      p = greater(p_low, R((g_l * l.p + g_r * r.p + closing) / (g_l + g_r)));
+      p = greater(R((g_l * l.p + g_r * r.p + closing) / (g_l + g_r)), p_low);
     }
     return select(rarefy, p_low, p);
   }
@@ -127,8 +132,8 @@ struct problem {
   R next(const R& p) const {
     const wave<R> w = at(p);
     const R step = w.f / w.slope;
-    R q = greater(p_low, R(p - step));
-    if (any(rarefy)) {
+    R q = greater(R(p - step), p_low);
+    if (any_of(rarefy)) {
       const R above = p - p_least;
       q = select(rarefy, R(p_least + above * exp(R(-step / above))), q);
     }

@@ -20,14 +20,14 @@ struct drop_among_free_slip {
 };
 
 // Fall velocity, m/s, downward positive: mean over the drop, by the series of docs/theory/drop.md with terms up to ka =
-// 60: 1e-4. Exact for the round drop of equal viscosities; else the part that belongs to the drop alone is exchanged,
-// which leaves an error of first order in radius over length. fail_input: geometry.
+// 60: 1e-4. Exact for the round drop of equal viscosities; else, in 3-D only, the part that belongs to the drop alone
+// is exchanged, which leaves an error of third order in radius over length.
 double fall_velocity(const drop_among_free_slip& d);
 // About how many terms that are: of small drops in three dimensions very many.
 double terms_of_fall(const drop_among_free_slip& d);
 
 // The same of several drops of one size and of their surroundings' viscosity, as they lie at `centres` (d.centre is not
-// looked at): their mean. In 3-D terms up to ka = 30 are added. fail_input: geometry, unlike viscosities.
+// looked at): their mean. In 3-D terms up to ka = 30 are added.
 double mean_fall_velocity(const drop_among_free_slip& d, std::span<const std::array<double, 3>> centres);
 // About how many terms, all centres' together.
 double terms_of_mean_fall(const drop_among_free_slip& d, std::size_t centres);

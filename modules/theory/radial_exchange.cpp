@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <foundation/error.hpp>
 #include <theory/radial_exchange.hpp>
 
 namespace tetsuame::theory {
@@ -49,13 +46,6 @@ void solve(const std::vector<double>& C, const std::vector<double>& G, double dt
 }  // namespace
 
 std::vector<double> mean_inside(const radial_exchange& p, std::span<const double> times, int cells) {
-  if (!((p.dimension == 2 || p.dimension == 3) && p.radius > 0.0 && p.shell > p.radius && p.density_inside > 0.0 &&
-        p.density_outside > 0.0 && p.diffusivity_inside > 0.0 && p.diffusivity_outside > 0.0 && cells > 1))
-    foundation::fail_input(
-        fmt::format("exchange of a round body: radius {} m in a shell of {} m, densities {} and {}, diffusivities {} "
-                    "and {} must be positive, and the dimension {} be 2 or 3",
-                    p.radius, p.shell, p.density_inside, p.density_outside, p.diffusivity_inside, p.diffusivity_outside,
-                    p.dimension));
   const shells s = cut(p, cells);
   const std::size_t n = s.mass.size();
   std::vector<double> c(n, p.start_outside), C(n), G(n - 1), u(n), middle(n), result;

@@ -21,7 +21,7 @@ struct radial_exchange {
 };
 
 // Mean concentration inside (by mass) at ascending times (s) >= 0; `cells` a radius, steps of at most the time between
-// two times and a thousandth of the last. Errors fall as 1/cells². fail_input for what is not positive.
+// two times and a thousandth of the last. Errors fall as 1/cells².
 std::vector<double> mean_inside(const radial_exchange& problem, std::span<const double> times, int cells = 100);
 
 }  // namespace tetsuame::theory

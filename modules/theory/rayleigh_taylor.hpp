@@ -25,7 +25,7 @@ using barotrope = std::function<material_state(double pressure)>;
 barotrope linear_barotrope(double rho0, double K);
 
 struct layer {
-  double thickness;  // m
+  double thickness;  // m, > 0
   double viscosity;  // Pa s, > 0
   barotrope material;
   // Pa s, >= -viscosity/3: stress eta (grad v + grad v^T - 2/3 div v) + bulk_viscosity div v. At -viscosity/3
@@ -44,17 +44,15 @@ struct two_layers {
 
 // Growth rate, 1/s, at wave number k, 1/m. 0 where the interface is stable,
 // (rho_upper - rho_lower) g <= surface_tension k^2; else there is exactly one growing mode.
-// fail_input: an argument out of range. fail_calculation: boundary layers or decay lengths too
-// thin for the largest resolution, 180 points a layer.
+// fail_calculation: boundary layers or decay lengths too thin for the largest resolution, 180 points a layer.
 double growth_rate(const two_layers& flow, double k);
 
 // The growing mode, per metre of the interface's amplitude.
 struct mode {
   struct profile {
-    std::vector<double> y;                    // m, from the lower to the upper end of the layer
-    std::vector<double> u, v;                 // velocity, 1/s (m/s per m)
-    std::vector<double> pressure;             // Eulerian perturbation, Pa/m
-    std::vector<double> density, background;  // Eulerian perturbation, kg/m^4; base density, kg/m^3
+    std::vector<double> y;         // m, from the lower to the upper end of the layer
+    std::vector<double> u, v;      // velocity, 1/s (m/s per m)
+    std::vector<double> pressure;  // Eulerian perturbation, Pa/m
   };
   double k = 0.0, growth_rate = 0.0;  // 1/m, 1/s
   profile lower, upper;
@@ -65,13 +63,10 @@ mode eigenmode(const two_layers& flow, double k);
 
 // Amplitudes at height y, which lies inside the layers (fail_input otherwise); y = 0 is taken
 // from the upper layer. The fields of an interface at y = a cos kx are a times
-// displacement_x sin kx, displacement_y cos kx, velocity_x sin kx, velocity_y cos kx,
-// pressure cos kx and density cos kx. Displacement = velocity/growth_rate.
+// displacement_x sin kx, displacement_y cos kx and pressure cos kx; velocity = growth_rate displacement.
 struct mode_values {
   double displacement_x, displacement_y;  // m/m
-  double velocity_x, velocity_y;          // 1/s
   double pressure;                        // Eulerian perturbation, Pa/m
-  double density;                         // Eulerian perturbation, kg/m^4
 };
 mode_values at(const mode& m, double y);
 

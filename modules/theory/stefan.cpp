@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
-#include <foundation/error.hpp>
 #include <limits>
 #include <numbers>
 #include <theory/stefan.hpp>
@@ -68,11 +65,6 @@ double outwards(const melting_contact& p, double contact, std::vector<stefan_sol
 }  // namespace
 
 stefan_solution solve(const melting_contact& p) {
-  if (!(p.hot.temperature > p.cold.temperature && p.cold.temperature <= p.solidus && p.solidus < p.liquidus))
-    foundation::fail_input(
-        fmt::format("melting at a contact: {} K must be hotter than {} K, which must be at most the solidus {} K, and "
-                    "that below the liquidus {} K",
-                    p.hot.temperature, p.cold.temperature, p.solidus, p.liquidus));
   stefan_solution s{p, 0.0, {}};
   const auto too_hot = [&](double contact) { return outwards(p, contact, s.pieces) > p.cold.temperature; };
   s.contact = crossing(too_hot, p.cold.temperature, p.hot.temperature).first;  // from where the far field is reached

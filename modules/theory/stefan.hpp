@@ -33,7 +33,7 @@ struct stefan_solution {
   double melt_thickness(double t) const;
 };
 
-// fail_input unless T_hot > T_cold, T_cold <= solidus < liquidus.
+// T_hot > T_cold, T_cold <= solidus < liquidus.
 stefan_solution solve(const melting_contact& problem);
 
 }  // namespace tetsuame::theory

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <Eigen/Sparse>
 #include <cmath>
 #include <foundation/error.hpp>
@@ -58,20 +56,6 @@ double covered(const drop_in_box& box, double x, double y, double dx, double dy)
   return static_cast<double>(inside) / (m * m);
 }
 
-void check(const drop_in_box& box, int cells) {
-  const auto need = [](bool good, const char* what) {
-    if (!good) foundation::fail_input(fmt::format("drop in a box: {}", what));
-  };
-  need(box.width > 0.0 && box.height > 0.0 && box.radius > 0.0, "width, height and radius must be > 0");
-  need(box.viscosity > 0.0 && box.drop_viscosity > 0.0, "the viscosities must be > 0");
-  need(box.x - box.radius >= 0.0 && box.x + box.radius <= box.width && box.y - box.radius >= 0.0 &&
-           box.y + box.radius <= box.height,
-       "the drop must lie inside the box");
-  need(box.floor_lid != sides::periodic || box.left_right == sides::periodic,
-       "a periodic floor and lid need periodic sides");
-  need(cells >= 8, "at least 8 cells are needed");
-}
-
 // The matrix of the dissipation.
 Eigen::SparseMatrix<double> dissipation(const drop_in_box& box, const corners& psi) {
   const axis &X = psi.X, &Y = psi.Y;
@@ -121,7 +105,6 @@ Eigen::SparseMatrix<double> dissipation(const drop_in_box& box, const corners& p
 }  // namespace
 
 double fall_velocity(const drop_in_box& box, int cells) {
-  check(box, cells);
   const int rows = std::max(8, static_cast<int>(std::lround(cells * box.height / box.width)));
   const corners psi({cells, box.width / cells, box.left_right}, {rows, box.height / rows, box.floor_lid});
   const double dx = psi.X.spacing, dy = psi.Y.spacing, area = dx * dy;

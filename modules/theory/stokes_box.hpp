@@ -8,7 +8,7 @@ enum class sides { no_slip, free_slip, periodic };
 
 struct drop_in_box {
   double width, height;               // m
-  double radius, x, y;                // m, centre from the lower left corner; the drop must not touch a wall
+  double radius, x, y;                // m, centre from the lower left corner; the drop must lie inside the box
   double viscosity, drop_viscosity;   // Pa s, outside and inside
   double density_difference;          // kg/m^3, drop minus surroundings
   double gravity;                     // m/s^2, towards -y
@@ -17,10 +17,10 @@ struct drop_in_box {
                                       // mean flow of drop and surroundings together is zero
 };
 
-// Fall velocity, m/s, downward positive: mean of -v over the drop's area, on `cells` cells across the width
+// Fall velocity, m/s, downward positive: mean of -v over the drop's area, on `cells` cells, 8 or more, across the width
 // and as many per metre, rounded, over the height. Error with 8 cells in the radius, falling as cells^-2: 1e-3
 // for equal viscosities; else falling as 1/cells, 2 % at a viscosity ratio of 0.1 or 10 and 5 % at 100.
-// fail_input: geometry; fail_calculation: the matrix could not be factorised.
+// fail_calculation: the matrix could not be factorised.
 double fall_velocity(const drop_in_box& box, int cells);
 
 // Extrapolated from `cells` and 2 `cells` by these powers; with 6 cells in the radius at `cells`, 5e-3 for ratios

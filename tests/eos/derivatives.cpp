@@ -45,14 +45,6 @@ BOOST_AUTO_TEST_CASE(alpha_K_T_is_dp_dT) {
     });
 }
 
-BOOST_AUTO_TEST_CASE(evaluate_gives_the_pressure) {
-  for (const sample& s : samples())
-    for_each_state(s, [&](double rho, double T) {
-      const eos::properties state = eos::evaluate(s.material, rho, T);
-      BOOST_REQUIRE(std::abs(state.p - eos::pressure(s.material, rho, T)) <= 1e-15 * (std::abs(state.p) + state.K_T));
-    });
-}
-
 // c^2 = dp/drho for a material that is compressed with d ln T = gamma_th d ln rho, as the
 // temperature equation does it. Central difference with d = 1e-4 along the tangent: the error
 // is d^2 times third derivatives, 1e-8 * 100.

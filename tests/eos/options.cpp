@@ -95,6 +95,6 @@ BOOST_AUTO_TEST_CASE(resolving_twice_changes_nothing) {
     const eos::material_options once = eos::resolve(o), twice = eos::resolve(once);
     for (const eos::parameter& key : eos::parameters) BOOST_TEST((once.*key.member == twice.*key.member));
     BOOST_TEST((once.curve == twice.curve && once.tillotson == twice.tillotson));
-    BOOST_TEST(eos::changed(once).empty());
+    BOOST_TEST(eos::about(eos::make(once)).source.find("changed") == std::string::npos);
   }
 }

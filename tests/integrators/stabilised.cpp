@@ -130,8 +130,6 @@ BOOST_AUTO_TEST_CASE(the_recurrences_are_the_published_polynomials) {
       BOOST_CHECK_CLOSE(r.c.back(), 1.0, 1e-11);
       for (std::size_t j = 1; j < r.c.size(); ++j) BOOST_CHECK_GT(r.c[j] - r.c[j - 1], -1e-13);  // rkc2: c_1 = c_2
     }
-  BOOST_CHECK_THROW(make_recurrence(stabilised_method::rkc2, 1), std::invalid_argument);
-  BOOST_CHECK_THROW(make_recurrence(stabilised_method::rkl2, 2), std::invalid_argument);
 }
 
 BOOST_AUTO_TEST_CASE(stable_up_to_the_limit_and_not_far_beyond) {
@@ -188,14 +186,14 @@ BOOST_AUTO_TEST_CASE(one_step_is_the_same_as_arkode_makes_it_from_the_butcher_ta
 
       const double dt = 0.9 * r.limit / 200.0;  // near the limit: the radius is about 4 * 40 * 1.1
       std::vector<double> by_arkode = stiff_start(), ours = stiff_start();
-      sundials_context context;
+      sundials::Context context;
       const vector_handle y = make_state_vector(context, MPI_COMM_SELF, {by_arkode.data()}, by_arkode.size());
       void* memory = ERKStepCreate(
           [](double t, N_Vector state, N_Vector rate, void*) {
             const double* u = values(state)[0];
-            return stiff_rates(t, {u, u + local_length(state)}, values_to_overwrite(rate)[0]);
+            return stiff_rates(t, {u, u + N_VGetLength(state)}, values_to_overwrite(rate)[0]);
           },
-          0.2, y.get(), context.get());
+          0.2, y.get(), context);
       BOOST_REQUIRE(memory != nullptr);
       BOOST_REQUIRE_EQUAL(ERKStepSetTable(memory, table), ARK_SUCCESS);
       BOOST_REQUIRE_EQUAL(ERKStepSetFixedStep(memory, dt), ARK_SUCCESS);

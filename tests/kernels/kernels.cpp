@@ -105,7 +105,7 @@ BOOST_AUTO_TEST_CASE_TEMPLATE(is_finite_at_the_origin, Kernel, all_kernels) {
 BOOST_AUTO_TEST_CASE(limits_of_the_gradient_at_the_origin) {
   const double r = 1e-6 * support;
   const auto in_h_at = [](const auto& kernel, double at) {
-    const double h = kernel.smoothing_length();
+    const double h = support / kernel.support_over_h;
     return kernel.gradient_over_r(at) / kernel.self() * h * h;
   };
   const auto in_h = [&](const auto& kernel) { return in_h_at(kernel, r); };
@@ -150,7 +150,6 @@ BOOST_AUTO_TEST_CASE(by_name) {
         [&](const auto& kernel) {
           BOOST_TEST(kernel.name == line.name);
           BOOST_TEST(std::abs(kernel.support() - line.support_over_h * h) < 1e-15 * h);
-          BOOST_TEST(std::abs(kernel.smoothing_length() - h) < 1e-15);
           BOOST_TEST(kernel.default_h_over_dx == line.default_h_over_dx);
         },
         make<3>(line.name, h));
@@ -163,6 +162,4 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused) {
            std::string(e.what()).find("wendland_c6") != std::string::npos;
   };
   BOOST_CHECK_EXCEPTION(make<2>("septic", 1.0), tetsuame::foundation::error, names_the_choices);
-  for (const double h : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-    BOOST_CHECK_EXCEPTION(make<2>("wendland_c6", h), tetsuame::foundation::error, names_the_choices);
 }

