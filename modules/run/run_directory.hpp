@@ -11,7 +11,6 @@
 #include <output/checkpoint.hpp>
 #include <output/directory.hpp>
 #include <output/history.hpp>
-#include <output/series.hpp>
 #include <output/snapshot.hpp>
 #include <run/command_line.hpp>
 #include <run/summary.hpp>
