@@ -9,7 +9,6 @@ int main(int argc, char** argv) {
   convection::parameters p;
   const run::program_input own{
       .program = "convection",
-      .shorthands = {},
       .restarts = true,
       .declare = [&](namelist::schema& schema) { convection::declare(schema, o); },
       .complete = [&](const namelist::schema& schema) { p = convection::resolve(schema, o); },

@@ -19,7 +19,6 @@ int main(int argc, char** argv) {
   std::vector<gas::coarser_input> coarser;
   const run::program_input own{
       .program = "shock",
-      .shorthands = {},
       .restarts = true,
       .declare = [&](namelist::schema& schema) { gas::declare(schema, o); },
       .complete =

@@ -16,7 +16,7 @@
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
 #include <gradient/continuity.hpp>
-#include <run/state.hpp>
+#include <run/lists.hpp>
 #include <span>
 #include <volume/shape.hpp>
 

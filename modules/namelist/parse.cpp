@@ -35,7 +35,7 @@ class reader {
     bool line_begins = true;
     while (!ended()) {
       if (starts_comment(at_)) {
-        skip_comment();
+        while (!ended() && next() != '\n') step();
         continue;
       }
       if (!next_is('&') && !next_is('$')) {
@@ -100,10 +100,6 @@ class reader {
 
   void skip_separators() {
     for (skip_blanks(); next_is(',') || next_is(';'); skip_blanks()) step();
-  }
-
-  void skip_comment() {
-    while (!ended() && next() != '\n') step();
   }
 
   std::string_view name() {
@@ -354,10 +350,9 @@ std::string read_file(const std::filesystem::path& path) {
     foundation::fail_input(fmt::format("{}: is a directory, not a namelist file", name));
   std::ifstream file(path, std::ios::binary);
   if (!file) foundation::fail_input(fmt::format("{}: the input file cannot be opened: is the path right?", name));
-  std::string text;
-  char buffer[1 << 14];
-  while (text.size() <= maximum_bytes && (file.read(buffer, sizeof buffer) || file.gcount() > 0))
-    text.append(buffer, static_cast<std::size_t>(file.gcount()));
+  std::string text(maximum_bytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
   if (file.bad() || text.empty())
     foundation::fail_input(fmt::format("{}: the input file cannot be read, or is empty", name));
   return text;

@@ -6,7 +6,6 @@
 #include <namelist/schema.hpp>
 #include <namelist/text.hpp>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 namespace tetsuame::namelist {
@@ -49,13 +48,6 @@ std::int64_t convert(const context& c, const value& v, std::int64_t*) {
     c.fail(&v, fmt::format("expected {}, found {}, which 64 bits cannot hold", c.to.expected(), excerpt(v.content)));
   if (!number || !c.to.allows(static_cast<double>(*number))) c.fail_found(v);
   return *number;
-}
-
-int convert(const context& c, const value& v, int*) {
-  const std::int64_t number = convert(c, v, static_cast<std::int64_t*>(nullptr));
-  if (!std::in_range<int>(number))
-    c.fail(&v, fmt::format("expected {}, found {}, which 32 bits cannot hold", c.to.expected(), number));
-  return static_cast<int>(number);
 }
 
 bool convert(const context& c, const value& v, bool*) {
@@ -153,84 +145,67 @@ void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
 }
 
 template <class Items>
-std::vector<std::string> names(const Items& items) {
-  std::vector<std::string> result;
-  for (const auto& item : items) result.push_back(item.name);
-  return result;
-}
-
-template <class Items>
 auto find_name(Items& items, const std::string& name) {
   return std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
 }
 
-std::size_t array_size(const target& bound) {
-  return std::visit(
-      [](auto* to) -> std::size_t {
-        if constexpr (requires { to->resize(0); } && !std::is_same_v<decltype(to), std::string*>)
-          return to->size();
-        else
-          return 0;
-      },
-      bound);
+template <class T>
+std::size_t array_size(const T&) {
+  return 0;
+}
+template <class T>
+std::size_t array_size(const std::vector<T>& list) {
+  return list.size();
 }
 
 constexpr const char* expert_group = "expert";
 
-// A key of &expert is as well known in the group that declared it. The end of the group's keys: there is none.
-std::vector<key>::iterator find_in_group_or_expert(std::vector<key_group>& groups, key_group& g,
-                                                   const std::string& name) {
-  const auto own = find_name(g.keys, name);
-  const auto expert = find_name(groups, expert_group);
-  if (own != g.keys.end() || expert == groups.end()) return own;
-  const auto rare = std::ranges::find_if(
-      expert->keys, [&](const key& k) { return k.declared_as == name && k.declared_in == g.name; });
-  return rare != expert->keys.end() ? rare : own;
+// The key of that group, by its name or an older one; a key of &expert is as well known in the group that declared it.
+// None: null.
+template <class Groups>
+auto find_key(Groups& groups, const std::string& group, const std::string& name)
+    -> decltype(&groups.front().keys.front()) {
+  for (auto& g : groups)
+    for (auto& k : g.keys) {
+      const bool declared = k.declared_in == group && (k.declared_as == name || k.older == name);
+      if (declared || (g.name == group && k.name == name)) return &k;
+    }
+  return nullptr;
 }
 
 [[noreturn]] void fail_unknown_key(const std::string& where, const key_group& g, const std::string& name,
                                    const std::vector<key_group>& groups) {
-  auto known = names(g.keys);
-  if (const auto expert = find_name(groups, expert_group); expert != groups.end() && g.name != expert_group)
-    for (const key& k : expert->keys)
-      if (k.declared_in == g.name) known.push_back(k.declared_as);
-  std::string hint =
-      known.empty() ? "the group has no keys" : fmt::format("the nearest valid key is {}", nearest(name, known));
+  std::vector<std::string> known;
+  std::string others;
   for (const key_group& other : groups)
-    if (find_name(other.keys, name) != other.keys.end())
-      hint += fmt::format("; &{} has a key of this name", other.name);
-  foundation::fail_input(fmt::format("{}: &{}: unknown key {}; {}", where, g.name, name, hint));
+    for (const key& k : other.keys) {
+      if (&other == &g || k.declared_in == g.name) known.push_back(&other == &g ? k.name : k.declared_as);
+      if (k.name == name) others += fmt::format("; &{} has a key of this name", other.name);
+    }
+  const std::string hint =
+      known.empty() ? "the group has no keys" : fmt::format("the nearest valid key is {}", nearest(name, known));
+  foundation::fail_input(fmt::format("{}: &{}: unknown key {}; {}{}", where, g.name, name, hint, others));
 }
 
 [[noreturn]] void fail_unknown_group(const std::string& where, const std::string& name,
                                      const std::vector<key_group>& groups) {
-  const std::string hint =
-      groups.empty() ? "there are none" : "the nearest valid group is &" + nearest(name, names(groups));
+  std::vector<std::string> known;
+  for (const key_group& g : groups) known.push_back(g.name);
+  const std::string hint = known.empty() ? "there are none" : "the nearest valid group is &" + nearest(name, known);
   foundation::fail_input(fmt::format("{}: unknown group &{}; {}", where, name, hint));
 }
 
-bool default_is_allowed(const key& k) {
-  const auto real_is_allowed = [&](double number) { return !std::isfinite(number) || k.allows(number); };
-  const auto text_is_allowed = [&](const std::string& text) {
-    return k.info.choices.empty() || std::count(k.info.choices.begin(), k.info.choices.end(), text) > 0;
-  };
-  return std::visit(
-      [&](auto* to) {
-        using T = std::remove_pointer_t<decltype(to)>;
-        if constexpr (std::is_same_v<T, bool>)
-          return true;
-        else if constexpr (std::is_same_v<T, std::string>)
-          return text_is_allowed(*to) || (k.info.required && to->empty());
-        else if constexpr (std::is_same_v<T, std::vector<std::string>>)
-          return std::all_of(to->begin(), to->end(), text_is_allowed);
-        else if constexpr (requires { to->has_value(); })
-          return !*to || real_is_allowed(static_cast<double>(**to));
-        else if constexpr (requires { to->begin(); })
-          return std::all_of(to->begin(), to->end(), [&](auto x) { return real_is_allowed(static_cast<double>(x)); });
-        else
-          return real_is_allowed(static_cast<double>(*to));
-      },
-      k.bound);
+// Whether a default is what the key would take of an input.
+bool is_allowed(const key& k, double number) { return !std::isfinite(number) || k.allows(number); }
+bool is_allowed(const key& k, std::int64_t number) { return k.allows(static_cast<double>(number)); }
+bool is_allowed(const key&, bool) { return true; }
+bool is_allowed(const key& k, const std::string& text) {
+  return k.info.choices.empty() || std::ranges::count(k.info.choices, text) > 0;
+}
+bool is_allowed(const key& k, const std::optional<double>& number) { return !number || is_allowed(k, *number); }
+template <class T>
+bool is_allowed(const key& k, const std::vector<T>& list) {
+  return std::ranges::all_of(list, [&](const T& content) { return is_allowed(k, content); });
 }
 
 }  // namespace
@@ -247,7 +222,7 @@ void schema::pass_over(const std::string& group, const std::vector<std::string>&
 }
 
 void schema::also_known(const std::string& group, const std::string& older, const std::string& key) {
-  older_names_.push_back({group, older, key});
+  find_key(groups_, group, key)->older = older;
 }
 
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {
@@ -264,9 +239,9 @@ void schema::add(const std::string& group, const std::string& name, target bound
   k.bound = bound;
   k.info = std::move(info);
   k.default_text = k.value();
-  if (!default_is_allowed(k))
+  if (!std::visit([&](auto* content) { return is_allowed(k, *content); }, bound))
     throw std::logic_error(fmt::format("{}: the default {} is not {}", full, k.default_text, k.expected()));
-  if (array_size(bound) > k.info.maximum_size)
+  if (std::visit([](auto* content) { return array_size(*content); }, bound) > k.info.maximum_size)
     throw std::logic_error(full + ": the default is longer than maximum_size");
   g->keys.push_back(std::move(k));
 }
@@ -296,7 +271,7 @@ void schema::read(const document& input) {
     for (key& k : g.keys) {
       k.origin = "default";
       k.given_in.clear();
-      k.filled.assign(array_size(k.bound), true);
+      k.filled.assign(std::visit([](auto* to) { return array_size(*to); }, k.bound), true);
     }
   for (const namelist::group& from : input.groups()) {
     const auto g = find_name(groups_, from.name);
@@ -308,15 +283,12 @@ void schema::read(const document& input) {
           groups_);
     }
     for (const assignment& a : from.assignments) {
-      const auto older =
-          std::ranges::find_if(older_names_, [&](const auto& n) { return n[0] == g->name && n[1] == a.key; });
-      const auto k = find_in_group_or_expert(groups_, *g, older == older_names_.end() ? a.key : (*older)[2]);
-      if (k == g->keys.end() &&
-          std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
+      key* const k = find_key(groups_, g->name, a.key);
+      if (!k && std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
         passed_.push_back("&" + g->name + " " + a.key);
         continue;
       }
-      if (k == g->keys.end()) fail_unknown_key(input.where(a), *g, a.key, groups_);
+      if (!k) fail_unknown_key(input.where(a), *g, a.key, groups_);
       if (!k->given_in.empty() && k->given_in != g->name)
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
@@ -329,15 +301,8 @@ void schema::read(const document& input) {
       k->given_in = g->name;
     }
   }
-  check_unassigned(input.name());
-}
-
-void schema::check_unassigned(const std::string& input_name) const {
   for (const key_group& g : groups_)
     for (const key& k : g.keys) {
-      if (k.info.required && k.given_in.empty())
-        foundation::fail_input(fmt::format("{}: &{} {} is missing: expected {}{}{}", input_name, g.name, k.name,
-                                           k.expected(), k.info.meaning.empty() ? "" : ": ", k.info.meaning));
       const auto gap = std::find(k.filled.begin(), k.filled.end(), false);
       if (gap != k.filled.end())
         foundation::fail_input(fmt::format("{}: &{} {}: element {} has neither a value nor a default", k.origin, g.name,
@@ -345,27 +310,21 @@ void schema::check_unassigned(const std::string& input_name) const {
     }
 }
 
-std::pair<const key&, const std::string&> schema::find(const std::string& group, const std::string& name) const {
-  for (const auto& g : groups_)
-    for (const auto& k : g.keys)
-      if ((k.name == lower(name) && g.name == lower(group)) ||
-          (k.declared_as == lower(name) && k.declared_in == lower(group)))
-        return {k, g.name};
+const key& schema::find(const std::string& group, const std::string& name) const {
+  if (const key* k = find_key(groups_, lower(group), lower(name))) return *k;
   throw std::logic_error(fmt::format("namelist key {}.{} is not declared", group, name));
 }
 
-std::string schema::where(const std::string& group, const std::string& key) const {
-  return find(group, key).first.origin;
-}
+std::string schema::where(const std::string& group, const std::string& key) const { return find(group, key).origin; }
 
 bool schema::given(const std::string& group, const std::string& key) const {
-  return !find(group, key).first.given_in.empty();
+  return !find(group, key).given_in.empty();
 }
 
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
-  const auto [k, stands_in] = find(group, name);
-  foundation::fail_input(
-      fmt::format("{}: &{} {}: {}", k.origin == "default" ? "default value" : k.origin, stands_in, k.name, message));
+  const key& k = find(group, name);
+  foundation::fail_input(fmt::format("{}: &{} {}: {}", k.origin == "default" ? "default value" : k.origin,
+                                     k.info.expert ? expert_group : k.declared_in, k.name, message));
 }
 
 }  // namespace tetsuame::namelist

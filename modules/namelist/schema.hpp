@@ -14,7 +14,6 @@
 // &expert behind all others, and are known in the group that declares them too.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/error.hpp>
@@ -33,10 +32,9 @@ struct key_info {
   std::string unit = "";
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  bool exclusive_minimum = false, exclusive_maximum = false;
+  bool exclusive_minimum = false;
   std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
   std::size_t maximum_size = 4096;        // of an array; at least its default's size
-  bool required = false;                  // must be given, whatever the default
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
@@ -61,13 +59,13 @@ inline key_info for_expert(key_info k) {
 }
 
 // The targets outlive the schema and stay where they are.
-using target = std::variant<double*, int*, std::int64_t*, bool*, std::string*, std::optional<double>*,
-                            std::optional<std::int64_t>*, std::vector<double>*, std::vector<std::int64_t>*,
-                            std::vector<std::string>*>;
+using target = std::variant<double*, std::int64_t*, bool*, std::string*, std::optional<double>*, std::vector<double>*,
+                            std::vector<std::int64_t>*, std::vector<std::string>*>;
 
 struct key {
   std::string name;
   std::string declared_in, declared_as;  // the group and the name there, also of a key of &expert
+  std::string older = {};                // an older name there; empty: none
   target bound;
   key_info info;
   std::string default_text;        // as in a namelist; empty: none
@@ -76,7 +74,7 @@ struct key {
   std::vector<bool> filled;        // array: which elements have a value
 
   std::string type_name() const;  // "integer", "list of reals", …
-  std::string limits() const;     // "> 0", "in [0, 1)", "one of 'a', 'b'"; empty: none
+  std::string limits() const;     // "> 0", "in (0, 1]", "one of 'a', 'b'"; empty: none
   std::string expected() const;   // type, unit and limits, for messages
   std::string value() const;      // as in a namelist; empty if there is none or it is not finite
   bool allows(double number) const;
@@ -112,9 +110,8 @@ class schema {
   // Assigns and validates. After an error some targets may have been assigned.
   void read(const document& input);
 
-  // Every group and key with type, unit, default, range and meaning as comments, and the
-  // defaults as values: a valid input, unless required keys have no default. What has no
-  // default is printed as a null value, `key =`.
+  // Every group and key with type, unit, default, range and meaning as comments, and the defaults as values: a valid
+  // input. What has no default is printed as a null value, `key =`.
   void describe(std::ostream& out) const;
   // All keys with what the targets hold now, in a form that reads back exactly.
   void write_resolved(std::ostream& out) const;
@@ -138,14 +135,11 @@ class schema {
   }
 
  private:
-  // The key of that group, or the one of &expert that the group declared; and the name of the group it stands in.
-  std::pair<const key&, const std::string&> find(const std::string& group, const std::string& key) const;
-  void check_unassigned(const std::string& input_name) const;
+  const key& find(const std::string& group, const std::string& key) const;
   std::vector<key_group> groups_;
   std::vector<std::string> passed_over_;                               // groups
   std::vector<std::pair<std::string, std::string>> keys_passed_over_;  // group, key
   std::vector<std::string> passed_;
-  std::vector<std::array<std::string, 3>> older_names_;  // group, older name, key
 };
 
 }  // namespace tetsuame::namelist

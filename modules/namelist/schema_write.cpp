@@ -12,7 +12,6 @@ namespace {
 
 std::string element(double number) { return std::isfinite(number) ? format_real(number) : ""; }
 std::string element(std::int64_t number) { return std::to_string(number); }
-std::string element(int number) { return std::to_string(number); }
 std::string element(bool truth) { return truth ? ".true." : ".false."; }
 std::string element(const std::string& text) { return quote(text); }
 
@@ -34,11 +33,9 @@ struct names {
 };
 constexpr names kinds[] = {{"real", "a real number"},
                            {"integer", "an integer"},
-                           {"integer", "an integer"},
                            {"logical", "a logical (.true. or .false.)"},
                            {"text", "a text"},
                            {"optional real", "a real number"},
-                           {"optional integer", "an integer"},
                            {"list of reals", "a real number"},
                            {"list of integers", "an integer"},
                            {"list of texts", "a text"}};
@@ -65,8 +62,7 @@ std::string key::value() const {
 }
 
 bool key::allows(double number) const {
-  return (info.exclusive_minimum ? number > info.minimum : number >= info.minimum) &&
-         (info.exclusive_maximum ? number < info.maximum : number <= info.maximum);
+  return (info.exclusive_minimum ? number > info.minimum : number >= info.minimum) && number <= info.maximum;
 }
 
 std::string key::type_name() const { return kinds[bound.index()].of_type; }
@@ -76,10 +72,9 @@ std::string key::limits() const {
   if (!i.choices.empty()) return "one of " + element(i.choices);
   const bool below = std::isfinite(i.minimum), above = std::isfinite(i.maximum);
   if (below && above)
-    return fmt::format("in {}{}, {}{}", i.exclusive_minimum ? '(' : '[', format_real(i.minimum), format_real(i.maximum),
-                       i.exclusive_maximum ? ')' : ']');
+    return fmt::format("in {}{}, {}]", i.exclusive_minimum ? '(' : '[', format_real(i.minimum), format_real(i.maximum));
   if (below) return fmt::format("{} {}", i.exclusive_minimum ? ">" : ">=", format_real(i.minimum));
-  if (above) return fmt::format("{} {}", i.exclusive_maximum ? "<" : "<=", format_real(i.maximum));
+  if (above) return "<= " + format_real(i.maximum);
   return "";
 }
 
@@ -103,7 +98,7 @@ void schema::describe(std::ostream& out) const {
       if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
       if (const std::string range = k.limits(); !range.empty()) facts += ", " + range;
-      facts += k.info.required ? ", required" : ", default " + (k.default_text.empty() ? "none" : k.default_text);
+      facts += ", default " + (k.default_text.empty() ? "none" : k.default_text);
       out << comment(facts, "  ") << line(k, k.default_text);
     }
     out << "/\n\n";

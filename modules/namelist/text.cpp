@@ -10,11 +10,6 @@ namespace {
 
 char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-std::size_t digits_from(std::string_view text, std::size_t at) {
-  while (at < text.size() && is_digit(text[at])) ++at;
-  return at;
-}
-
 std::optional<double> infinite_or_nan(std::string_view unsigned_word) {
   const std::string word = lower(unsigned_word);
   if (word == "inf" || word == "infinity") return std::numeric_limits<double>::infinity();
@@ -41,27 +36,19 @@ std::optional<double> to_real(std::string_view word) {
   const double sign = negative ? -1.0 : 1.0;
   if (const auto special = infinite_or_nan(word)) return sign * *special;
 
-  std::size_t end = digits_from(word, 0);
-  std::size_t digits = end;
-  if (end < word.size() && word[end] == '.') {
-    const std::size_t after_point = end + 1;
-    end = digits_from(word, after_point);
-    digits += end - after_point;
+  // As C writes it: e for d and q, and for the letter that Fortran may leave out (1.5-3).
+  std::string plain;
+  for (const char c : lower(word)) {
+    const bool is_sign = c == '+' || c == '-';
+    if (is_sign && plain.empty()) return {};
+    if (is_sign && plain.back() != 'e') plain += 'e';
+    plain += c == 'd' || c == 'q' ? 'e' : c;
   }
-  if (digits == 0) return {};
-
-  std::string plain(word.substr(0, end));
-  if (end < word.size()) {
-    const char letter = lower_letter(word[end]);
-    if (letter == 'e' || letter == 'd' || letter == 'q')
-      ++end;
-    else if (letter != '+' && letter != '-')  // 1.5-3 is Fortran's 1.5e-3
-      return {};
-    const std::size_t first = end < word.size() && (word[end] == '-' || word[end] == '+') ? end + 1 : end;
-    if (first == word.size() || digits_from(word, first) != word.size()) return {};
-    plain.append("e").append(word.substr(end));
-  }
-  return sign * std::strtod(plain.c_str(), nullptr);
+  if (plain.empty() || plain.find_first_not_of("0123456789.e+-") != std::string::npos) return {};
+  char* end = nullptr;
+  const double size = std::strtod(plain.c_str(), &end);
+  if (end != plain.c_str() + plain.size()) return {};
+  return sign * size;
 }
 
 std::optional<std::int64_t> to_integer(std::string_view word, bool& out_of_range) {

@@ -3,7 +3,7 @@
 //
 // checkpoint_NNNNNNNN.h5 (the step) holds /reals, /integers, /texts, /blobs and
 // /particles/TABLE/FIELD, rows in the order of the particle IDs; in its user block an
-// index with checksums over every byte (checkpoint_index.hpp). It is written under a
+// index with checksums over every byte (checkpoint.cpp). It is written under a
 // temporary name, synced to disk and renamed, then all but the two newest are removed.
 #pragma once
 

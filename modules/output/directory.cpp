@@ -60,12 +60,6 @@ std::vector<std::string> make(const std::string& directory) {
   return made;
 }
 
-void refuse_unwritable(const std::string& directory) {
-  const auto probe = (fs::path(directory) / "run.log.tmp").string();
-  create_temporary(probe);
-  remove_quietly(probe);
-}
-
 std::string final_name(const std::string& name) {
   return name.ends_with(".tmp") ? name.substr(0, name.size() - 4) : name;
 }
@@ -82,16 +76,6 @@ bool written_by_a_run(const fs::path& path) {
     return !list_datasets(path.string(), "/Provenance").empty();
   } catch (const foundation::error&) {
     return false;
-  }
-}
-
-void remove_files(const std::string& directory, const std::vector<std::string>& names) {
-  for (const auto& name : names) {
-    std::error_code problem;
-    fs::remove(fs::path(directory) / name, problem);
-    if (problem)
-      foundation::fail_file(
-          fmt::format("cannot remove {}: {}", (fs::path(directory) / name).string(), problem.message()));
   }
 }
 
@@ -129,7 +113,9 @@ std::vector<std::string> claim(const std::string& directory, directory_mode mode
         "output directory {} is not empty: name another by --output, replace its results by --force, or continue "
         "them by --restart latest; nothing was written",
         directory));
-  refuse_unwritable(directory);
+  const auto probe = (fs::path(directory) / "run.log.tmp").string();
+  create_temporary(probe);  // fails where nothing can be written
+  remove_quietly(probe);
   return made;
 }
 
@@ -170,9 +156,12 @@ void claimed_directory::clear(directory_mode mode, const std::string& kept) {
     return name != kept && (own || written_by_a_run(fs::path(directory_) / name));
   };
   foundation::on_rank_0(comm_, [&] {
-    auto names = names_in(directory_);
-    std::erase_if(names, [&](const std::string& name) { return !belongs(name); });
-    remove_files(directory_, names);
+    for (const auto& name : names_in(directory_)) {
+      const auto path = fs::path(directory_) / name;
+      std::error_code problem;
+      if (belongs(name)) fs::remove(path, problem);
+      if (problem) foundation::fail_file(fmt::format("cannot remove {}: {}", path.string(), problem.message()));
+    }
   });
   made_.clear();
 }

@@ -39,6 +39,7 @@ std::string hdf5_reason() {
 struct file_context {
   const std::string& path;
   const char* verb;
+  quiet silence{};
 
   template <class T>
   T check(T result) const {
@@ -68,16 +69,10 @@ class handle {
 };
 
 hid_t number_type(element type) {
-  switch (type) {
-    case element::real:
-      return H5T_IEEE_F64LE;
-    case element::single:
-      return H5T_IEEE_F32LE;
-    case element::integer:
-      return H5T_STD_I64LE;
-    default:
-      return H5T_STD_I32LE;
-  }
+  return type == element::real      ? H5T_IEEE_F64LE
+         : type == element::single  ? H5T_IEEE_F32LE
+         : type == element::integer ? H5T_STD_I64LE
+                                    : H5T_STD_I32LE;
 }
 
 // A text of so many bytes, without an end of its own.
@@ -219,7 +214,6 @@ handle access_without_locks(const file_context& file) {
 }
 
 struct opened_file {
-  quiet silence{};
   file_context file;
   handle root;
   explicit opened_file(const std::string& path)
@@ -239,7 +233,6 @@ std::uint64_t bytes_of(const dataset& d) {
 std::uint64_t create_layout(const std::string& path, layout& contents) {
   reserve(create_temporary(path), path, upper_estimate(contents));
 
-  const quiet silence;
   const file_context file{path, "write"};
   const handle creation(file.check(H5Pcreate(H5P_FILE_CREATE)), H5Pclose);
   file.check(H5Pset_userblock(creation, contents.user_block));
@@ -285,7 +278,7 @@ double read_real_attribute(const std::string& path, const std::string& object, c
 
 std::vector<double> read_real_attributes(const std::string& path, const std::string& object, const std::string& name) {
   const opened_file opened(path);
-  const auto& [silence, file, root] = opened;
+  const auto& [file, root] = opened;
   const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
   const handle space(file.check(H5Aget_space(a)), H5Sclose);
   std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
@@ -295,7 +288,7 @@ std::vector<double> read_real_attributes(const std::string& path, const std::str
 
 std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {
   const opened_file opened(path);
-  const auto& [silence, file, root] = opened;
+  const auto& [file, root] = opened;
   std::vector<stored_dataset> list;
   if (group != "/" && file.check(H5Lexists(root, group.c_str(), H5P_DEFAULT)) == 0) return list;
   const handle folder(file.check(H5Gopen2(root, group.c_str(), H5P_DEFAULT)), H5Gclose);
@@ -318,7 +311,7 @@ std::vector<stored_dataset> list_datasets(const std::string& path, const std::st
 
 std::vector<double> read_reals(const std::string& path, const std::string& name) {
   const opened_file opened(path);
-  const auto& [silence, file, root] = opened;
+  const auto& [file, root] = opened;
   const handle set(file.check(H5Dopen2(root, name.c_str(), H5P_DEFAULT)), H5Dclose);
   const handle space(file.check(H5Dget_space(set)), H5Sclose);
   std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));

@@ -1,10 +1,10 @@
-// Snapshots for looking at: HDF5 in GADGET's layout, which yt, SPLASH and h5py open.
+// Snapshots for looking at: HDF5 in GADGET's layout, which yt, SPLASH and h5py open, and a time series of them.
 //
 //   /Header           NumPart_ThisFile, NumPart_Total, NumPart_Total_HighWord, MassTable, Time, Redshift,
 //                     BoxSize, NumFilesPerSnapshot, Flag_*, … [V. Springel, GADGET-2 user guide, table 4]
 //                     and Dimension, BoxLengths, Periodic, Unit* (SI, told in cgs as is the custom)
 //   /PartType0, 1     ParticleIDs and the columns, fluid and wall; each with units and description
-//   /Connectivity0, 1 0 … N-1, which ParaView needs to draw points (series.hpp)
+//   /Connectivity0, 1 0 … N-1, which ParaView needs to draw points
 //   /Provenance       ResolvedInput, and Program and Version as attributes
 //
 // Rows in the order of the particle IDs: the same bytes on any number of ranks. Two lines more make yt read SI:
@@ -52,5 +52,22 @@ std::uint64_t bytes_of(std::vector<particle_group> groups, const snapshot_form& 
 // rank with path and reason (disk full, no permission), and leaves an older file as it was.
 void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_header& header,
                     std::vector<particle_group> groups, const provenance& origin, const snapshot_form& form = {});
+
+// series.xdmf: the snapshots of a directory as one time series that ParaView opens. A temporal collection; each time
+// holds "fluid" and "wall" as separate grids of points. Polyvertex with an explicit connectivity array: without it
+// ParaView's default reader shows nothing and says nothing. A snapshot is added in place of the file's last lines,
+// which then follow it: its cost does not grow with their number. Meaningful on rank 0; empty on the others.
+struct series {
+  std::uint64_t end = 0;              // bytes of series.xdmf before its last lines; 0: there is none yet
+  std::vector<std::string> messages;  // snapshots that could not be read and were left out
+};
+
+// Collective: adds the snapshot just written to DIRECTORY/series.xdmf. Throws fail_file on every rank.
+void add_to_series(MPI_Comm comm, const std::string& directory, const std::string& snapshot_file, series& all);
+
+// Collective; after a restart. Snapshots numbered below `next` make up the series again,
+// as their files tell; those from `next` on, which the run is about to repeat, are
+// removed. Throws fail_file on every rank if series.xdmf cannot be written.
+series continue_series(MPI_Comm comm, const std::string& directory, int next);
 
 }  // namespace tetsuame::output

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <problems/make.hpp>
@@ -119,12 +120,14 @@ int start(int argc, char** argv, const char* name, std::unique_ptr<problem_of_in
           const std::string& theory_is) {
   bool theory = false;
   run::program_input own{.program = name,
-                         .shorthands = {},
                          .restarts = true,
                          .declare = [&](namelist::schema& schema) { problem->declare(schema); },
                          .complete = [&](const namelist::schema& schema) { problem->complete(schema); },
                          .need = [&] { return problem->need(); }};
-  if (!theory_is.empty()) own.flags = {{"--theory", &theory, "print " + theory_is + ", and stop"}};
+  if (!theory_is.empty())
+    own.add_options = [&](CLI::App& app, run::command_line&) {
+      app.add_flag("--theory", theory, "print " + theory_is + ", and stop");
+    };
   if (choose) own.choose = [&](const namelist::document& input) { problem = choose(input); };
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     if (theory) {

@@ -64,7 +64,12 @@ class problem_in_a_box : public problem {
   std::size_t local_particles() const final { return box.w.s.fluid; }
   std::size_t simd_lanes() const final { return pairs::lanes; }
   foundation::stage_times& times() final { return box.w.times; }
-  output::snapshot_header header() const final { return snapshot_header(box); }
+  output::snapshot_header header() const final {
+    output::snapshot_header h{.dimension = D};
+    std::copy_n(box.w.d.region.length.begin(), D, h.box_lengths.begin());
+    std::copy_n(box.w.d.region.periodic.begin(), D, h.periodic.begin());
+    return h;
+  }
 
   double moved() override { return moved_since_lists(box); }
   double allowance() const override { return 0.5 * box.skin; }

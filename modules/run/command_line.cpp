@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <iostream>
+#include <map>
 #include <namelist/text.hpp>
 #include <new>
-#include <run/amounts.hpp>
 #include <run/command_line.hpp>
 #include <sstream>
 
@@ -113,16 +113,11 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
                    "continue from a checkpoint, or from the latest in the output directory; without INPUT, as that run "
                    "was told")
         ->type_name("FILE|latest");
-  std::vector<std::string> short_values(in.shorthands.size());
-  for (std::size_t k = 0; k < short_values.size(); ++k)
-    app.add_option(in.shorthands[k].option, short_values[k],
-                   in.shorthands[k].meaning + ": --set " + in.shorthands[k].key + "=" + in.shorthands[k].type)
-        ->type_name(in.shorthands[k].type);
   if (in.restarts)
     app.add_flag("--plan", line.plan,
                  "take a few steps, tell what the whole run will need of steps, time and memory, and stop; nothing is "
                  "written");
-  for (const auto& f : in.flags) app.add_flag(f.option, *f.given, f.meaning);
+  if (in.add_options) in.add_options(app, line);
   app.add_flag("--force", line.force, "replace the results of an earlier run in the output directory");
   app.add_flag("--check", line.check, "read and check the input, print it resolved, and stop");
   app.add_flag("--describe", line.describe, "print every group and key with type, unit, default, range and meaning");
@@ -135,8 +130,6 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
       throw CLI::ValidationError("--force and --restart latest exclude each other");
     if (line.plan && !line.restart.empty())
       throw CLI::ValidationError("--plan tells of a run from its start, and --restart excludes it");
-    for (std::size_t k = 0; k < short_values.size(); ++k)
-      if (!short_values[k].empty()) line.set.push_back(in.shorthands[k].key + "=" + short_values[k]);
   } catch (const CLI::Success& e) {
     if (speaks) app.exit(e);
     return 0;
@@ -219,6 +212,19 @@ void end_all(const domain::communicator& ranks) {
 }
 
 }  // namespace
+
+std::string program_of_group(const std::string& group) {
+  static const std::map<std::string, std::string> of = {{"shock", "shock"},
+                                                        {"convection", "convection"},
+                                                        {"relaxation", "convection"},
+                                                        {"conduction", "conduction"},
+                                                        {"rti", "rti"},
+                                                        {"drop", "drop"},
+                                                        {"machine", "balance"},
+                                                        {"distribution", "balance"}};
+  const auto found = of.find(group);
+  return found == of.end() ? "" : found->second;
+}
 
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string&)>& run) {

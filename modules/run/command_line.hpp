@@ -2,10 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <run/memory.hpp>
-#include <run/options.hpp>
+#include <run/amounts.hpp>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace tetsuame::run {
 
@@ -21,30 +24,24 @@ struct command_line {
 };
 
 // A program with an input of its own.
-struct shorthand {
-  std::string option, key, type, meaning;  // "--ranks", "machine.ranks", "P": --ranks 4 is --set machine.ranks=4
-};
-struct flag {
-  std::string option;  // "--theory"
-  bool* given;
-  std::string meaning;
-};
 struct program_input {
   std::string program;
-  std::vector<shorthand> shorthands;
-  bool restarts = false;                                  // knows --restart
+  bool restarts = false;                                  // knows --restart and --plan
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
-  std::vector<flag> flags = {};
-  std::function<memory_need()> need = {};  // after complete; none: it is no matter
+  std::function<memory_need()> need = {};                 // after complete; none: it is no matter
   // Before declare: what the input's groups say of the problem. None: there is but one.
   std::function<void(const namelist::document&)> choose = {};
+  std::function<void(CLI::App&, command_line&)> add_options = {};  // of its own
 };
 // Starts MPI, reads the command line and the input, handles --describe, --check, --help and
 // --version, then calls `run` with the input as resolved, a namelist. Returns the exit status; every error is told
 // once, by rank 0.
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string& resolved)>& run);
+
+// The program that a group of an input is for, where it is for no other; empty: several.
+std::string program_of_group(const std::string& group);
 
 // Of the source: the git commit it was built from; and the last number of CHANGELOG.md.
 std::string version();

@@ -23,12 +23,9 @@ void declare(namelist::schema& schema, kernel_options& o, const abilities& of_pr
                {.choices = {"double", "single"},
                 .meaning = "of what is computed for a pair of particles; states and their steps are double"});
   if (of_problem.lists_change)
-    schema.add("kernel", "skin", o.skin,
-               {.minimum = 0.0,
-                .maximum = 2.0,
-                .exclusive_minimum = true,
-                .expert = true,
-                .meaning = "neighbour lists reach further than the kernel by so many particle spacings"});
+    schema.add(
+        "kernel", "skin", o.skin,
+        for_expert(namelist::up_to(2.0, "neighbour lists reach further than the kernel by so many particle spacings")));
 }
 
 void resolve(const namelist::schema& schema, kernel_options& o) {
@@ -91,11 +88,8 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
       "time", "order", o.order,
       {.minimum = 2, .maximum = 5, .expert = true, .expert_name = "time_order", .meaning = "of the adaptive method"});
   schema.add("time", "dt", o.dt,
-             {.unit = "s",
-              .minimum = 0.0,
-              .exclusive_minimum = true,
-              .meaning = "time step, with error control the first one; not given: " +
-                         std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")});
+             namelist::positive("s", "time step, with error control the first one; not given: " +
+                                         std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")));
   if (of_problem.diffuses)
     schema.add("time", "error_control", o.error_control,
                {.expert = true,

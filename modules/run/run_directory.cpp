@@ -278,6 +278,7 @@ std::int64_t run_directory::continue_from(const output::latest_checkpoint& saved
   start_history(columns);
   output::forget_checkpoints_after(ranks.comm, line.output, step);
   series_ = output::continue_series(ranks.comm, line.output, static_cast<int>(snapshots_));
+  for (const auto& message : series_.messages) tell(message);
   keep_good(saved.path);
   return step;
 }

@@ -1,5 +1,5 @@
 // What every run keeps in its directory, and how it is begun, continued and ended: log, resolved input, history,
-// snapshots and their series, checkpoints, summary. The loops (hydrostatic.hpp, run/time_loop.cpp) say when.
+// snapshots and their series, checkpoints, summary. The time loop says when.
 #pragma once
 
 #include <domain/communicator.hpp>
@@ -11,7 +11,6 @@
 #include <output/checkpoint.hpp>
 #include <output/directory.hpp>
 #include <output/history.hpp>
-#include <output/series.hpp>
 #include <output/snapshot.hpp>
 #include <run/command_line.hpp>
 #include <run/summary.hpp>

@@ -9,18 +9,6 @@
 
 namespace tetsuame::run {
 
-void summary::set_errors(double pressure_mean, double pressure_max, double density_max,
-                         double displacement_max_over_dx) {
-  errors = {{"pressure_mean", pressure_mean},
-            {"pressure_max", pressure_max},
-            {"density_max", density_max},
-            {"displacement_max_over_dx", displacement_max_over_dx}};
-}
-
-void summary::set_conservation(double mass, double momentum, double energy) {
-  conservation = {{"mass", mass}, {"momentum", momentum}, {"energy", energy}};
-}
-
 std::string first_not_finite(const nlohmann::ordered_json& j) {
   if (j.is_number_float() && !std::isfinite(j.get<double>())) return fmt::format(" ({})", j.get<double>());
   if (!j.is_structured()) return {};
@@ -39,16 +27,13 @@ void check_line(const std::vector<output::history_column>& columns, std::span<co
                       columns[k].name, values[k]));
 }
 
-std::string summary::first_not_finite() const {
-  return run::first_not_finite({{"time", time},
-                                {"last_dt", statistics.last_dt},
-                                {"errors", errors},
-                                {"conservation", conservation},
-                                {"metrics", metrics}});
-}
-
 void summary::check_finite(const domain::communicator& where) const {
-  if (const auto lost = where.broadcast(first_not_finite()); !lost.empty())
+  const auto lost = where.broadcast(first_not_finite({{"time", time},
+                                                      {"last_dt", statistics.last_dt},
+                                                      {"errors", errors},
+                                                      {"conservation", conservation},
+                                                      {"metrics", metrics}}));
+  if (!lost.empty())
     foundation::fail_calculation(
         lost +
         " is not a finite number at the end of the run: a quantity has overflowed, or what it is divided by is "

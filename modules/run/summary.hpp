@@ -46,11 +46,7 @@ struct summary {
   std::map<std::string, double> stages;  // s
   nlohmann::ordered_json errors = nullptr, conservation = nullptr, metrics = nlohmann::ordered_json::object();
 
-  void set_errors(double pressure_mean, double pressure_max, double density_max, double displacement_max_over_dx);
-  void set_conservation(double mass, double momentum, double energy);
-  // "metrics.nusselt_top (nan)", say, of this rank's numbers; empty: all are finite.
-  std::string first_not_finite() const;
-  // Collective: fail_calculation where one of rank 0's is not. A run has completed only if they are.
+  // Collective: fail_calculation where one of rank 0's numbers is not finite. A run has completed only if they are.
   void check_finite(const domain::communicator& where) const;
   // Collective: DIRECTORY/summary.json.
   void write(const domain::communicator& where, const std::string& directory) const;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <cmath>
 #include <foundation/error.hpp>
@@ -7,7 +8,7 @@
 #include <memory>
 #include <optional>
 #include <output/progress.hpp>
-#include <run/plan.hpp>
+#include <run/amounts.hpp>
 #include <run/problem.hpp>
 #include <run/run_directory.hpp>
 
@@ -307,11 +308,15 @@ struct loop {
 
   // ---- start, restart, end ----------------------------------------------------------------
 
-  void start_anew() {
+  void make_ready() {
     p.rebuild(false);
     p.set_time(0.0);
     make_integrator();
     check_fields();
+  }
+
+  void start_anew() {
+    make_ready();
     files.begin();
     files.start_history(columns());
     p.begin_tables(files);
@@ -366,12 +371,8 @@ struct loop {
     constexpr double long_enough = 5.0;  // s
     report.dimension = p.header().dimension;
     count_particles();
-    p.rebuild(false);
-    p.set_time(0.0);
-    make_integrator();
-    check_fields();
+    make_ready();
     hear_news(false);
-    trial of_steps{.particles = report.fluid_particles, .dimension = report.dimension};
     long long evaluations = 0;
     foundation::stopwatch watch;
     double elapsed = 0.0;
@@ -387,22 +388,42 @@ struct loop {
       }
       elapsed = ranks.maximum(watch.elapsed());
     }
-    const auto& s = integrator->statistics();
-    std::vector<particles::array> extra;
-    of_steps.steps = step;
-    of_steps.steps_timed = std::max<std::int64_t>(0, step - 1);
-    of_steps.seconds = elapsed;
-    of_steps.dt = s.last_dt;
-    of_steps.dt_is = controls_error() ? "by error control" : dt_is;
-    if (step > 1)
-      of_steps.evaluations_per_step = static_cast<double>(s.evaluations - evaluations) / static_cast<double>(step - 1);
-    of_steps.bytes_of_snapshot = static_cast<std::int64_t>(output::bytes_of(p.snapshot(extra), o.output.form()));
-    const auto text = plan_text(ranks, of_steps,
-                                {.steps = steps_asked().value_or(0),
-                                 .t = integrator->time(),
-                                 .t_end = t_end(),
-                                 .output_interval = o.output.interval});
+    const auto text = plan_text(elapsed, integrator->statistics().evaluations - evaluations);
     if (ranks.rank == 0) fmt::print("{} {}\n{}", line.program, line.input, text);
+  }
+
+  // What the whole run will take, by what the timed steps took: s, and evaluations.
+  std::string plan_text(double seconds, long long evaluations) {
+    const double last_dt = integrator->statistics().last_dt, to_go = t_end() - integrator->time();
+    const auto asked = steps_asked().value_or(0);
+    const double left = last_dt > 0.0 ? std::max(0.0, std::ceil(to_go / last_dt * (1.0 - 1e-9))) : 0.0;
+    const double steps = asked > 0 ? static_cast<double>(asked) : static_cast<double>(step) + left;
+    const auto timed = std::max<std::int64_t>(0, step - 1);
+    const auto a_step = [&](auto of_all) {
+      return timed > 0 ? static_cast<double>(of_all) / static_cast<double>(timed) : 0.0;
+    };
+    std::vector<particles::array> extra;
+    const auto bytes = static_cast<std::int64_t>(output::bytes_of(p.snapshot(extra), o.output.form()));
+    const auto snapshot = static_cast<double>(ranks.sum(bytes));
+    const double interval = o.output.interval;
+    const double snapshots = interval > 0.0 && t_end() > 0.0 ? 1.0 + std::ceil(t_end() / interval * (1.0 - 1e-9)) : 2.0;
+    std::string text;
+    const auto add = [&](const char* name, const std::string& value, const std::string& remark) {
+      text += fmt::format("  {:<10} {:<14} {}\n", name, value, remark);
+    };
+    add("particles", std::to_string(report.fluid_particles), fmt::format("in {} dimensions", report.dimension));
+    add("dt", fmt::format("{:.4g} s", last_dt),
+        fmt::format("{}, after {} steps", controls_error() ? "by error control" : dt_is, step));
+    add("steps", fmt::format("{:.4g}", steps),
+        asked > 0 ? "as asked for" : fmt::format("to t = {:.4g} s with this dt", t_end()));
+    add("a step", fmt::format("{:.3g} s", a_step(seconds)),
+        fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", timed, a_step(evaluations),
+                    ranks.size, omp_get_max_threads()));
+    add("run time", duration_text(steps * a_step(seconds)), "without output");
+    add("memory", size_text(resident_bytes(ranks)), "of all ranks together");
+    add("snapshots", fmt::format("{:.4g}", snapshots),
+        fmt::format("of {} each, {} together", size_text(snapshot), size_text(snapshots * snapshot)));
+    return text;
   }
 
   void carry_out() {

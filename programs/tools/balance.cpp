@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <foundation/agree.hpp>
 #include <nlohmann/json.hpp>
@@ -313,7 +314,10 @@ int main(int argc, char** argv) {
   options o;
   run::program_input in;
   in.program = "balance";
-  in.shorthands = {{"--ranks", "machine.ranks", "P", "virtual ranks"}};
+  in.add_options = [](CLI::App& app, run::command_line& line) {
+    const auto set = [&line](const std::string& ranks) { line.set.push_back("machine.ranks=" + ranks); };
+    app.add_option_function<std::string>("--ranks", set, "virtual ranks: --set machine.ranks=P")->type_name("P");
+  };
   in.declare = [&](namelist::schema& schema) { declare(schema, o); };
   in.complete = [&](const namelist::schema& schema) { complete(schema, o); };
   return run::start(argc, argv, in, [&](const run::command_line& line, const std::string& resolved) {

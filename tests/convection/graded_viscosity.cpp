@@ -6,7 +6,7 @@
 #include <functional>
 #include <liquid/passes.hpp>
 #include <run/lists.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 #include "../support/scene.hpp"
 

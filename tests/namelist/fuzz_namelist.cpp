@@ -14,12 +14,10 @@ namespace {
 
 struct options {
   double r = 1.0;
-  std::int64_t i = 2;
-  int n = 3;
+  std::int64_t i = 2, n = 3;
   bool flag = false;
   std::string s = "abc", method = "euler";
-  std::optional<double> o;
-  std::optional<std::int64_t> oi;
+  std::optional<double> o, oi;
   std::vector<double> ra{1.0, 2.0};
   std::vector<std::int64_t> ia;
   std::vector<std::string> sa{"x"};

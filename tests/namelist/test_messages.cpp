@@ -10,11 +10,10 @@ namespace {
 
 std::string told(const std::string& text, const std::vector<std::string>& overrides = {}) {
   double dt = 1.0, free = 0.0;
-  int steps = 1;
-  std::int64_t seed = 1;
+  std::int64_t steps = 1, seed = 1;
   bool restart = false;
   std::string method = "euler", title;
-  std::optional<std::int64_t> every;
+  std::optional<double> every;
   std::vector<double> times{1.0};
   std::vector<std::string> kinds;
   namelist::schema s;
@@ -73,11 +72,9 @@ BOOST_AUTO_TEST_CASE(out_of_range) {
   BOOST_TEST(told("&output free = 1e999 /") ==
              "f:1: &output free: expected a real number, found 1e999, which is not finite");
   BOOST_TEST(told("&time steps = -1 /") == "f:1: &time steps: expected an integer >= 0, found -1");
-  BOOST_TEST(told("&time steps = 2147483648 /") ==
-             "f:1: &time steps: expected an integer >= 0, found 2147483648, which 32 bits cannot hold");
   BOOST_TEST(told("&time seed = 9223372036854775808 /") ==
              "f:1: &time seed: expected an integer, found 9223372036854775808, which 64 bits cannot hold");
-  BOOST_TEST(told("&output interval = 10 /") == "f:1: &output interval: expected an integer <= 9, found 10");
+  BOOST_TEST(told("&output interval = 10 /") == "f:1: &output interval: expected a real number <= 9, found 10");
   BOOST_TEST(told("&output times = 0, 2 /") == "f:1: &output times: expected a real number in [0, 1], found 2");
   BOOST_TEST(told("&time method = 'eluer' /") ==
              "f:1: &time method: expected one of 'euler', 'adaptive', found 'eluer'; the nearest is 'euler'");
@@ -100,14 +97,4 @@ BOOST_AUTO_TEST_CASE(numbers_of_values) {
   BOOST_TEST(told("&output times(2:9) = 1 /") == "f:1: &output times: the subscript 9 is outside 1 to 4");
   BOOST_TEST(told("&output times(3:2) = 1 /") == "f:1: &output times: the section 3:2:1 is empty");
   BOOST_TEST(told("&output times(4) = 1 /") == "f:1: &output times: element 2 has neither a value nor a default");
-}
-
-BOOST_AUTO_TEST_CASE(required_keys) {
-  double g = 9.8;
-  namelist::schema s;
-  s.group("gravity", "");
-  s.add("gravity", "g", g, {.unit = "m/s2", .minimum = 0.0, .required = true, .meaning = "acceleration"});
-  BOOST_TEST(message([&] { s.read(namelist::parse_text("&gravity g= /", "f")); }) ==
-             "f: &gravity g is missing: expected a real number in m/s2 >= 0: acceleration");
-  BOOST_TEST(message([&] { s.read(namelist::parse_text("&gravity g=1 /", "f")); }) == "no error");
 }

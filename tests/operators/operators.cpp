@@ -4,7 +4,7 @@
 #include <numbers>
 #include <operators/consistent.hpp>
 #include <run/lists.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 #include "../support/scene.hpp"
 

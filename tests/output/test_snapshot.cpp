@@ -3,7 +3,6 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <output/series.hpp>
 #include <output/snapshot.hpp>
 
 #include "scratch.hpp"

@@ -45,7 +45,7 @@ BOOST_AUTO_TEST_CASE(a_run_with_a_number_that_is_none_has_not_completed) {
   BOOST_CHECK_EXCEPTION(s.check_finite(ranks), foundation::error,
                         fails(foundation::exit_status::calculation_failed, "metrics.v_rms (nan)"));
   s.metrics["v_rms"] = 1.0;
-  s.set_conservation(0.0, 0.0, infinity);
+  s.conservation = {{"mass", 0.0}, {"energy", infinity}};
   BOOST_CHECK_EXCEPTION(s.check_finite(ranks), foundation::error,
                         fails(foundation::exit_status::calculation_failed, "conservation.energy (inf)"));
 }

@@ -3,7 +3,7 @@
 #include <map>
 #include <run/lists.hpp>
 
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 #include "../support/scene.hpp"
 

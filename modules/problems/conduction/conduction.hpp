@@ -10,8 +10,7 @@
 #include <diffusion/conduction.hpp>
 #include <operators/consistent.hpp>
 #include <run/box.hpp>
-#include <run/start_file.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 namespace tetsuame::conduction {
 

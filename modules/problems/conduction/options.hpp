@@ -2,7 +2,7 @@
 #pragma once
 
 #include <run/options.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 namespace tetsuame::conduction {
 

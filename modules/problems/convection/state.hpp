@@ -5,7 +5,7 @@
 #include <convection/fields.hpp>
 #include <foundation/exact_sum.hpp>
 #include <foundation/threads.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 namespace tetsuame::convection {
 

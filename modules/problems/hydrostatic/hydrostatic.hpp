@@ -116,12 +116,16 @@ class problem : public run::problem_in_a_box<D> {
   void report(double, run::summary& r) override {
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
-    r.set_errors(e.pressure_mean, e.pressure_max, e.density_max, e.displacement_max_over_dx);
+    r.errors = {{"pressure_mean", e.pressure_mean},
+                {"pressure_max", e.pressure_max},
+                {"density_max", e.density_max},
+                {"displacement_max_over_dx", e.displacement_max_over_dx}};
     double momentum = 0.0;
     for (std::size_t a = 0; a < D; ++a)
       momentum = std::max(momentum, std::abs(t.momentum[a] - start_->momentum[a]) / start_->sound_momentum);
-    r.set_conservation((t.mass - start_->mass) / start_->mass, momentum,
-                       (t.energy() - start_->energy()) / start_->pressure_volume);
+    r.conservation = {{"mass", (t.mass - start_->mass) / start_->mass},
+                      {"momentum", momentum},
+                      {"energy", (t.energy() - start_->energy()) / start_->pressure_volume}};
     const auto limits = measure_limits(world, o_.time);
     r.metrics["limit_cfl"] = run::bound_or_null(limits.cfl);
     r.metrics["limit_viscous"] = run::bound_or_null(limits.viscous);

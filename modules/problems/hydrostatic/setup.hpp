@@ -3,8 +3,7 @@
 
 #include <hydrostatic/options.hpp>
 #include <run/lists.hpp>
-#include <run/start_file.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 
 namespace tetsuame::hydrostatic {
 

@@ -3,7 +3,7 @@
 
 #include <integrators/explicit_integrator.hpp>
 #include <run/lists.hpp>
-#include <run/start_lattice.hpp>
+#include <run/start.hpp>
 #include <two_fluids/lattice.hpp>
 #include <two_fluids/options.hpp>
 #include <walls/boundary_force.hpp>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <numbers>
-#include <run/start_file.hpp>
+#include <run/start.hpp>
 #include <two_fluids/fluids.hpp>
 #include <two_fluids/rows.hpp>
 
