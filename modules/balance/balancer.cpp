@@ -232,22 +232,17 @@ struct present {
 template <int D>
 struct remapping {
   const present<D>& at;
-  std::array<std::vector<double>, D> time, speed;  // of the slabs of each level
+  std::array<std::vector<double>, D> time;  // of the slabs of each level
   const balancer_options& o;
   cuts<D> then;
 
-  // The amounts wanted in the slabs of a group: by the ranks' speed, and, under-relaxed, still a part of
-  // what these ranks have now.
+  // The amounts wanted in the slabs of a group: equal, and, under-relaxed, still a part of what these ranks have now.
   std::vector<double> wanted(std::size_t axis, std::size_t g) const {
     const auto count = static_cast<std::size_t>(at.now.counts[axis]);
     const double* t = time[axis].data() + g * count;
-    const double* v = speed[axis].data() + g * count;
-    const double t_sum = std::accumulate(t, t + count, 0.0), v_sum = std::accumulate(v, v + count, 0.0);
-    std::vector<double> w(count);
-    for (std::size_t n = 0; n < count; ++n) {
-      w[n] = v_sum > 0.0 ? v[n] / v_sum : 1.0 / static_cast<double>(count);
-      if (t_sum > 0.0) w[n] = o.relaxation * w[n] + (1.0 - o.relaxation) * t[n] / t_sum;
-    }
+    const double sum = std::accumulate(t, t + count, 0.0);
+    std::vector<double> w(count, 1.0 / static_cast<double>(count));
+    for (std::size_t n = 0; n < count && sum > 0.0; ++n) w[n] = o.relaxation * w[n] + (1.0 - o.relaxation) * t[n] / sum;
     return w;
   }
 
@@ -270,18 +265,15 @@ struct remapping {
 };
 
 template <int D>
-cuts<D> remap(const cuts<D>& now, std::vector<double> time, const balancer_options& o, const extents<D>& where) {
-  std::vector<double> speed = o.speed.empty() ? std::vector<double>(time.size(), 1.0) : o.speed;
-  // The time of a rank of unit speed, which is a property of the place.
-  for (std::size_t r = 0; r < time.size(); ++r) time[r] *= speed[r];
+cuts<D> remap(const cuts<D>& now, const std::vector<double>& time, const balancer_options& o, const extents<D>& where) {
   const present<D> at(now, time, where);
-  remapping<D> r{at, level_sums(now, time), level_sums(now, speed), o, now};
+  remapping<D> r{at, level_sums(now, time), o, now};
   r.cut_group(0, 0, {{0, 1.0}});
   return r.then;
 }
 
 // One group of cuts by relaxation. t: s, of each slab.
-void relax(double* cut, const double* t, int count, const balancer_options& o) {
+void relax(double* cut, const double* t, std::size_t count, const balancer_options& o) {
   const std::vector<double> old(cut, cut + count + 1);
   const double length = old.back() - old.front();
   const double base = o.floor * std::accumulate(t, t + count, 0.0) / length;
@@ -290,55 +282,49 @@ void relax(double* cut, const double* t, int count, const balancer_options& o) {
     double sum = base * (b - a);
     auto m = static_cast<std::size_t>(
         std::max<std::ptrdiff_t>(0, std::upper_bound(old.begin(), old.end(), a) - old.begin() - 2));
-    for (; m < static_cast<std::size_t>(count) && old[m] <= b; ++m) {
+    for (; m < count && old[m] <= b; ++m) {
       const auto p = spread_over(old[m], old[m + 1], t[m], length);
       sum += p.amount * std::max(0.0, std::min(p.b, b) - std::max(p.a, a)) / (p.b - p.a);
     }
     return sum;
   };
   int coarsest = 0;
-  while (coarsest < o.levels && (2 << coarsest) < count) ++coarsest;
+  while (coarsest < o.levels && (std::size_t{2} << coarsest) < count) ++coarsest;
   for (int l = coarsest; l >= 0; --l) {
-    const int stride = 1 << l, groups = (count + stride - 1) / stride;
-    const auto border = [&](int i) { return std::min(i * stride, count); };
-    std::vector<double> time(static_cast<std::size_t>(groups)), density(time.size()), moved(cut, cut + count + 1);
-    for (int i = 0; i < groups; ++i) {
+    const std::size_t stride = std::size_t{1} << l, groups = (count + stride - 1) / stride;
+    const auto border = [&](std::size_t i) { return std::min(i * stride, count); };
+    std::vector<double> time(groups), density(groups), next(cut, cut + count + 1);
+    for (std::size_t i = 0; i < groups; ++i) {
       const double a = cut[border(i)], b = cut[border(i + 1)];
       const auto slabs = static_cast<double>(border(i + 1) - border(i));
-      const double sum = time_between(a, b);
-      time[static_cast<std::size_t>(i)] = sum / slabs;  // the last group may have fewer slabs
-      density[static_cast<std::size_t>(i)] = sum / slabs / std::max(b - a, narrowest * length);
+      time[i] = time_between(a, b) / slabs;  // the last group may have fewer slabs
+      density[i] = time[i] / std::max(b - a, narrowest * length);
     }
-    // A cut gives to one group what it takes from the other: time per slab changes by density per slab.
-    for (int i = 1; i < groups; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const double slope = density[k] + density[k - 1];
-      if (slope > 0.0) moved[static_cast<std::size_t>(border(i))] += o.relaxation * (time[k] - time[k - 1]) / slope;
-    }
-    // Order is kept, and the cuts within a group move along.
-    std::vector<double> next(moved.size());
-    double before = old.front();
-    next.front() = before;
-    for (int i = 1; i <= groups; ++i) {
-      const int b = border(i), a = border(i - 1);
-      next[static_cast<std::size_t>(b)] = before = std::clamp(moved[static_cast<std::size_t>(b)], before, old.back());
-      const double was = cut[b] - cut[a], is = next[static_cast<std::size_t>(b)] - next[static_cast<std::size_t>(a)];
-      for (int n = a + 1; n < b; ++n)
-        next[static_cast<std::size_t>(n)] =
-            next[static_cast<std::size_t>(a)] + (was > 0.0 ? (cut[n] - cut[a]) / was : (n - a) / double(b - a)) * is;
+    // A cut gives to one group what it takes from the other: time per slab changes by density per slab. Order is kept,
+    // and the cuts within a group move along.
+    for (std::size_t i = 1; i <= groups; ++i) {
+      const std::size_t b = border(i), a = border(i - 1);
+      const double slope = i < groups ? density[i] + density[i - 1] : 0.0;
+      if (slope > 0.0) next[b] += o.relaxation * (time[i] - time[i - 1]) / slope;
+      next[b] = std::clamp(next[b], next[a], old.back());
+      const double was = cut[b] - cut[a], is = next[b] - next[a];
+      for (std::size_t n = a + 1; n < b; ++n)
+        next[n] = next[a] +
+                  (was > 0.0 ? (cut[n] - cut[a]) / was : static_cast<double>(n - a) / static_cast<double>(b - a)) * is;
     }
     std::copy(next.begin(), next.end(), cut);
   }
-  keep_apart(cut, count, o.minimum_width);
+  keep_apart(cut, static_cast<int>(count), o.minimum_width);
 }
 
 template <int D>
 cuts<D> level_relaxation(const cuts<D>& now, const std::vector<double>& time, const balancer_options& o) {
   cuts<D> then = now;
   const auto level = level_sums(now, time);
-  for (std::size_t a = 0; a < D; ++a)
-    for (std::size_t g = 0; g < now.groups(a); ++g)
-      relax(then.group(a, g), level[a].data() + g * static_cast<std::size_t>(now.counts[a]), now.counts[a], o);
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto count = static_cast<std::size_t>(now.counts[a]);
+    for (std::size_t g = 0; g < now.groups(a); ++g) relax(then.group(a, g), level[a].data() + g * count, count, o);
+  }
   return then;
 }
 
@@ -368,15 +354,6 @@ void check_size(const cuts<D>& c, std::size_t n, const char* what) {
 
 }  // namespace
 
-std::vector<double> total(const costs& c) {
-  if (c.computing.size() != c.communication.size())
-    foundation::fail_input(fmt::format("computing times of {} ranks, communication times of {}", c.computing.size(),
-                                       c.communication.size()));
-  std::vector<double> sum(c.computing);
-  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += c.communication[r];
-  return sum;
-}
-
 void declare(namelist::schema& schema, balancer_options& o) {
   schema.group("balancer", "how the cuts between ranks follow the measured times");
   const auto add = [&](const std::string& name, auto& bound, namelist::key_info info) {
@@ -388,47 +365,29 @@ void declare(namelist::schema& schema, balancer_options& o) {
       {.choices = {"remap", "level_relaxation"},
        .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
   add("relaxation", o.relaxation,
-      {.minimum = 0.0,
-       .maximum = 1.0,
-       .exclusive_minimum = true,
-       .meaning = "part of the imbalance that one update removes; omega of level_relaxation"});
+      namelist::up_to(1.0, "part of the imbalance that one update removes; omega of level_relaxation"));
   add("minimum_width", o.minimum_width, {.unit = "m", .minimum = 0.0, .meaning = "of every slab"});
   add("floor", o.floor,
-      {.minimum = 1e-12,
-       .maximum = 1.0,
-       .meaning = "least density of cost, in parts of the mean: places cuts where nothing is"});
-  add("levels", o.levels,
-      {.minimum = 0, .maximum = 30, .meaning = "level_relaxation: the coarsest groups have 2**levels slabs"});
+      namelist::between(1e-12, 1.0, "least density of cost, in parts of the mean: places cuts where nothing is"));
+  add("levels", o.levels, namelist::between(0, 30, "level_relaxation: the coarsest groups have 2**levels slabs"));
   add("readings", o.readings,
-      {.minimum = 1,
-       .maximum = 100,
-       .meaning = "of the clock that have to agree before a rank counts as slower or faster than its work; "
-                  "1: the times as they are"});
+      namelist::between(1, 100,
+                        "of the clock that have to agree before a rank counts as slower or faster than its work; "
+                        "1: the times as they are"));
 }
 
 template <int D>
 cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                 const extents<D>& where) {
   check_size(now, time_per_rank.size(), "times");
-  if (!o.speed.empty()) check_size(now, o.speed.size(), "speeds");
   if (!where.empty()) check_size(now, where.size(), "extents");
   std::vector<double> time(time_per_rank);
   for (double& t : time)
     if (!(t > 0.0) || !std::isfinite(t)) t = 0.0;
   if (std::all_of(time.begin(), time.end(), [](double t) { return t == 0.0; })) return now;
-  if (o.method == "remap") return remap(now, std::move(time), o, where);
+  if (o.method == "remap") return remap(now, time, o, where);
   if (o.method == "level_relaxation") return level_relaxation(now, time, o);
   foundation::fail_input("unknown method of the balancer: " + o.method);
-}
-
-template <int D>
-std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount,
-                                 const extents<D>& where) {
-  check_size(now, amount.size(), "amounts");
-  std::vector<double> found(amount.size(), 0.0);
-  visit_overlaps(now, then, amount, where,
-                 [&](std::size_t from, std::size_t to, double part) { found[to] += part * amount[from]; });
-  return found;
 }
 
 void experience::moved(double predicted, const std::vector<double>& before, const std::vector<double>& after) {
@@ -500,8 +459,10 @@ decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector
   double slowest = *std::max_element(after.begin(), after.end());
   for (std::size_t r = 0; r < particles.size(); ++r)
     if (particles[r] > 0.0) slowest = std::max(slowest, time_per_step[r] / particles[r]);
-  return worth_moving(*std::max_element(time_per_step.begin(), time_per_step.end()), slowest, cost, steps,
-                      so_far.trust);
+  auto d =
+      worth_moving(*std::max_element(time_per_step.begin(), time_per_step.end()), slowest, cost, steps, so_far.trust);
+  d.after = std::move(after);
+  return d;
 }
 
 spread spread_of(const std::vector<double>& time) {
@@ -512,8 +473,6 @@ spread spread_of(const std::vector<double>& time) {
 
 #define TETSUAME_BALANCE(D)                                                                                         \
   template cuts<D> propose(const cuts<D>&, const std::vector<double>&, const balancer_options&, const extents<D>&); \
-  template std::vector<double> redistribute(const cuts<D>&, const cuts<D>&, const std::vector<double>&,             \
-                                            const extents<D>&);                                                     \
   template decision worth_moving(const cuts<D>&, const cuts<D>&, const std::vector<double>&,                        \
                                  const std::vector<double>&, const move_costs&, std::int64_t, const experience&,    \
                                  const extents<D>&)

@@ -15,11 +15,6 @@
 
 namespace tetsuame::balance {
 
-struct costs {
-  std::vector<double> computing, communication;  // s per rank, since the last decision
-};
-std::vector<double> total(const costs& c);  // s per rank
-
 struct balancer_options {
   std::string method = "remap";
   double relaxation = 1.0;     // share of the imbalance to remove (remap); omega (level_relaxation)
@@ -28,7 +23,6 @@ struct balancer_options {
   double floor = 1e-4;
   std::int64_t levels = 30;   // level_relaxation: coarsest groups have 2^levels slabs, as far as there are so many
   std::int64_t readings = 5;  // of the clock, which have to agree: lasting_cost
-  std::vector<double> speed;  // of each rank, any unit; empty: equal, or not known. Only remap uses it.
 };
 
 void declare(namelist::schema& schema, balancer_options& o);
@@ -68,16 +62,11 @@ template <int D>
 using extents = std::vector<extent<D>>;
 
 // New cuts. Times (s, any common factor) as many as ranks; such as are negative or not finite are taken as
-// zero. Where all are zero the cuts stay. Throws fail_input where the number of times or speeds is wrong.
+// zero. Where all are zero the cuts stay. Throws fail_input where the number of times is wrong.
 // Slabs are at least minimum_width wide, or equal where the box has no room for that.
 template <int D>
 cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                 const extents<D>& where = {});
-
-// What each rank would have under other cuts, if what it has (time, particles, …) is spread evenly as above.
-template <int D>
-std::vector<double> redistribute(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& amount,
-                                 const extents<D>& where = {});
 
 // Measured; of a move.
 struct move_costs {
@@ -89,6 +78,7 @@ struct decision {
   bool move = false;
   double gain = 0.0, cost = 0.0;  // s, of the slowest rank over the coming steps
   std::string reason;
+  std::vector<double> after;  // s per step of each rank after a move between cuts
 };
 
 // Of the moves made so far ("Experience" of docs/load_balancer.md): how far to trust the next prediction, and how much
@@ -116,8 +106,9 @@ class lasting_cost {
   std::vector<std::vector<double>> slowness_;  // of each rank: its share of the time over its share of the work
 };
 
-// Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step. No
-// rank can become faster than one of its particles: where ranks have few, there is little to gain.
+// Moves where the slowest rank gains more over `steps` steps than the move costs. Times are s per step, spread over
+// the cells as in propose(). No rank can become faster than one of its particles: where ranks have few, there is little
+// to gain.
 template <int D>
 decision worth_moving(const cuts<D>& now, const cuts<D>& then, const std::vector<double>& time_per_step,
                       const std::vector<double>& particles, const move_costs& moving, std::int64_t steps,

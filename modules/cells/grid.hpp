@@ -46,12 +46,7 @@ struct grid {
   }
 };
 
-template <int D>
-std::array<double, D> position(const std::array<particles::array, D>& x, std::size_t i) {
-  std::array<double, D> point;
-  for (std::size_t a = 0; a < D; ++a) point[a] = x[a][i];
-  return point;
-}
+using particles::position;
 
 // m, edge of the cells of particles with this spacing, sorted along the last axis: clusters of so many members are then
 // nearly as long as wide, so that their members have most neighbours in common.

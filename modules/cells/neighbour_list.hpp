@@ -25,16 +25,8 @@ namespace tetsuame::cells {
 template <class T>
 struct uninitialised : std::allocator<T> {
   template <class U>
-  struct rebind {
-    using other = uninitialised<U>;
-  };
-  template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
-  }
-  template <class U, class... Arguments>
-  void construct(U* at, Arguments&&... arguments) {
-    ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
   }
 };
 

@@ -10,18 +10,17 @@ namespace tetsuame::domain {
 namespace {
 
 // What MPI_MAX makes of NaN is undefined. Integers in the order of the numbers: a double's bits, those of negative
-// numbers counted downwards (IEEE 754), and NaN at the end that it is to come out at.
-constexpr auto lowest_key = std::numeric_limits<std::int64_t>::min(),
-               highest_key = std::numeric_limits<std::int64_t>::max();
+// numbers counted downwards (IEEE 754), and NaN above all of them.
+constexpr auto highest_key = std::numeric_limits<std::int64_t>::max();
 
-std::int64_t key_of(double value, std::int64_t of_nan) {
-  if (std::isnan(value)) return of_nan;
+std::int64_t key_of(double value) {
+  if (std::isnan(value)) return highest_key;
   const auto bits = std::bit_cast<std::int64_t>(value);
   return bits < 0 ? bits ^ highest_key : bits;
 }
 
-double value_of(std::int64_t key, std::int64_t of_nan) {
-  if (key == of_nan) return std::numeric_limits<double>::quiet_NaN();
+double value_of(std::int64_t key) {
+  if (key == highest_key) return std::numeric_limits<double>::quiet_NaN();
   return std::bit_cast<double>(key < 0 ? key ^ highest_key : key);
 }
 
@@ -41,17 +40,15 @@ double communicator::maximum(double value) const {
 
 void communicator::maximum(std::span<double> values) const {
   std::vector<std::int64_t> keys;
-  for (const double value : values) keys.push_back(key_of(value, highest_key));
+  for (const double value : values) keys.push_back(key_of(value));
   const foundation::collective timed;
   MPI_Allreduce(MPI_IN_PLACE, keys.data(), static_cast<int>(keys.size()), MPI_INT64_T, MPI_MAX, comm);
-  for (std::size_t n = 0; n < keys.size(); ++n) values[n] = value_of(keys[n], highest_key);
+  for (std::size_t n = 0; n < keys.size(); ++n) values[n] = value_of(keys[n]);
 }
 
 double communicator::minimum(double value) const {
-  std::int64_t key = key_of(value, lowest_key);
-  const foundation::collective timed;
-  MPI_Allreduce(MPI_IN_PLACE, &key, 1, MPI_INT64_T, MPI_MIN, comm);
-  return value_of(key, lowest_key);
+  const double least = -maximum(-value);
+  return std::isnan(least) ? std::abs(least) : least;
 }
 
 std::int64_t communicator::sum(std::int64_t value) const {

@@ -15,7 +15,7 @@
 #include <domain/communicator.hpp>
 #include <domain/halo.hpp>
 #include <domain/options.hpp>
-#include <domain/sparse.hpp>
+#include <foundation/waiting.hpp>
 #include <limits>
 #include <particles/storage.hpp>
 #include <span>
@@ -51,8 +51,8 @@ struct decomposition {
 };
 
 // Cells of equal size.
-// Fails with exit 2 where the columns do not divide the number of ranks, and where the halo is wider than a
-// periodic box: then a particle would meet images that lie more than one box away.
+// Fails with exit 2 where the columns do not divide the number of ranks. The halo may not be wider than a periodic box
+// (check_widths): a particle would meet images that lie more than one box away.
 template <int D>
 decomposition<D> decompose(const communicator& ranks, const box<D>& region, double halo_width,
                            const rank_columns& columns = {}) {
@@ -65,14 +65,6 @@ decomposition<D> decompose(const communicator& ranks, const box<D>& region, doub
   d.region = region;
   // A little more than lists ask for, so that rounding at the halo's edge leaves nothing out.
   d.width = halo_width * (1.0 + 1e-6);
-  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-  for (std::size_t a = 0; a < D; ++a)
-    if (region.periodic[a] && d.width > region.length[a])
-      foundation::fail_input(std::string("the periodic box is too narrow along ") + axis[a] + ": " +
-                             std::to_string(region.length[a]) + " m, less than the halo's " +
-                             std::to_string(halo_width) +
-                             " m (kernel support, marker radius and list skin); use more particles along " + axis[a] +
-                             ", a smaller h_over_dx or a smaller skin");
   d.cuts = balance::equal_cuts<D>(balance::choose_counts<D>(ranks.size, region.length, static_cast<int>(columns.number),
                                                             {d.width, region.periodic}),
                                   region.length);
@@ -98,14 +90,61 @@ void wrap(const box<D>& region, particles::particles<D>& s) {
   }
 }
 
-namespace detail {
+// Messages to a few ranks whose receivers do not know of them beforehand, without a step whose cost grows with the
+// number of ranks: the non-blocking consensus of Hoefler, Siebert & Lumsdaine, "Scalable communication protocols for
+// dynamic sparse data exchange", PPoPP (2010).
+struct letter {
+  int rank = 0;  // where to, or where from
+  std::vector<double> values;
+};
 
-template <int D>
-std::array<double, D> place_of(const particles::particles<D>& s, std::size_t i) {
-  std::array<double, D> x;
-  for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
-  return x;
+// Sends every letter to its rank (each rank at most once, this rank among them if need be); returns what came
+// here, by rank. All ranks call this together, and two calls that follow each other differ in `tag`: a rank may
+// be a call ahead of another.
+inline std::vector<letter> sparse_exchange(const communicator& ranks, const std::vector<letter>& out, int tag) {
+  std::vector<letter> in;
+  std::vector<MPI_Request> sent;
+  for (const letter& l : out) {
+    if (l.rank == ranks.rank) {
+      in.push_back(l);
+      continue;
+    }
+    sent.emplace_back();
+    // Synchronous: complete when the receiver has it.
+    MPI_Issend(l.values.data(), static_cast<int>(l.values.size()), MPI_DOUBLE, l.rank, tag, ranks.comm, &sent.back());
+    ++foundation::sent.letter_messages;
+    foundation::sent.letter_bytes += static_cast<std::int64_t>(l.values.size() * sizeof(double));
+  }
+  if (ranks.size == 1) return in;
+  const foundation::collective timed;
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  bool all_mine_arrived = false;
+  for (int everyone_done = 0; everyone_done == 0;) {
+    int here = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, tag, ranks.comm, &here, &status);
+    if (here != 0) {
+      int n = 0;
+      MPI_Get_count(&status, MPI_DOUBLE, &n);
+      letter l{status.MPI_SOURCE, std::vector<double>(static_cast<std::size_t>(n))};
+      MPI_Recv(l.values.data(), n, MPI_DOUBLE, l.rank, tag, ranks.comm, MPI_STATUS_IGNORE);
+      in.push_back(std::move(l));
+    }
+    if (all_mine_arrived) {
+      MPI_Test(&barrier, &everyone_done, MPI_STATUS_IGNORE);
+      continue;
+    }
+    int done = 0;
+    MPI_Testall(static_cast<int>(sent.size()), sent.data(), &done, MPI_STATUSES_IGNORE);
+    if (done == 0) continue;
+    all_mine_arrived = true;
+    MPI_Ibarrier(ranks.comm, &barrier);
+  }
+  std::sort(in.begin(), in.end(), [](const letter& a, const letter& b) { return a.rank < b.rank; });
+  return in;
 }
+
+namespace detail {
 
 template <int D>
 std::vector<particles::array*> travelling_fields(particles::particles<D>& s) {
@@ -135,7 +174,7 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
   stay.reserve(s.fluid);
   std::vector<std::pair<int, std::size_t>> leave;  // to which rank, who
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto x = detail::place_of(s, i);
+    const auto x = particles::position<D>(s.x, i);
     if (d.within(cell, x))
       stay.push_back(i);
     else
@@ -210,7 +249,7 @@ std::vector<std::uint32_t> rim(const decomposition<D>& d, const particles::parti
   }
   std::vector<std::uint32_t> all;
   for (std::size_t i = begin; i < end; ++i)
-    if (!d.within(deep, place_of(s, i))) all.push_back(static_cast<std::uint32_t>(i));
+    if (!d.within(deep, particles::position<D>(s.x, i))) all.push_back(static_cast<std::uint32_t>(i));
   return all;
 }
 

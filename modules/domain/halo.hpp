@@ -45,17 +45,6 @@ struct halo {
   mutable bool under_way = false;
 };
 
-namespace detail {
-
-// f(k) for k in [0, n), in a parallel region that is open already.
-template <class F>
-void share(std::size_t n, const F& f) {
-#pragma omp for schedule(static) nowait
-  for (std::size_t k = 0; k < n; ++k) f(k);
-}
-
-}  // namespace detail
-
 // Starts to refresh the ghosts' values of the arrays, which may not change before end_exchange, and
 // of the positions where these are given. One exchange of a halo at a time.
 template <int D>
@@ -86,12 +75,13 @@ void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<doubl
     for (std::size_t f = 0; f < n; ++f) {
       double* packed =
           s.rank == ranks.rank ? h.fields[f].values + h.ghosts_begin + own : h.out.data() + s.begin * n + f * s.count;
-      detail::share(s.count, [&](std::size_t k) {
+#pragma omp for schedule(static) nowait
+      for (std::size_t k = 0; k < s.count; ++k) {
         const std::size_t source = s.begin + k;
         const double value = h.fields[f].values[h.sources[source]];
         const int axis = h.fields[f].shifted_along;
         packed[k] = axis < 0 ? value : value + h.shift_by[h.shift[source]][static_cast<std::size_t>(axis)];
-      });
+      }
     }
   for (const auto& s : h.to) {
     if (s.rank == ranks.rank) continue;
@@ -117,7 +107,8 @@ void end_exchange(const communicator& ranks, const halo<D>& h) {
     for (std::size_t f = 0; f < n; ++f) {
       const double* packed = h.in.data() + s.begin * n + f * s.count;
       double* ghosts = h.fields[f].values + h.ghosts_begin + s.begin;
-      detail::share(s.count, [&](std::size_t k) { ghosts[k] = packed[k]; });
+#pragma omp for schedule(static) nowait
+      for (std::size_t k = 0; k < s.count; ++k) ghosts[k] = packed[k];
     }
   }
   h.under_way = false;

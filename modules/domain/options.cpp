@@ -42,9 +42,8 @@ double options::lattice_particles() const {
 void declare(namelist::schema& schema, const demands& of_problem, options& o) {
   schema.group("domain", "the box and the start lattice");
   schema.add("domain", "dimension", o.dimension,
-             {.minimum = static_cast<double>(of_problem.least_dimension),
-              .maximum = 3,
-              .meaning = of_problem.least_dimension == 1 ? "of space" : "of space; y is up"});
+             namelist::between(static_cast<double>(of_problem.least_dimension), 3,
+                               of_problem.least_dimension == 1 ? "of space" : "of space; y is up"));
   for (std::size_t a = 0; a < 3; ++a) {
     const bool follows = of_problem.follows_x && a > 0;
     const std::string axis = axis_names[a], only = follows ? "; 0: as along x" : a == 2 ? " (3-D only)" : "";
@@ -54,21 +53,18 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
                 .exclusive_minimum = !follows,
                 .meaning = "edge of the box along " + axis + only});
     schema.add("domain", "particles_" + axis, o.particles[a],
-               {.minimum = follows ? 0.0 : static_cast<double>(of_problem.least_particles),
-                .maximum = 1e9,
-                .meaning = "fluid particles along " + axis + (follows ? "; 0: with the spacing of x" : only)});
+               namelist::between(follows ? 0.0 : static_cast<double>(of_problem.least_particles), 1e9,
+                                 "fluid particles along " + axis + (follows ? "; 0: with the spacing of x" : only)));
     schema.add("domain", "periodic_" + axis, o.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls" + (follows ? "" : only)});
   }
   schema.add("domain", "ranks_x", o.ranks_x.number,
-             {.minimum = 0,
-              .maximum = 1e6,
-              .meaning = "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"});
+             namelist::between(
+                 0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"));
   if (of_problem.jitters)
-    schema.add("domain", "jitter", o.jitter,
-               {.minimum = 0.0,
-                .maximum = 0.3,
-                .meaning = "particles start off the lattice, by up to so many spacings along each axis"});
+    schema.add(
+        "domain", "jitter", o.jitter,
+        namelist::between(0.0, 0.3, "particles start off the lattice, by up to so many spacings along each axis"));
 }
 
 void resolve(const namelist::schema& schema, const demands& of_problem, options& o) {

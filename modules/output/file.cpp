@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <foundation/error.hpp>
+#include <nlohmann/json.hpp>
 #include <output/file.hpp>
 #include <utility>
 

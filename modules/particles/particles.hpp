@@ -91,6 +91,13 @@ struct particles {
   std::size_t null() const { return total(); }
 };
 
+template <int D>
+std::array<double, D> position(const std::array<array, D>& x, std::size_t i) {
+  std::array<double, D> point;
+  for (std::size_t a = 0; a < D; ++a) point[a] = x[a][i];
+  return point;
+}
+
 // The problem's own field of that name, which must be there.
 template <class P>
 auto& extra(P& s, std::string_view name) {

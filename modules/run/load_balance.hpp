@@ -169,8 +169,7 @@ struct load_balance {
                                     measures() ? "s" : "pairs", horizon, too_little ? " (less than 1 %)" : "",
                                     v.decision.cost, v.decision.move ? "move" : "stay");
     if (!v.decision.move) return experience.stayed();
-    const auto after = balance::redistribute(now, v.cuts, cost, where);
-    expected = v.spread.maximum - *std::max_element(after.begin(), after.end());
+    expected = v.spread.maximum - balance::spread_of(v.decision.after).maximum;
     before = cost;
     gain_predicted += v.decision.gain;
     ++moves;
@@ -184,11 +183,11 @@ struct load_balance {
   static balance::extent<D> extent_of(const state<D>& box) {
     const auto& s = box.w.s;
     balance::extent<D> mine;
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(domain::detail::place_of(s, i));
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(cells::position<D>(s.x, i));
     if (s.fluid == 0) return mine;
     mine.begin_costs();
     for (std::size_t i = 0; i < s.fluid; ++i)
-      mine.add_cost(domain::detail::place_of(s, i), static_cast<double>(box.w.list.row_of(i).size()));
+      mine.add_cost(cells::position<D>(s.x, i), static_cast<double>(box.w.list.row_of(i).size()));
     for (std::size_t r = 0; r < box.walls.near_marker.rows(); ++r)
       mine.add_cost(cells::position<D>(box.walls.marker, r), static_cast<double>(box.walls.near_marker.row(r).size()));
     return mine;

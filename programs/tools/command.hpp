@@ -9,9 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <foundation/error.hpp>
-#include <fstream>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <run/command_line.hpp>
 
 namespace tetsuame::tools {
@@ -46,14 +44,6 @@ inline int carry_out(const char* program, foundation::exit_status others, const 
   }
 }
 
-// fail_file if it cannot be written.
-inline void write_json(const std::string& path, const nlohmann::ordered_json& all) {
-  std::ofstream file(path);
-  file << all.dump(1) << '\n';
-  file.close();
-  if (!file) foundation::fail_file(path + ": cannot be written; is there space, and may you write there?");
-}
-
 // The path of a program that is named: beside this one, or a path. fail_input, with those that are there, if it is
 // none.
 inline std::string program_path(const std::string& name) {
@@ -79,6 +69,9 @@ inline std::string program_path(const std::string& name) {
 inline void add_many(CLI::App& app, const char* name, std::vector<std::string>& values, const char* meaning,
                      const char* type) {
   app.add_option(name, values, meaning)->expected(1)->take_all()->type_name(type);
+}
+inline void add_settings(CLI::App& app, std::vector<std::string>& set) {
+  add_many(app, "--set", set, "group.key=value, over what the file says; may be repeated", "group.key=value");
 }
 
 }  // namespace tetsuame::tools

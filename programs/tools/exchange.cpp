@@ -10,7 +10,6 @@
 #include <chrono>
 #include <domain/halo.hpp>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 namespace {
 
@@ -24,18 +23,14 @@ constexpr std::size_t fields = 6;  // x, y, v_x, v_y, T, rho: what program C ref
 domain::halo<2> ring(const domain::communicator& ranks, std::size_t n) {
   domain::halo<2> h;
   const int next = (ranks.rank + 1) % ranks.size, before = (ranks.rank + ranks.size - 1) % ranks.size;
-  const std::size_t sides = next == before ? 1 : 2;
-  const std::size_t owned = 4 * n;
-  h.sources.resize(sides * n);
-  std::iota(h.sources.begin(), h.sources.begin() + static_cast<std::ptrdiff_t>(n), 0U);
-  if (sides == 2)
-    std::iota(h.sources.begin() + static_cast<std::ptrdiff_t>(n), h.sources.end(), static_cast<std::uint32_t>(3 * n));
+  const std::size_t sides = next == before ? 1 : 2, owned = 4 * n;
+  for (std::size_t side = 0; side < sides; ++side) {
+    for (std::size_t k = 0; k < n; ++k) h.sources.push_back(static_cast<std::uint32_t>(side * (owned - n) + k));
+    h.to.push_back({side == 0 ? next : before, side * n, n});
+    h.from.push_back({side == 0 ? before : next, side * n, n});
+  }
   h.shift.assign(sides * n, 0);
   for (auto& by : h.shift_by) by.fill(-0.0);
-  h.to.push_back({next, 0, n});
-  if (sides == 2) h.to.push_back({before, n, n});
-  h.from.push_back({before, 0, n});
-  if (sides == 2) h.from.push_back({next, n, n});
   h.ghosts_begin = owned;
   h.ghosts = sides * n;
   return h;
@@ -61,10 +56,7 @@ json times_of(const domain::communicator& ranks, const F& once) {
 }
 
 json measure(const domain::communicator& ranks) {
-  json j;
-  j["ranks"] = ranks.size;
-  j["fields"] = fields;
-  j["exchanges"] = json::array();
+  json j{{"ranks", ranks.size}, {"fields", fields}, {"exchanges", json::array()}};
   for (const std::size_t n : {1U, 16U, 64U, 256U, 1024U, 4096U, 16384U, 65536U}) {
     if (ranks.size == 1) break;  // nobody to exchange with
     const auto h = ring(ranks, n);

@@ -16,8 +16,8 @@
 #include <namelist/document.hpp>
 #include <output/directory.hpp>
 #include <output/file.hpp>
-#include <regex>
 #include <run/amounts.hpp>
+#include <sstream>
 #include <submit/script.hpp>
 
 namespace {
@@ -55,7 +55,7 @@ void add_job(CLI::App& app, submit::options& o) {
   app.add_option("--name", o.name, "of the job (default: the program's)")->type_name("NAME");
   app.add_option("--output", o.output, "directory for script and results (default: output/PROGRAM/INPUT's name)")
       ->type_name("DIR");
-  tools::add_many(app, "--set", o.set, "group.key=value, over what the file says; may be repeated", "group.key=value");
+  tools::add_settings(app, o.set);
   tools::add_many(app, "--before", o.before,
                   "a command to stand before the run, such as 'module load openmpi'; may be repeated", "COMMAND");
   tools::add_many(app, "--directive", o.directives,
@@ -90,20 +90,17 @@ int parse(int argc, char** argv, submit::options& o) {
   });
 }
 
-// As it would be typed.
-std::string joined(const std::vector<std::string>& words) {
-  std::string line;
-  for (const auto& word : words) line.append(line.empty() ? "" : " ").append(submit::quoted(word));
-  return line;
-}
-
 // ---- checks ------------------------------------------------------------------------------------
 
 long seconds_of(const std::string& time) {
-  std::smatch m;
-  if (!std::regex_match(time, m, std::regex("([0-9]{1,4}):([0-5][0-9]):([0-5][0-9])")))
+  std::string shape = time;
+  for (char& c : shape)
+    if (c >= '0' && c <= '8') c = '9';
+  int hours = 0, minutes = 0, rest = 0;
+  std::sscanf(time.c_str(), "%d:%d:%d", &hours, &minutes, &rest);
+  if (shape.size() < 7 || !std::string("9999:99:99").ends_with(shape) || minutes > 59 || rest > 59)
     fail_input(fmt::format("--time {}: expected HH:MM:SS, such as 24:00:00", time));
-  const long seconds = 3600 * std::stol(m[1]) + 60 * std::stol(m[2]) + std::stol(m[3]);
+  const long seconds = 3600L * hours + 60L * minutes + rest;
   if (seconds < 2) fail_input(fmt::format("--time {}: expected at least two seconds", time));
   return seconds;
 }
@@ -133,7 +130,7 @@ struct outcome {
 };
 
 outcome called(const std::vector<std::string>& words) {
-  const auto line = "command -v " + submit::quoted(words[0]) + " >/dev/null || exit 127; exec " + joined(words);
+  const auto line = "command -v " + submit::quoted(words[0]) + " >/dev/null || exit 127; exec " + submit::typed(words);
   std::FILE* pipe = popen(line.c_str(), "r");
   if (pipe == nullptr) output::fail_system("make", "a pipe");
   outcome o;
@@ -144,29 +141,26 @@ outcome called(const std::vector<std::string>& words) {
   return o;
 }
 
-// What a key of a group of the resolved input was given; empty: nothing, or there is no such key.
-std::string text_in(const namelist::document& resolved, const std::string& group, const std::string& key) {
+// What a key of a group of the resolved input was given.
+std::string text_in(const namelist::document& resolved, const std::string& group, const std::string& key,
+                    const std::string& otherwise) {
   for (const auto& g : resolved.groups())
     for (const auto& a : g.assignments)
-      if (g.name == group && a.key == key && !a.values.empty()) return a.values[0].content;
-  return "";
-}
-double number_in(const namelist::document& resolved, const std::string& group, const std::string& key,
-                 double otherwise) {
-  const auto text = text_in(resolved, group, key);
-  return text.empty() ? otherwise : std::stod(text);
+      if (g.name == group && a.key == key && !a.values.empty() && !a.values[0].content.empty())
+        return a.values[0].content;
+  return otherwise;
 }
 
 // A rank with fewer particles than one kernel holds would compute copies of others' for the most part.
 void refuse_too_many_ranks(const submit::options& o, const namelist::document& resolved) {
-  const auto kernel = text_in(resolved, "kernel", "name");
+  const auto kernel = text_in(resolved, "kernel", "name", "");
   if (kernel.empty()) return;
-  const auto dimension = std::llround(number_in(resolved, "domain", "dimension", 2.0));
+  const auto dimension = std::stoll(text_in(resolved, "domain", "dimension", "2"));
   double particles = 1.0;
-  for (const char* axis : {"x", "y", "z"})
-    if (axis[0] - 'x' < dimension) particles *= number_in(resolved, "domain", std::string("particles_") + axis, 1.0);
+  for (const char axis : std::string("xyz").substr(0, static_cast<std::size_t>(dimension)))
+    particles *= std::stod(text_in(resolved, "domain", std::string("particles_") + axis, "1"));
   const double neighbours = run::particles_within(
-      kernels::find(kernel).support_over_h * number_in(resolved, "kernel", "h_over_dx", 1.0), dimension);
+      kernels::find(kernel).support_over_h * std::stod(text_in(resolved, "kernel", "h_over_dx", "1")), dimension);
   const double most = std::max(1.0, std::floor(particles / neighbours));
   if (o.ranks > most)
     fail_input(fmt::format("--ranks {}: for {:.0f} particles, of which a kernel holds {:.0f}, at most {:.0f} fit",
@@ -181,7 +175,7 @@ int check_input(submit::options& o) {
   const auto [status, text] = called(words);
   if (status != 0) return status;
   const auto resolved = namelist::parse_text(text, "the resolved input");
-  o.own_limit = number_in(resolved, "run", "wall_clock_limit", 0.0);
+  o.own_limit = std::stod(text_in(resolved, "run", "wall_clock_limit", "0"));
   refuse_too_many_ranks(o, resolved);
   return 0;
 }
@@ -236,25 +230,30 @@ std::string write_script(const submit::options& o) {
   return path;
 }
 
-// What submits the n-th of a chain; `last`: the ID of the one before.
+// What submits the n-th of a chain; `last`: the ID of the one before. A job waits for that one, however it ended: the
+// script sees whether anything is left to do. PJM deletes what follows unless the run was interrupted (75).
 std::vector<std::string> submission(const submit::options& o, const std::string& path, int n, const std::string& last) {
-  const auto command = submit::submit_command(o.scheduler);
-  if (o.chain == "self") return {command, path};
-  // A job waits for the one before, however that ended: the script sees whether anything is left to do. PJM deletes
-  // what follows unless the run was interrupted (75).
-  if (o.scheduler == "pjm" && n == 0) return {command, "--step", "--sparam", "sn=0", path};
-  if (o.scheduler == "pjm")
-    return {command, "--step", "--sparam", fmt::format("jid={},sn={},sd=ec!=75:all:{}", last, n, n - 1), path};
-  if (n == 0) return {command, path};
-  if (o.scheduler == "slurm") return {command, "--dependency=afterany:" + last, path};
-  return {command, "-W", "depend=afterany:" + last, path};
+  std::vector<std::string> words{submit::dialect_of(o.scheduler).command};
+  if (o.chain == "ahead" && o.scheduler == "pjm")
+    words.insert(words.end(), {"--step", "--sparam",
+                               n == 0 ? "sn=0" : fmt::format("jid={},sn={},sd=ec!=75:all:{}", last, n, n - 1)});
+  else if (n > 0 && o.scheduler == "slurm")
+    words.push_back("--dependency=afterany:" + last);
+  else if (n > 0)
+    words.insert(words.end(), {"-W", "depend=afterany:" + last});
+  words.push_back(path);
+  return words;
 }
 
 // sbatch: "Submitted batch job 12"; pjsub: "[INFO.] PJM 0000 pjsub Job 12_0 submitted."; qsub: "12.server"
 std::string job_in(const submit::options& o, const std::string& answer) {
-  std::smatch m;
-  const auto* pattern = o.scheduler == "pbs" ? "^\\s*([0-9]+\\S*)" : "[Jj]ob ([0-9]+)";
-  return std::regex_search(answer, m, std::regex(pattern)) ? m[1].str() : "";
+  std::istringstream words(answer);
+  for (std::string word, before; words >> word; before = word) {
+    const auto number = word.substr(0, word.find_first_not_of("0123456789"));
+    if (o.scheduler == "pbs") return number.empty() ? "" : word;
+    if (before.ends_with("ob") && !number.empty()) return number;
+  }
+  return "";
 }
 
 void submit_jobs(const submit::options& o, const std::string& path) {
@@ -264,7 +263,7 @@ void submit_jobs(const submit::options& o, const std::string& path) {
     const auto words = submission(o, path, n, last);
     const auto [status, text] = called(words);
     fmt::print("{}", text);
-    const auto line = joined(words);
+    const auto line = submit::typed(words);
     const auto done = n == 0 ? std::string("none was submitted") : fmt::format("{} were submitted", n);
     if (status == 127)
       fail_file(fmt::format("cannot run {}: is this the login node? {}; the script stands", line, done));
@@ -283,7 +282,7 @@ int main(int argc, char** argv) {
   if (const int status = parse(argc, argv, o); status >= 0) return status;
   return tools::carry_out("submit", foundation::exit_status::file_failed, [&] {
     refuse_line_ends(argc, argv);
-    o.command = joined({argv, argv + argc});
+    o.command = submit::typed({argv, argv + argc});
     complete(o);
     check_output(o);
     if (const int status = check_input(o); status != 0) return status;
@@ -291,7 +290,7 @@ int main(int argc, char** argv) {
     if (o.submit)
       submit_jobs(o, path);
     else
-      fmt::print("submit it by: {} {}\n", submit::submit_command(o.scheduler), path);
+      fmt::print("submit it by: {} {}\n", submit::dialect_of(o.scheduler).command, path);
     return 0;
   });
 }

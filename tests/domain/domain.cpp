@@ -353,15 +353,6 @@ BOOST_AUTO_TEST_CASE(ranks_along_x) {
   BOOST_TEST(columns(1 << 20, 0) > 0);  // cells far narrower than the halo
 }
 
-BOOST_AUTO_TEST_CASE(periodic_box_narrower_than_the_halo_is_bad_input) {
-  const auto make = [](bool around, double width) {
-    domain::decompose<2>({MPI_COMM_SELF, 0, 1}, {{16.0, 8.0}, {true, around}}, width);
-  };
-  BOOST_CHECK_NO_THROW(make(true, 7.9));
-  BOOST_CHECK_EXCEPTION(make(true, 8.1), foundation::error, refused("too narrow along y"));
-  BOOST_CHECK_NO_THROW(make(false, 8.1));
-}
-
 BOOST_AUTO_TEST_CASE(owners_of_cuts_and_beyond) {
   auto d = domain::decompose<2>({MPI_COMM_SELF, 0, 4}, {{16.0, 8.0}, {false, false}}, 3.8, {4});
   for (const auto& [x, owner] :

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csignal>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <output/file.hpp>
 #include <output/history.hpp>
 #include <output/progress.hpp>

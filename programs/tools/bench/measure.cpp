@@ -1,4 +1,3 @@
-#include <malloc.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -8,10 +7,6 @@
 
 namespace tetsuame::bench {
 
-bool is_scheme(const std::string& name) {
-  return std::find(scheme_names.begin(), scheme_names.end(), name) != scheme_names.end();
-}
-
 const liquid::program& program_of(const std::string& name) {
   // transport is program C where viscosity and conductivity are each particle's own.
   static const auto c = liquid::describe<programs::disph_c>(), f = liquid::describe<programs::disph_f>(),
@@ -19,23 +14,11 @@ const liquid::program& program_of(const std::string& name) {
   return name == "program_f" ? f : name == "number_density" ? n : c;
 }
 
-double memory_needed(const request& asked) {
-  // The lists of clusters, and up to twice the arrays while particles are sorted and lists made. Ghosts and walls add
-  // to small cases only.
-  const double list = asked.dimension == 2 ? 45.0 : 220.0;
-  return static_cast<double>(asked.particles()) * (list + 1000.0);
-}
-
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-double heap_bytes() {
-  const auto info = mallinfo2();
-  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
 std::vector<result> time_steps(const result& found, const request& asked, const std::function<void()>& make_lists,

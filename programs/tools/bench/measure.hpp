@@ -1,6 +1,7 @@
 // One measured case, and what is asked for: the part of bench that does not depend on the dimension.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <foundation/stages.hpp>
@@ -28,7 +29,9 @@ struct request {
 inline const std::vector<std::string> scheme_names{"ssph", "disph", "gsph", "gdisph", "remix"};
 inline const std::vector<std::string> case_names{"program_c", "program_f", "number_density", "transport", "ssph",
                                                  "disph",     "gsph",      "gdisph",         "remix"};
-bool is_scheme(const std::string& name);
+inline bool is_scheme(const std::string& name) {
+  return std::find(scheme_names.begin(), scheme_names.end(), name) != scheme_names.end();
+}
 
 struct result {
   std::string name, precision;
@@ -59,12 +62,7 @@ struct result {
 std::vector<result> measure_2d(const request& asked);
 std::vector<result> measure_3d(const request& asked);
 
-// Roughly what a case takes at its largest moment, in bytes: refused beforehand rather than killed.
-double memory_needed(const request& asked);
-
 double median(std::vector<double> values);
-// Bytes in use on the heap, as malloc counts them.
-double heap_bytes();
 
 using clock = std::chrono::steady_clock;
 inline double since(clock::time_point start) { return std::chrono::duration<double>(clock::now() - start).count(); }

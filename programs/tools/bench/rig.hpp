@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <omp.h>
 
 #include <bench/measure.hpp>
@@ -70,6 +71,12 @@ inline gas::options box_of_gas(const request& asked) {
 inline double scatter(std::int64_t id, std::uint64_t salt) {
   const auto z = (static_cast<std::uint64_t>(id) + 1) * 0x9e3779b97f4a7c15U + salt * 0xd1342543de82ef95U;
   return static_cast<double>(output::mix(z) >> 11) * 0x1p-52 - 1.0;
+}
+
+// Bytes in use on the heap, as malloc counts them.
+inline double heap_bytes() {
+  const auto info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
 template <int D>
@@ -182,25 +189,13 @@ class rig {
     std::vector<double*> pointers;
     for (auto& a : rates) pointers.push_back(a.data());
     const liquid::rates<D> out(pointers);
-    std::vector<std::size_t> row_start{0};  // of the scalar loop's own list
-    std::vector<std::int32_t> neighbours;
+    scalar_problem<D> problem{s, w.support() / 3.0, *w.uniform_transport, w.g, {0}, {}};
     const double reach = w.support() + world_.skin;
     for (std::size_t i = 0; i < s.fluid; ++i) {
-      for_each_within(i, reach * reach, [&](std::uint32_t j) { neighbours.push_back(static_cast<std::int32_t>(j)); });
-      row_start.push_back(neighbours.size());
+      for_each_within(i, reach * reach,
+                      [&](std::uint32_t j) { problem.neighbours.push_back(static_cast<std::int32_t>(j)); });
+      problem.start.push_back(problem.neighbours.size());
     }
-    const scalar_problem<D> problem{s.fluid,
-                                    row_start.data(),
-                                    neighbours.data(),
-                                    w.x(),
-                                    pairs::pointers<D>(s.v),
-                                    s.Y.data(),
-                                    s.p.data(),
-                                    s.dV.data(),
-                                    s.m.data(),
-                                    w.support() / 3.0,
-                                    *w.uniform_transport,
-                                    w.g};
     scalar_sums<D> sums(s.fluid);
     std::vector<double> ratios, scalars;
     const auto start = clock::now();

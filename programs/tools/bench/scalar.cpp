@@ -30,16 +30,17 @@ struct quintic {
 
 template <int D>
 void smooth(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D>& out) {
+  const auto& s = a.s;
   const double support2 = 9.0 * a.h * a.h;
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < a.n; ++i) {
-    double p = a.Y[i] * kernel.W(0.0);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double p = s.Y[i] * kernel.W(0.0);
     for (std::size_t k = a.start[i]; k < a.start[i + 1]; ++k) {
       const auto j = static_cast<std::size_t>(a.neighbours[k]);
       double r2 = 0.0;
-      for (std::size_t c = 0; c < D; ++c) r2 += (a.x[c][i] - a.x[c][j]) * (a.x[c][i] - a.x[c][j]);
+      for (std::size_t c = 0; c < D; ++c) r2 += (s.x[c][i] - s.x[c][j]) * (s.x[c][i] - s.x[c][j]);
       if (r2 >= support2) continue;
-      p += a.Y[j] * kernel.W(std::sqrt(r2));
+      p += s.Y[j] * kernel.W(std::sqrt(r2));
     }
     out.p[i] = p;
   }
@@ -47,9 +48,10 @@ void smooth(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D>& o
 
 template <int D>
 void accelerate(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D>& out) {
+  const auto& s = a.s;
   const double support2 = 9.0 * a.h * a.h;
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < a.n; ++i) {
+  for (std::size_t i = 0; i < s.fluid; ++i) {
     std::array<double, D> force{};
     double work = 0.0, dlnrho = 0.0, heat = 0.0;
     for (std::size_t k = a.start[i]; k < a.start[i + 1]; ++k) {
@@ -57,25 +59,25 @@ void accelerate(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D
       std::array<double, D> x, v;
       double r2 = 0.0, v2 = 0.0, vx = 0.0;
       for (std::size_t c = 0; c < D; ++c) {
-        x[c] = a.x[c][i] - a.x[c][j];
+        x[c] = s.x[c][i] - s.x[c][j];
         r2 += x[c] * x[c];
       }
       if (r2 >= support2) continue;
       for (std::size_t c = 0; c < D; ++c) {
-        v[c] = a.v[c][i] - a.v[c][j];
+        v[c] = s.v[c][i] - s.v[c][j];
         v2 += v[c] * v[c];
         vx += v[c] * x[c];
       }
       const double F = kernel.gradient_over_r(std::sqrt(r2));
-      const double stress = a.p[i] * a.dV[i] * a.dV[i] + a.p[j] * a.dV[j] * a.dV[j];
-      const double viscous = 2.0 * a.eta * a.dV[i] * a.dV[j] * F;
+      const double stress = s.p[i] * s.dV[i] * s.dV[i] + s.p[j] * s.dV[j] * s.dV[j];
+      const double viscous = 2.0 * a.eta * s.dV[i] * s.dV[j] * F;
       for (std::size_t c = 0; c < D; ++c) force[c] += viscous * v[c] - stress * F * x[c];
       work += 0.5 * stress * F * vx;
-      dlnrho += a.dV[j] * F * vx;
+      dlnrho += s.dV[j] * F * vx;
       heat -= 0.5 * viscous * v2;
     }
-    for (std::size_t c = 0; c < D; ++c) out.dv[c][i] = force[c] / a.m[i] + a.g[c];
-    out.work[i] = work / a.m[i];
+    for (std::size_t c = 0; c < D; ++c) out.dv[c][i] = force[c] / s.m[i] + a.g[c];
+    out.work[i] = work / s.m[i];
     out.dlnrho[i] = dlnrho;
     out.heat[i] = heat;
   }

@@ -12,25 +12,20 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <particles/particles.hpp>
 #include <vector>
 
 namespace tetsuame::bench {
 
-// Arrays over all local particles (ghosts and walls too), the list over the first n of them.
+// Of the fluid of s among all its particles.
 template <int D>
 struct scalar_problem {
-  std::size_t n;
-  const std::size_t* start;        // n + 1 of them, into `neighbours`
-  const std::int32_t* neighbours;  // may hold particles beyond the support
-  std::array<const double*, D> x;  // m
-  std::array<const double*, D> v;  // m/s
-  const double* Y;                 // J
-  const double* p;                 // Pa, smoothed
-  const double* dV;                // m^D
-  const double* m;                 // kg
-  double h;                        // m, support 3 h
-  double eta;                      // Pa s, of all particles
-  std::array<double, D> g;         // m/s2
+  const particles::particles<D>& s;
+  double h;                              // m, support 3 h
+  double eta;                            // Pa s, of all particles
+  std::array<double, D> g;               // m/s2
+  std::vector<std::size_t> start{0};     // of each particle's neighbours, and one more
+  std::vector<std::int32_t> neighbours;  // may hold particles beyond the support
 };
 
 template <int D>

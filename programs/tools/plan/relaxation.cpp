@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <command.hpp>
 #include <convection/options.hpp>
 #include <functional>
 #include <iostream>
-#include <memory>
 #include <plan/shared.hpp>
-#include <relaxation/options.hpp>
+#include <run/amounts.hpp>
 
 namespace tetsuame::plan {
 
@@ -17,38 +15,28 @@ namespace {
 
 using namespace relaxation;
 
-struct question {
-  shared_options shared;
-  std::string input;
-  std::vector<std::string> set;
-  bool describe = false;
-  double fraction = 0.1;
-  std::optional<double> L, dT, rho, kappa, nu, g, alpha, c_p, K;
-  std::optional<std::int64_t> n;
+// What is planned for, and on what machine.
+struct setting {
+  std::int64_t n;  // particles along the height
+  int dimension;
+  double volume_ratio;  // of the box to its height^dimension
+  double fraction;      // of the largest stable steps
+  machine on;
+
+  setting(const relaxation_question& q, const domain::options& d)
+      : n(d.particles[1]), dimension(static_cast<int>(d.dimension)), fraction(q.fraction) {
+    volume_ratio = d.length[0] / d.length[1];
+    if (dimension == 3) volume_ratio *= d.length[2] / d.length[1];
+    on = this_machine(q.shared, dimension, volume_ratio * std::pow(static_cast<double>(n), dimension));
+  }
+  convection_plan plan(const fluid_layer& f, const recommendation& r, std::int64_t with) const {
+    return plan_convection(f, r, with, dimension, volume_ratio, fraction, on.cost);
+  }
 };
 
-// The input of the convection program, and what came from the command line.
-struct case_data {
-  convection::options all;
-  options& values = all.physics;
-  double& temperature_bottom() { return all.walls.sides[2].temperature; }
-  double& temperature_top() { return all.walls.sides[3].temperature; }
-};
-
-void declare_all(namelist::schema& schema, case_data& c) {
-  convection::declare(schema, c.all);
-  schema.pass_over("smoothing");
-}
-
-// Of the box to its height^dimension.
-double volume_ratio(const domain::options& d) {
-  const double across = d.length[0] / d.length[1];
-  return d.dimension == 3 ? across * d.length[2] / d.length[1] : across;
-}
-
-void apply(const question& q, case_data& c) {
-  auto& m = c.values.material;
-  auto& d = c.all.domain;
+void apply(const relaxation_question& q, convection::options& o) {
+  auto& m = o.physics.material;
+  auto& d = o.domain;
   // kappa and nu are kept when the density or c_p alone changes hands.
   const double kappa = q.kappa.value_or(m.conductivity / (m.density * m.heat_capacity));
   const double nu = q.nu.value_or(m.viscosity / m.density);
@@ -59,8 +47,8 @@ void apply(const question& q, case_data& c) {
   if (q.nu || q.rho) m.viscosity = nu * m.density;
   if (q.alpha) m.expansivity = *q.alpha;
   if (q.K) m.bulk_modulus = *q.K;
-  if (q.g) c.values.g = *q.g;
-  if (q.dT) c.temperature_bottom() = c.temperature_top() + *q.dT;
+  if (q.g) o.physics.g = *q.g;
+  if (q.dT) o.walls.sides[2].temperature = o.temperature_top() + *q.dT;
   if (q.L)
     for (const std::size_t a : {0, 2, 1}) d.length[a] *= *q.L / d.length[1];  // the height last: it scales the others
   if (q.n)
@@ -68,8 +56,7 @@ void apply(const question& q, case_data& c) {
       d.particles[a] = std::llround(static_cast<double>(*q.n) * d.length[a] / d.length[1]);
 }
 
-void say_numbers(const fluid_layer& f, const case_data& c, answer& a) {
-  const auto& m = c.values.material;
+void say_numbers(const fluid_layer& f, const relaxation::material_options& m, answer& a) {
   a.add("Given", {{"L", "/given/L_m", f.L, "m", "height of the box"},
                   {"DeltaT", "/given/dT_K", f.dT, "K", "bottom less top"},
                   {"rho_0", "/given/rho_kg_m3", f.rho, "kg/m^3", "density"},
@@ -149,9 +136,9 @@ json plan_json(const convection_plan& p) {
           {"run_time_s", or_null(p.seconds)}};
 }
 
-void say_steps(const fluid_layer& f, const recommendation& r, const convection_plan& p, double fraction,
-               const machine& m, answer& a) {
-  const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, fraction);
+void say_steps(const fluid_layer& f, const recommendation& r, const setting& s, answer& a) {
+  const auto p = s.plan(f, r, s.n);
+  const step_bounds plain = bounds(f, 1.0, 1.0, p.dx, s.fraction);
   const auto row = [&](const char* which, double slowed, double not_slowed, const std::string& formula, double over) {
     return std::vector<std::string>{which,
                                     number(slowed),
@@ -161,7 +148,7 @@ void say_steps(const fluid_layer& f, const recommendation& r, const convection_p
                                     p.dt.binding() == which ? "<- binds" : ""};
   };
   a.tables.push_back(
-      {fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(fraction), p.n, number(p.dx)),
+      {fmt::format("Time steps: {} of the limits, n = {}, dx = {} m", number(s.fraction), p.n, number(p.dx)),
        {{"", "slowed", "not slowed", "unit", "formula", ""},
         row("sound", p.dt.sound, plain.sound, "zeta xi dx/c_0", r.wave_share),
         row("momentum", p.dt.momentum, plain.momentum, "xi^2 dx^2/(2 nu)", r.viscous_share),
@@ -173,34 +160,32 @@ void say_steps(const fluid_layer& f, const recommendation& r, const convection_p
   std::vector<quantity> rows{
       {"tau", "", p.tau, "s", "L/V"},
       {"steps", "", p.steps, "", fmt::format("tau/dt; not slowed {}", number(p.tau / plain.least()))}};
-  for (const auto& cost : costs(m, p.particles, p.seconds, "/plan", a)) rows.push_back(cost);
+  for (const auto& cost : costs(s.on, p.particles, p.seconds, "/plan", a)) rows.push_back(cost);
   a.add("One turnover", rows);
 }
 
 // Backwards: the largest n, with what it costs.
-void answer_backwards(const question& q, const fluid_layer& f, const recommendation& r, const case_data& c,
-                      const machine& m, answer& a) {
-  const int dimension = static_cast<int>(c.all.domain.dimension);
-  const double ratio = volume_ratio(c.all.domain);
+void answer_backwards(const shared_options& o, const fluid_layer& f, const recommendation& r, const setting& s,
+                      answer& a) {
   table t{"Backwards: the largest n for one turnover",
           {{"within", "n", "particles", "steps", "run time"}},
           {false, true, true, true, true},
           true};
-  auto& all = a.all;
+  auto& backwards = a.all["backwards"];
   const auto add = [&](const std::string& within, const char* key, const budget& b) {
-    const std::int64_t n = largest_n(f, r, dimension, ratio, q.fraction, m.cost, b);
+    const std::int64_t n = largest_n(f, r, s.dimension, s.volume_ratio, s.fraction, s.on.cost, b);
     if (n == 0) {
       t.rows.push_back({within, "none", "", "", ""});
-      all["backwards"][key] = nullptr;
+      backwards[key] = nullptr;
       return;
     }
-    const auto p = plan_convection(f, r, n, dimension, ratio, q.fraction, m.cost);
+    const auto p = s.plan(f, r, n);
     t.rows.push_back({within, fmt::format("{}", n), number(p.particles), number(p.steps),
                       p.seconds > 0.0 ? run::duration_text(p.seconds) : "not known"});
-    all["backwards"][key] = plan_json(p);
+    backwards[key] = plan_json(p);
   };
-  if (q.shared.steps) add(number(*q.shared.steps) + " steps", "in_steps", {.steps = *q.shared.steps});
-  if (q.shared.seconds) add(run::duration_text(*q.shared.seconds), "in_run_time", {.seconds = *q.shared.seconds});
+  if (o.steps) add(number(*o.steps) + " steps", "in_steps", {.steps = *o.steps});
+  if (o.seconds) add(run::duration_text(*o.seconds), "in_run_time", {.seconds = *o.seconds});
   a.tables.push_back(t);
 }
 
@@ -227,31 +212,26 @@ span affordable_span(const std::function<bool(double)>& fits, double value) {
 
 // L and the viscosity, where the note's rules choose the slowing: with them its steps depend on n far more than on
 // these.
-void answer_others(const question& q, const fluid_layer& f, const choice& w, const case_data& c, const machine& m,
-                   answer& a) {
-  auto& all = a.all;
-  const auto& d = c.all.domain;
-  const auto plan_of = [&](const fluid_layer& g) {
-    return plan_convection(g, recommend(g, w), d.particles[1], static_cast<int>(d.dimension), volume_ratio(d),
-                           q.fraction, m.cost);
-  };
+void answer_others(const shared_options& o, const fluid_layer& f, const choice& w, const setting& s, answer& a) {
+  auto& backwards = a.all["backwards"];
+  const auto plan_of = [&](const fluid_layer& g) { return s.plan(g, recommend(g, w), s.n); };
   const auto fits = [&](const fluid_layer& g) {
     const auto p = plan_of(g);
-    return p.steps <= q.shared.steps.value_or(HUGE_VAL) && p.seconds <= q.shared.seconds.value_or(HUGE_VAL);
+    return p.steps <= o.steps.value_or(HUGE_VAL) && p.seconds <= o.seconds.value_or(HUGE_VAL);
   };
-  table t{fmt::format("Backwards: at n = {}, each with all else as given", d.particles[1]),
+  table t{fmt::format("Backwards: at n = {}, each with all else as given", s.n),
           {{"", "from", "to", "unit", "given", ""}},
           {false, true, true, false, true, false},
           true};
   const auto add = [&](const char* name, const char* key, const char* unit, double value, auto change) {
-    const span s = affordable_span(
+    const span range = affordable_span(
         [&](double x) {
           fluid_layer g = f;
           change(g, x);
           return fits(g);
         },
         value);
-    if (s.high == 0.0) {
+    if (range.high == 0.0) {
       fluid_layer less = f, more = f;
       change(less, 0.1 * value);
       change(more, 10.0 * value);
@@ -259,92 +239,62 @@ void answer_others(const question& q, const fluid_layer& f, const choice& w, con
       const bool same = std::abs(most / fewest - 1.0) < 1e-9;
       t.rows.push_back({name, "none", "none", unit, number(value),
                         same ? "does not change the steps: n does" : "none within 4 decades of what is given"});
-      all["backwards"][key] = nullptr;
+      backwards[key] = nullptr;
       return;
     }
-    t.rows.push_back({name, s.low_open ? "any" : number(s.low), s.high_open ? "any" : number(s.high), unit,
-                      number(value), s.low_open && s.high_open ? "does not decide" : ""});
-    all["backwards"][key] = {{"from", s.low_open ? json(nullptr) : json(s.low)},
-                             {"to", s.high_open ? json(nullptr) : json(s.high)}};
+    t.rows.push_back({name, range.low_open ? "any" : number(range.low), range.high_open ? "any" : number(range.high),
+                      unit, number(value), range.low_open && range.high_open ? "does not decide" : ""});
+    backwards[key] = {{"from", range.low_open ? json(nullptr) : json(range.low)},
+                      {"to", range.high_open ? json(nullptr) : json(range.high)}};
   };
   add("L", "L_m", "m", f.L, [](fluid_layer& g, double x) { g.L = x; });
   add("nu", "nu_m2_s", "m^2/s", f.nu, [](fluid_layer& g, double x) { g.nu = x; });
   a.tables.push_back(t);
 }
 
-void run(const question& q) {
-  case_data c;
+}  // namespace
+
+void answer_relaxation(const relaxation_question& q) {
+  convection::options o;
   namelist::schema schema;
-  declare_all(schema, c);
+  convection::declare(schema, o);
+  schema.pass_over("smoothing");
   if (q.describe) return schema.describe(std::cout);
   auto document = q.input.empty() ? namelist::document("the command line") : namelist::parse_file(q.input);
   for (const auto& argument : q.set) document.set(argument);
   schema.read(document);
-  apply(q, c);
-  fluid_layer f = layer(schema, c.values, c.all.domain.length[1], c.temperature_bottom(), c.temperature_top());
-  const choice w = c.values.relaxation;
+  apply(q, o);
+  fluid_layer f = layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
+  const choice w = o.physics.relaxation;
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
   const auto& groups = document.groups();
   const bool programs_own =
       std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; });
   if (programs_own) {
-    const auto p = convection::resolve(schema, c.all);
+    const auto p = convection::resolve(schema, o);
     f = p.fluid;
     r = p.slowing;
     for (const auto& text : p.lines) fmt::print("convection: {}\n", text);
-    for (const auto& side : c.all.walls.sides)
+    for (const auto& side : o.walls.sides)
       if (side.thermal == "flux" && side.flux != 0.0)
         fmt::print("convection: {} W/m^2 through a side, beside {:.4g} of conduction from bottom to top\n", side.flux,
-                   c.values.material.conductivity * f.dT / f.L);
+                   o.physics.material.conductivity * f.dT / f.L);
   }
-  const auto& d = c.all.domain;
-  const int dimension = static_cast<int>(d.dimension);
-  const double ratio = volume_ratio(d);
-  const machine m = this_machine(q.shared, dimension,
-                                 ratio * std::pow(static_cast<double>(d.particles[1]), static_cast<double>(dimension)));
-  const auto p = plan_convection(f, r, d.particles[1], dimension, ratio, q.fraction, m.cost);
+  const setting s(q, o.domain);
   answer a;
   a.all["question"] = "relaxation";
   a.all["given"]["fraction"] = q.fraction;
-  say_numbers(f, c, a);
+  say_numbers(f, o.physics.material, a);
   say_rules(all_rules(f, w.phi_xi), r, a);
   say_choice(f, r, w, a);
-  say_steps(f, r, p, q.fraction, m, a);
+  say_steps(f, r, s, a);
   if (q.shared.steps || q.shared.seconds) {
-    answer_backwards(q, f, r, c, m, a);
+    answer_backwards(q.shared, f, r, s, a);
     // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.
-    if (!programs_own) answer_others(q, f, w, c, m, a);
+    if (!programs_own) answer_others(q.shared, f, w, s, a);
   }
   a.give(q.shared, "S1: note of February 2023, S1b: of June 2023");
-}
-
-}  // namespace
-
-std::function<void()> relaxation_question(CLI::App& app) {
-  auto q = std::make_shared<question>();
-  app.add_option("INPUT", q->input, "namelist file of a convection problem (default: the mantle, case 1a)")
-      ->type_name("INPUT.nml");
-  tools::add_many(app, "--set", q->set, "group.key=value, over what the file says; may be repeated", "group.key=value");
-  app.add_flag("--describe", q->describe, "print every group and key that is read, and stop");
-  const auto add = [&](const char* option, std::optional<double>& value, const char* meaning) {
-    app.add_option(option, value, meaning)->check(above_zero());
-  };
-  add("--L", q->L, "height (m); the box keeps its shape");
-  add("--dT", q->dT, "bottom less top (K)");
-  add("--rho", q->rho, "density (kg/m3)");
-  add("--kappa", q->kappa, "thermal diffusivity (m2/s)");
-  add("--nu", q->nu, "kinematic viscosity (m2/s)");
-  add("--g", q->g, "gravity (m/s2)");
-  add("--alpha", q->alpha, "thermal expansivity (1/K)");
-  add("--c-p", q->c_p, "heat capacity (J/(kg K))");
-  add("--K", q->K, "bulk modulus (Pa)");
-  app.add_option("--n", q->n, "particles along the height")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 30));
-  app.add_option("--fraction", q->fraction, "of the largest stable steps")
-      ->check(finite(1e-6, 10.0, false))
-      ->capture_default_str();
-  add_shared(app, q->shared);
-  return [q] { run(*q); };
 }
 
 }  // namespace tetsuame::plan

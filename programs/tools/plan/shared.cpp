@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <command.hpp>
 #include <foundation/error.hpp>
 #include <fstream>
-#include <map>
+#include <json_file.hpp>
 #include <numeric>
 #include <plan/shared.hpp>
+#include <run/amounts.hpp>
 #include <run/summary.hpp>
 
 namespace tetsuame::plan {
 
 namespace {
-
-// Right-hand sides a step of the methods of &time with fixed steps.
-const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"order_2", 2}, {"ssp_rk3", 3},
-                                                {"order_3", 3}, {"rk4", 4}, {"order_4", 5}, {"order_5", 6}};
 
 // What bench measured, if it did.
 std::optional<machine> read_speed(const shared_options& o, int dimension, double particles) {
@@ -24,18 +20,16 @@ std::optional<machine> read_speed(const shared_options& o, int dimension, double
   if (!file && !o.bench_given) return std::nullopt;
   if (!file) foundation::fail_file(o.bench + ": cannot be read; `bench` writes it");
   std::optional<machine> best;
-  int best_threads = 0;
-  double best_distance = 0.0;
+  auto best_rank = std::pair(0, 0.0);  // the most threads, the nearest in size
   try {
     for (const auto& r : nlohmann::json::parse(file)) {
       const auto rate = r.at("updates_per_second").get<double>(), n = r.at("particles").get<double>();
       const int threads = r.at("threads").get<int>();
       if (r.at("name") != o.kind || r.at("dimension") != dimension || !(rate > 0.0) || n < 1.0) continue;
       if (o.threads > 0 && threads != o.threads) continue;
-      const double distance = std::fabs(std::log(n / particles));
-      if (best && (threads < best_threads || (threads == best_threads && distance >= best_distance))) continue;
-      best_threads = threads;
-      best_distance = distance;
+      const auto rank = std::pair(-threads, std::fabs(std::log(n / particles)));
+      if (best && rank >= best_rank) continue;
+      best_rank = rank;
       best = machine{{.updates_per_second = rate},
                      fmt::format("bench: {} {}-D, {} particles, threads {}, load average {:.1f}, {}", o.kind, dimension,
                                  n, threads, r.at("load_average").get<double>(), r.at("processor").get<std::string>())};
@@ -70,39 +64,6 @@ void print(const table& t) {
 }
 
 }  // namespace
-
-CLI::Validator finite(double least, double most, bool least_excluded) {
-  const auto refusal = [=](const std::string& text) {
-    double x = 0.0;
-    const bool good = CLI::detail::lexical_cast(text, x) && (least_excluded ? x > least : x >= least) && x <= most;
-    return good
-               ? std::string()
-               : fmt::format("expected a number in {}{}, {}], found {}", least_excluded ? '(' : '[', least, most, text);
-  };
-  return CLI::Validator(refusal, least_excluded ? "POSITIVE" : "NUMBER");
-}
-
-void add_shared(CLI::App& app, shared_options& o) {
-  app.add_option("--steps", o.steps, "backwards: what can be afforded in so many steps")->check(above_zero());
-  app.add_option("--run-time,--seconds", o.seconds,
-                 "backwards: what can be afforded in so long a run (s, or 90s, 20min, 8h, 3d)")
-      ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}, {"d", 86400}},
-                                        CLI::AsNumberWithUnit::CASE_SENSITIVE, "TIME"))
-      ->check(above_zero());
-  app.add_option("--method", o.method, "time integration: its right-hand sides a step count for the run time")
-      ->check(CLI::IsMember(evaluations))
-      ->capture_default_str();
-  app.add_option("--rate", o.rate, "particles times right-hand sides a second (default: what bench measured)")
-      ->check(above_zero());
-  app.add_option("--bench", o.bench, "file of bench")
-      ->type_name("FILE")
-      ->each([&o](const std::string&) { o.bench_given = true; })
-      ->capture_default_str();
-  app.add_option("--case", o.kind, "case of bench")->capture_default_str();
-  app.add_option("--threads", o.threads, "threads of the run (default: the most that bench measured)")
-      ->check(CLI::Range(1, 4096));
-  app.add_option("--json", o.json, "write everything to this file as well")->type_name("FILE");
-}
 
 machine this_machine(const shared_options& o, int dimension, double particles) {
   machine m{.cost = {}, .note = "not known: run bench, or give --rate"};

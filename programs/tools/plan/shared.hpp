@@ -1,11 +1,12 @@
-// What both questions of plan share: options, the machine's speed, the tables they print and the file for machines.
+// What plan is asked, and what both of its questions share: the machine's speed, the tables they print and the file for
+// machines.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <relaxation/steps.hpp>
-#include <run/amounts.hpp>
 #include <string>
 #include <vector>
 
@@ -13,24 +14,40 @@ namespace tetsuame::plan {
 
 using json = nlohmann::ordered_json;
 
+// Right-hand sides a step of the methods of &time with fixed steps.
+inline const std::map<std::string, double> evaluations{{"euler", 1},   {"ab2", 1}, {"order_2", 2}, {"ssp_rk3", 3},
+                                                       {"order_3", 3}, {"rk4", 4}, {"order_4", 5}, {"order_5", 6}};
+
 struct shared_options {
-  std::string json;
-  std::optional<double> steps, seconds;  // backwards
-  std::string method = "rk4";
-  std::optional<double> rate;  // updates a second, instead of bench's
+  std::string method, kind;                        // of time integration; the case of bench
+  std::optional<double> steps = {}, seconds = {};  // backwards
+  std::optional<double> rate = {};                 // updates a second, instead of bench's
   std::string bench = "output/bench/bench.json";
-  bool bench_given = false;        // then it must be there
-  std::string kind = "transport";  // the case of bench
-  int threads = 0;                 // 0: as many as were measured at most
+  bool bench_given = false;  // then it must be there
+  int threads = 0;           // 0: as many as were measured at most
+  std::string json = {};     // file to write
 };
 
-// Beyond that no quantity is meant, and products would overflow.
-inline constexpr double largest = 1e100;
-// A number that is finite and lies between the two, the lower excluded (above_zero) or not.
-CLI::Validator finite(double least, double most, bool least_excluded);
-inline CLI::Validator above_zero() { return finite(0.0, largest, true); }
+struct relaxation_question {
+  shared_options shared{"rk4", "transport"};
+  std::string input;
+  std::vector<std::string> set;
+  bool describe = false;
+  double fraction = 0.1;
+  std::optional<double> L, dT, rho, kappa, nu, g, alpha, c_p, K;
+  std::optional<std::int64_t> n;
+};
+void answer_relaxation(const relaxation_question& q);
 
-void add_shared(CLI::App& app, shared_options& o);
+struct timestep_question {
+  shared_options shared{"euler", "program_c"};  // the note's method
+  relaxation::two_layers system;
+  std::int64_t n = 75;
+  int dimension = 2;
+  std::string run;                  // folder of a run; empty: none
+  std::function<void()> say_again;  // assigns anew what the command line says
+};
+void answer_timestep(timestep_question& q);
 
 struct machine {
   relaxation::cost cost;
@@ -39,6 +56,7 @@ struct machine {
 // The speed by the record of bench nearest in size (by ratio), of that case, dimension and number of threads. fail_file
 // if the file is damaged, fail_input if it was asked for and has no such record, or a run time needs one.
 machine this_machine(const shared_options& o, int dimension, double particles);
+
 // Rows of texts in aligned columns: the first left, as is the last; `right` says which are set right.
 struct table {
   std::string title;
@@ -75,9 +93,5 @@ std::vector<quantity> costs(const machine& m, double particles, double seconds, 
 std::string number(double value);
 // null where it is not known.
 inline json or_null(double value) { return value > 0.0 ? json(value) : json(nullptr); }
-
-// The two questions; each adds its options and returns what runs it.
-std::function<void()> relaxation_question(CLI::App& app);
-std::function<void()> timestep_question(CLI::App& app);
 
 }  // namespace tetsuame::plan

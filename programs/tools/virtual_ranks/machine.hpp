@@ -6,8 +6,8 @@
 #include <balance/balancer.hpp>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
-#include <span>
 #include <vector>
 #include <virtual_ranks/scene.hpp>
 
@@ -17,44 +17,15 @@ namespace tetsuame::virtual_ranks {
 // is counted on bins of its width: to a rank's halo belong other ranks' particles in bins where it has
 // particles, and in the bins around these; so it is one to two widths thick.
 struct load {
-  balance::costs time;
-  std::vector<double> particles;  // of each rank
-  std::vector<double> work;       // s, computing time of each rank if none were slow: what a run counts by its pairs
+  std::vector<double> computing, communication;
+  std::vector<double> time;  // their sum
+  std::vector<double> work;  // s, computing time if no rank were slow: what a run counts by its pairs
+  std::vector<double> particles;
 };
+
 // s, to compute a particle.
 inline double seconds_of(const cost_options& c, kind k) {
   return std::array{c.fluid, c.wall, c.marker, c.metal}[static_cast<std::size_t>(k)];
-}
-
-// Who has how many particles in each bin.
-struct share {
-  int rank;
-  double particles;
-};
-struct shares {
-  std::vector<std::size_t> first{0};  // of each bin; one more than bins
-  std::vector<share> all;
-
-  std::span<const share> of(std::size_t bin) const {
-    return std::span(all).subspan(first[bin], first[bin + 1] - first[bin]);
-  }
-};
-
-template <int D>
-shares shares_of(const scene<D>& s, const std::vector<int>& owner) {
-  shares found;
-  for (std::size_t b = 0; b + 1 < s.first.size(); ++b) {
-    for (std::size_t i = s.first[b]; i < s.first[b + 1]; ++i) {
-      const auto here = found.all.begin() + static_cast<std::ptrdiff_t>(found.first[b]);
-      const auto at = std::find_if(here, found.all.end(), [&](const share& one) { return one.rank == owner[i]; });
-      if (at == found.all.end())
-        found.all.push_back({owner[i], 1.0});
-      else
-        at->particles += 1.0;
-    }
-    found.first.push_back(found.all.size());
-  }
-  return found;
 }
 
 // The bins around a bin, itself included.
@@ -68,7 +39,7 @@ void visit_around(const scene<D>& s, std::size_t bin, const F& visit) {
     high[a] = std::min(at + 1, s.bins[a] - 1);
     rest /= s.bins[a];
   }
-  visit_bins<D>(s, low, high, visit);
+  visit_indices<D>(low, high, [&](const std::array<std::int64_t, D>& at) { visit(s.bin(at)); });
 }
 
 void keep_each_once(auto& values) {
@@ -79,42 +50,46 @@ void keep_each_once(auto& values) {
 template <int D>
 load load_of(const scene<D>& s, const std::vector<int>& owner, const cost_options& cost,
              const std::vector<double>& slowness) {
-  const std::size_t ranks = slowness.size();
+  const std::size_t ranks = slowness.size(), bins = s.first.size() - 1;
   load l;
   l.particles.assign(ranks, 0.0);
-  l.time.computing.assign(ranks, 0.0);
-  l.time.communication.assign(ranks, 0.0);
+  l.work.assign(ranks, 0.0);
+  l.communication.assign(ranks, 0.0);
   for (std::size_t i = 0; i < s.size(); ++i) {
     const auto r = static_cast<std::size_t>(owner[i]);
     l.particles[r] += 1.0;
-    l.time.computing[r] += seconds_of(cost, s.kinds[i]);
+    l.work[r] += seconds_of(cost, s.kinds[i]);
   }
-  l.work = l.time.computing;
-  for (std::size_t r = 0; r < ranks; ++r) l.time.computing[r] *= slowness[r];
 
-  const auto held = shares_of(s, owner);
-  std::vector<std::uint64_t> pairs;
+  std::vector<std::map<int, double>> held(bins);  // who has how many particles in each bin
+  for (std::size_t b = 0; b < bins; ++b)
+    for (std::size_t i = s.first[b]; i < s.first[b + 1]; ++i) held[b][owner[i]] += 1.0;
+  std::vector<std::uint64_t> pairs;  // of ranks that exchange messages
   std::vector<int> near;
-  for (std::size_t b = 0; b + 1 < s.first.size(); ++b) {
-    if (held.of(b).empty()) continue;
+  for (std::size_t b = 0; b < bins; ++b) {
+    if (held[b].empty()) continue;
     near.clear();
     visit_around<D>(s, b, [&](std::size_t n) {
-      for (const auto& there : held.of(n)) near.push_back(there.rank);
+      for (const auto& there : held[n]) near.push_back(there.first);
     });
     keep_each_once(near);
     for (const int p : near) {
       double others = 0.0;
-      for (const auto& here : held.of(b)) {
-        if (here.rank == p) continue;
-        others += here.particles;
-        pairs.push_back(static_cast<std::uint64_t>(p) * ranks + static_cast<std::uint64_t>(here.rank));
+      for (const auto& [rank, particles] : held[b]) {
+        if (rank == p) continue;
+        others += particles;
+        pairs.push_back(static_cast<std::uint64_t>(p) * ranks + static_cast<std::uint64_t>(rank));
       }
-      l.time.communication[static_cast<std::size_t>(p)] += cost.halo * others;
+      l.communication[static_cast<std::size_t>(p)] += cost.halo * others;
     }
     if (pairs.size() > (std::size_t{1} << 24)) keep_each_once(pairs);
   }
   keep_each_once(pairs);
-  for (const auto pair : pairs) l.time.communication[pair / ranks] += cost.latency;
+  for (const auto pair : pairs) l.communication[pair / ranks] += cost.latency;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    l.computing.push_back(l.work[r] * slowness[r]);
+    l.time.push_back(l.computing[r] + l.communication[r]);
+  }
   return l;
 }
 

@@ -31,6 +31,11 @@ struct scene {
   std::vector<std::size_t> first;            // of each bin; one more than bins
   std::vector<std::array<double, D>> blobs;  // centres at the start
 
+  std::size_t bin(const std::array<std::int64_t, D>& i) const {
+    std::int64_t b = 0;
+    for (std::size_t a = D; a-- > 0;) b = b * bins[a] + i[a];
+    return static_cast<std::size_t>(b);
+  }
   std::size_t size() const { return x.size(); }
   double volume() const { return std::accumulate(length.begin(), length.end(), 1.0, std::multiplies<>()); }  // m^D
 };
@@ -70,23 +75,26 @@ std::optional<kind> kind_at(const distribution_options& o, double reach, const s
   return near ? kind::marker : kind::wall;
 }
 
+// visit(i) for every index between two along each axis, these included; the first axis runs fastest.
+template <int D, class F>
+void visit_indices(const std::array<std::int64_t, D>& low, const std::array<std::int64_t, D>& high, const F& visit) {
+  for (auto i = low; i[D - 1] <= high[D - 1];) {
+    visit(i);
+    for (std::size_t a = 0; ++i[a] > high[a] && a + 1 < D; ++a) i[a] = low[a];
+  }
+}
+
 template <int D, class F>
 void visit_lattice(const std::array<double, D>& length, double spacing, const F& visit) {
-  std::array<std::int64_t, D> n{};
-  std::int64_t all = 1;
-  for (std::size_t a = 0; a < D; ++a) {
-    n[a] = std::max<std::int64_t>(1, std::llround(length[a] / spacing));
-    all *= n[a];
-  }
-  for (std::int64_t k = 0; k < all; ++k) {
+  std::array<std::int64_t, D> last;
+  for (std::size_t a = 0; a < D; ++a) last[a] = std::max<std::int64_t>(1, std::llround(length[a] / spacing)) - 1;
+  std::uint64_t k = 0;
+  visit_indices<D>({}, last, [&](const std::array<std::int64_t, D>& i) {
     std::array<double, D> x{};
-    std::int64_t rest = k;
-    for (std::size_t a = 0; a < D; ++a) {
-      x[a] = (static_cast<double>(rest % n[a]) + 0.5) * length[a] / static_cast<double>(n[a]);
-      rest /= n[a];
-    }
-    visit(static_cast<std::uint64_t>(k), x);
-  }
+    for (std::size_t a = 0; a < D; ++a)
+      x[a] = (static_cast<double>(i[a]) + 0.5) * length[a] / static_cast<double>(last[a] + 1);
+    visit(k++, x);
+  });
 }
 
 template <int D>
@@ -156,20 +164,6 @@ std::int64_t bin_along(const scene<D>& s, std::size_t axis, double x) {
   return std::clamp<std::int64_t>(i, 0, s.bins[axis] - 1);
 }
 
-// visit(bin) for all between two along each axis, these included.
-template <int D, class F>
-void visit_bins(const scene<D>& s, const std::array<std::int64_t, D>& low, const std::array<std::int64_t, D>& high,
-                const F& visit) {
-  const auto along = [&](auto&& self, std::size_t axis, std::int64_t sum) -> void {
-    for (std::int64_t i = low[axis]; i <= high[axis]; ++i)
-      if (axis == 0)
-        visit(static_cast<std::size_t>(sum * s.bins[0] + i));
-      else
-        self(self, axis - 1, sum * s.bins[axis] + i);
-  };
-  along(along, D - 1, 0);
-}
-
 template <int D>
 void sort_into_bins(scene<D>& s, double halo_width) {
   const double width = halo_width * s.spacing;  // m
@@ -181,9 +175,9 @@ void sort_into_bins(scene<D>& s, double halo_width) {
   std::vector<std::size_t> bin(s.size());
   s.first.assign(all + 1, 0);
   for (std::size_t i = 0; i < s.size(); ++i) {
-    std::int64_t b = 0;
-    for (std::size_t a = D; a-- > 0;) b = b * s.bins[a] + bin_along(s, a, s.x[i][a]);
-    bin[i] = static_cast<std::size_t>(b);
+    std::array<std::int64_t, D> at{};
+    for (std::size_t a = 0; a < D; ++a) at[a] = bin_along(s, a, s.x[i][a]);
+    bin[i] = s.bin(at);
     ++s.first[bin[i] + 1];
   }
   std::partial_sum(s.first.begin(), s.first.end(), s.first.begin());
@@ -216,7 +210,8 @@ bool move_blobs(scene<D>& s, const distribution_options& o, std::int64_t steps) 
       low[a] = bin_along(s, a, c[a] - radius);
       high[a] = bin_along(s, a, c[a] + radius);
     }
-    visit_bins<D>(s, low, high, [&](std::size_t bin) {
+    visit_indices<D>(low, high, [&](const std::array<std::int64_t, D>& at) {
+      const std::size_t bin = s.bin(at);
       for (std::size_t i = s.first[bin]; i < s.first[bin + 1]; ++i) {
         double r2 = 0.0;
         for (std::size_t a = 0; a < D; ++a) r2 += (s.x[i][a] - c[a]) * (s.x[i][a] - c[a]);

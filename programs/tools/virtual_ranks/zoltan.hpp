@@ -16,14 +16,8 @@
 
 namespace tetsuame::virtual_ranks {
 
-// Whether this program is built with Zoltan. Without, partition() is declared only, and no input may ask for it.
+// Whether this program is built with Zoltan. Without, no input may ask for a partitioner.
 constexpr bool with_zoltan = TETSUAME_ZOLTAN;
-
-// The part of each particle. weights: of each particle; empty: all equal. sizes: what part of the weight each
-// part should get, up to a common factor. Throws fail_calculation if Zoltan refuses.
-template <int D>
-std::vector<int> partition(const std::string& method, const std::vector<std::array<double, D>>& x,
-                           const std::vector<float>& weights, const std::vector<double>& sizes);
 
 #if TETSUAME_ZOLTAN
 template <int D>
@@ -31,28 +25,24 @@ struct objects {
   const std::vector<std::array<double, D>>& x;
   const std::vector<float>& weights;
 
-  static const objects& of(void* data) { return *static_cast<const objects*>(data); }
-  static int count(void* data, int* fault) {
+  static const objects& of(void* data, int* fault) {
     *fault = ZOLTAN_OK;
-    return static_cast<int>(of(data).x.size());
+    return *static_cast<const objects*>(data);
   }
-  static void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int weight_dim, float* weight,
-                   int* fault) {
-    const auto& o = of(data);
-    for (std::size_t i = 0; i < o.x.size(); ++i) global[i] = local[i] = static_cast<ZOLTAN_ID_TYPE>(i);
-    if (weight_dim > 0)
-      for (std::size_t i = 0; i < o.x.size(); ++i) weight[i] = o.weights[i];
-    *fault = ZOLTAN_OK;
-  }
+  static int count(void* data, int* fault) { return static_cast<int>(of(data, fault).x.size()); }
   static int dimension(void*, int* fault) {
     *fault = ZOLTAN_OK;
     return D;
   }
+  static void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int weight_dim, float* weight,
+                   int* fault) {
+    const auto& o = of(data, fault);
+    for (std::size_t i = 0; i < o.x.size(); ++i) global[i] = local[i] = static_cast<ZOLTAN_ID_TYPE>(i);
+    if (weight_dim > 0) std::copy(o.weights.begin(), o.weights.end(), weight);
+  }
   static void places(void* data, int, int, int n, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int, double* out, int* fault) {
-    const auto& o = of(data);
-    for (int i = 0; i < n; ++i)
-      for (std::size_t a = 0; a < D; ++a) out[static_cast<std::size_t>(i) * D + a] = o.x[local[i]][a];
-    *fault = ZOLTAN_OK;
+    const auto& o = of(data, fault);
+    for (int i = 0; i < n; ++i) out = std::copy_n(o.x[local[i]].begin(), D, out);
   }
 };
 
@@ -65,26 +55,30 @@ struct zoltan {
   Zoltan_Struct* z = Zoltan_Create(MPI_COMM_SELF);
   ~zoltan() { Zoltan_Destroy(&z); }
 };
+#endif
 
+// The part of each particle. weights: of each particle; empty: all equal. sizes: what part of the weight each
+// part should get, up to a common factor. Throws fail_calculation if Zoltan refuses.
 template <int D>
-std::vector<int> partition(const std::string& method, const std::vector<std::array<double, D>>& x,
-                           const std::vector<float>& weights, const std::vector<double>& sizes) {
+std::vector<int> partition([[maybe_unused]] const std::string& method, const std::vector<std::array<double, D>>& x,
+                           [[maybe_unused]] const std::vector<float>& weights,
+                           [[maybe_unused]] const std::vector<double>& sizes) {
+  std::vector<int> part(x.size(), 0);
+#if TETSUAME_ZOLTAN
   float version = 0.0F;
   expect(Zoltan_Initialize(0, nullptr, &version), "Initialize");
   zoltan own;
   auto* z = own.z;
-  const auto set = [&](const char* key, const std::string& value) {
+  for (const auto& [key, value] : {std::pair<const char*, std::string>{"DEBUG_LEVEL", "0"},
+                                   {"LB_METHOD", method == "hsfc" ? "HSFC" : "RCB"},
+                                   {"NUM_GID_ENTRIES", "1"},
+                                   {"NUM_LID_ENTRIES", "1"},
+                                   {"NUM_GLOBAL_PARTS", std::to_string(sizes.size())},
+                                   {"RETURN_LISTS", "PARTS"},
+                                   {"OBJ_WEIGHT_DIM", weights.empty() ? "0" : "1"},
+                                   {"IMBALANCE_TOL", "1.0"},
+                                   {"REMAP", "0"}})
     expect(Zoltan_Set_Param(z, key, value.c_str()), "Set_Param");
-  };
-  set("DEBUG_LEVEL", "0");
-  set("LB_METHOD", method == "hsfc" ? "HSFC" : "RCB");
-  set("NUM_GID_ENTRIES", "1");
-  set("NUM_LID_ENTRIES", "1");
-  set("NUM_GLOBAL_PARTS", std::to_string(sizes.size()));
-  set("RETURN_LISTS", "PARTS");
-  set("OBJ_WEIGHT_DIM", weights.empty() ? "0" : "1");
-  set("IMBALANCE_TOL", "1.0");
-  set("REMAP", "0");
 
   objects<D> all{x, weights};
   expect(Zoltan_Set_Num_Obj_Fn(z, objects<D>::count, &all), "Set_Num_Obj_Fn");
@@ -104,12 +98,11 @@ std::vector<int> partition(const std::string& method, const std::vector<std::arr
   expect(Zoltan_LB_Partition(z, &changes, &gid, &lid, &n_import, &import_global, &import_local, &import_ranks,
                              &import_parts, &n_export, &export_global, &export_local, &export_ranks, &export_parts),
          "LB_Partition");
-  std::vector<int> part(x.size(), 0);
   for (int k = 0; k < n_export; ++k) part[export_local[k]] = export_parts[k];
   Zoltan_LB_Free_Part(&import_global, &import_local, &import_ranks, &import_parts);
   Zoltan_LB_Free_Part(&export_global, &export_local, &export_ranks, &export_parts);
+#endif
   return part;
 }
-#endif
 
 }  // namespace tetsuame::virtual_ranks
