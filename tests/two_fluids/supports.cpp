@@ -35,8 +35,6 @@ struct box {
                              "test.nml"));
     p = resolve(schema, problem_kind::rayleigh_taylor, o);
     f = std::make_unique<fluids<2>>(problem_kind::rayleigh_taylor, o, p);
-    choose_terms(*f);
-    add_extras(*f);
     set_up(*f);
     place_fluid(*f);
     find_reference(*f);
