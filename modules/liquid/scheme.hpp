@@ -1,13 +1,12 @@
-// A scheme for liquids, as problems see it: what it carries, and its rates. What it consists of, a program names
-// (scheme_of.hpp).
+// A scheme for liquids, as problems see it: what it carries, and its rates; what problems have in common by it. What it
+// consists of, a program names (scheme_of.hpp).
 #pragma once
 
 #include <functional>
 #include <liquid/right_hand_side.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <output/checkpoint.hpp>
-#include <run/run_directory.hpp>
+#include <run/box.hpp>
 
 namespace tetsuame::liquid {
 
@@ -32,6 +31,47 @@ class scheme {
   virtual void report(const run::state<D>&, nlohmann::ordered_json& /*metrics*/) const {}
   virtual void save(output::checkpoint_globals&) const {}
   virtual void restore(const output::checkpoint_globals&) {}
+};
+
+// A problem that a scheme carries through, with what the scheme has to remember, to tell and to save. None: the problem
+// has sums of its own.
+template <int D>
+class problem : public run::problem_in_a_box<D> {
+ public:
+  using base = run::problem_in_a_box<D>;
+
+  problem(run::state<D>& of_problem, const run::balance_options& o, std::unique_ptr<scheme<D>> how)
+      : base(of_problem, o), scheme_(std::move(how)) {}
+
+  void keep_memory() override {
+    if (scheme_) scheme_->keep_memory(this->box);
+  }
+  bool complete_step(std::int64_t step) override {
+    if (scheme_) scheme_->complete_step(step);
+    return base::complete_step(step);
+  }
+  void begin_tables(run::run_directory& files) override {
+    base::begin_tables(files);
+    if (scheme_) scheme_->begin_tables(files);
+  }
+  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
+    if (scheme_) scheme_->fail(e, step, r);
+  }
+  void report_counts(run::summary& r) override {
+    base::report_counts(r);
+    if (scheme_) scheme_->report(this->box, r.metrics);
+  }
+  void save(output::checkpoint_globals& g) const override {
+    base::save(g);
+    if (scheme_) scheme_->save(g);
+  }
+  void restore(const output::checkpoint_globals& g) override {
+    base::restore(g);
+    if (scheme_) scheme_->restore(g);
+  }
+
+ protected:
+  std::unique_ptr<scheme<D>> scheme_;
 };
 
 // A program that runs liquids: its name, the walls it has unless the input says otherwise, and its scheme.

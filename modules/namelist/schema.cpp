@@ -321,6 +321,11 @@ bool schema::given(const std::string& group, const std::string& key) const {
   return !find(group, key).given_in.empty();
 }
 
+bool schema::changed(const std::string& group, const std::string& key) const {
+  const auto& k = find(group, key).first;
+  return k.value() != k.default_text;
+}
+
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {
   const key& k = find(group, name);
   foundation::fail_input(fmt::format("{}: &{} {}: {}", k.origin == "default" ? "default value" : k.origin,

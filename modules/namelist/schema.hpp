@@ -119,6 +119,8 @@ class schema {
   // Where the value came from: "file:line", "--set group.key=value" or "default".
   std::string where(const std::string& group, const std::string& key) const;
   bool given(const std::string& group, const std::string& key) const;
+  // Whether the target holds another value than the default: a resolved input gives every key.
+  bool changed(const std::string& group, const std::string& key) const;
   // For checks that span keys: an error placed at this key, exit status 2.
   [[noreturn]] void fail(const std::string& group, const std::string& key, const std::string& message) const;
   // work() on what the input says, before anything else has begun: what it fails at, where the input is not known, is

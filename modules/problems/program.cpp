@@ -11,14 +11,8 @@ namespace {
 
 using two_fluids::problem_kind;
 
-std::unique_ptr<run::problem> make_two_fluids(problem_kind kind, const two_fluids::options& o,
-                                              const two_fluids::parameters& p, const liquid::program* scheme) {
-  return o.domain.dimension == 3 ? two_fluids_3d(kind, o, p, scheme) : two_fluids_2d(kind, o, p, scheme);
-}
-
 bool has(const namelist::document& input, const char* group) {
-  const auto& all = input.groups();
-  return std::any_of(all.begin(), all.end(), [&](const auto& g) { return g.name == group; });
+  return std::ranges::any_of(input.groups(), [&](const auto& g) { return g.name == group; });
 }
 
 // A problem and its input.
@@ -81,7 +75,9 @@ struct fluids_of_input : problem_of_input {
   }
   std::string theory() const override { return two_fluids::theory_text(kind, o, p); }
   run::common_options& common() override { return o.common; }
-  std::unique_ptr<run::problem> make() const override { return make_two_fluids(kind, o, p, scheme); }
+  std::unique_ptr<run::problem> make() const override {
+    return (o.domain.dimension == 3 ? two_fluids_3d : two_fluids_2d)(kind, o, p, scheme);
+  }
 };
 
 struct body_of_input : problem_of_input {

@@ -1,5 +1,6 @@
 #include <liquid/passes.hpp>
 #include <problems/make.hpp>
+#include <two_fluids/passes.hpp>
 #include <two_fluids/two_fluids.hpp>
 
 namespace tetsuame::problems {

@@ -34,8 +34,6 @@ struct box {
                              "test.nml"));
     p = resolve(schema, problem_kind::rayleigh_taylor, o);
     f = std::make_unique<fluids<2>>(problem_kind::rayleigh_taylor, o, p);
-    choose_terms(*f);
-    add_extras(*f);
     set_up(*f);
     place_fluid(*f);
     find_reference(*f);
@@ -114,10 +112,11 @@ BOOST_AUTO_TEST_CASE(forces_are_the_slope_of_the_potential) {
   BOOST_TEST(tried == 8);
 }
 
-// Along x, where the box is periodic and the walls are mirrors.
+// Along x, where the box is periodic and the walls are mirrors, behind which the pressure is as inside.
 BOOST_AUTO_TEST_CASE(momentum_stays) {
   for (const char* volume : {"number_density", "our_method"}) {
-    box b(volume, "none", "&walls floor = 'free_slip' lid = 'free_slip' pressure = 'mirrored' /");
+    box b(volume, "none", "&walls floor = 'free_slip' lid = 'free_slip' /");
+    b.o.gravity = 0.0;
     auto& s = b.f->world.w.s;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       s.rho[i] *= 1.0 + 0.05 * test::noise(s.id[i], 2);

@@ -8,7 +8,9 @@
 #include <conduction/exact.hpp>
 #include <conduction/options.hpp>
 #include <diffusion/conduction.hpp>
+#include <liquid/sums.hpp>
 #include <operators/consistent.hpp>
+#include <particles/named_fields.hpp>
 #include <run/box.hpp>
 #include <run/start.hpp>
 
@@ -22,9 +24,6 @@ class problem : public run::problem_in_a_box<D> {
 
   explicit problem(const options& o) : base(world_, o.common.balance), o_(o) {
     auto& s = world_.w.s;
-    s.extras.push_back({"LaplacianOfT", "K/m^2", "plain Laplacian the correction lags behind", memory, {}});
-    for (std::size_t k = 0; k < S; ++k)
-      s.extras.push_back({"LaplacianWeight_" + std::to_string(k), "1", "tensor B of the Laplacian", memory, {}});
     auto kernel = o.common.kernel;
     kernel.skin = 0.01;  // nothing moves
     run::set_up(world_, domain::communicator::world(), o.domain, o.walls, kernel, o.halo());
@@ -38,8 +37,8 @@ class problem : public run::problem_in_a_box<D> {
       s.T[i] = o.start;
       s.rho[i] = 1.0;
       s.m[i] = volume_;
-      for (std::size_t a = 0, k = 1; a < D; ++a)
-        for (std::size_t b = a; b < D; ++b) s.extras[k++].values[i] = a == b ? 1.0 : 0.0;
+      for (std::size_t a = 0, k = 0; a < D; ++a)
+        for (std::size_t b = a; b < D; ++b) B_[k++][i] = a == b ? 1.0 : 0.0;
     }
     if (!o.common.start.file.empty()) run::start_from_file(o.common.start, {.motion = false}, world_);
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
@@ -62,14 +61,14 @@ class problem : public run::problem_in_a_box<D> {
       foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] /= volume_; });
     } else {
       bool singular = false;
-      operators::consistent<D, 1> term{{s.T.data()}, {s.extras[0].values.data()}, {}, volume_, beta_, {}, &singular};
+      operators::consistent<D, 1> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_, {}, &singular};
       for (std::size_t k = 0; k < S; ++k) {
-        term.B[k] = s.extras[1 + k].values.data();
-        term.out.next_B[k] = next_[1 + k].data();
+        term.B[k] = B_[k].data();
+        term.out.next_B[k] = next_B_[k].data();
       }
       for (std::size_t a = 0; a < D; ++a) term.out.gradient[0][a] = gradient_[a].data();
       term.out.laplacian[0] = dT;
-      term.out.plain[0] = next_[0].data();
+      term.out.plain[0] = next_plain_.data();
       w.sum(w.fluid(), term);
       if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined");
       foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] *= o_.kappa; });
@@ -92,8 +91,8 @@ class problem : public run::problem_in_a_box<D> {
 
   void keep_memory() override {
     if (o_.scheme == "sum") return;
-    auto& s = world_.w.s;
-    for (std::size_t k = 0; k < next_.size(); ++k) std::copy_n(next_[k].begin(), s.fluid, s.extras[k].values.begin());
+    std::copy_n(next_plain_.begin(), world_.w.s.fluid, plain_.begin());
+    for (std::size_t k = 0; k < S; ++k) std::copy_n(next_B_[k].begin(), world_.w.s.fluid, B_[k].begin());
     refresh_memory();
   }
 
@@ -135,7 +134,8 @@ class problem : public run::problem_in_a_box<D> {
     std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
     std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
     std::fill(s.rho.begin(), s.rho.end() - 1, 1.0);
-    for (auto& a : next_) a.assign(s.fluid, 0.0);
+    next_plain_.assign(s.fluid, 0.0);
+    for (auto& a : next_B_) a.assign(s.fluid, 0.0);
     for (auto& a : gradient_) a.assign(s.fluid, 0.0);
     refresh_memory();
   }
@@ -146,7 +146,6 @@ class problem : public run::problem_in_a_box<D> {
 
  private:
   static constexpr std::size_t S = operators::symmetric_terms(D);
-  static constexpr particles::role memory = particles::role::memory;
 
   struct error_measures {
     double l2, maximum;  // of the difference in temperature at the start
@@ -155,19 +154,16 @@ class problem : public run::problem_in_a_box<D> {
   error_measures errors(double t) const {
     const auto& s = world_.w.s;
     const double T0 = o_.temperature_top(), L = o_.domain.length[1];
-    foundation::exact_sum squares, heat;
     double largest = 0.0;
-    for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto [squares, heat] = liquid::exact_sums<2>(world_, [&](std::size_t i, const auto& add) {
       const double depth = L - s.x[1][i];
       const double exact = o_.reference == "plate" ? plate(T0, o_.start, o_.kappa, L, depth, t)
                                                    : half_space(T0, o_.start, o_.kappa, depth, t);
       const double e = (s.T[i] - exact) / (o_.start - T0);
-      squares.add(e * e);
-      heat.add(s.T[i] * volume_);
+      add(e * e, s.T[i] * volume_);
       largest = std::max(largest, std::abs(e));
-    }
-    return {std::sqrt(ranks().exact(squares) / static_cast<double>(world_.fluid_total)), ranks().maximum(largest),
-            ranks().exact(heat)};
+    });
+    return {std::sqrt(squares / static_cast<double>(world_.fluid_total)), ranks().maximum(largest), heat};
   }
 
   // Of ghosts, and of what stands behind the walls.
@@ -187,22 +183,25 @@ class problem : public run::problem_in_a_box<D> {
   // The Laplacian is odd where the temperature less the wall's is: there it is zero.
   void refresh_memory() {
     auto& w = world_.w;
-    auto& s = w.s;
-    auto& P = s.extras[0].values;
-    w.exchange_fluid({P.data()});
+    w.exchange_fluid({plain_.data()});
     foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
-      double value = P[world_.walls.source[r]];
+      double value = plain_[world_.walls.source[r]];
       walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
         if (wall.thermal == walls::heat::fixed_temperature) value = -value;
       });
-      P[s.first_wall() + r] = value;
+      plain_[w.s.first_wall() + r] = value;
     });
   }
 
   const options& o_;
   run::state<D> world_;
   double volume_ = 0.0, beta_ = 0.0;
-  std::array<particles::array, 1 + S> next_;
+  // The plain Laplacian that the correction lags behind, and the tensor B (operators/consistent.hpp), of the last step.
+  particles::array& plain_ = particles::declare(world_.w.s, "LaplacianOfT", "K/m^2", particles::role::memory);
+  particles::vector_field<S> B_ =
+      particles::declare_vector<S>(world_.w.s, "LaplacianWeight", "1", particles::role::memory);
+  particles::array next_plain_;
+  std::array<particles::array, S> next_B_;
   std::array<particles::array, D> gradient_;
 };
 

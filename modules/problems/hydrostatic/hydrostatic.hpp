@@ -7,8 +7,6 @@
 #include <liquid/scheme.hpp>
 #include <optional>
 #include <output/groups.hpp>
-#include <output/snapshot.hpp>
-#include <run/box.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -63,16 +61,16 @@ std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, doubl
 }
 
 template <int D>
-class problem : public run::problem_in_a_box<D> {
+class problem : public liquid::problem<D> {
  public:
-  using base = run::problem_in_a_box<D>;
-  using base::ranks;
+  using base = liquid::problem<D>;
+  using base::scheme_;
 
   scene<D> world;
 
   problem(const options& o, std::unique_ptr<liquid::scheme<D>> scheme,
           const domain::communicator& of = domain::communicator::world())
-      : base(world, o.balance), o_(o), scheme_(std::move(scheme)) {
+      : base(world, o.balance, std::move(scheme)), o_(o) {
     set_up(o, of, world);
     scheme_->begin(world);
   }
@@ -80,11 +78,6 @@ class problem : public run::problem_in_a_box<D> {
   std::vector<integrators::field> fields() override { return state_fields(world, scheme_->carried()); }
   void evaluate(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
-  void keep_memory() override { scheme_->keep_memory(world); }
-  bool complete_step(std::int64_t step) override {
-    scheme_->complete_step(step);
-    return base::complete_step(step);
-  }
 
   // ---- what is told -----------------------------------------------------------------------
 
@@ -93,7 +86,6 @@ class problem : public run::problem_in_a_box<D> {
     const auto& material = eos::about(world.w.materials[0]);
     files.say(fmt::format("equation of state {}: {}{}", material.name, material.source,
                           material.illustrative ? " (illustrative)" : ""));
-    scheme_->begin_tables(files);
   }
 
   std::vector<output::history_column> columns() const override {
@@ -134,24 +126,15 @@ class problem : public run::problem_in_a_box<D> {
     r.metrics["lattice_sum"] = world.w.lattice_sum;
   }
 
-  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override { scheme_->fail(e, step, r); }
-
-  void report_counts(run::summary& r) override {
-    base::report_counts(r);
-    scheme_->report(world, r.metrics);
-  }
-
   // ---- checkpoints ------------------------------------------------------------------------
 
   void save(output::checkpoint_globals& g) const override {
     hydrostatic::save(start_.value_or(totals<D>{}), g);
     base::save(g);
-    scheme_->save(g);
   }
   void restore(const output::checkpoint_globals& g) override {
     start_ = totals_of_start<D>(g);
     base::restore(g);
-    scheme_->restore(g);
   }
 
  protected:
@@ -160,7 +143,6 @@ class problem : public run::problem_in_a_box<D> {
 
  private:
   const options& o_;
-  std::unique_ptr<liquid::scheme<D>> scheme_;
   std::optional<totals<D>> start_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <hydrostatic/setup.hpp>
 #include <integrators/explicit_integrator.hpp>
+#include <liquid/sums.hpp>
 #include <output/checkpoint.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -20,19 +21,18 @@ template <int D>
 errors measure_errors(const scene<D>& scene) {
   const auto& s = scene.w.s;
   const auto& ranks = scene.w.d.ranks;
-  foundation::exact_sum sum;
   errors e;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
+  const auto [sum] = liquid::exact_sums<1>(scene, [&](std::size_t i, const auto& add) {
     const auto row = start_place(scene, s.id[i])[1];
     const double dp = std::abs(s.p[i] / scene.p_exact[row] - 1.0);
-    sum.add(dp);
+    add(dp);
     e.pressure_max = std::max(e.pressure_max, dp);
     e.density_max = std::max(e.density_max, std::abs(s.rho[i] / scene.rho_exact[row] - 1.0));
     double r2 = 0.0;
     for (const double d : displacement(scene, i)) r2 += d * d;
     e.displacement_max_over_dx = std::max(e.displacement_max_over_dx, std::sqrt(r2) / scene.w.dx);
-  }
-  e.pressure_mean = ranks.exact(sum) / static_cast<double>(scene.fluid_total);
+  });
+  e.pressure_mean = sum / static_cast<double>(scene.fluid_total);
   e.pressure_max = ranks.maximum(e.pressure_max);
   e.density_max = ranks.maximum(e.density_max);
   e.displacement_max_over_dx = ranks.maximum(e.displacement_max_over_dx);
@@ -53,31 +53,19 @@ struct totals {
 template <int D>
 totals<D> measure_totals(const scene<D>& scene) {
   const auto& s = scene.w.s;
-  const auto& g = scene.w.g;
-  foundation::exact_sum mass, kinetic, potential, internal, pressure_volume, sound;
-  std::array<foundation::exact_sum, D> momentum;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    mass.add(s.m[i]);
-    for (std::size_t a = 0; a < D; ++a) {
-      momentum[a].add(s.m[i] * s.v[a][i]);
-      kinetic.add(0.5 * s.m[i] * s.v[a][i] * s.v[a][i]);
-      potential.add(-s.m[i] * g[a] * s.x[a][i]);
-    }
-    potential.add(s.m[i] * walls::boundary_potential(scene.walls.force, scene.walls.sides, s, i));
-    internal.add(s.m[i] * s.u[i]);
-    pressure_volume.add(s.p[i] * s.dV[i]);
-    sound.add(s.m[i] * s.c[i]);
-  }
-  const auto& ranks = scene.w.d.ranks;
-  totals<D> t;
-  t.mass = ranks.exact(mass);
-  for (std::size_t a = 0; a < D; ++a) t.momentum[a] = ranks.exact(momentum[a]);
-  t.kinetic = ranks.exact(kinetic);
-  t.potential = ranks.exact(potential);
-  t.internal = ranks.exact(internal);
-  t.pressure_volume = ranks.exact(pressure_volume);
-  t.sound_momentum = ranks.exact(sound);
-  return t;
+  const auto momentum = liquid::exact_sums<D>(scene, [&](std::size_t i, const auto& add) {
+    std::array<double, D> of_particle;
+    for (std::size_t a = 0; a < D; ++a) of_particle[a] = s.m[i] * s.v[a][i];
+    std::apply(add, of_particle);
+  });
+  const auto [kinetic, potential, internal, mass, pressure_volume, sound] =
+      liquid::exact_sums<6>(scene, [&](std::size_t i, const auto& add) {
+        for (std::size_t a = 0; a < D; ++a)
+          add(0.5 * s.m[i] * s.v[a][i] * s.v[a][i], -s.m[i] * scene.w.g[a] * s.x[a][i]);
+        const double of_walls = walls::boundary_potential(scene.walls.force, scene.walls.sides, s, i);
+        add(0.0, s.m[i] * of_walls, s.m[i] * s.u[i], s.m[i], s.p[i] * s.dV[i], s.m[i] * s.c[i]);
+      });
+  return {mass, momentum, kinetic, potential, internal, pressure_volume, sound};
 }
 
 struct step_limits {

@@ -6,9 +6,9 @@
 
 namespace tetsuame::two_fluids {
 
-double distance(const box_of_drops& box, const std::array<double, 3>& a, const std::array<double, 3>& b) {
+double distance(const domain::options& box, const std::array<double, 3>& a, const std::array<double, 3>& b) {
   double d2 = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(box.dimension); ++k) {
+  for (std::size_t k = 0; k < box.axes(); ++k) {
     double d = a[k] - b[k];
     if (box.periodic[k]) d = std::remainder(d, box.length[k]);
     d2 += d * d;
@@ -23,9 +23,9 @@ using place = std::array<double, 3>;  // m
 // Points of a box by cells at least as wide as `reach` (m), with no more cells than `most` points need.
 class points_by_cell {
  public:
-  points_by_cell(const box_of_drops& box, double reach, std::size_t most) : box_(box) {
-    const auto axes = static_cast<std::size_t>(box.dimension);
-    const double enough = 1.0 + std::pow(static_cast<double>(most), 1.0 / box.dimension);
+  points_by_cell(const domain::options& box, double reach, std::size_t most) : box_(box) {
+    const auto axes = box.axes();
+    const double enough = 1.0 + std::pow(static_cast<double>(most), 1.0 / static_cast<double>(box.dimension));
     for (std::size_t a = 0; a < axes; ++a)
       cells_[a] = static_cast<std::int64_t>(std::clamp(box.length[a] / reach, 1.0, enough));
     in_cell_.resize(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]));
@@ -60,7 +60,7 @@ class points_by_cell {
  private:
   std::array<std::int64_t, 3> cell_of(const place& x) const {
     std::array<std::int64_t, 3> c{};
-    for (std::size_t a = 0; a < static_cast<std::size_t>(box_.dimension); ++a) {
+    for (std::size_t a = 0; a < box_.axes(); ++a) {
       const double part = x[a] / box_.length[a] * static_cast<double>(cells_[a]);
       c[a] = std::clamp(static_cast<std::int64_t>(std::floor(part)), std::int64_t{0}, cells_[a] - 1);
     }
@@ -70,7 +70,7 @@ class points_by_cell {
     return static_cast<std::size_t>(c[0] + cells_[0] * (c[1] + cells_[1] * c[2]));
   }
 
-  const box_of_drops& box_;
+  const domain::options& box_;
   std::array<std::int64_t, 3> cells_{1, 1, 1};
   std::vector<place> points_;
   std::vector<std::vector<std::size_t>> in_cell_;  // numbers of each cell's points
@@ -78,10 +78,10 @@ class points_by_cell {
 
 }  // namespace
 
-std::optional<std::vector<std::array<double, 3>>> drawn_places(const box_of_drops& box, double radius, double gap,
+std::optional<std::vector<std::array<double, 3>>> drawn_places(const domain::options& box, double radius, double gap,
                                                                std::int64_t number, std::int64_t seed) {
   std::mt19937_64 random(static_cast<std::uint64_t>(seed));
-  const auto axes = static_cast<std::size_t>(box.dimension);
+  const auto axes = box.axes();
   const double least = 2.0 * radius + gap;
   for (std::size_t a = 0; a < axes; ++a)
     if (box.length[a] < (box.periodic[a] ? least : 2.0 * (radius + gap))) return std::nullopt;
@@ -108,7 +108,7 @@ std::optional<std::vector<std::array<double, 3>>> drawn_places(const box_of_drop
   return places.all();
 }
 
-std::vector<std::int64_t> connected_sizes(const box_of_drops& box, std::span<const std::array<double, 3>> points,
+std::vector<std::int64_t> connected_sizes(const domain::options& box, std::span<const std::array<double, 3>> points,
                                           double reach) {
   boost::disjoint_sets_with_storage<> sets(points.size());
   points_by_cell before(box, reach, points.size());

@@ -5,6 +5,7 @@
 #include <theory/drop.hpp>
 #include <theory/free_slip_box.hpp>
 #include <theory/stokes_box.hpp>
+#include <two_fluids/cloud.hpp>
 #include <two_fluids/groups.hpp>
 
 namespace tetsuame::two_fluids {
@@ -105,7 +106,7 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
                   : "no theory: the drop is too small beside the box for finite differences over it";
     return cells ? std::optional(theory::fall_velocity_extrapolated(box, *cells)) : std::nullopt;
   }
-  if (w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || w.sides.empty())) {
+  if (w.all_free()) {
     const theory::drop_among_free_slip one{3,   d.length, d.periodic,           o.radius, at,
                                            eta, eta_drop, p.density_difference, o.gravity};
     const bool affordable = theory::terms_of_fall(one) <= most_terms;
@@ -121,29 +122,26 @@ std::optional<double> find_fall_of_one(const options& o, const parameters& p, co
 void find_places(const namelist::schema& schema, options& o, parameters& p) {
   const auto& d = o.domain;
   const bool deep = d.dimension == 3;
-  const auto box = box_of(d);
   for (const char* key : {"x", "y", "z"})
     if (schema.given("drop", key)) schema.fail("drop", key, "is of one drop");
   if (schema.given("drop", "measure_at") && o.measure_at != 0.5)  // which a resolved input has
     schema.fail("drop", "measure_at", "is of one drop");
-  if (o.shape != "round" || o.elongation != 1.0)
-    schema.fail("drop", o.shape != "round" ? "shape" : "elongation", "several drops are round at the start");
+  refuse(schema, "drop", {"shape", "elongation"}, "several drops are round at the start");
   o.measure_at = 0.5;
   if (!o.places[0].empty()) {
-    if (o.least_gap) schema.fail("drop", "least_gap", "is of drops that are drawn, and places are given");
-    if (o.seed != 1) schema.fail("drop", "seed", "is of drops that are drawn, and places are given");
+    refuse(schema, "drop", {"least_gap", "seed"}, "is of drops that are drawn, and places are given");
     for (std::size_t n = 0; n < o.places[0].size(); ++n) {
       const std::array<double, 3> at{o.places[0][n], o.places[1][n], deep ? o.places[2][n] : 0.0};
-      for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
-        if (!box.periodic[a] && (at[a] < o.radius || at[a] > d.length[a] - o.radius))
+      for (std::size_t a = 0; a < d.axes(); ++a)
+        if (!d.periodic[a] && (at[a] < o.radius || at[a] > d.length[a] - o.radius))
           schema.fail("drop", std::string("places_") + axis_names[a], "the drops must lie inside the box");
       for (const auto& other : p.places)
-        if (distance(box, at, other) < 2.0 * o.radius) schema.fail("drop", "places_x", "two drops overlap");
+        if (distance(d, at, other) < 2.0 * o.radius) schema.fail("drop", "places_x", "two drops overlap");
       p.places.push_back(at);
     }
   } else {
     if (!o.least_gap) o.least_gap = 2.0 * p.dx;
-    const auto drawn = drawn_places(box, o.radius, *o.least_gap, o.drops, o.seed);
+    const auto drawn = drawn_places(d, o.radius, *o.least_gap, o.drops, o.seed);
     if (!drawn)
       schema.fail("drop", "drops",
                   fmt::format("{} drops of radius {:.6g} m do not fit into the box at random, {:.6g} m from each other "
@@ -176,8 +174,7 @@ void find_cloud(const options& o, parameters& p) {
   const theory::drop_among_free_slip all{
       static_cast<int>(d.dimension), d.length, d.periodic, o.radius, {}, eta, eta_drop,
       p.density_difference,          o.gravity};
-  if (!(w.floor == "free_slip" && w.lid == "free_slip" && (w.sides == "free_slip" || w.sides.empty()) &&
-        eta == eta_drop)) {
+  if (!(w.all_free() && eta == eta_drop)) {
     p.theory_about = "for several drops there is a theory for free-slip walls and equal viscosities only";
   } else if (theory::terms_of_mean_fall(all, p.places.size()) > 5.0 * most_terms) {
     p.theory_about = "no theory: the drops are too many, or too small beside the box, for their Fourier series";
@@ -200,14 +197,11 @@ void check_the_drop(const namelist::schema& schema, options& o, const parameters
     schema.fail("drop", "elongation",
                 fmt::format("leaves the drop {:.6g} m wide about its middle, less than the particle spacing, {:.6g} m",
                             thinnest, p.dx));
-  if (o.seed != 1) schema.fail("drop", "seed", "is of several drops");
-  for (const auto& [key, value] :
-       {std::pair{"least_gap", &o.least_gap}, {"measure_from", &o.measure_from}, {"measure_until", &o.measure_until}})
-    if (*value) schema.fail("drop", key, "is of several drops");
+  refuse(schema, "drop", {"seed", "least_gap", "measure_from", "measure_until"}, "is of several drops");
   const std::array<double, 3> middle{0.5 * d.length[0], 0.75 * height, 0.5 * d.length[2]};
   for (std::size_t a = 0; a < 3; ++a)
     if (!o.centre[a]) o.centre[a] = middle[a];
-  for (std::size_t a = 0; a < (deep ? 3U : 2U); ++a)
+  for (std::size_t a = 0; a < d.axes(); ++a)
     if (*o.centre[a] < o.radius || *o.centre[a] > d.length[a] - o.radius)
       schema.fail("drop", axis_names[a], "the drop must lie inside the box");
   if (!(y > o.radius && y < *o.centre[1] - 0.02 * height))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <integrators/explicit_integrator.hpp>
+#include <particles/named_fields.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
 #include <two_fluids/lattice.hpp>
@@ -11,67 +12,66 @@
 namespace tetsuame::two_fluids {
 
 template <int D>
-struct fluids {
+class fluids {
+ public:
   using point = std::array<double, D>;
+  using role = particles::role;
 
   problem_kind kind;
   const options& o;
   const parameters& p;
   run::state<D> world;
-  bool weighed = false;  // Y is integrated
-  bool carried = false, smoothed = false, first_pattern = false, from_weight = false, warms = false;
-  bool enthalpy = false, melts = false;
-  bool dissolved = false, tense = false;
-  bool follows = false;                                     // supports the volumes
-  std::size_t heat_at = 0, element_at = 0, support_at = 0;  // of the extras
-  double h = 0.0;                                           // m
-  double reference_floor = 0.0, reference_slope = 0.0;      // Pa, Pa/m
+
+  // A program's scheme says itself which of the two it carries.
+  bool carried = o.scheme.volume == "our_method";  // ρ is integrated
+  bool weighed = false;                            // Y is
+  const bool smoothed = o.scheme.pressure == "smoothed", follows = o.scheme.supports == "volume";
+  const bool warms = o.temperature_law == "adiabatic", enthalpy = o.temperature_law == "enthalpy";
+  const bool melts = o.melting.curve != "none", dissolved = o.element.name != "none", tense = o.surface_tension > 0.0;
+
+  double h = 0.0;                                       // m
+  double reference_floor = 0.0, reference_slope = 0.0;  // Pa, Pa/m
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
 
-  // Where supports follow the volumes (supports.hpp): the kernel with support 1, that of the start, those in the sums.
+  // What particles carry beside the usual, where the run has it.
+  particles::array& dissipated = field(true, "Dissipated", "J/kg", role::integrated);  // heat of friction
+  particles::array& rho_start = field(true, "StartDensity", "kg/m^3", role::constant);
+  particles::array& T_start = field(true, "StartTemperature", "K", role::constant);
+  particles::array& content = field(enthalpy, "Enthalpy", "J/kg", role::integrated);  // of heat, c T and latent
+  particles::array& content_start = field(enthalpy, "StartEnthalpy", "J/kg", role::constant);
+  particles::array& element = field(dissolved, "Concentration", "1", role::integrated);  // amount per mass
+  particles::array& support = field(follows, "Support", "m", role::memory);              // at the start of the step
+  particles::array& list_support = field(follows, "ListSupport", "m", role::memory);     // when lists were made
+
+  // Where supports follow the volume (supports.hpp): the kernel with support 1, that of the start, those in the sums.
   kernels::any<D> unit = kernels::make<D>("quintic", 1.0);
   double S_0 = 0.0;                                              // m
   particles::array S, per_S, count, count_slope, follow_factor;  // m, 1/m, 1, 1, 1
 
   std::array<particles::array, D> force;
-  particles::array stress, factor, compression, heat, rho_rate, conducted;
+  particles::array stress, compression, heat, rho_rate, conducted;
   particles::array melt, inertia;                     // melt fraction; ξ²
   particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
 
   particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
   std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of terms.hpp; N
 
-  fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {}
+  fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {
+    world.w.s.keeps_start = true;
+  }
 
-  std::vector<particles::array*> scratch() {
-    std::vector<particles::array*> all{&stress,    &factor, &compression, &heat,          &rho_rate,
-                                       &conducted, &melt,   &inertia,     &partition,     &mobility,
-                                       &metal,     &gain,   &area,        &squared_volume};
-    for (auto* a : {&S, &per_S, &count, &count_slope, &follow_factor}) all.push_back(a);
+  // Those that an evaluation fills, with room for every particle.
+  void make_room() {
+    std::vector<particles::array*> all{
+        &stress, &compression, &heat, &rho_rate,       &conducted, &melt,  &inertia, &partition,   &mobility,
+        &metal,  &gain,        &area, &squared_volume, &S,         &per_S, &count,   &count_slope, &follow_factor};
     for (auto* vectors : {&force, &tension_force, &colour_slope})
       for (auto& a : *vectors) all.push_back(&a);
-    return all;
+    for (auto* a : all) a->resize(std::max(a->size(), world.w.s.total() + 1));
   }
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
-  particles::array& dissipated() { return world.w.s.extras[0].values; }
-  const particles::array& dissipated() const { return world.w.s.extras[0].values; }
-  particles::array& rho_start() { return world.w.s.extras[1].values; }
-  const particles::array& rho_start() const { return world.w.s.extras[1].values; }
-  particles::array& T_start() { return world.w.s.extras[2].values; }
-  const particles::array& T_start() const { return world.w.s.extras[2].values; }
-  particles::array& content() { return world.w.s.extras[heat_at].values; }
-  const particles::array& content() const { return world.w.s.extras[heat_at].values; }
-  particles::array& content_start() { return world.w.s.extras[heat_at + 1].values; }
-  const particles::array& content_start() const { return world.w.s.extras[heat_at + 1].values; }
-  particles::array& element() { return world.w.s.extras[element_at].values; }
-  particles::array& support() { return world.w.s.extras[support_at].values; }
-  const particles::array& support() const { return world.w.s.extras[support_at].values; }
-  particles::array& list_support() { return world.w.s.extras[support_at + 1].values; }
-  const particles::array& list_support() const { return world.w.s.extras[support_at + 1].values; }
-  const particles::array& element() const { return world.w.s.extras[element_at].values; }
-
   bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }
   bool is_drop() const { return kind == problem_kind::drop; }
   bool many() const { return is_drop() && p.places.size() > 1; }
@@ -88,6 +88,12 @@ struct fluids {
   // The viscous sum of fourth order takes energy from every wave of the lattice, but may give some to particles in
   // disorder. Where the energy dissipated falls, that of second order, which cannot, takes its place.
   bool fourth_order() const { return o.scheme.viscous_order == 4 && !second_order; }
+
+ private:
+  particles::array& field(bool needed, const char* name, const char* unit_of, particles::role kind_of) {
+    return needed ? particles::declare(world.w.s, name, unit_of, kind_of) : none_;
+  }
+  particles::array none_;
 };
 
 // A material by itself: isotherm or adiabat through the lid's pressure and temperature.
@@ -107,12 +113,12 @@ melting::heat_content contents(const fluids<D>& f, std::size_t i, double p) {
   return {f.world.w.s.c_V[i], f.o.melting.latent_heat, T_s, T_l};
 }
 
-// What the pressure has in the forces, A of terms.hpp over p: m^2D, or m^D with pattern 2.
+// m^2D, what the pressure has in the forces: A of terms.hpp over p.
 template <int D>
 double element_of_work(const fluids<D>& f, std::size_t i) {
   const auto& w = f.world.w;
   const double scale = f.carried ? 1.0 : 1.0 / w.lattice_sum;
-  return scale * w.s.dV[i] * (f.first_pattern ? w.s.dV[i] : 1.0);
+  return scale * w.s.dV[i] * w.s.dV[i];
 }
 
 }  // namespace tetsuame::two_fluids

@@ -19,11 +19,10 @@ inline namelist::key_info not_negative(std::string unit, std::string meaning) {
 }
 
 // Keys that mean nothing here; with their defaults, as a resolved input has them, they may stand.
-using unused_key = std::pair<const char*, bool>;  // name, and whether its value is the default
-inline void refuse(const namelist::schema& schema, const char* group, std::initializer_list<unused_key> keys,
+inline void refuse(const namelist::schema& schema, const char* group, const std::vector<std::string>& keys,
                    const std::string& why) {
-  for (const auto& [key, is_default] : keys)
-    if (schema.given(group, key) && !is_default) schema.fail(group, key, why);
+  for (const auto& key : keys)
+    if (schema.changed(group, key)) schema.fail(group, key, why);
 }
 
 inline constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
@@ -31,6 +30,7 @@ inline constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 // Of floor, lid and those sides that are walls, whose slip is empty where there are none.
 struct slips {
   std::string floor, lid, sides;
+  bool all_free() const { return floor == "free_slip" && lid == floor && (sides == floor || sides.empty()); }
 };
 slips slips_of(const options& o);
 

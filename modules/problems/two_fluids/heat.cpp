@@ -50,21 +50,14 @@ void declare(namelist::schema& schema, element_options& o) {
 }
 
 void check_element(const namelist::schema& schema, const element_options& o) {
-  const element_options d;
   if (o.name == "none")
     refuse(schema, "element",
-           {{"diffusivity_silicate", o.diffusivity_silicate == d.diffusivity_silicate},
-            {"diffusivity_metal", o.diffusivity_metal == d.diffusivity_metal},
-            {"concentration_silicate", o.concentration_silicate == d.concentration_silicate},
-            {"concentration_metal", o.concentration_metal == d.concentration_metal}},
+           {"diffusivity_silicate", "diffusivity_metal", "concentration_silicate", "concentration_metal"},
            "there is no element: name is 'none'");
   else if (!(o.concentration_silicate + o.concentration_metal > 0.0))
     schema.fail("element", "concentration_silicate", "there is nothing of the element in either material");
-  if (o.name != "constant")
-    refuse(schema, "element", {{"partition_coefficient", o.partition_coefficient == d.partition_coefficient}},
-           "belongs to name = 'constant'");
-  if (o.name == "none" || o.name == "constant")
-    refuse(schema, "element", {{"iron_ratio", o.iron_ratio == d.iron_ratio}}, "belongs to a named element");
+  if (o.name != "constant") refuse(schema, "element", {"partition_coefficient"}, "belongs to name = 'constant'");
+  if (o.name == "none" || o.name == "constant") refuse(schema, "element", {"iron_ratio"}, "belongs to a named element");
 }
 
 // Temperatures at the start of the enthalpy law, and what else belongs to it alone.
@@ -86,21 +79,12 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
     schema.fail(group, o.pond_top ? "pond_top" : "cover_temperature", "belongs to temperature_law = 'enthalpy'");
   if (o.cover_temperature && !o.pond_top)
     schema.fail(group, "cover_temperature", "nothing covers the pond: no pond_top");
-  const melting_options d;
-  const unused_key solidus{"solidus", m.solidus == d.solidus}, liquidus{"liquidus", m.liquidus == d.liquidus},
-      least{"viscosity_min", m.viscosity_min == d.viscosity_min},
-      most{"viscosity_max", m.viscosity_max == d.viscosity_max};
   if (m.curve == "none") {
-    refuse(schema, "melting",
-           {solidus,
-            liquidus,
-            least,
-            most,
-            {"latent_heat", m.latent_heat == d.latent_heat || m.latent_heat == 0.0},
-            {"viscosity_law", m.viscosity_law == d.viscosity_law || m.viscosity_law == "constant"},
-            {"inertia_viscosity", m.inertia_viscosity == d.inertia_viscosity},
-            {"composition", m.composition == d.composition}},
-           "nothing melts: curve is 'none'");
+    std::vector<std::string> keys{"solidus",       "liquidus",          "viscosity_min",
+                                  "viscosity_max", "inertia_viscosity", "composition"};
+    if (m.latent_heat != 0.0) keys.emplace_back("latent_heat");
+    if (m.viscosity_law != "constant") keys.emplace_back("viscosity_law");
+    refuse(schema, "melting", keys, "nothing melts: curve is 'none'");
     m.viscosity_law = "constant";
     m.latent_heat = 0.0;
     return;
@@ -108,9 +92,10 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
   if (!enthalpy) schema.fail("melting", "curve", std::string("&") + group + " temperature_law must be 'enthalpy'");
   if (m.curve == "constant" && !(m.liquidus > m.solidus))
     schema.fail("melting", "liquidus", "must be above the solidus");
-  if (m.curve == "mantle") refuse(schema, "melting", {solidus, liquidus}, "curve 'mantle' has one of its own");
+  if (m.curve == "mantle") refuse(schema, "melting", {"solidus", "liquidus"}, "curve 'mantle' has one of its own");
   if (m.viscosity_max < m.viscosity_min) schema.fail("melting", "viscosity_max", "is below viscosity_min");
-  if (m.viscosity_law == "constant") refuse(schema, "melting", {least, most}, "viscosity_law is 'constant'");
+  if (m.viscosity_law == "constant")
+    refuse(schema, "melting", {"viscosity_min", "viscosity_max"}, "viscosity_law is 'constant'");
 }
 
 // Heat conducted across a flat contact at rest: two half spaces, as long as the heat has not reached floor and lid.

@@ -11,9 +11,18 @@
 namespace tetsuame::two_fluids {
 
 struct lattice_rates {
-  double sound;    // largest |Σ Δx^D F x_j sin(k·x_j)| Δx: a wave of sound has the frequency c/Δx times it
-  double viscous;  // bound of Σ 2 Δx^D |F'| (1 - cos k·x_j) (a + b n n) Δx²: waves die at the rate ν/Δx² times it
+  double sound;  // largest |Σ Δx^D F x_j sin(k·x_j)| Δx: a wave of sound has the frequency c/Δx times it
+  // Bound of Σ 2 Δx^D |F'| (1 - cos k·x_j) (a + b n n) Δx², a and b of terms.hpp: waves die at the rate ν/Δx² times it.
+  double viscous;
 };
+
+// Numbers along each axis, the third 0 in two dimensions.
+template <int D, class F>
+void for_each_place(int low, int high, const F& visit) {
+  for (int x = low; x <= high; ++x)
+    for (int y = low; y <= high; ++y)
+      for (int z = D == 3 ? low : 0; z <= (D == 3 ? high : 0); ++z) visit(std::array<int, 3>{x, y, z});
+}
 
 // Weights F (a0 - a1 r²) of the viscous sum.
 struct viscous_weights {
@@ -26,16 +35,14 @@ template <int D>
 viscous_weights fourth_order_weights(const kernels::any<D>& kernel, double dx) {
   return std::visit(
       [&](const auto& k) {
-        const int n = static_cast<int>(std::ceil(k.support() / dx)), depth = D == 3 ? n : 0;
+        const int n = static_cast<int>(std::ceil(k.support() / dx));
         std::array<double, 3> M{};  // Σ F r², r⁴, r⁶
-        for (int a = -n; a <= n; ++a)
-          for (int b = -n; b <= n; ++b)
-            for (int c = -depth; c <= depth; ++c) {
-              const double r2 = dx * dx * (a * a + b * b + c * c);
-              if (r2 == 0.0) continue;
-              const double F = std::pow(dx, D) * k.gradient_over_r(std::sqrt(r2));
-              for (std::size_t m = 0; m < 3; ++m) M[m] += F * std::pow(r2, static_cast<double>(m + 1));
-            }
+        for_each_place<D>(-n, n, [&](const std::array<int, 3>& at) {
+          const double r2 = dx * dx * (at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+          if (r2 == 0.0) return;
+          const double F = std::pow(dx, D) * k.gradient_over_r(std::sqrt(r2));
+          for (std::size_t m = 0; m < 3; ++m) M[m] += F * std::pow(r2, static_cast<double>(m + 1));
+        });
         // a0 M2 - a1 M4 = -d, a0 M4 - a1 M6 = 0
         const double a1 = -D * M[1] / (M[0] * M[2] - M[1] * M[1]);
         return viscous_weights{a1 * M[2] / M[1], a1};
@@ -44,23 +51,19 @@ viscous_weights fourth_order_weights(const kernels::any<D>& kernel, double dx) {
 }
 
 template <int D>
-lattice_rates rates_of_lattice(const kernels::any<D>& kernel, double dx, const viscous_weights& weights, double a = 1.0,
-                               double b = 0.0) {
+lattice_rates rates_of_lattice(const kernels::any<D>& kernel, double dx, const viscous_weights& weights,
+                               bool symmetric_stress = false) {
+  const double a = symmetric_stress ? 0.0 : 1.0, b = symmetric_stress ? D + 2.0 : 0.0;
   return std::visit(
       [&](const auto& k) {
         const int n = static_cast<int>(std::ceil(k.support() / dx)), waves = D == 3 ? 12 : 32;
         const double V = std::pow(dx, D), unit = std::numbers::pi / waves;
         lattice_rates most{0.0, 0.0};
-        const auto each = [](int low, int high, const auto& f) {
-          for (int x = low; x <= high; ++x)
-            for (int y = low; y <= high; ++y)
-              for (int z = D == 3 ? low : 0; z <= (D == 3 ? high : 0); ++z) f(std::array<int, 3>{x, y, z});
-        };
-        each(0, waves, [&](const std::array<int, 3>& m) {
+        for_each_place<D>(0, waves, [&](const std::array<int, 3>& m) {
           if (m[0] < m[1] || m[1] < m[2]) return;  // the lattice's symmetry
           std::array<double, 3> slope{};
           std::array<std::array<double, 3>, 3> decay{};
-          each(-n, n, [&](const std::array<int, 3>& at) {
+          for_each_place<D>(-n, n, [&](const std::array<int, 3>& at) {
             const double r2 = static_cast<double>(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
             if (r2 == 0.0) return;
             const double F = V * k.gradient_over_r(dx * std::sqrt(r2)) * dx * dx;

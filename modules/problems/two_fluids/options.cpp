@@ -8,8 +8,6 @@ namespace tetsuame::two_fluids {
 
 namespace {
 
-constexpr std::array<double, 2> default_density{3000.0, 7000.0};  // kg/m3, of lower or outside, upper or drop
-
 const domain::demands demands{.least_particles = 4, .walls_below_and_above = "gravity needs a floor and a lid"};
 
 void check_domain(const namelist::schema& schema, options& o, parameters& p) {
@@ -26,11 +24,9 @@ void make_materials(const namelist::schema& schema, problem_kind kind, const opt
   for (const std::size_t n : {0, 1}) {
     const auto& m = o.material[n];
     const std::string which = names_of(kind)[n];
-    if (m.eos != "linear") {
-      const std::string density = "density_" + which, modulus = "bulk_modulus_" + which;
-      refuse(schema, group, {{density.c_str(), m.density == default_density[n]}, {modulus.c_str(), !m.bulk_modulus}},
+    if (m.eos != "linear")
+      refuse(schema, group, {"density_" + which, "bulk_modulus_" + which},
              "is of the linear equation of state; '" + m.eos + "' has its own");
-    }
     (*p.material)[n] = schema.placed(group, "eos_" + which, [&] { return make(o, n); });
   }
 }
@@ -76,10 +72,6 @@ slips slips_of(const options& o) {
   return s;
 }
 
-box_of_drops box_of(const domain::options& d) {
-  return {static_cast<int>(d.dimension), d.length, {d.periodic[0], false, d.dimension == 3 && d.periodic[2]}};
-}
-
 void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   const auto names = names_of(kind);
@@ -87,7 +79,6 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   o.common.kernel.skin = 0.4;
   o.common.output.history_interval = 10;
   o.common.time.t_end = 3000.0;
-  for (const std::size_t n : {0, 1}) o.material[n].density = default_density[n];
   domain::declare(schema, demands, o.domain);
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
   for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
@@ -111,8 +102,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   else
     declare_waves(schema, group, o);
   if (o.by_program)
-    schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
-                             "normalise", "delta", "viscous_order", "stress", "rows"});
+    schema.pass_over(group, {"volume", "pressure", "reference_pressure", "supports", "delta", "viscous_order", "rows"});
   else
     declare(schema, group, o.scheme);
   declare(schema, o.melting);
@@ -125,14 +115,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "floor", "slip_bottom");
   schema.also_known("walls", "lid", "slip_top");
   schema.also_known("walls", "sides", "slip");
-  if (o.by_program) {
-    schema.pass_over("walls", {"pressure"});
-    volume::declare(schema, o.liquid);
-  } else {
-    schema.add("walls", "pressure", o.wall_pressure,
-               {.choices = {"hydrostatic", "mirrored"},
-                .meaning = "behind floor and lid: continued with rho g, or as inside"});
-  }
+  if (o.by_program) volume::declare(schema, o.liquid);
   run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true});
 }
 
@@ -185,7 +168,7 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
       "growth rate {:.9g} 1/s (as run: compressible, {} stress)\n"
       "growth rate {:.9g} 1/s (incompressible)\n",
       p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), slips_of(o).floor, slips_of(o).lid, *p.growth,
-      o.scheme.stress, *p.growth_incompressible);
+      p.symmetric_stress ? "symmetric" : "laplacian", *p.growth_incompressible);
 }
 
 }  // namespace tetsuame::two_fluids

@@ -11,7 +11,6 @@
 #include <melting/melting.hpp>
 #include <memory>
 #include <run/options.hpp>
-#include <two_fluids/cloud.hpp>
 #include <two_fluids/column.hpp>
 #include <volume/options.hpp>
 #include <walls/options.hpp>
@@ -29,14 +28,11 @@ struct material_options {
 };
 
 struct scheme_options {
-  std::string volume = "number_density", pressure = "non_smoothed", gradient = "pattern_1";
-  std::string volume_element = "own";
+  std::string volume = "number_density", pressure = "non_smoothed";
   std::string reference_pressure = "auto";
   std::string supports = "fixed";
   std::string rows = "lattice";  // of rti
-  bool normalise = true;
   double delta = 0.1;
-  std::string stress = "auto";
   std::int64_t viscous_order = 0;  // of the run: 2 or 4
 };
 
@@ -63,7 +59,6 @@ struct element_options {
 struct options {
   domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
   walls::options walls;
-  std::string wall_pressure = "hydrostatic";
   std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
   double bulk_modulus = 5e11;                // Pa
   double gravity = 10.0;                     // m/s2
@@ -98,6 +93,7 @@ struct options {
   volume::options liquid;
   run::common_options common;
 
+  options() { material[0].density = 3000.0; }
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };
 
@@ -112,7 +108,7 @@ struct parameters {
   double pond_top, cover_temperature;                 // m, K; pond_top is the lid where nothing covers the pond
   std::optional<double> melt_conducted;               // melt fraction at t_end if nothing flowed (theory/stefan.hpp)
   double k_x = 0.0, k_z = 0.0;                        // 1/m
-  double stress_a, stress_b;                          // of the viscous stress (terms.hpp)
+  bool symmetric_stress;                              // viscous: with the transpose of the gradient (terms.hpp)
   double spurious_modulus;                            // largest |mu/p| of the start lattice
   double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
   // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
@@ -136,8 +132,17 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
-box_of_drops box_of(const domain::options& d);
 // What --theory prints.
 std::string theory_text(problem_kind kind, const options& o, const parameters& p);
+
+struct growth_fit {
+  double rate;         // 1/s
+  double uncertainty;  // standard error of the fitted slope, 1/s
+  std::size_t samples;
+};
+// Least squares of ln(amplitude) over the first stretch of time where amplitude/first is in [low, high]. Nothing where
+// fewer than three samples lie there.
+std::optional<growth_fit> fit_growth(const std::vector<double>& time, const std::vector<double>& amplitude, double low,
+                                     double high);
 
 }  // namespace tetsuame::two_fluids

@@ -6,18 +6,12 @@
 //   5. rates of what is integrated
 #pragma once
 
+#include <algorithm>
 #include <diffusion/conduction.hpp>
 #include <two_fluids/supports.hpp>
 #include <volume/smoothed.hpp>
 
 namespace tetsuame::two_fluids {
-
-// f(image, its source)
-template <int D, class F>
-void for_each_image(const run::state<D>& world, F&& f) {
-  foundation::for_all(world.walls.source.size(),
-                      [&](std::size_t r) { f(world.w.s.first_wall() + r, world.walls.source[r]); });
-}
 
 // Where ghosts are, and how they move, sets out to them; it is there after end_motion().
 template <int D>
@@ -39,11 +33,10 @@ void end_motion(fluids<D>& f) {
   const foundation::stage timed(w.times, "halo");
   w.end_fluid();
   walls::move_images(f.world.walls, s);
-  foundation::for_all(f.world.walls.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = f.world.walls.source[r];
+  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = s.v[a][j];
     s.T[i] = s.T[j];
-    walls::for_each_mirror(f.world.walls, r, [&](const walls::side<D>& wall) {
+    walls::for_each_mirror(f.world.walls, i - s.first_wall(), [&](const walls::side<D>& wall) {
       if (wall.no_slip)
         for (std::size_t a = 0; a < D; ++a) s.v[a][i] = -s.v[a][i];
       else
@@ -56,7 +49,7 @@ void end_motion(fluids<D>& f) {
 template <int D>
 void mirror(fluids<D>& f, particles::array& p) {
   auto& s = f.world.w.s;
-  const double g = f.o.wall_pressure == "hydrostatic" ? f.o.gravity : 0.0;
+  const double g = f.o.gravity;
   for_each_image(f.world, [&](std::size_t i, std::size_t j) {
     s.dV[i] = s.dV[j];
     s.rho[i] = s.rho[j];
@@ -134,7 +127,7 @@ void find_phases(fluids<D>& f) {
   const auto& law = f.o.melting;
   const foundation::stage timed(w.times, "phases");
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    const auto here = contents(f, i, s.p_eos[i]).at(f.content()[i]);
+    const auto here = contents(f, i, s.p_eos[i]).at(f.content[i]);
     s.T[i] = here.temperature;
     f.melt[i] = f.is_metal(i) || !f.melts ? 0.0 : here.melt_fraction;
     f.inertia[i] = 1.0;
@@ -142,11 +135,7 @@ void find_phases(fluids<D>& f) {
     if (law.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(law, s.T[i], f.melt[i]);
     if (const double x = law.inertia_viscosity; x > 0.0) f.inertia[i] = std::max(1.0, s.eta[i] / x);
   });
-  w.exchange_fluid({s.T.data(), s.eta.data()});
-  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
-    s.T[i] = s.T[j];
-    s.eta[i] = s.eta[j];
-  });
+  hand_on(f.world, {&s.T, &s.eta});
 }
 
 // Of fluid, ghosts and images: concentration, partition coefficient, ρ times diffusivity, material.
@@ -161,10 +150,7 @@ void find_partition(fluids<D>& f) {
     f.partition[i] = metal ? partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
     f.mobility[i] = s.rho[i] * (metal ? e.diffusivity_metal : e.diffusivity_silicate);
   });
-  w.exchange_fluid({f.element().data(), f.metal.data(), f.partition.data(), f.mobility.data()});
-  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
-    for (auto* a : {&f.element(), &f.metal, &f.partition, &f.mobility}) (*a)[i] = (*a)[j];
-  });
+  hand_on(f.world, {&f.element, &f.metal, &f.partition, &f.mobility});
 }
 
 // The gradient of colour, and the area of contact per volume at each particle.
@@ -181,10 +167,10 @@ void find_contact(fluids<D>& f) {
     f.area[i] = std::sqrt(G2);
   });
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(G));
-  foundation::for_all(f.world.walls.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = f.world.walls.source[r];
+  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
     for (std::size_t a = 0; a < D; ++a) G[a][i] = G[a][j];
-    walls::for_each_mirror(f.world.walls, r, [&](const walls::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
+    walls::for_each_mirror(f.world.walls, i - s.first_wall(),
+                           [&](const walls::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
   });
 }
 
@@ -202,19 +188,15 @@ void find_tension(fluids<D>& f) {
         surface_stress<D>{f.squared_volume.data(), pairs::pointers<D>(f.colour_slope), f.o.surface_tension, force});
 }
 
-// p̂ as Σ Y W, and ΔV of it where the forces have Y/p.
+// p̂ as Σ Y W over Σ ΔV W.
 template <int D>
 void smooth(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "smoothing");
   foundation::for_all(s.total(), [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
-  volume::smooth(w, f.o.scheme.normalise, w.fluid());
-  if (f.from_weight) {
-    volume::require_positive(w, s.p, "the smoothed pressure p");
-    foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
-  }
-  w.exchange_fluid({s.p.data(), s.dV.data()});
+  volume::smooth(w, true, w.fluid());
+  w.exchange_fluid({s.p.data()});
   mirror(f, s.p);
 }
 
@@ -227,9 +209,8 @@ void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
     if (!f.smoothed) s.p[i] = s.p_eos[i];
     f.stress[i] = (s.p[i] - f.reference_pressure(s.x[1][i])) * element_of_work(f, i);
     if (has_factor(f)) f.stress[i] *= f.follow_factor[i];
-    f.factor[i] = f.first_pattern ? 1.0 : s.dV[i];
   });
-  f.stress[s.null()] = f.factor[s.null()] = 0.0;
+  f.stress[s.null()] = 0.0;
 }
 
 // What the element gains in these rows.
@@ -237,7 +218,7 @@ template <int D>
 void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
   const foundation::stage timed(f.world.w.times, "element");
   sum(f, rows,
-      element_exchange<D>{f.element().data(), f.partition.data(), f.mobility.data(), f.metal.data(),
+      element_exchange<D>{f.element.data(), f.partition.data(), f.mobility.data(), f.metal.data(),
                           f.world.w.s.dV.data(), f.gain.data()});
 }
 
@@ -251,13 +232,10 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
     const foundation::stage timed(w.times, "forces");
     forces<D> all{v,
                   f.stress.data(),
-                  f.factor.data(),
                   s.dV.data(),
                   s.eta.data(),
-                  f.first_pattern ? 2 * D : D,
-                  f.first_pattern ? 0 : D,
-                  f.p.stress_a,
-                  f.p.stress_b,
+                  f.p.symmetric_stress ? 0.0 : 1.0,
+                  f.p.symmetric_stress ? D + 2.0 : 0.0,
                   f.viscous.a0,
                   f.viscous.a1,
                   {},
@@ -291,46 +269,35 @@ struct places_of_rates {
         h(c + (f.dissolved ? 1 : 0)) {}
 };
 
-// Those of one particle. Returns whether they are finite.
+// Those of one particle.
 template <int D>
-bool combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, std::span<double* const> rate) {
+void combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, std::span<double* const> rate) {
   const auto& w = f.world.w;
   const auto& s = w.s;
   const double per_m = 1.0 / s.m[i];
   const double compression = has_factor(f) ? f.compression[i] * f.follow_factor[i] : f.compression[i];
   const double heat = f.heat[i] + (f.o.conductivity > 0.0 ? f.conducted[i] : 0.0);
-  bool finite = true;
   for (std::size_t a = 0; a < D; ++a) {
     rate[at.x + a][i] = s.v[a][i];
     double force = f.tense ? f.force[a][i] + f.tension_force[a][i] : f.force[a][i];
     if (a == 1) force -= f.reference_slope * s.dV[i];
     rate[at.v + a][i] = (per_m * force + w.g[a]) / f.inertia_of(i);
-    finite = finite && std::isfinite(rate[at.v + a][i]);
   }
   walls::push_off(f.world.walls.force, f.world.walls.sides, s, i,
                   [&](std::size_t axis, double a) { rate[at.v + axis][i] += a / f.inertia_of(i); });
   rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * compression;
   rate[at.q][i] = per_m * f.heat[i];
-  double dlnrho = compression * (f.first_pattern ? s.dV[i] : 1.0) / w.lattice_sum;
+  double dlnrho = compression * s.dV[i] / w.lattice_sum;
   if (f.carried) {
     rate[at.rho][i] = f.rho_rate[i];
     dlnrho = f.rho_rate[i] / s.rho[i];
-    finite = finite && std::isfinite(f.rho_rate[i]);
   }
   if (f.warms) {
     const double gamma = s.alpha[i] * s.K_T[i] / (s.rho[i] * s.c_V[i]);
     rate[at.T][i] = gamma * s.T[i] * dlnrho + per_m * heat / s.c_V[i];
-    finite = finite && std::isfinite(rate[at.T][i]);
   }
-  if (f.dissolved) {
-    rate[at.c][i] = per_m * f.gain[i];
-    finite = finite && std::isfinite(rate[at.c][i]);
-  }
-  if (f.enthalpy) {
-    rate[at.h][i] = per_m * heat;
-    finite = finite && std::isfinite(rate[at.h][i]);
-  }
-  return finite;
+  if (f.dissolved) rate[at.c][i] = per_m * f.gain[i];
+  if (f.enthalpy) rate[at.h][i] = per_m * heat;
 }
 
 template <int D>
@@ -339,18 +306,21 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
   const places_of_rates<D> at(f);
+  const auto is_finite = [&](std::size_t i) {
+    return std::ranges::all_of(rate, [&](const double* r) { return std::isfinite(r[i]); });
+  };
   bool finite = true;
 #pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) finite = combine(f, i, at, rate) && finite;
-  if (finite) return;
   for (std::size_t i = 0; i < s.fluid; ++i) {
-    bool good = true;
-    for (const double* r : rate) good = good && std::isfinite(r[i]);
-    if (!good)
+    combine(f, i, at, rate);
+    finite = finite && is_finite(i);
+  }
+  if (finite) return;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (!is_finite(i))
       w.first_fault.report(s.id[i], fmt::format("a rate is not finite: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow "
                                                 "has blown up, or the step is too large",
                                                 volume::where_is(s, i), s.rho[i], s.p[i]));
-  }
 }
 
 template <int D>

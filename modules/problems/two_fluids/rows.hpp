@@ -40,9 +40,8 @@ double row_slope(const kernels::any<D>& kernel, double dx, double Y) {
 template <int D>
 class column_of_rows {
  public:
-  // `g_walls`: m/s2, by which the pressure goes on behind floor and lid.
-  column_of_rows(const kernels::any<D>& kernel, double dx, double height, bool open, double g, double g_walls)
-      : kernel_(kernel), dx_(dx), height_(height), open_(open), g_(g), g_walls_(g_walls) {
+  column_of_rows(const kernels::any<D>& kernel, double dx, double height, bool open, double g)
+      : kernel_(kernel), dx_(dx), height_(height), open_(open), g_(g) {
     reach_ = static_cast<int>(std::ceil(std::visit([](const auto& k) { return k.support(); }, kernel) / dx)) + 1;
   }
   int reach() const { return reach_; }
@@ -65,13 +64,13 @@ class column_of_rows {
  private:
   row_of_rest mirrored(const row_of_rest& row, double wall) const {
     const double y = 2.0 * wall - row.y;
-    return {y, row.p + row.rho * g_walls_ * (row.y - y), row.rho};
+    return {y, row.p + row.rho * g_ * (row.y - y), row.rho};
   }
 
   const kernels::any<D>& kernel_;
   double dx_, height_;
   bool open_;
-  double g_, g_walls_;
+  double g_;
   int reach_;
 };
 

@@ -26,12 +26,6 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(
       group, "pressure", o.pressure,
       {.choices = {"non_smoothed", "smoothed"}, .meaning = "straight from the equation of state, or the sum of Y W"});
-  schema.add(group, "gradient", o.gradient,
-             {.choices = {"pattern_1", "pattern_2"}, .meaning = "form of the pressure gradient"});
-  schema.add(group, "volume_element", o.volume_element,
-             {.choices = {"own", "from_weight"},
-              .expert = true,
-              .meaning = "in the forces, with a smoothed pressure: as volume says (p dV^2), or Y/p (Y^2/p)"});
   schema.add(
       group, "reference_pressure", o.reference_pressure,
       {.choices = {"auto", "none", "lightest"},
@@ -43,19 +37,13 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
              {.choices = {"fixed", "volume"},
               .expert = true,
               .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume"});
-  schema.add(group, "normalise", o.normalise, {.expert = true, .meaning = "smoothing is divided by the sum of dV W"});
   schema.add(group, "delta", o.delta,
              for_expert(between(
                  0.0, 1.0, "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)")));
-  schema.add(
-      group, "viscous_order", o.viscous_order,
-      for_expert(between(0, 4,
-                         "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until "
-                         "the energy dissipated falls: then 2; 0: 4 where the stress is the Laplacian, else 2")));
-  schema.add(group, "stress", o.stress,
-             {.choices = {"auto", "laplacian", "symmetric"},
-              .expert = true,
-              .meaning = "viscous: div(eta grad v), or with its transpose, which unequal viscosities need (auto)"});
+  schema.add(group, "viscous_order", o.viscous_order,
+             for_expert(between(0, 4,
+                                "of the viscous sum on the lattice: 2, the notes' sum; 4, which does not smooth, until "
+                                "the energy dissipated falls: then 2; 0: 4 where viscosities are equal, else 2")));
 }
 
 eos::any make(const options& o, std::size_t n) {
@@ -77,8 +65,6 @@ eos::any make(const options& o, std::size_t n) {
 void check_supports(const namelist::schema& schema, const char* group, const options& o) {
   const auto& s = o.scheme;
   if (s.pressure != "non_smoothed") schema.fail(group, "supports", "'volume' is derived for pressure = 'non_smoothed'");
-  if (s.volume == "number_density" && s.gradient != "pattern_1")
-    schema.fail(group, "supports", "'volume' with the number density is derived for gradient = 'pattern_1'");
   if (o.common.kernel.single_pairs())
     schema.fail("kernel", "precision", "'single' is for one support for all: supports = 'fixed'");
   if (o.surface_tension > 0.0) schema.fail(group, "supports", "surface tension has one support for all: 'fixed'");
@@ -94,10 +80,8 @@ void choose_by_program(const namelist::schema& schema, const char* group, option
         "'enthalpy' needs the density before the volumes are known, which this program's scheme does not carry: "
         "run one that does (disph_c), or program " +
             std::string(group));
-  o.scheme = {
-      .volume = "our_method", .reference_pressure = "none", .delta = 0.0, .stress = "laplacian", .viscous_order = 2};
-  p.stress_a = 1.0;
-  p.stress_b = 0.0;
+  o.scheme = {.volume = "our_method", .reference_pressure = "none", .delta = 0.0, .viscous_order = 2};
+  p.symmetric_stress = false;
   if (schema.passed().empty()) return;
   p.lines.push_back(
       fmt::format("note: passed over, as this program has a scheme of its own: {}", fmt::join(schema.passed(), ", ")));
@@ -109,18 +93,14 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     choose_by_program(schema, group, o, p);
     return;
   }
-  if (s.pressure == "non_smoothed" && s.volume_element == "from_weight")
-    schema.fail(group, "volume_element", "Y/p is the particle's own volume where the pressure is not smoothed");
   if (s.volume == "number_density" && schema.given(group, "delta") && s.delta > 0.0)
     schema.fail(group, "delta", "belongs to volume = 'our_method': the number density has no rate to add to");
   if (s.volume == "number_density") s.delta = 0.0;
   if (o.open_lid() && s.volume == "number_density")
     schema.fail(group, "volume",
                 "at a free surface the number density takes missing neighbours for tension: choose 'our_method'");
-  if (o.surface_tension > 0.0 &&
-      !(s.volume == "number_density" && s.gradient == "pattern_1" && s.pressure == "non_smoothed"))
-    schema.fail(group, "surface_tension",
-                "is derived for volume = 'number_density', gradient = 'pattern_1' and pressure = 'non_smoothed'");
+  if (o.surface_tension > 0.0 && !(s.volume == "number_density" && s.pressure == "non_smoothed"))
+    schema.fail(group, "surface_tension", "is derived for volume = 'number_density' and pressure = 'non_smoothed'");
   const bool open = o.open_lid();
   if (open && s.reference_pressure == "lightest")
     schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
@@ -138,12 +118,10 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "viscous_order",
                 "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
                 "motion instead of friction; choose 2");
-  const bool equal =
-      o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity && !o.open_lid();
-  if (s.stress == "auto") s.stress = equal ? "laplacian" : "symmetric";
-  if (s.viscous_order == 0) s.viscous_order = s.stress == "laplacian" && o.melting.viscosity_law == "constant" ? 4 : 2;
-  p.stress_a = s.stress == "laplacian" ? 1.0 : 0.0;
-  p.stress_b = s.stress == "laplacian" ? 0.0 : static_cast<double>(o.domain.dimension + 2);
+  // Where viscosities differ, or nothing holds the surface, only the symmetric stress is right.
+  p.symmetric_stress =
+      open || o.melting.viscosity_law != "constant" || o.material[0].viscosity != o.material[1].viscosity;
+  if (s.viscous_order == 0) s.viscous_order = p.symmetric_stress ? 2 : 4;
 }
 
 // A lattice under pressure resists shear, as no fluid does (kernels/lattice.hpp).

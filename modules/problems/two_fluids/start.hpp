@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 #include <run/start.hpp>
+#include <two_fluids/cloud.hpp>
 #include <two_fluids/fluids.hpp>
 #include <two_fluids/rows.hpp>
 
@@ -68,7 +69,7 @@ bool in_a_drop(const fluids<D>& f, const point_of<D>& x) {
     std::array<double, 3> at{};
     std::copy(x.begin(), x.end(), at.begin());
     return std::any_of(f.p.places.begin(), f.p.places.end(),
-                       [&](const auto& c) { return distance(box_of(o.domain), at, c) < o.radius; });
+                       [&](const auto& c) { return distance(o.domain, at, c) < o.radius; });
   }
   // In units of the half axes, whose product is that of a round drop.
   double r2 = 0.0, most = 0.0;
@@ -154,8 +155,7 @@ std::vector<double> balance(const fluids<D>& f, std::vector<std::array<place, 2>
     const place& here = rows[r][upper(r) ? 1 : 0];
     start[r] = {(static_cast<double>(r) + 0.5) * dx, here.pressure, here.density};
   }
-  const column_of_rows<D> column(f.world.w.kernel, dx, o.domain.length[1], o.open_lid(), o.gravity,
-                                 o.wall_pressure == "hydrostatic" ? o.gravity : 0.0);
+  const column_of_rows<D> column(f.world.w.kernel, dx, o.domain.length[1], o.open_lid(), o.gravity);
   const auto rest = balanced<D>(column, start, dx, o.gravity,
                                 [&](std::size_t r, double p) { return at_pressure(curve(r), p).density; });
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -170,9 +170,9 @@ template <int D>
 void heat_up(fluids<D>& f, std::size_t i) {
   auto& s = f.world.w.s;
   const auto n = static_cast<std::size_t>(s.material[i]);
-  s.T[i] = f.T_start()[i] = n == 0 && s.x[1][i] > f.p.pond_top ? f.p.cover_temperature : f.p.temperature[n];
+  s.T[i] = f.T_start[i] = n == 0 && s.x[1][i] > f.p.pond_top ? f.p.cover_temperature : f.p.temperature[n];
   s.c_V[i] = eos::evaluate((*f.p.material)[n], s.rho[i], s.T[i]).c_V;
-  f.content()[i] = f.content_start()[i] =
+  f.content[i] = f.content_start[i] =
       contents(f, i, eos::pressure((*f.p.material)[n], s.rho[i], s.T[i])).enthalpy(s.T[i]);
 }
 
@@ -207,12 +207,12 @@ void place_fluid(fluids<D>& f) {
     const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
     if (!heights.empty()) s.x[1][i] = s.x_start[1][i] += heights[row] - (static_cast<double>(row) + 0.5) * w.dx;
     s.m[i] = state.density * V;
-    s.rho[i] = f.rho_start()[i] = state.density;
-    s.T[i] = f.T_start()[i] = state.temperature;
-    s.u[i] = f.dissipated()[i] = 0.0;
-    if (f.follows) f.support()[i] = f.S_0;
+    s.rho[i] = f.rho_start[i] = state.density;
+    s.T[i] = f.T_start[i] = state.temperature;
+    s.u[i] = f.dissipated[i] = 0.0;
+    if (f.follows) f.support[i] = f.S_0;
     const auto& e = f.o.element;
-    if (f.dissolved) f.element()[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
+    if (f.dissolved) f.element[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
     if (f.enthalpy) heat_up(f, i);
     if (f.p.mode && f.o.start != "coloured") displace(f, i);
   }
@@ -255,46 +255,6 @@ void set_up(fluids<D>& f) {
   f.h = o.common.kernel.h_over_dx * w.dx;
   f.S_0 = w.support();
   f.unit = kernels::make<D>(o.common.kernel.name, 1.0 / kernels::find(o.common.kernel.name).support_over_h);
-}
-
-// What particles carry beside the usual.
-template <int D>
-void add_extras(fluids<D>& f) {
-  using particles::role;
-  auto& s = f.world.w.s;
-  s.extras.push_back({"Dissipated", "J/kg", "specific heat of friction since the start", role::integrated, {}});
-  s.extras.push_back({"StartDensity", "kg/m^3", "density at the start, at rest", role::constant, {}});
-  s.extras.push_back({"StartTemperature", "K", "temperature at the start", role::constant, {}});
-  if (f.enthalpy) {
-    f.heat_at = s.extras.size();
-    s.extras.push_back({"Enthalpy", "J/kg", "heat content, c T and latent", role::integrated, {}});
-    s.extras.push_back({"StartEnthalpy", "J/kg", "that of the start", role::constant, {}});
-  }
-  if (f.dissolved) {
-    f.element_at = s.extras.size();
-    s.extras.push_back({"Concentration", "1", "of the element, amount per mass", role::integrated, {}});
-  }
-  if (f.follows) {
-    f.support_at = s.extras.size();
-    s.extras.push_back({"Support", "m", "support of the kernel at the start of the step", role::memory, {}});
-    s.extras.push_back({"ListSupport", "m", "support when the neighbour lists were made", role::memory, {}});
-  }
-  s.keeps_start = true;
-}
-
-template <int D>
-void choose_terms(fluids<D>& f) {
-  const auto& o = f.o;
-  f.enthalpy = o.temperature_law == "enthalpy";
-  f.warms = o.temperature_law == "adiabatic";
-  f.melts = o.melting.curve != "none";
-  f.dissolved = o.element.name != "none";
-  f.tense = o.surface_tension > 0.0;
-  f.carried = o.scheme.volume == "our_method";
-  f.smoothed = o.scheme.pressure == "smoothed";
-  f.first_pattern = o.scheme.gradient == "pattern_1";
-  f.follows = o.scheme.supports == "volume";
-  f.from_weight = o.scheme.volume_element == "from_weight";
 }
 
 // p_r: the weight of a column of the lightest density.

@@ -56,7 +56,7 @@ step_bounds find_limit(fluids<D>& f) {
   const double dx = f.world.w.dx;
   const auto& kernel = f.world.w.kernel;
   f.viscous = f.fourth_order() ? fourth_order_weights<D>(kernel, dx) : viscous_weights{};
-  const auto stiff = rates_of_lattice<D>(kernel, dx, f.viscous, f.p.stress_a, f.p.stress_b);
+  const auto stiff = rates_of_lattice<D>(kernel, dx, f.viscous, f.p.symmetric_stress);
   const auto most = largest_of_materials(f);
   const double conduction = rates_of_lattice<D>(kernel, dx, {}).viscous * most.kappa;
   const double diffusive = std::max(stiff.viscous * most.nu, conduction);

@@ -17,6 +17,24 @@
 
 namespace tetsuame::two_fluids {
 
+// f(image, its source)
+template <int D, class F>
+void for_each_image(const run::state<D>& world, F&& f) {
+  foundation::for_all(world.walls.source.size(),
+                      [&](std::size_t r) { f(world.w.s.first_wall() + r, world.walls.source[r]); });
+}
+
+// To ghosts and images: what the fluid has of these fields.
+template <int D>
+void hand_on(run::state<D>& world, std::initializer_list<particles::array*> fields) {
+  std::vector<double*> data;
+  for (auto* field : fields) data.push_back(field->data());
+  domain::exchange<D>(world.w.d.ranks, world.w.d.fluid_halo, std::span<double* const>(data));
+  for_each_image(world, [&](std::size_t i, std::size_t j) {
+    for (auto* field : fields) (*field)[i] = (*field)[j];
+  });
+}
+
 // A pair whose kernels are its ends' own.
 template <class Pair>
 struct pair_with_supports : Pair {
@@ -108,8 +126,8 @@ void next_supports(fluids<D>& f) {
   const double target = f.world.w.lattice_sum * std::pow(f.S_0 / f.world.w.dx, D);
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double next = f.carried ? f.S_0 / f.world.w.dx * std::pow(s.m[i] / s.rho[i], 1.0 / D)
-                                  : schemes::next_support(f.support()[i], f.count[i], f.count_slope[i], target);
-    f.support()[i] = std::min(next, f.list_support()[i] + room_to_grow(f));
+                                  : schemes::next_support(f.support[i], f.count[i], f.count_slope[i], target);
+    f.support[i] = std::min(next, f.list_support[i] + room_to_grow(f));
   });
 }
 
@@ -118,10 +136,8 @@ template <int D>
 void take_supports(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
-  std::copy_n(f.support().begin(), s.fluid, f.S.begin());
-  w.exchange_fluid({f.S.data()});
-  foundation::for_all(f.world.walls.source.size(),
-                      [&](std::size_t r) { f.S[s.first_wall() + r] = f.S[f.world.walls.source[r]]; });
+  std::copy_n(f.support.begin(), s.fluid, f.S.begin());
+  hand_on(f.world, {&f.S});
   foundation::for_all(s.total(), [&](std::size_t i) { f.per_S[i] = 1.0 / f.S[i]; });
   f.per_S[s.null()] = 0.0;
 }
@@ -136,7 +152,7 @@ void follow_volumes(fluids<D>& f) {
 template <int D>
 double grown(const fluids<D>& f) {
   double most = 0.0;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support()[i] - f.list_support()[i]);
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support[i] - f.list_support[i]);
   return most;
 }
 
@@ -145,7 +161,7 @@ template <int D>
 double narrowest(const fluids<D>& f) {
   if (!f.follows) return 1.0;
   double least = f.S_0;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) least = std::min(least, f.support()[i]);
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) least = std::min(least, f.support[i]);
   return -f.ranks().maximum(-least) / f.S_0;
 }
 
@@ -155,7 +171,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   auto& w = f.world.w;
   auto& s = w.s;
   if (f.follows)
-    run::rebuild_with_supports(f.world, as_they_were, f.S_0 / w.dx, f.support(), f.list_support());
+    run::rebuild_with_supports(f.world, as_they_were, f.S_0 / w.dx, f.support, f.list_support);
   else
     run::rebuild(f.world, as_they_were);
   w.exchange_fluid({s.m.data()});
@@ -163,11 +179,10 @@ void make_lists(fluids<D>& f, bool as_they_were) {
     s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
     s.k[i] = f.o.conductivity;
   }
-  for (auto* all : f.scratch())
-    if (all->size() < s.total() + 1) all->resize(s.total() + 1);
+  f.make_room();
   if (f.tense)
     for (std::size_t i = 0; i < s.total(); ++i) f.metal[i] = f.is_metal(i) ? 1.0 : 0.0;
-  f.stress[s.null()] = f.factor[s.null()] = f.squared_volume[s.null()] = 0.0;
+  f.stress[s.null()] = f.squared_volume[s.null()] = 0.0;
   f.partition[s.null()] = 1.0;
   if (f.follows) take_supports(f);
 }

@@ -1,14 +1,14 @@
 // Sums over neighbours of two fluids with walls that are mirror images.
 //
 // Pressure and viscosity, one pass:
-//   m_i dv_i/dt = -Σ_j (A_i B_j + B_i A_j) ∇_i W_ij
+//   m_i dv_i/dt = -Σ_j (A_i + A_j) ∇_i W_ij
 //                 + Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j F_ij [a v_ij + b (v_ij·x_ij) x_ij/|x_ij|²]
-//   pattern 1 [S0, S2]: A = p ΔV² = Y²/p, B = 1;   pattern 2: A = p ΔV = Y, B = ΔV
+//   A = p ΔV² = Y²/p: pattern 1 [S0, S2]
 //   F_ij = F (a0 - a1 |x_ij|²): a0 = 1, a1 = 0 is the notes' sum, which smooths like the kernel, by a part of order
 //   (kS)²; lattice.hpp has weights that do so by (kS)⁴ only
-//   a = 1, b = 0: ∇·(η ∇v) [S2];   a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which conserves
-//   angular momentum and holds where η varies [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005), sect. 3.2]
-// and with it D_i = Σ_j B_j v_ij·∇_i W_ij: A_i D_i (W) is what compression takes up; and the heat of friction.
+//   a = 1, b = 0: ∇·(η ∇v) [S2];   symmetric: a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which
+//   conserves angular momentum and holds where η varies [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005), sect. 3.2]
+// and with it D_i = Σ_j v_ij·∇_i W_ij: A_i D_i (W) is what compression takes up; and the heat of friction.
 //
 // Density by continuity, with diffusion of the dynamic pressure (δ-SPH: after S. Marrone et al., Comput. Methods Appl.
 // Mech. Eng. 200, 1526 (2011); across materials, since p is continuous where ρ jumps):
@@ -27,7 +27,6 @@
 namespace tetsuame::two_fluids {
 
 inline constexpr schemes::field<struct stress_tag> of_stress;
-inline constexpr schemes::field<struct factor_tag> of_factor;
 inline constexpr schemes::field<struct density_tag> of_density;
 inline constexpr schemes::field<struct concentration_tag> of_concentration;
 inline constexpr schemes::field<struct partition_tag> of_partition;
@@ -59,8 +58,7 @@ auto r2_of_start(const auto& ij) {
 template <int D>
 struct forces {
   std::array<const double*, D> v;  // m/s
-  const double *A, *B, *V, *eta;   // above; m^D; Pa s
-  int of_A, of_B;                  // powers of m
+  const double *A, *V, *eta;       // Pa m^2D, m^D, Pa s
   double a, b;                     // of the viscous stress
   double a0, a1;                   // 1, 1/m2
   std::array<double*, D> force;    // N
@@ -74,7 +72,7 @@ struct forces {
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_stress, A, of_A), read(of_factor, B, of_B), read(of_volume, V, D),
+    return std::tuple{read(of_velocity, v), read(of_stress, A, 2 * D), read(of_volume, V, D),
                       read(of_viscosity, eta, 1)};
   }
   template <class R>
@@ -83,8 +81,7 @@ struct forces {
   }
   void add(auto& sums, const auto& ij) const {
     using namespace pairs;
-    const auto B_j = ij(of_factor);
-    const auto slope = slope_of(ij, ij.own(of_stress) * B_j, ij.own(of_factor) * ij(of_stress));
+    const auto slope = slope_of(ij, ij.own(of_stress), ij(of_stress));
     const auto friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
                           (ij(of_volume) * ij.F) * (a0 - sums.a1 * r2_of_start(ij));
     const auto v_ij = ij.difference(of_velocity);
@@ -93,12 +90,12 @@ struct forces {
     const R parallel = b != 0.0 ? R(b * friction * along / ij.r2) : R(0.0);
     sums.force += (a * friction) * v_ij;
     sums.force += (parallel - slope) * ij.x_ij;
-    sums.compression += B_j * own_slope(ij) * along;
+    sums.compression += own_slope(ij) * along;
     sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
   }
   void end(const auto& i, const auto& sums) const {
     for (std::size_t k = 0; k < D; ++k) i.set(force[k], sums.force[k], D - 1);
-    i.set(compression, sums.compression, of_B - D - 1);
+    i.set(compression, sums.compression, -D - 1);
     i.set(heat, 0.5 * sums.heat, D - 1);
   }
 };

@@ -5,7 +5,7 @@
 //   volume number_density:  ΔV_i = s/Σ_j W_ij,  ρ = m/ΔV;  s: the sum over the start lattice
 //   volume our_method [S0]:  ρ by continuity, with δ-SPH on the dynamic pressure (δ = 0: the notes' programs)
 //   reference pressure p_r(y) = ρ_l g (L_y - y), ρ_l the lightest density: p - p_r in the forces, and -ΔV ∇p_r
-//   pressure: p̂, or Σ Y W, normalised or not;  ΔV in the forces: the volume's own, or Y/p
+//   pressure: p̂, or Σ Y W over Σ ΔV W
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
 //     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
 //   variable inertia: ξ² = η/η_x where η is above η_x (docs/theory/relaxation.md), or else 1
@@ -16,7 +16,6 @@
 
 #include <liquid/scheme.hpp>
 #include <output/groups.hpp>
-#include <run/box.hpp>
 #include <two_fluids/report.hpp>
 #include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/step_limit.hpp>
@@ -62,7 +61,7 @@ void exchange_element(fluids<D>& f, const places_of_rates<D>& at, std::span<doub
   find_partition(f);
   if (!f.world.mirrors())
     for (std::size_t i = s.first_wall(); i < s.total(); ++i) {
-      f.mobility[i] = f.element()[i] = f.metal[i] = 0.0;
+      f.mobility[i] = f.element[i] = f.metal[i] = 0.0;
       f.partition[i] = 1.0;
     }
   exchange_element(f, f.world.w.fluid());
@@ -87,17 +86,18 @@ void evaluate(fluids<D>& f, liquid::scheme<D>& scheme, std::span<double* const> 
 // ---- the problem -----------------------------------------------------------------------------
 
 template <int D>
-class problem : public run::problem_in_a_box<D> {
+class problem : public liquid::problem<D> {
  public:
-  using base = run::problem_in_a_box<D>;
-  using base::ranks;
+  using base = liquid::problem<D>;
+  using base::scheme_;
 
   // scheme: of a program; none: that of terms.hpp, as the input says.
   problem(problem_kind kind, const options& o, const parameters& p, std::unique_ptr<liquid::scheme<D>> scheme = {})
-      : base(f_.world, o.common.balance), f_(kind, o, p), scheme_(std::move(scheme)) {
-    choose_terms(f_);
-    if (scheme_) choose_scheme();
-    add_extras(f_);
+      : base(f_.world, o.common.balance, std::move(scheme)), f_(kind, o, p) {
+    if (scheme_) {
+      f_.carried = scheme_->carried() == volume::carries::density;
+      f_.weighed = scheme_->carried() == volume::carries::weight;
+    }
     set_up(f_);
     place_fluid(f_);
     find_reference(f_);
@@ -117,13 +117,13 @@ class problem : public run::problem_in_a_box<D> {
     for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.world.w.dx});
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
     all.push_back({"u", s.u.data(), 0.0, fast * fast});
-    all.push_back({"q", f_.dissipated().data(), 0.0, fast * fast});
+    all.push_back({"q", f_.dissipated.data(), 0.0, fast * fast});
     if (f_.weighed) all.push_back({"Y", s.Y.data(), 0.0, f_.p.base->at(0.0).pressure * std::pow(f_.world.w.dx, D)});
     if (f_.carried) all.push_back({"rho", s.rho.data(), 0.0, f_.p.base->at(0.0).density});
     if (f_.warms) all.push_back({"T", s.T.data(), 0.0, f_.o.temperature});
     if (f_.dissolved)
-      all.push_back({"c", f_.element().data(), 0.0, std::max(e.concentration_silicate, e.concentration_metal)});
-    if (f_.enthalpy) all.push_back({"h", f_.content().data(), 0.0, 1e3 * f_.o.temperature});
+      all.push_back({"c", f_.element.data(), 0.0, std::max(e.concentration_silicate, e.concentration_metal)});
+    if (f_.enthalpy) all.push_back({"h", f_.content.data(), 0.0, 1e3 * f_.o.temperature});
     return all;
   }
 
@@ -144,28 +144,13 @@ class problem : public run::problem_in_a_box<D> {
   }
   void keep_memory() override {
     if (f_.follows) follow_volumes(f_);
-    if (scheme_) scheme_->keep_memory(f_.world);
-  }
-  bool complete_step(std::int64_t step) override {
-    if (scheme_) scheme_->complete_step(step);
-    return base::complete_step(step);
-  }
-  void begin_tables(run::run_directory& files) override {
-    base::begin_tables(files);
-    if (scheme_) scheme_->begin_tables(files);
-  }
-  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
-    if (scheme_) scheme_->fail(e, step, r);
-  }
-  void report_counts(run::summary& r) override {
-    base::report_counts(r);
-    if (scheme_) scheme_->report(f_.world, r.metrics);
+    base::keep_memory();
   }
 
   // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
   std::string refine(double) override {
-    const bool fell = m_.dissipated_now < m_.dissipated_most * (1.0 - 1e-6);
-    m_.dissipated_most = std::max(m_.dissipated_most, m_.dissipated_now);
+    const bool fell = m_.dissipated < m_.dissipated_most * (1.0 - 1e-6);
+    m_.dissipated_most = std::max(m_.dissipated_most, m_.dissipated);
     if (!fell || !f_.fourth_order()) return {};
     f_.second_order = true;
     bounds_ = find_limit(f_);
@@ -178,8 +163,17 @@ class problem : public run::problem_in_a_box<D> {
     return f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9) ? std::max(moved, allowance()) : moved;
   }
   double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
-  std::vector<output::history_column> columns() const override { return columns_of(f_); }
-  std::vector<double> row(double t) override { return next_line(m_, f_, t); }
+  std::vector<output::history_column> columns() const override {
+    std::vector<output::history_column> all;
+    for (const auto& [column, value] : columns_of(f_)) all.push_back(column);
+    return all;
+  }
+  std::vector<double> row(double t) override {
+    next_line(m_, f_, t);
+    std::vector<double> values;
+    for (const auto& [column, value] : columns_of(f_)) values.push_back(m_.*value);
+    return values;
+  }
   void report(double, run::summary& r) override { tell(r, m_, f_); }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
@@ -187,18 +181,17 @@ class problem : public run::problem_in_a_box<D> {
     auto g = output::group_of(s, 0, 0, s.fluid);
     const auto add = [&](const char* name, const double* values) { output::add_quantity(g, name, {values}); };
     const auto& of_kernel = kernels::find(f_.o.common.kernel.name);
-    const double h = f_.o.common.kernel.h_over_dx * f_.world.w.dx;
     add("Masses", s.m.data());
     add("Density", s.rho.data());
     add("Pressure", s.p.data());
     add("Temperature", s.T.data());
     add("SmoothingLength", output::make_array(extra, s.fluid, [&](auto i) {
-          return f_.follows ? f_.S[i] / of_kernel.support_over_h : h;
+          return f_.follows ? f_.S[i] / of_kernel.support_over_h : f_.h;
         }));
     add("Material", output::make_array(extra, s.fluid, [&](auto i) { return f_.is_metal(i) ? 1.0 : 0.0; }));
     add("Volume", s.dV.data());
-    add("DensityReference", f_.rho_start().data());
-    if (f_.dissolved) add("Concentration", f_.element().data());
+    add("DensityReference", f_.rho_start.data());
+    if (f_.dissolved) add("Concentration", f_.element.data());
     if (f_.enthalpy) {
       add("Viscosity", s.eta.data());
       add("MeltFraction", f_.melt.data());
@@ -209,11 +202,9 @@ class problem : public run::problem_in_a_box<D> {
   void save(output::checkpoint_globals& g) const override {
     base::save(g);
     two_fluids::save(m_, f_, g);
-    if (scheme_) scheme_->save(g);
   }
   void restore(const output::checkpoint_globals& g) override {
     base::restore(g);
-    if (scheme_) scheme_->restore(g);
     m_ = restored(f_, g);
     bounds_ = find_limit(f_);
   }
@@ -227,11 +218,6 @@ class problem : public run::problem_in_a_box<D> {
   void place_walls() override { two_fluids::place_walls(f_); }
 
  private:
-  void choose_scheme() {
-    using volume::carries;
-    f_.carried = scheme_->carried() == carries::density;
-    f_.weighed = scheme_->carried() == carries::weight;
-  }
   void begin_scheme() {
     auto& s = f_.world.w.s;
     two_fluids::place_walls(f_);
@@ -240,7 +226,6 @@ class problem : public run::problem_in_a_box<D> {
   }
 
   fluids<D> f_;
-  std::unique_ptr<liquid::scheme<D>> scheme_;
   measures m_;
   step_bounds bounds_;
   bool settled_ = false;  // the supports of the start

@@ -1,0 +1,21 @@
+// The sums over neighbours of two fluids, with every kernel, precision and kind of supports, compiled once a dimension
+// in units of their own (problems/two_fluids_sums_2d.cpp): half of what there is to compile.
+#pragma once
+
+#include <two_fluids/right_hand_side.hpp>
+
+#define TETSUAME_TWO_FLUIDS_SUM(where, D, term) \
+  where template void tetsuame::two_fluids::sum(const fluids<D>&, const pairs::stretch&, const term<D>&)
+
+// where: extern, they are elsewhere; nothing: here.
+#define TETSUAME_TWO_FLUIDS_SUMS(where, D)                                            \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, forces);                                          \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate);                                    \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange);                                \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction);                           \
+  where template void tetsuame::two_fluids::count(fluids<D>&, const pairs::stretch&); \
+  where template void tetsuame::two_fluids::count_neighbours(fluids<D>&);             \
+  where template void tetsuame::two_fluids::find_tension(fluids<D>&)
+
+TETSUAME_TWO_FLUIDS_SUMS(extern, 2);
+TETSUAME_TWO_FLUIDS_SUMS(extern, 3);
