@@ -19,20 +19,21 @@ struct contact {
 // exact where the densities are equal and never too large else. Not below -min(p_inf), where a vacuum opens.
 template <class R>
 contact<R> hllc_contact(const side<R>& l, const side<R>& r, const R& c_l, const R& c_r) {
-  using detail::greater, detail::smaller, detail::sqrt;
+  using detail::sqrt;
   const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
   const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
-  const R meeting = greater(closing, R(0.0));
+  const R meeting = detail::greater(closing, R(0.0));
   const R cold = 0.125 * (l.gamma + r.gamma + 2.0) * meeting * meeting * (l.rho * r.rho) / (l.rho + r.rho) -
-                 greater(l.p_infinity, r.p_infinity);
-  const R estimate = greater(acoustic, cold);
+                 detail::greater(l.p_infinity, r.p_infinity);
+  const R estimate = detail::greater(acoustic, cold);
   const auto flux = [&](const side<R>& s) {
-    return sqrt(
-        R(s.rho * (s.gamma * (s.p + s.p_infinity) + 0.5 * (s.gamma + 1.0) * greater(R(estimate - s.p), R(0.0)))));
+    return sqrt(R(
+        s.rho * (s.gamma * (s.p + s.p_infinity) + 0.5 * (s.gamma + 1.0) * detail::greater(R(estimate - s.p), R(0.0)))));
   };
   const R m_l = flux(l), m_r = flux(r), per_sum = 1.0 / (m_l + m_r);
   const R p = (m_r * l.p + m_l * r.p + m_l * m_r * closing) * per_sum;
-  return {greater(p, R(0.0 - smaller(l.p_infinity, r.p_infinity))), (m_l * l.u + m_r * r.u + l.p - r.p) * per_sum};
+  return {detail::greater(p, R(0.0 - detail::smaller(l.p_infinity, r.p_infinity))),
+          (m_l * l.u + m_r * r.u + l.p - r.p) * per_sum};
 }
 
 }  // namespace tetsuame::riemann
