@@ -43,6 +43,10 @@ class single {
   [[gnu::always_inline]] single& operator-=(const single& b) { return *this = *this - b; }
   [[gnu::always_inline]] single& operator*=(const single& b) { return *this = *this * b; }
   [[gnu::always_inline]] friend single sqrt(const single& a) { return single(stdx::sqrt(a.v_)); }
+  [[gnu::always_inline]] friend single abs(const single& a) { return single(stdx::abs(a.v_)); }
+  [[gnu::always_inline]] friend single copysign(const single& a, const single& sign) {
+    return single(stdx::copysign(a.v_, sign.v_));
+  }
   [[gnu::always_inline]] friend mask_type operator==(const single& a, const single& b) { return a.v_ == b.v_; }
   [[gnu::always_inline]] friend mask_type operator!=(const single& a, const single& b) { return a.v_ != b.v_; }
   [[gnu::always_inline]] friend mask_type operator<(const single& a, const single& b) { return a.v_ < b.v_; }

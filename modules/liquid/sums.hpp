@@ -2,7 +2,7 @@
 #pragma once
 
 #include <foundation/exact_sum.hpp>
-#include <run/state.hpp>
+#include <run/lists.hpp>
 
 namespace tetsuame::liquid {
 

@@ -322,7 +322,7 @@ bool schema::given(const std::string& group, const std::string& key) const {
 }
 
 bool schema::changed(const std::string& group, const std::string& key) const {
-  const auto& k = find(group, key).first;
+  const auto& k = find(group, key);
   return k.value() != k.default_text;
 }
 

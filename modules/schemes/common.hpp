@@ -1,5 +1,6 @@
-// What the schemes for gas share: names of fields, the two kernels of a pair whose ends have supports of their own, and
-// the sums before the forces. Notation: w the weight that a scheme smooths, m (SSPH, GSPH) or U = m u (DISPH, GDISPH);
+// What the schemes for gas share: their arrays and the names of these, the two kernels of a pair whose ends have
+// supports of their own, and the sums before the forces. Notation: w the weight that a scheme smooths, m (SSPH, GSPH)
+// or U = m u (DISPH, GDISPH);
 //   y_i = Σ_j w_j W_ij(h_i)                        ρ or q = P/(γ - 1)                        [S4, eq. (7)]
 //   f_i = [1 + h_i/(D y_i) Σ_j w_j ∂W_ij/∂h_i]⁻¹ = -D y_i / Σ_j w_j r² F_ij(h_i)             [S4, eq. (9)]
 // by h ∂W/∂h = -(D W + r W'). Kernels are evaluated at q = r/S with support 1: W = Ŵ/S^D, W'/r = F̂/S^(D+2).
@@ -14,8 +15,8 @@
 
 namespace tetsuame::schemes {
 
-using foundation::greater, foundation::lesser;
-using pairs::real, pairs::vec;
+using foundation::greater, foundation::lesser, foundation::select;
+using pairs::of_pressure, pairs::of_velocity, pairs::of_volume, pairs::of_weight, pairs::vec;
 
 // The name by which terms read a field.
 template <class Tag>
@@ -30,6 +31,69 @@ inline constexpr field<struct dissipation_tag> of_dissipation;  // α_i and Bals
 inline constexpr field<struct correction_tag> of_correction;    // z_i
 inline constexpr field<struct gamma_tag> of_gamma;
 inline constexpr field<struct stiffness_tag> of_stiffness;  // p_inf, Pa
+inline constexpr field<struct grad_p_tag> of_grad_p;
+inline constexpr field<struct grad_rho_tag> of_grad_rho;
+inline constexpr field<struct grad_v_tag> of_grad_v;  // [D a + b]: ∂v_a/∂x_b
+
+// One array a quantity, beside those that all particles have.
+template <int D>
+struct arrays {
+  using array = particles::array;
+  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2), R = 2 + G;
+
+  // Of all particles, ghosts and images included
+  array S = {}, per_S = {}, weight = {}, slope = {}, correction = {}, dissipation = {};
+  array gamma = {}, stiffness = {}, kind = {};  // kind: which material
+  std::array<array, G> gradient = {};           // of p (REMIX: of u), of ρ, [D a + b] of v
+  std::array<array, R> reproducing = {};        // m_0, A, B, gradients of A and B
+  // Of the particles that have neighbours
+  array y = {}, f = {}, z = {}, divergence = {}, curl = {};  // ∇·v, |∇×v|, 1/s
+  array number = {}, mass_density = {};                      // n, Σ m W
+  array count = {}, count_slope = {};                        // n S^D, and the same of r² F
+  std::array<array, D> force = {};                           // N
+  array power = {}, signal = {}, density_rate = {};          // W, m/s, kg/(m^D s)
+};
+
+template <std::size_t N>
+std::array<const double*, N> slice(std::span<const particles::array> all, std::size_t first) {
+  std::array<const double*, N> part;
+  for (std::size_t k = 0; k < N; ++k) part[k] = all[first + k].data();
+  return part;
+}
+
+// What terms read, with the power of m that it goes with (pairs/cluster.hpp), and write.
+template <int D>
+struct fields {
+  const particles::particles<D>& s;
+  arrays<D>& a;
+
+  template <class... Tags>
+  auto read(Tags... tags) const {
+    return std::tuple{of(tags)...};
+  }
+
+ private:
+  static constexpr std::size_t N = D;
+  static auto one(auto tag, const particles::array& values, int lengths = 0) {
+    return pairs::read(tag, values.data(), lengths);
+  }
+  auto of(pairs::velocity_tag tag) const { return pairs::read(tag, pairs::pointers<D>(s.v)); }
+  auto of(pairs::pressure_tag tag) const { return one(tag, s.p); }
+  auto of(pairs::volume_tag tag) const { return one(tag, s.dV, D); }
+  auto of(pairs::weight_tag tag) const { return one(tag, a.weight, D); }
+  auto of(field<mass_tag> tag) const { return one(tag, s.m, D); }
+  auto of(field<density_tag> tag) const { return one(tag, s.rho); }
+  auto of(field<sound_tag> tag) const { return one(tag, s.c); }
+  auto of(field<per_support_tag> tag) const { return one(tag, a.per_S, -1); }
+  auto of(field<slope_tag> tag) const { return one(tag, a.slope); }
+  auto of(field<dissipation_tag> tag) const { return one(tag, a.dissipation); }
+  auto of(field<correction_tag> tag) const { return one(tag, a.correction, D); }
+  auto of(field<gamma_tag> tag) const { return one(tag, a.gamma); }
+  auto of(field<stiffness_tag> tag) const { return one(tag, a.stiffness); }
+  auto of(field<grad_p_tag> tag) const { return pairs::read(tag, slice<N>(a.gradient, 0), -1); }
+  auto of(field<grad_rho_tag> tag) const { return pairs::read(tag, slice<N>(a.gradient, N), -1); }
+  auto of(field<grad_v_tag> tag) const { return pairs::read(tag, slice<N * N>(a.gradient, 2 * N), -1); }
+};
 
 // In place of a kernel in pairs::sum_over: the terms evaluate their own.
 struct distances_only {
@@ -49,68 +113,46 @@ R power(const R& a) {
     return a * a * a;
 }
 
+template <class R>
 struct shape {
-  real q, W, F;  // r/S, Ŵ, F̂
+  R q, W, F;  // r/S, Ŵ, F̂
 };
 
 // Of a particle whose support is 1/per_S.
-template <class Kernel>
-shape shape_of(const Kernel& unit, const auto& ij, const real& S, const real& per_S) {
-  shape s;
+template <class Kernel, class R>
+shape<R> shape_of(const Kernel& unit, const auto& ij, const R& S, const R& per_S) {
+  shape<R> s;
   s.q = ij.r * per_S;
-  unit.both(s.q, real(ij.per_r * S), s.W, s.F);
+  unit.both(s.q, R(ij.per_r * S), s.W, s.F);
   return s;
 }
 
 // Of an end whose support is 1/per_S: Ŵ, and W'(r)/r = scale F, 1/m^(D+2). A spline's F̂ is W'(q)/q: with F = W' and the
 // pair's 1/r in the scale a division is saved. The null particle has 1/S = 0.
+template <class R>
 struct end_kernel {
-  real W, F, scale;
+  R W, F, scale;
 };
-template <int D, class Kernel>
-end_kernel kernel_of_end(const Kernel& unit, const auto& ij, const real& per_S) {
-  end_kernel k;
-  const real q = ij.r * per_S;
+template <int D, class Kernel, class R>
+end_kernel<R> kernel_of_end(const Kernel& unit, const auto& ij, const R& per_S) {
+  end_kernel<R> k;
+  const R q = ij.r * per_S;
   constexpr bool has_shape = requires { Kernel::shape(q, q, k.W, k.F); };
-  unit.both(q, has_shape ? q : real(1.0), k.W, k.F);
+  unit.both(q, has_shape ? q : R(1.0), k.W, k.F);
   k.scale = power<D>(per_S) * per_S * (has_shape ? per_S : ij.per_r);
   return k;
 }
 
 // W'(r)/r of either end, 1/m^(D+2).
+template <class R>
 struct two_slopes {
-  real i, j;
+  R i, j;
 };
 template <int D, class Kernel>
-two_slopes slopes_of(const Kernel& unit, const auto& ij) {
+auto slopes_of(const Kernel& unit, const auto& ij) {
   const auto i = kernel_of_end<D>(unit, ij, ij.own(of_per_support)), j = kernel_of_end<D>(unit, ij, ij(of_per_support));
-  return {i.scale * i.F, j.scale * j.F};
+  return two_slopes<std::remove_cvref_t<decltype(ij.r)>>{i.scale * i.F, j.scale * j.F};
 }
-
-// n_i S_i^D and the same of r² F, by which Newton's method finds S at the start.
-template <class Kernel>
-struct number_density {
-  Kernel unit;
-  const double* S;
-  double *count, *slope;
-
-  struct me {
-    real S, per_S, count, slope;
-  };
-  me begin(const pairs::cluster<>& i) const {
-    const real S_i = i(S);
-    return {S_i, real(1.0 / S_i), real(0.0), real(0.0)};
-  }
-  void add(me& a, const auto& ij) const {
-    const shape s = shape_of(unit, ij, a.S, a.per_S);
-    a.count += s.W;
-    a.slope += s.q * s.q * s.F;
-  }
-  void end(const pairs::cluster<>& i, const me& a) const {
-    i.set(count, unit.self() + a.count);
-    i.set(slope, a.slope);
-  }
-};
 
 // The next S of S^D n = target by Newton's method, by at most a fifth at once.
 inline double next_support(double S, double count, double slope, double target) {
@@ -120,122 +162,97 @@ inline double next_support(double S, double count, double slope, double target) 
   return S * (1.0 + std::fmin(std::fmax(change, -most), most));
 }
 
-// y, f, z, ∇·v, |∇×v| (1/s), n, and Σ_j m_j W_ij.
+// y, f, z, ∇·v, |∇×v|, n, and Σ_j m_j W_ij.
 template <int D, class Kernel>
 struct density {
   Kernel unit;
-  const double *weight, *m;
-  std::array<const double*, D> v;
-  const double* S;
-  struct {
-    double *y, *f, *z, *divergence, *curl, *n, *rho;
-    double *count, *slope;  // as of number_density
-  } out;
+  fields<D> g;
 
   static constexpr int C = D == 1 ? 0 : D == 2 ? 1 : 3;
+  template <class R>
   struct me {
-    real S, per_S, y, slope, n, n_slope, rho, divergence;
-    std::array<real, C> curl;
+    R S, per_S, y, slope, n, n_slope, rho, divergence;
+    std::array<R, C> curl;
   };
-  auto reads() const {
-    return std::tuple{pairs::read(pairs::of_weight, weight), pairs::read(of_mass, m),
-                      pairs::read(pairs::of_velocity, v)};
+  auto reads() const { return g.read(of_weight, of_mass, of_velocity); }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    const R S_i = i(g.a.S.data(), 1);
+    me<R> sum{S_i, R(1.0 / S_i), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), {}};
+    for (auto& c : sum.curl) c = R(0.0);
+    return sum;
   }
-  me begin(const pairs::cluster<>& i) const {
-    const real S_i = i(S);
-    me a{S_i, real(1.0 / S_i), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), {}};
-    for (auto& c : a.curl) c = real(0.0);
-    return a;
-  }
-  void add(me& a, const auto& ij) const {
-    const shape s = shape_of(unit, ij, a.S, a.per_S);
-    const real w = ij(pairs::of_weight), wF = w * s.F, q2 = s.q * s.q;
-    a.n += s.W;
-    a.n_slope += s.F * q2;
-    a.y += w * s.W;
-    a.rho += ij(of_mass) * s.W;
-    a.slope += wF * q2;
-    a.divergence += wF * ij.along(pairs::of_velocity);
-    const auto v_ij = ij.difference(pairs::of_velocity);
-    if constexpr (D == 2) a.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
+  void add(auto& sum, const auto& ij) const {
+    const auto s = shape_of(unit, ij, sum.S, sum.per_S);
+    const auto w = ij(of_weight), wF = w * s.F, q2 = s.q * s.q;
+    sum.n += s.W;
+    sum.n_slope += s.F * q2;
+    sum.y += w * s.W;
+    sum.rho += ij(of_mass) * s.W;
+    sum.slope += wF * q2;
+    sum.divergence += wF * ij.along(of_velocity);
+    const auto v_ij = ij.difference(of_velocity);
+    if constexpr (D == 2) sum.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
     if constexpr (D == 3)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t b = (k + 1) % 3, c = (k + 2) % 3;
-        a.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
+        sum.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
       }
   }
-  void end(const pairs::cluster<>& members, const me& a) const {
-    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+  void end(const auto& members, const auto& sum) const {
+    members.each([&](std::size_t i, const auto& of) { end(i, sum, of); });
   }
 
  private:
-  void end(std::size_t i, const me& a, const auto& of) const {
-    const double y = weight[i] * unit.self() + of(a.y), slope = of(a.slope);
-    const double per_volume = 1.0 / power<D>(S[i]);
+  void end(std::size_t i, const auto& sum, const auto& of) const {
+    auto& a = g.a;
+    const double S = a.S[i], y = a.weight[i] * unit.self() + of(sum.y, D), slope = of(sum.slope, D);
+    const double per_volume = 1.0 / power<D>(S);
     const double f = slope < -1e-12 * y ? -D * y / slope : 1.0;
-    const double factor = f / (y * S[i] * S[i]);
+    const double factor = f / (y * S * S);
     double curl2 = 0.0;
-    for (const real& c : a.curl) curl2 += of(c) * of(c);
-    out.y[i] = per_volume * y;
-    out.f[i] = f;
-    const double n_slope = of(a.n_slope);
-    out.z[i] = n_slope < 0.0 ? -(D * y + slope) / n_slope : 0.0;
-    out.divergence[i] = -factor * of(a.divergence);
-    out.curl[i] = factor * std::sqrt(curl2);
-    out.count[i] = unit.self() + of(a.n);
-    out.slope[i] = n_slope;
-    out.n[i] = per_volume * out.count[i];
-    out.rho[i] = per_volume * (m[i] * unit.self() + of(a.rho));
+    for (const auto& c : sum.curl) curl2 += of(c, D + 1) * of(c, D + 1);
+    a.y[i] = per_volume * y;
+    a.f[i] = f;
+    const double n_slope = of(sum.n_slope);
+    a.z[i] = n_slope < 0.0 ? -(D * y + slope) / n_slope : 0.0;
+    a.divergence[i] = -factor * of(sum.divergence, D + 1);
+    a.curl[i] = factor * std::sqrt(curl2);
+    a.count[i] = unit.self() + of(sum.n);
+    a.count_slope[i] = n_slope;
+    a.number[i] = per_volume * a.count[i];
+    a.mass_density[i] = per_volume * (g.s.m[i] * unit.self() + of(sum.rho, D));
   }
 };
 
 // ---- what the force terms have in common -----------------------------------------------------
 
-// Arrays of all particles; null: not read by the scheme.
-template <int D>
-struct gas {
-  std::array<const double*, D> v;
-  const double *m, *weight, *rho, *p, *c;
-  const double *slope, *correction, *per_S;
-  const double* dissipation;
-  const double *gamma, *stiffness;
-  std::array<const double*, D> grad_p, grad_rho;                      // limited in the pair
-  std::array<const double*, static_cast<std::size_t>(D) * D> grad_v;  // [D a + b]: ∂v_a/∂x_b
-  double theta;                                                       // of the limiter, 1 to 2
-  bool exact;
-};
-
-// N, W and m/s.
-template <int D>
-struct rates {
-  std::array<double*, D> force;
-  double *power, *signal;
-};
-
-template <int D>
+template <int D, class R>
 struct sums {
-  vec<real, D> force;
-  real power, signal;
+  vec<R, D> force;  // N
+  R power, signal;  // W, m/s
 };
-
-template <int D>
-sums<D> nothing() {
-  return {foundation::zero<real, D>(), real(0.0), real(0.0)};
-}
 
 // c_i + c_j - 3 min(w_ij, 0), where the neighbour is within the support of either.
-template <int D>
-void keep_signal(sums<D>& a, const two_slopes& F, const real& signal) {
-  real seen = signal;
-  where(F.i + F.j == 0.0, seen) = 0.0;
-  a.signal = greater(a.signal, seen);
+template <class R>
+void keep_signal(auto& sum, const two_slopes<R>& F, const R& signal) {
+  sum.signal = greater(sum.signal, select(F.i + F.j == 0.0, R(0.0), signal));
 }
 
-template <int D>
-void write(const rates<D>& out, const pairs::cluster<>& i, const sums<D>& a) {
-  for (std::size_t k = 0; k < D; ++k) i.set(out.force[k], a.force[k]);
-  i.set(out.power, a.power);
-  i.set(out.signal, a.signal);
-}
+template <int D, class Kernel>
+struct forces {
+  Kernel unit;
+  fields<D> g;
+
+  template <class R>
+  sums<D, R> begin(const pairs::cluster<R>&) const {
+    return {foundation::zero<R, D>(), R(0.0), R(0.0)};
+  }
+  void end(const auto& i, const auto& sum) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(g.a.force[k].data(), sum.force[k], D - 1);
+    i.set(g.a.power.data(), sum.power, D - 1);
+    i.set(g.a.signal.data(), sum.signal);
+  }
+};
 
 }  // namespace tetsuame::schemes

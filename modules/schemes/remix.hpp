@@ -14,7 +14,6 @@
 #pragma once
 
 #include <foundation/lanes_math.hpp>
-#include <schemes/interface.hpp>
 #include <schemes/reproducing.hpp>
 
 namespace tetsuame::schemes {
@@ -22,7 +21,6 @@ namespace tetsuame::schemes {
 inline constexpr field<struct energy_tag> of_energy;                // J/kg
 inline constexpr field<struct normalisation_tag> of_normalisation;  // m_0
 inline constexpr field<struct kind_tag> of_kind;                    // which material
-inline constexpr field<struct grad_u_tag> of_grad_u;
 
 // The part of a pair's slopes that the middle takes, of the two ends' differences.
 inline real slope_part(const real& a_i, const real& a_j) {
@@ -40,12 +38,8 @@ struct remix {
   static constexpr double support_over_h = 2.16;
 
   Kernel unit;
-  gas<D> s;  // grad_p is of u; dissipation = B
-  reproducing_fields<D> kernel;
-  const double *volume, *u, *m0, *kind;
+  fields<D> g;     // dissipation = B; gradients are of u in the place of p
   double spacing;  // S over the spacing
-  rates<D> out;
-  double* density_rate;  // kg/(m^D s)
 
   struct me {
     vec<real, D> force;
@@ -53,13 +47,11 @@ struct remix {
   };
   auto reads() const {
     return std::tuple_cat(
-        kernel.reads(),
-        std::tuple{pairs::read(pairs::of_velocity, s.v), pairs::read(of_mass, s.m), pairs::read(of_density, s.rho),
-                   pairs::read(pairs::of_pressure, s.p), pairs::read(of_sound, s.c), pairs::read(of_energy, u),
-                   pairs::read(of_per_support, s.per_S), pairs::read(of_dissipation, s.dissipation),
-                   pairs::read(pairs::of_volume, volume), pairs::read(of_normalisation, m0), pairs::read(of_kind, kind),
-                   pairs::read(of_grad_u, s.grad_p), pairs::read(of_grad_rho, s.grad_rho),
-                   pairs::read(of_grad_v, s.grad_v)});
+        reproducing_reads(g.a),
+        g.read(of_velocity, of_mass, of_density, of_pressure, of_sound, of_per_support, of_dissipation, of_volume,
+               of_grad_p, of_grad_rho, of_grad_v),
+        std::tuple{pairs::read(of_energy, g.s.u.data()), pairs::read(of_normalisation, g.a.reproducing[0].data()),
+                   pairs::read(of_kind, g.a.kind.data())});
   }
   me begin(const pairs::cluster<>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0), real(0.0)}; }
   void add(me& a, const auto& ij) const {
@@ -67,7 +59,7 @@ struct remix {
     const mean_kernel k = mean_kernel_of<D>(unit, ij);
     const auto G = reproducing_gradient<D>(k, ij);
     const auto& x = ij.x_ij;
-    const auto v = ij.difference(pairs::of_velocity);
+    const auto v = ij.difference(of_velocity);
     const real B_i = ij.own(of_dissipation), B_j = ij(of_dissipation), mean_B = 0.5 * (B_i + B_j);
     const real h_i = support_over_h * ij.own(of_per_support), h_j = support_over_h * ij(of_per_support);  // 1/h
 
@@ -89,7 +81,7 @@ struct remix {
     const auto middle = [&](const real& difference, const real& d_i, const real& d_j) {
       return real(difference - 0.5 * close * slope_part(d_i, d_j) * (d_i + d_j));
     };
-    const real u_ij = middle(ij.difference(of_energy), along(ij.own(of_grad_u)), along(ij(of_grad_u)));
+    const real u_ij = middle(ij.difference(of_energy), along(ij.own(of_grad_p)), along(ij(of_grad_p)));
     const real rho_ij = middle(ij.difference(of_density), along(ij.own(of_grad_rho)), along(ij(of_grad_rho)));
 
     const real w_x = dot(w, x), r2 = ij.r * ij.r;
@@ -101,10 +93,10 @@ struct remix {
       return real((1.0 / 3.0 + B / 6.0) * rho * mu * (3.0 * mu - 1.5 * c));
     };
     const real rho_i = ij.own(of_density), rho_j = ij(of_density);
-    const real P_i = ij.own(pairs::of_pressure) + viscous(B_i, rho_i, ij.own(of_sound), mu_i);
-    const real P_j = ij(pairs::of_pressure) + viscous(B_j, rho_j, ij(of_sound), mu_j);
+    const real P_i = ij.own(of_pressure) + viscous(B_i, rho_i, ij.own(of_sound), mu_i);
+    const real P_j = ij(of_pressure) + viscous(B_j, rho_j, ij(of_sound), mu_j);
 
-    const real V_j = ij(pairs::of_volume), VV = ij.own(pairs::of_volume) * V_j, v_G = dot(v, G);
+    const real V_j = ij(of_volume), VV = ij.own(of_volume) * V_j, v_G = dot(v, G);
     using std::sqrt;
     const real size = 2.0 * ij(of_mass) * sqrt(real(dot(G, G))) / (rho_i + rho_j);
     real mixes = (0.05 + 0.95 * mean_B) * sqrt(real(dot(w, w))) * size;
@@ -118,8 +110,8 @@ struct remix {
     a.signal = greater(a.signal, signal);
   }
   void end(const pairs::cluster<>& i, const me& a) const {
-    write<D>(out, i, {a.force, a.power, a.signal});
-    i.set(density_rate, a.density_rate);
+    forces<D, Kernel>{unit, g}.end(i, a);
+    i.set(g.a.density_rate.data(), a.density_rate);
   }
 };
 

@@ -12,6 +12,8 @@
 
 namespace tetsuame::schemes {
 
+using pairs::real;
+
 inline constexpr field<struct amplitude_tag> of_amplitude;            // A
 inline constexpr field<struct tilt_tag> of_tilt;                      // B, 1/m
 inline constexpr field<struct grad_amplitude_tag> of_grad_amplitude;  // ∂A/∂x_b, 1/m
@@ -24,7 +26,7 @@ template <int D, class Kernel>
 mean_kernel mean_kernel_of(const Kernel& unit, const auto& ij) {
   mean_kernel mean{real(0.0), real(0.0)};
   for (const real& per_S : {real(ij.own(of_per_support)), real(ij(of_per_support))}) {
-    const end_kernel k = kernel_of_end<D>(unit, ij, per_S);
+    const auto k = kernel_of_end<D>(unit, ij, per_S);
     mean.F += 0.5 * k.scale * k.F;
     mean.W += 0.5 * power<D>(per_S) * k.W;
   }
@@ -34,12 +36,7 @@ mean_kernel mean_kernel_of(const Kernel& unit, const auto& ij) {
 template <int D, class Kernel>
 struct reproducing {
   Kernel unit;
-  const double *volume, *per_S;
-  struct {
-    double *m0, *A;
-    std::array<double*, D> B, grad_A;
-    std::array<double*, static_cast<std::size_t>(D) * D> grad_B;
-  } out;
+  fields<D> g;
 
   static constexpr std::size_t N = D, M = operators::symmetric_terms(D);
   struct me {
@@ -48,7 +45,7 @@ struct reproducing {
     std::array<real, M> m2, g2;  // g2 is of x_ij once
     std::array<vec<real, D>, M> g3;
   };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, volume), pairs::read(of_per_support, per_S)}; }
+  auto reads() const { return g.read(of_volume, of_per_support); }
   me begin(const pairs::cluster<>&) const {
     me a;
     a.m0 = real(0.0);
@@ -60,7 +57,7 @@ struct reproducing {
   }
   void add(me& a, const auto& ij) const {
     const mean_kernel k = mean_kernel_of<D>(unit, ij);
-    const real V = ij(pairs::of_volume), VW = V * k.W, VF = V * k.F;
+    const real V = ij(of_volume), VW = V * k.W, VF = V * k.F;
     const auto& x = ij.x_ij;
     a.m0 += VW;
     a.m1 += VW * x;
@@ -80,7 +77,7 @@ struct reproducing {
  private:
   void end(std::size_t i, const me& a, const auto& of) const {
     const auto place = [](std::size_t b, std::size_t c) { return operators::symmetric_place(b, c, N); };
-    const double m0 = of(a.m0) + volume[i] * std::pow(per_S[i], D) * unit.self();
+    const double m0 = of(a.m0) + g.s.dV[i] * std::pow(g.a.per_S[i], D) * unit.self();
     std::array<double, N> m1, B{};
     std::array<std::array<double, N>, N> m2;
     for (std::size_t b = 0; b < N; ++b) {
@@ -95,42 +92,40 @@ struct reproducing {
     double of_B = m0;
     for (std::size_t b = 0; b < N; ++b) of_B += B[b] * m1[b];
     const double A = 1.0 / of_B;
-    out.m0[i] = m0;
-    out.A[i] = A;
-    for (std::size_t g = 0; g < N; ++g) {
-      // ∂m_0, ∂m_1, ∂m_2 along g
+    auto& out = g.a.reproducing;
+    out[0][i] = m0;
+    out[1][i] = A;
+    for (std::size_t e = 0; e < N; ++e) {
+      // ∂m_0, ∂m_1, ∂m_2 along e
       std::array<double, N> dm1, right, dB{};
       for (std::size_t b = 0; b < N; ++b) {
-        dm1[b] = (b == g ? m0 : 0.0) + of(a.g2[place(b, g)]);
+        dm1[b] = (b == e ? m0 : 0.0) + of(a.g2[place(b, e)]);
         right[b] = dm1[b];
         for (std::size_t c = 0; c < N; ++c)
-          right[b] += ((c == g ? m1[b] : 0.0) + (b == g ? m1[c] : 0.0) + of(a.g3[place(b, c)][g])) * B[c];
+          right[b] += ((c == e ? m1[b] : 0.0) + (b == e ? m1[c] : 0.0) + of(a.g3[place(b, c)][e])) * B[c];
       }
       if (exists) {
         dB = operators::solve(m2, right);
         for (double& b : dB) b = -b;
       }
-      double change = of(a.g0[g]);
+      double change = of(a.g0[e]);
       for (std::size_t b = 0; b < N; ++b) change += dB[b] * m1[b] + B[b] * dm1[b];
-      out.B[g][i] = B[g];
-      out.grad_A[g][i] = -A * A * change;
-      for (std::size_t b = 0; b < N; ++b) out.grad_B[N * b + g][i] = dB[b];
+      out[2 + e][i] = B[e];
+      out[2 + N + e][i] = -A * A * change;
+      for (std::size_t b = 0; b < N; ++b) out[2 + 2 * N + N * b + e][i] = dB[b];
     }
   }
 };
 
 // What a term reads for it.
 template <int D>
-struct reproducing_fields {
-  const double* A;
-  std::array<const double*, D> B, grad_A;
-  std::array<const double*, static_cast<std::size_t>(D) * D> grad_B;
-
-  auto reads() const {
-    return std::tuple{pairs::read(of_amplitude, A), pairs::read(of_tilt, B), pairs::read(of_grad_amplitude, grad_A),
-                      pairs::read(of_grad_tilt, grad_B)};
-  }
-};
+auto reproducing_reads(const arrays<D>& a) {
+  constexpr std::size_t N = D;
+  return std::tuple{pairs::read(of_amplitude, a.reproducing[1].data()),
+                    pairs::read(of_tilt, slice<N>(a.reproducing, 2)),
+                    pairs::read(of_grad_amplitude, slice<N>(a.reproducing, 2 + N)),
+                    pairs::read(of_grad_tilt, slice<N * N>(a.reproducing, 2 + 2 * N))};
+}
 
 // ½ [∂W^R_ij - ∂W^R_ji], 1/m^(D+1): changes sign with the order of i and j.
 template <int D>

@@ -52,7 +52,7 @@ int parse(int argc, char** argv, settings& o) {
       ->delimiter(',')
       ->check(CLI::IsMember({2, 3}))
       ->capture_default_str();
-  app.add_option("--precision", o.precisions, "of pairs: double, single or both (schemes for gas: double alone)")
+  app.add_option("--precision", o.precisions, "of pairs: double, single or both (remix: double alone)")
       ->delimiter(',')
       ->check(CLI::IsMember({"double", "single"}))
       ->capture_default_str();
@@ -90,7 +90,7 @@ std::vector<bench::request> plan(const settings& o) {
       if (o.quick && o.particles.empty() && name == "program_c" && dimension == 2) sizes = {10'000, 40'000, 160'000};
       for (const auto n : sizes)
         for (const auto& precision : o.precisions)
-          if (precision == "double" || !bench::is_scheme(name))
+          if (precision == "double" || name != "remix")
             all.push_back({name, dimension, side_of(n, dimension), o.threads, o.seconds, o.steps_a_list, precision});
     }
   return all;

@@ -3,13 +3,12 @@
 #include <boost/test/unit_test.hpp>
 #include <kernels/kernel.hpp>
 #include <numeric>
+#include <particles/storage.hpp>
 #include <random>
-#include <schemes/disph.hpp>
-#include <schemes/gdisph.hpp>
+#include <schemes/godunov.hpp>
 #include <schemes/gradients.hpp>
-#include <schemes/gsph.hpp>
 #include <schemes/remix.hpp>
-#include <schemes/ssph.hpp>
+#include <schemes/viscous.hpp>
 
 using namespace tetsuame;
 using pairs::real;
@@ -19,32 +18,21 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon(), adiabatic = 1.4;
 using array = particles::array;
 
-// Of n particles and the null particle, which is the last.
 template <int D>
-struct cloud {
+struct cloud : particles::particles<D>, schemes::arrays<D> {
   std::size_t n;
-  std::array<array, D> x, v;
-  array m, u, S, weight, y, f, z, divergence, curl, number, rho_of_mass, count, count_slope;
-  array rho, p, c, slope, correction, per_S, dissipation, gamma_of, stiffness, volume;
-  std::array<array, static_cast<std::size_t>(D) * (D + 2)> gradient;
-  std::array<array, D> force;
-  array power, signal, kind, density_rate;
-  std::array<array, 2 + static_cast<std::size_t>(D) * (D + 2)> corrections;  // m0, A, B, and gradients of A, B
   cells::neighbour_list list;
 
   explicit cloud(std::size_t count_) : n(count_) {
-    for (auto* a :
-         {&m,      &u,           &S,        &weight,      &y,      &f,     &z,      &divergence, &curl,
-          &number, &rho_of_mass, &count,    &count_slope, &rho,    &p,     &c,      &slope,      &correction,
-          &per_S,  &dissipation, &gamma_of, &stiffness,   &volume, &power, &signal, &kind,       &density_rate})
-      a->assign(n + 1, 0.0);
-    for (auto* all : {&x, &v, &force})
-      for (auto& a : *all) a.assign(n + 1, 0.0);
-    for (auto& a : gradient) a.assign(n + 1, 0.0);
-    for (auto& a : corrections) a.assign(n + 1, 0.0);
-    for (auto& a : x) a[n] = 1e60;
-    gamma_of.assign(n + 1, adiabatic);
-    for (auto* a : {&m, &rho, &p, &c}) a->back() = 1.0;  // as particles::set_null has it
+    particles::allocate(*this, n, 0, 0, 0);
+    const auto to_size = [&](auto&... all) { (all.assign(n + 1, 0.0), ...); };
+    to_size(this->S, this->per_S, this->weight, this->slope, this->correction, this->dissipation, this->stiffness,
+            this->kind, this->y, this->f, this->z, this->divergence, this->curl, this->number, this->mass_density,
+            this->count, this->count_slope, this->power, this->signal, this->density_rate);
+    for (auto& a : this->force) to_size(a);
+    for (auto& a : this->gradient) to_size(a);
+    for (auto& a : this->reproducing) to_size(a);
+    this->gamma.assign(n + 1, adiabatic);
     // Each sees all others.
     cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t r, cells::row_store& made) {
       cells::entry_writer row(pairs::lanes);
@@ -57,82 +45,23 @@ struct cloud {
     });
   }
 
-  template <class... Terms>
-  void sum(const Terms&... terms) {
-    pairs::sum_over<D>(pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(x), schemes::distances_only{1e-9},
-                       terms...);
-  }
+  schemes::fields<D> fields() { return {*this, *this}; }
 
+  void sum(const auto& term) {
+    pairs::sum_over<D>(pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(this->x), schemes::distances_only{1e-9},
+                       term);
+  }
   template <class Kernel>
   void find_densities(const Kernel& unit) {
-    sum(schemes::density<D, Kernel>{unit,
-                                    weight.data(),
-                                    m.data(),
-                                    pairs::pointers<D>(v),
-                                    S.data(),
-                                    {y.data(), f.data(), z.data(), divergence.data(), curl.data(), number.data(),
-                                     rho_of_mass.data(), count.data(), count_slope.data()}});
+    sum(schemes::density<D, Kernel>{unit, fields()});
   }
-
   template <class Kernel>
   void find_gradients(const Kernel& unit) {
-    schemes::gradients<D, Kernel> term{unit, volume.data(), p.data(), rho.data(), pairs::pointers<D>(v), S.data(), {}};
-    for (std::size_t k = 0; k < gradient.size(); ++k) term.out[k] = gradient[k].data();
-    sum(term);
-  }
-
-  schemes::gas<D> gas(bool exact) const {
-    schemes::gas<D> g{pairs::pointers<D>(v),
-                      m.data(),
-                      weight.data(),
-                      rho.data(),
-                      p.data(),
-                      c.data(),
-                      slope.data(),
-                      correction.data(),
-                      per_S.data(),
-                      dissipation.data(),
-                      gamma_of.data(),
-                      stiffness.data(),
-                      {},
-                      {},
-                      {},
-                      2.0,
-                      exact};
-    for (std::size_t b = 0; b < D; ++b) {
-      g.grad_p[b] = gradient[b].data();
-      g.grad_rho[b] = gradient[D + b].data();
-    }
-    for (std::size_t k = 0; k < g.grad_v.size(); ++k) g.grad_v[k] = gradient[2 * D + k].data();
-    return g;
+    sum(schemes::gradients<D, Kernel>{unit, fields(), this->p});
   }
   template <class Kernel>
   void find_corrections(const Kernel& unit) {
-    schemes::reproducing<D, Kernel> term{unit, volume.data(), per_S.data(), {}};
-    term.out.m0 = corrections[0].data();
-    term.out.A = corrections[1].data();
-    for (std::size_t a = 0; a < D; ++a) {
-      term.out.B[a] = corrections[2 + a].data();
-      term.out.grad_A[a] = corrections[2 + D + a].data();
-    }
-    for (std::size_t k = 0; k < term.out.grad_B.size(); ++k) term.out.grad_B[k] = corrections[2 + 2 * D + k].data();
-    sum(term);
-  }
-  schemes::reproducing_fields<D> reproducing() const {
-    schemes::reproducing_fields<D> r;
-    r.A = corrections[1].data();
-    for (std::size_t a = 0; a < D; ++a) {
-      r.B[a] = corrections[2 + a].data();
-      r.grad_A[a] = corrections[2 + D + a].data();
-    }
-    for (std::size_t k = 0; k < r.grad_B.size(); ++k) r.grad_B[k] = corrections[2 + 2 * D + k].data();
-    return r;
-  }
-
-  schemes::rates<D> rates() {
-    schemes::rates<D> r{{}, power.data(), signal.data()};
-    for (std::size_t a = 0; a < D; ++a) r.force[a] = force[a].data();
-    return r;
+    sum(schemes::reproducing<D, Kernel>{unit, fields()});
   }
 };
 
@@ -169,7 +98,7 @@ void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool 
     g.correction[i] = number ? g.z[i] : 0.0;
     g.per_S[i] = 1.0 / g.S[i];
     g.dissipation[i] = own_pressure ? 1.0 : 0.1 + 0.9 * static_cast<double>(i % 7) / 6.0;
-    g.volume[i] = 1.0 / g.number[i];
+    g.dV[i] = 1.0 / g.number[i];
   }
   g.find_gradients(unit);
 }
@@ -205,19 +134,20 @@ void all_schemes_conserve(const Kernel& unit) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     cloud<D> g = disorder<D>(seed);
     prepare(g, unit, weigh::mass, true, false);
-    g.sum(schemes::ssph<D, Kernel>{unit, g.gas(false), g.rates()});
+    g.sum(schemes::ssph<D, Kernel>{unit, g.fields()});
     check_conservation(g, "ssph");
     prepare(g, unit, weigh::mass, false, false);
-    g.sum(schemes::gsph<D, Kernel, true>{unit, g.gas(false), g.rates()});
+    g.sum(schemes::gsph<D, Kernel>{unit, g.fields(), 2.0, false});
     check_conservation(g, "gsph");
     for (const bool number : {false, true}) {
       prepare(g, unit, weigh::energy, true, number);
-      g.sum(schemes::disph<D, Kernel>{unit, g.gas(false), g.rates()});
+      g.sum(schemes::disph<D, Kernel>{unit, g.fields()});
       check_conservation(g, "disph");
       prepare(g, unit, weigh::energy, false, number);
-      g.sum(schemes::gdisph<D, Kernel, true>{unit, g.gas(false), g.rates()});
+      g.sum(schemes::gdisph<D, Kernel>{unit, g.fields(), 2.0, false});
       check_conservation(g, "gdisph");
-      g.sum(schemes::gdisph<D, Kernel, false>{unit, g.gas(true), g.rates()});
+      for (auto& slopes : g.gradient) std::fill(slopes.begin(), slopes.end(), 0.0);
+      g.sum(schemes::gdisph<D, Kernel>{unit, g.fields(), 2.0, true});
       check_conservation(g, "gdisph, first order, exact");
     }
   }
@@ -229,34 +159,27 @@ void prepare_remix(cloud<D>& g, const Kernel& unit) {
   prepare(g, unit, weigh::mass, true, false);
   for (std::size_t i = 0; i < g.n; ++i) {
     g.rho[i] = 0.5 + static_cast<double>(i % 5);
-    g.volume[i] = g.m[i] / g.rho[i];
+    g.dV[i] = g.m[i] / g.rho[i];
     g.kind[i] = static_cast<double>(i % 3 == 0);
     g.dissipation[i] = static_cast<double>(i % 7) / 6.0;
   }
   g.find_corrections(unit);
   g.find_gradients(unit);
 }
-template <int D, class Kernel>
-schemes::remix<D, Kernel> remix_of(cloud<D>& g, const Kernel& unit) {
-  return {unit,          g.gas(false), g.reproducing(), g.volume.data(),      g.u.data(), g.corrections[0].data(),
-          g.kind.data(), 3.6,          g.rates(),       g.density_rate.data()};
-}
-
 double limited(double difference, double slope, double theta) {
   return schemes::limited(real(difference), real(slope), theta)[0];
 }
 
 // The star pressure that particle i sees.
-struct star_pressure {
-  schemes::gas<1> s;
+struct star_pressure : schemes::godunov<1, kernels::quintic_spline<1>> {
   double* star;
   struct me {
     real p;
   };
-  auto reads() const { return schemes::interface_reads<1, true>(s); }
+  auto reads() const { return read_with(); }
   me begin(const pairs::cluster<>&) const { return {real(0.0)}; }
   void add(me& a, const auto& ij) const {
-    real p = schemes::interface<1, true>(s, ij).p;
+    real p = star_of(ij).p;
     pairs::stdx::where(ij.r > 1e10, p) = 0.0;  // the particle itself
     a.p += p;
   }
@@ -276,7 +199,7 @@ void remix_conserves(const Kernel& unit) {
   for (const std::uint32_t seed : {1U, 2U}) {
     cloud<D> g = disorder<D>(seed);
     prepare_remix(g, unit);
-    g.sum(remix_of(g, unit));
+    g.sum(schemes::remix<D, Kernel>{unit, g.fields(), 3.6});
     check_conservation(g, "remix");
   }
 }
@@ -293,7 +216,7 @@ BOOST_AUTO_TEST_CASE(linear_fields_are_reproduced) {
   cloud<2> g = disorder<2>(6);
   for (std::size_t i = 0; i < g.n; ++i) {
     g.S[i] += 0.4;
-    g.volume[i] = 0.01 + 0.02 * static_cast<double>(i % 4);
+    g.dV[i] = 0.01 + 0.02 * static_cast<double>(i % 4);
     g.per_S[i] = 1.0 / g.S[i];
   }
   const auto corrections = [&](double dx, double dy) {
@@ -304,7 +227,7 @@ BOOST_AUTO_TEST_CASE(linear_fields_are_reproduced) {
     g.x[0][at] = place[0];
     g.x[1][at] = place[1];
     std::array<double, 10> all;
-    for (std::size_t k = 0; k < all.size(); ++k) all[k] = g.corrections[k][at];
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = g.reproducing[k][at];
     return all;
   };
   // Of A, B_x, B_y at a place moved by little. The particle's own share of the sums stays where the particle was.
@@ -312,7 +235,7 @@ BOOST_AUTO_TEST_CASE(linear_fields_are_reproduced) {
   const auto [m0, A, Bx, By, Ax, Ay, Bxx, Bxy, Byx, Byy] = here;
   double one = 0.0, x = 0.0, y = 0.0, one_x = 0.0, x_x = 0.0, y_x = 0.0, one_y = 0.0, x_y = 0.0, y_y = 0.0;
   for (std::size_t j = 0; j < g.n; ++j) {
-    const double dx = g.x[0][at] - g.x[0][j], dy = g.x[1][at] - g.x[1][j], r = std::hypot(dx, dy), V = g.volume[j];
+    const double dx = g.x[0][at] - g.x[0][j], dy = g.x[1][at] - g.x[1][j], r = std::hypot(dx, dy), V = g.dV[j];
     double W = 0.0, F = 0.0;
     for (const double S : {g.S[at], g.S[j]}) {
       W += 0.5 * unit.value(r / S) / (S * S);
@@ -355,11 +278,11 @@ BOOST_AUTO_TEST_CASE(remix_at_rest_on_a_lattice) {
     g.c[i] = 1.0;
     g.S[i] = 2.4;
     g.per_S[i] = 1.0 / 2.4;
-    g.volume[i] = 1.0;
+    g.dV[i] = 1.0;
   }
   g.find_corrections(unit);
   g.find_gradients(unit);
-  g.sum(remix_of(g, unit));
+  g.sum(schemes::remix<2, kernels::quintic_spline<2>>{unit, g.fields(), 3.6});
   // Particles whose neighbours have all of theirs
   for (std::size_t i = 0; i < g.n; ++i) {
     if (i % edge < 5 || i % edge > 5 || i / edge < 5 || i / edge > 5) continue;
@@ -438,7 +361,7 @@ BOOST_AUTO_TEST_CASE(gradients_of_linear_fields) {
   const auto p_at = [](double x, double y) { return 3.0 + 0.5 * x - 0.25 * y; };
   for (std::size_t i = 0; i < g.n; ++i) {
     const double x = g.x[0][i], y = g.x[1][i];
-    g.volume[i] = 1.0 / g.number[i];
+    g.dV[i] = 1.0 / g.number[i];
     g.p[i] = p_at(x, y);
     g.rho[i] = 2.0 - 0.3 * x + 0.1 * y;
     g.v[0][i] = 0.2 * x - 0.4 * y;
@@ -459,15 +382,15 @@ BOOST_AUTO_TEST_CASE(interface_states) {
     g.x[0] = {0.0, 0.1, 1e60};
     g.p = {1.0, 1.5, 1.0};
     g.rho = {1.0, 1.2, 1.0};
-    g.gamma_of[0] = gamma_l;
+    g.gamma[0] = gamma_l;
     g.stiffness[0] = stiffness_l;
     for (std::size_t i = 0; i < 2; ++i) {
-      g.c[i] = std::sqrt(g.gamma_of[i] * (g.p[i] + g.stiffness[i]) / g.rho[i]);
+      g.c[i] = std::sqrt(g.gamma[i] * (g.p[i] + g.stiffness[i]) / g.rho[i]);
       g.gradient[0][i] = steep * 0.5 / 0.1;
       g.gradient[1][i] = steep * 0.2 / 0.1;
     }
     array is(2);
-    g.sum(star_pressure{g.gas(exact), is.data()});
+    g.sum(star_pressure{{{kernels::quintic_spline<1>(1.0), g.fields()}, 2.0, exact}, is.data()});
     BOOST_TEST(std::abs(is[0] - is[1]) <= 4.0 * epsilon);  // seen from either end
     return is[0];
   };
@@ -500,7 +423,7 @@ BOOST_AUTO_TEST_CASE(viscosity_of_closing_pairs) {
     prepare(g, unit, weigh::mass, true, false);
     const auto rate = [&](double alpha) {
       for (std::size_t i = 0; i < 2; ++i) g.dissipation[i] = alpha;
-      g.sum(schemes::ssph<1, kernels::quintic_spline<1>>{unit, g.gas(false), g.rates()});
+      g.sum(schemes::ssph<1, kernels::quintic_spline<1>>{unit, g.fields()});
       return std::array{g.force[0][0], g.power[0]};
     };
     const auto without = rate(0.0), with = rate(1.0);

@@ -4,13 +4,130 @@
 // are, so they need not be converged.
 #pragma once
 
+#include <bit>
 #include <gas/convergence.hpp>
-#include <gas/measures.hpp>
 #include <gas/rates.hpp>
 #include <gas/start.hpp>
+#include <output/groups.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::gas {
+
+// ---- what is told of the state -------------------------------------------------------------
+
+// Of all ranks' particles: kg, J, and kg m/s.
+template <int D>
+struct totals {
+  double mass, kinetic, internal, potential, momentum_scale;
+  std::array<double, D> momentum;
+  double energy() const { return kinetic + internal + potential; }
+};
+
+template <int D>
+totals<D> sum_up(const world<D>& g) {
+  const auto& s = g.w.s;
+  foundation::exact_sum mass, kinetic, internal, potential, scale;
+  std::array<foundation::exact_sum, D> momentum;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double v2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      v2 += s.v[a][i] * s.v[a][i];
+      momentum[a].add(s.m[i] * s.v[a][i]);
+    }
+    mass.add(s.m[i]);
+    kinetic.add(0.5 * s.m[i] * v2);
+    internal.add(s.m[i] * s.u[i]);
+    if constexpr (D > 1) potential.add(s.m[i] * g.o.shock.gravity * s.x[1][i]);
+    scale.add(s.m[i] * (std::sqrt(v2) + g.sound_speed(i)));
+  }
+  const auto& ranks = g.ranks();
+  totals<D> t{ranks.exact(mass),      ranks.exact(kinetic), ranks.exact(internal),
+              ranks.exact(potential), ranks.exact(scale),   {}};
+  for (std::size_t a = 0; a < D; ++a) t.momentum[a] = ranks.exact(momentum[a]);
+  return t;
+}
+
+// Largest change of a component that is kept, over the sum of m (|v| + c).
+template <int D>
+double momentum_change(const world<D>& g, const totals<D>& now, const totals<D>& first) {
+  double momentum = 0.0;
+  for (std::size_t a = 0; a < D; ++a)
+    if (a != 1 || g.o.shock.gravity == 0.0)
+      momentum = std::max(momentum, std::abs(now.momentum[a] - first.momentum[a]) / now.momentum_scale);
+  return momentum;
+}
+
+template <int D>
+double largest_density(const world<D>& g) {
+  double densest = 0.0;
+  for (std::size_t i = 0; i < g.w.s.fluid; ++i) densest = std::max(densest, g.told_density()[i]);
+  return g.ranks().maximum(densest);
+}
+
+template <int D>
+view particles_seen(const world<D>& g) {
+  const auto& s = g.w.s;
+  view seen{g.ranks(),        s.fluid, {}, {}, s.m.data(), g.told_density().data(), s.p.data(), g.number_volume.data(),
+            s.material.data()};
+  for (std::size_t a = 0; a < D; ++a) {
+    seen.x[a] = s.x[a].data();
+    seen.v[a] = s.v[a].data();
+  }
+  return seen;
+}
+
+// Means of |value - exact| over the volume of the particles measured; null where there are none.
+template <int D>
+nlohmann::ordered_json errors(const world<D>& g, double t) {
+  const auto& s = g.w.s;
+  foundation::exact_sum volume, rho, v, p;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const point x = g.place(i);
+    if (g.test.measured && !g.test.measured(x, t)) continue;
+    const state right = g.test.exact(x, t);
+    double dv2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) dv2 += (s.v[a][i] - right.v[a]) * (s.v[a][i] - right.v[a]);
+    const double V = g.number_volume[i];
+    volume.add(V);
+    rho.add(V * std::abs(g.told_density()[i] - right.rho));
+    v.add(V * std::sqrt(dv2));
+    p.add(V * std::abs(s.p[i] - right.p));
+  }
+  const double all = g.ranks().exact(volume);
+  const auto mean = [&](const foundation::exact_sum& sum) {
+    const double of_all = g.ranks().exact(sum);
+    return run::or_null(all != 0.0 ? std::optional(of_all / all) : std::nullopt);
+  };
+  return {{"density_l1", mean(rho)}, {"velocity_l1", mean(v)}, {"pressure_l1", mean(p)}};
+}
+
+// extra: what is made for the snapshot
+template <int D>
+output::particle_group snapshot(world<D>& g, double t, std::vector<particles::array>& extra) {
+  const auto& s = g.w.s;
+  auto group = output::group_of(s, 0, 0, s.fluid);
+  const auto add = [&](const char* name, const double* values) { output::add_quantity(group, name, {values}); };
+  const auto make = [&](auto&& value) { return output::make_array(extra, s.fluid, value); };
+  add("Masses", s.m.data());
+  add("Density", g.told_density().data());
+  add("Pressure", s.p.data());
+  add("Temperature", g.any_eos ? s.T.data() : make([](auto) { return 0.0; }));
+  add("SmoothingLength", make([&](auto i) { return g.S[i] / g.support_over_h; }));
+  add("Material", make([&](auto i) { return s.material[i]; }));
+  add("InternalEnergy", s.u.data());
+  if (g.has_alpha()) add("ArtificialViscosity", g.alpha.data());
+  if (!g.test.exact) return group;
+  std::vector<state> exact;
+  for (std::size_t i = 0; i < s.fluid; ++i) exact.push_back(g.test.exact(g.place(i), t));
+  add("DensityReference", make([&](auto i) { return exact[i].rho; }));
+  add("PressureReference", make([&](auto i) { return exact[i].p; }));
+  std::vector<const double*> v;
+  for (std::size_t a = 0; a < D; ++a) v.push_back(make([&](auto i) { return exact[i].v[a]; }));
+  output::add_quantity(group, "VelocitiesReference", v);
+  return group;
+}
+
+// --------------------------------------------------------------------------------------------
 
 template <int D>
 class flow : public run::problem_in_a_box<D> {
@@ -28,7 +145,7 @@ class flow : public run::problem_in_a_box<D> {
   bool evaluable() override {
     const auto& s = g_.w.s;
     double least = std::numeric_limits<double>::infinity();
-    if (g_.o.any_eos()) return true;
+    if (g_.any_eos) return true;
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
@@ -90,17 +207,16 @@ class flow : public run::problem_in_a_box<D> {
   void save(output::checkpoint_globals& to) const override {
     base::save(to);
     if (!first_) return;
-    std::vector<double> all{first_->mass, first_->kinetic, first_->internal, first_->potential, first_->momentum_scale};
-    all.insert(all.end(), first_->momentum.begin(), first_->momentum.end());
-    to.blobs["first_totals"] = all;
+    const auto all = std::bit_cast<numbers_of_totals>(*first_);
+    to.blobs["first_totals"].assign(all.begin(), all.end());
     std::vector<double>& flat = to.blobs["samples"];
     for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
   void restore(const output::checkpoint_globals& from) override {
     base::restore(from);
-    const auto& all = from.blobs.at("first_totals");
-    first_.emplace(totals<D>{all[0], all[1], all[2], all[3], all[4], {}});
-    std::copy_n(all.begin() + 5, D, first_->momentum.begin());
+    numbers_of_totals all;
+    std::copy_n(from.blobs.at("first_totals").begin(), all.size(), all.begin());
+    first_ = std::bit_cast<totals<D>>(all);
     const auto& flat = from.blobs.at("samples");
     const auto width = static_cast<std::ptrdiff_t>(1 + g_.test.traces.size());
     for (auto line = flat.begin(); line != flat.end(); line += width) samples_.emplace_back(line, line + width);
@@ -115,6 +231,8 @@ class flow : public run::problem_in_a_box<D> {
   }
 
  private:
+  using numbers_of_totals = std::array<double, sizeof(totals<D>) / sizeof(double)>;
+
   world<D> g_;
   const std::vector<level> coarser_;
   double time_ = 0.0;  // s, of the state

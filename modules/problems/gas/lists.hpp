@@ -11,7 +11,7 @@ void find_weights(world<D>& g, std::size_t first, std::size_t last) {
   const auto& s = g.w.s;
   foundation::for_all(last - first, [&](std::size_t k) {
     const std::size_t i = first + k;
-    g.weight[i] = g.o.weighs_energy() ? s.m[i] * s.u[i] : g.o.weighs_volume() ? g.start_volume[i] : s.m[i];
+    g.weight[i] = g.weighs_energy ? s.m[i] * s.u[i] : g.weighs_volume ? g.start_volume[i] : s.m[i];
   });
 }
 
@@ -33,8 +33,8 @@ void end_state(world<D>& g) {
   const foundation::stage timed(g.w.times, "halo");
   g.w.end_fluid();
   walls::move_images(g.walls, s);
-  for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = sign[a] * s.v[a][j];
+  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned across) {
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = reflected(s.v[a][j], across & 1U << a);
     s.u[i] = s.u[j];
   });
   find_weights(g, s.fluid, s.total());
@@ -48,7 +48,7 @@ void refresh_constants(world<D>& g) {
   for (std::size_t i = 0; i < s.fluid; ++i) std::tie(g.gamma[i], g.stiffness[i]) = gas_of(g, s.material[i]);
   g.gamma[s.null()] = g.o.shock.gamma;
   g.kind.assign(s.total() + 1, 0.0);
-  const bool two = g.o.any_eos() || gas_of(g, 0) != gas_of(g, 1);
+  const bool two = g.any_eos || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
   const std::array<double*, 5> fixed{s.m.data(), g.start_volume.data(), g.gamma.data(), g.stiffness.data(),
                                      g.kind.data()};
@@ -66,11 +66,11 @@ void resize_arrays(world<D>& g) {
                   &g.power, &g.signal, &g.mass_density})
     a->resize(s.fluid);
   for (auto& a : g.force) a.resize(s.fluid);
-  if (g.o.evolves_density()) {
+  if (g.evolves_density) {
     for (auto& a : g.reproducing) a.assign(s.total() + 1, 0.0);
     g.density_rate.resize(s.fluid);
   }
-  if (g.o.second_order() || g.o.evolves_density())
+  if (g.godunov || g.evolves_density)  // zero: first order
     for (auto& a : g.gradient) a.assign(s.total() + 1, 0.0);
 }
 

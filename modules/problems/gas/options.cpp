@@ -134,7 +134,9 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  run::declare(schema, o.common, {.kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
+  run::declare(
+      schema, o.common,
+      {.single_pairs = true, .kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
 }
 
 eos::any eos_of(const std::string& name) {
@@ -224,6 +226,13 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("domain", "dimension", "the test '" + test + "' has two dimensions at least");
 }
 
+void check_precision(const namelist::schema& schema, const options& o) {
+  if (!o.common.kernel.single_pairs()) return;
+  if (o.evolves_density()) schema.fail("kernel", "precision", "the scheme 'remix' computes pairs in double precision");
+  if (o.godunov() && o.shock.solver == "exact")
+    schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
+}
+
 void check_coarser(const namelist::schema& schema, const options& o) {
   const std::int64_t k = o.shock.coarser;
   if (k == 0) return;
@@ -249,6 +258,7 @@ void resolve(const namelist::schema& schema, options& o) {
   resolve_materials(schema, o);
   resolve_box(schema, o);
   check_test(schema, o);
+  check_precision(schema, o);
   check_coarser(schema, o);
   if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
   schema.placed("shock", "test", [&] { make_setup(o); });

@@ -1,125 +1,168 @@
-// The right-hand side: state (state.hpp); gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the
-// kernels' corrections (REMIX); forces and power, with artificial viscosity or Riemann problems; and
+// The right-hand side. Supports, densities, and the state that follows from them:
+//   y, f, z, ∇·v, ∇×v over neighbours (schemes/common.hpp); ρ, and P, c of ρ and u (here of an ideal gas)
+//     SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
+// then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX); forces and
+// power, with artificial viscosity or Riemann problems; and
 //   dx/dt = v, dv/dt = F/m, du/dt = power/m, dα/dt or dρ/dt where these are integrated
 #pragma once
 
+#include <fmt/format.h>
+
 #include <gas/lists.hpp>
-#include <gas/state.hpp>
 #include <integrators/explicit_integrator.hpp>
-#include <schemes/disph.hpp>
-#include <schemes/gdisph.hpp>
+#include <schemes/godunov.hpp>
 #include <schemes/gradients.hpp>
-#include <schemes/gsph.hpp>
 #include <schemes/remix.hpp>
-#include <schemes/ssph.hpp>
+#include <schemes/viscous.hpp>
 
 namespace tetsuame::gas {
+
+// The next step of Newton's method, by no more than the lists allow. S is what the sums take.
+template <int D>
+void next_supports(world<D>& g) {
+  const double target = std::pow(g.support_over_dx, D);
+  foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
+    const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
+    g.support[i] = std::min(next, g.list_support[i] + g.room_to_grow());
+    g.S[i] = g.support[i];
+  });
+}
+
+template <int D>
+void sum_densities(world<D>& g, const pairs::stretch& rows) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::density<D, Kernel>{unit, g.fields()});
+      },
+      g.unit);
+}
+
+// What no state follows from.
+template <int D>
+void check_sums(world<D>& g) {
+  const auto& s = g.w.s;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (g.evolves_density && !(g.evolved[i] > 0.0)) {
+      g.w.first_fault.report(s.id[i], fmt::format("the density of particle {} is not above 0", s.id[i]));
+      break;
+    } else if (!((s.u[i] > 0.0 || g.any_eos) && g.y[i] > 0.0 && std::isfinite(g.y[i]))) {
+      g.w.first_fault.report(
+          s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
+      break;
+    }
+}
+
+template <int D>
+void check_sound(world<D>& g) {
+  const auto& s = g.w.s;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (!(s.c[i] > 0.0)) {
+      g.w.first_fault.report(
+          s.id[i], fmt::format("particle {} has no sound at {:.4g} kg/m^3 and {:.4g} J/kg: '{}' does not reach there",
+                               s.id[i], s.rho[i], s.u[i], eos::about(g.caloric_of(i).material()).name));
+      break;
+    }
+}
+
+// ρ, p, T, c of y and u. dU = -p dV with V = k w/y.
+template <int D>
+void find_pressure(world<D>& g, std::size_t i, double k) {
+  auto& s = g.w.s;
+  s.rho[i] = g.evolves_density ? g.evolved[i]
+             : g.weighs_energy ? g.y[i] / s.u[i]
+             : g.weighs_volume ? s.m[i] * g.y[i] / (k * g.weight[i])
+                               : g.y[i];
+  if (g.any_eos) {
+    const eos::caloric_state now = g.caloric_of(i).at(s.rho[i], s.u[i]);
+    s.p[i] = now.p;
+    s.T[i] = now.T;
+    s.c[i] = now.c;
+    // The stiffened gas with K_S and K_S' (riemann/states.hpp)
+    g.stiffness[i] = s.rho[i] * now.c * now.c / g.gamma[i] - now.p;
+    return;
+  }
+  s.p[i] = (g.gamma[i] - 1.0) * (g.weighs_energy ? g.y[i] : s.rho[i] * s.u[i]) - g.gamma[i] * g.stiffness[i];
+  s.c[i] = g.sound_speed(i);
+}
+
+// What the pair takes of the viscosity, or of the star pressure.
+template <int D>
+double dissipation_of(world<D>& g, std::size_t i) {
+  const bool switched = g.o.shock.balsara || g.part_of_star || g.evolves_density;
+  const double balsara =
+      switched ? schemes::balsara_factor(g.divergence[i], g.curl[i], g.w.s.c[i], g.S[i] / g.support_over_h) : 1.0;
+  return g.evolves_density ? balsara : !g.godunov ? g.alpha[i] * balsara : g.part_of_star ? balsara : 1.0;
+}
+
+// Fields that ghosts and images have of what was found.
+template <int D>
+std::array<double*, 9> found_fields(world<D>& g) {
+  auto& s = g.w.s;
+  return {g.correction.data(), s.rho.data(),   s.p.data(),           s.c.data(),        s.dV.data(),
+          g.per_S.data(),      g.slope.data(), g.dissipation.data(), g.stiffness.data()};
+}
+
+// The state that follows from the sums, set out to the ghosts; it is there, and that of images, after end_found().
+template <int D>
+void begin_found(world<D>& g) {
+  const foundation::stage timed(g.w.times, "densities");
+  auto& s = g.w.s;
+  const auto& o = g.o;
+  check_sums(g);
+  const bool with_z = o.density_independent() && o.shock.support_terms == "number";
+  const bool with_f = !with_z && o.shock.scheme != "gsph" && o.shock.support_terms != "none";
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const double k = g.weighs_volume ? g.start_sum[i] : 1.0;
+    find_pressure(g, i, k);
+    g.number_volume[i] = 1.0 / g.number[i];
+    s.dV[i] = g.evolves_density ? s.m[i] / s.rho[i] : g.number_volume[i];
+    g.per_S[i] = 1.0 / g.S[i];
+    g.slope[i] = (with_f ? g.f[i] : 1.0) * (g.godunov ? 1.0 : s.p[i]) * k / (g.y[i] * g.y[i]);
+    g.correction[i] = with_z ? g.z[i] : 0.0;
+    g.dissipation[i] = dissipation_of(g, i);
+  });
+  if (g.any_eos) check_sound(g);
+  g.per_S[s.null()] = g.slope[s.null()] = 0.0;
+  const auto all = found_fields(g);
+  domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
+}
+
+template <int D>
+void end_found(world<D>& g) {
+  const foundation::stage timed(g.w.times, "halo");
+  g.w.end_fluid();
+  const auto all = found_fields(g);
+  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned) {
+    for (double* a : all) a[i] = a[j];
+  });
+}
 
 template <int D, class Kernel>
 void find_gradients(world<D>& g, const Kernel& unit) {
   const foundation::stage timed(g.w.times, "gradients");
-  auto& s = g.w.s;
-  schemes::gradients<D, Kernel> term{
-      unit,       s.dV.data(), g.o.evolves_density() ? s.u.data() : s.p.data(), s.rho.data(), pairs::pointers<D>(s.v),
-      g.S.data(), {}};
-  std::array<double*, world<D>::G> all;
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = term.out[k] = g.gradient[k].data();
-  sum(g, g.w.fluid(), term);
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
-  for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
-    for (std::size_t k = 0; k < D + 2; ++k)
-      for (std::size_t b = 0; b < D; ++b) {
-        const double of_field = k < 2 ? 1.0 : sign[k - 2];
-        all[D * k + b][i] = of_field * sign[b] * all[D * k + b][j];
-      }
-  });
-}
-
-// Where A, B and their gradients are, for what finds and for what reads them.
-template <int D, class Fields>
-void place_corrections(world<D>& g, Fields& to) {
-  const auto at = [&](std::size_t k) { return g.reproducing[k].data(); };
-  to.A = at(1);
-  for (std::size_t a = 0; a < D; ++a) {
-    to.B[a] = at(2 + a);
-    to.grad_A[a] = at(2 + D + a);
-  }
-  for (std::size_t k = 0; k < to.grad_B.size(); ++k) to.grad_B[k] = at(2 + 2 * D + k);
+  sum(g, g.w.fluid(), schemes::gradients<D, Kernel>{unit, g.fields(), g.evolves_density ? g.w.s.u : g.w.s.p});
+  spread(g, g.gradient, 0);
 }
 
 template <int D, class Kernel>
 void find_corrections(world<D>& g, const Kernel& unit) {
   const foundation::stage timed(g.w.times, "corrections");
-  schemes::reproducing<D, Kernel> term{unit, g.w.s.dV.data(), g.per_S.data(), {}};
-  std::array<double*, world<D>::R> all;
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = g.reproducing[k].data();
-  term.out.m0 = all[0];
-  place_corrections(g, term.out);
-  sum(g, g.w.fluid(), term);
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
-  for_each_image(g, [&](std::size_t i, std::size_t j, const std::array<double, D>& sign) {
-    all[0][i] = all[0][j];
-    all[1][i] = all[1][j];
-    for (std::size_t a = 0; a < D; ++a) {
-      term.out.B[a][i] = sign[a] * term.out.B[a][j];
-      term.out.grad_A[a][i] = sign[a] * term.out.grad_A[a][j];
-      for (std::size_t b = 0; b < D; ++b)
-        term.out.grad_B[D * a + b][i] = sign[a] * sign[b] * term.out.grad_B[D * a + b][j];
-    }
-  });
-}
-
-// What the schemes read.
-template <int D>
-schemes::gas<D> fields_of(world<D>& g) {
-  auto& s = g.w.s;
-  schemes::gas<D> gas{pairs::pointers<D>(s.v),
-                      s.m.data(),
-                      g.weight.data(),
-                      s.rho.data(),
-                      s.p.data(),
-                      s.c.data(),
-                      g.slope.data(),
-                      g.correction.data(),
-                      g.per_S.data(),
-                      g.dissipation.data(),
-                      g.gamma.data(),
-                      g.stiffness.data(),
-                      {},
-                      {},
-                      {},
-                      g.o.shock.limiter == "minmod" ? 1.0 : 2.0,
-                      g.o.shock.solver == "exact"};
-  for (std::size_t b = 0; b < D; ++b) {
-    gas.grad_p[b] = g.gradient[b].data();
-    gas.grad_rho[b] = g.gradient[D + b].data();
-  }
-  for (std::size_t k = 0; k < gas.grad_v.size(); ++k) gas.grad_v[k] = g.gradient[2 * D + k].data();
-  return gas;
+  sum(g, g.w.fluid(), schemes::reproducing<D, Kernel>{unit, g.fields()});
+  spread(g, g.reproducing, 2);
 }
 
 template <int D, class Kernel>
 void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   const foundation::stage timed(g.w.times, "forces");
-  const auto& scheme = g.o.shock.scheme;
-  const auto gas = fields_of(g);
-  schemes::rates<D> out{{}, g.power.data(), g.signal.data()};
-  for (std::size_t a = 0; a < D; ++a) out.force[a] = g.force[a].data();
-  if (scheme == "ssph") return sum(g, rows, schemes::ssph<D, Kernel>{unit, gas, out});
-  if (scheme == "disph") return sum(g, rows, schemes::disph<D, Kernel>{unit, gas, out});
-  schemes::reproducing_fields<D> corrections;
-  place_corrections(g, corrections);
-  if (scheme == "remix")
-    return sum(
-        g, rows,
-        schemes::remix<D, Kernel>{unit, gas, corrections, g.w.s.dV.data(), g.w.s.u.data(), g.reproducing[0].data(),
-                                  g.kind.data(), g.support_over_dx, out, g.density_rate.data()});
-  const bool second = g.o.second_order();
-  if (scheme == "gsph")
-    return second ? sum(g, rows, schemes::gsph<D, Kernel, true>{unit, gas, out})
-                  : sum(g, rows, schemes::gsph<D, Kernel, false>{unit, gas, out});
-  return second ? sum(g, rows, schemes::gdisph<D, Kernel, true>{unit, gas, out})
-                : sum(g, rows, schemes::gdisph<D, Kernel, false>{unit, gas, out});
+  const auto& q = g.o.shock;
+  const auto all = g.fields();
+  const double theta = q.limiter == "minmod" ? 1.0 : 2.0;
+  const bool exact = q.solver == "exact";
+  if (q.scheme == "ssph") return sum(g, rows, schemes::ssph<D, Kernel>{unit, all});
+  if (q.scheme == "disph") return sum(g, rows, schemes::disph<D, Kernel>{unit, all});
+  if (q.scheme == "gsph") return sum(g, rows, schemes::gsph<D, Kernel>{unit, all, theta, exact});
+  if (q.scheme == "gdisph") return sum(g, rows, schemes::gdisph<D, Kernel>{unit, all, theta, exact});
+  sum(g, rows, schemes::remix<D, Kernel>{unit, all, g.support_over_dx});
 }
 
 template <int D>
@@ -132,7 +175,7 @@ std::vector<integrators::field> integrated_fields(world<D>& g) {
   for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
   all.push_back({"u", s.u.data(), 0.0, speed * speed});
   if (g.has_alpha()) all.push_back({"alpha", g.alpha.data(), 0.0, 1.0});
-  if (g.o.evolves_density()) all.push_back({"density", g.evolved.data(), 0.0, g.density_scale});
+  if (g.evolves_density) all.push_back({"density", g.evolved.data(), 0.0, g.density_scale});
   return all;
 }
 
@@ -148,7 +191,7 @@ void combine(world<D>& g, std::span<double* const> rate) {
     }
     if constexpr (D > 1) rate[D + 1][i] -= q.gravity;
     rate[2 * D][i] = g.power[i] / s.m[i];
-    if (g.o.evolves_density()) rate[2 * D + 1][i] = g.density_rate[i];
+    if (g.evolves_density) rate[2 * D + 1][i] = g.density_rate[i];
     if (g.has_alpha())
       rate[2 * D + 1][i] =
           schemes::alpha_rate(g.alpha[i], q.alpha_min, q.alpha, g.divergence[i], s.c[i], g.S[i] / g.support_over_h);
@@ -164,17 +207,17 @@ void combine(world<D>& g, std::span<double* const> rate) {
 template <int D>
 void evaluate(world<D>& g, std::span<double* const> rate) {
   const auto& w = g.w;
-  const bool from_state = !g.o.second_order() && !g.o.evolves_density();  // forces need no gradients of the ghosts
+  const bool from_state = !g.second_order && !g.evolves_density;  // forces need no gradients of the ghosts
   begin_state(g);
+  sum_densities(g, w.interior());
+  end_state(g);
+  sum_densities(g, w.at_border());
+  begin_found(g);
   std::visit(
       [&](const auto& unit) {
-        sum_densities(g, unit, w.interior());
-        end_state(g);
-        sum_densities(g, unit, w.at_border());
-        begin_found(g);
         if (from_state) find_forces(g, unit, w.interior());
         end_found(g);
-        if (g.o.evolves_density()) find_corrections(g, unit);
+        if (g.evolves_density) find_corrections(g, unit);
         if (!from_state) find_gradients(g, unit);
         find_forces(g, unit, from_state ? w.at_border() : w.fluid());
       },

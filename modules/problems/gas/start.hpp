@@ -2,8 +2,7 @@
 // their supports.
 #pragma once
 
-#include <gas/lists.hpp>
-#include <gas/state.hpp>
+#include <gas/rates.hpp>
 
 namespace tetsuame::gas {
 
@@ -13,7 +12,7 @@ struct start_state {
 
 template <int D>
 start_state start_of(const world<D>& g, const state& now) {
-  if (g.o.any_eos()) {
+  if (g.any_eos) {
     const bool left = now.material == g.test.material_l;
     const eos::caloric& m = g.materials[left ? 0 : 1];
     const double u = m.internal_energy(now.rho, *(left ? g.o.shock.l : g.o.shock.r).temperature);
@@ -25,7 +24,7 @@ start_state start_of(const world<D>& g, const state& now) {
 
 template <int D>
 void make_materials(world<D>& g) {
-  if (!g.o.any_eos()) return;
+  if (!g.any_eos) return;
   for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
     const eos::caloric& m = g.materials.emplace_back(eos_of(side->eos));
     g.stiffening.push_back(m.stiffening(side->rho, m.internal_energy(side->rho, *side->temperature)));
@@ -37,6 +36,7 @@ void choose_kernel(world<D>& g) {
   const auto& kernel = g.o.common.kernel;
   g.support_over_h = kernels::find(kernel.name).support_over_h;
   g.support_over_dx = g.support_over_h * kernel.h_over_dx;
+  g.w.compute_pairs_in(kernel.single_pairs());
   if (kernel.name == kernels::wendland_c4<D>::name) g.unit = kernels::wendland_c4<D>(1.0);
 }
 
@@ -138,12 +138,15 @@ void set_up(world<D>& g) {
 template <int D>
 void settle(world<D>& g) {
   for (int round = 0; round < 4; ++round) {
-    for (int k = 0; k < 5; ++k) std::visit([&](const auto& unit) { find_supports(g, unit); }, g.unit);
+    for (int k = 0; k < 5; ++k) {
+      sum_densities(g, g.w.fluid());
+      next_supports(g);
+    }
     make_lists(g, false);
   }
-  if (!g.o.weighs_volume()) return;
+  if (!g.weighs_volume) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
-  std::visit([&](const auto& unit) { sum_densities(g, unit, g.w.fluid()); }, g.unit);
+  sum_densities(g, g.w.fluid());
   begin_found(g);
   end_found(g);
   std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());

@@ -1,7 +1,8 @@
 // Gas with contacts and shocks in a box: the options, the test, the particles with their lists, and an array for every
-// quantity that is summed or derived. What is done with them: start.hpp, lists.hpp, state.hpp, rates.hpp, measures.hpp.
+// quantity that is summed or derived. What is done with them: start.hpp, lists.hpp, rates.hpp, flow.hpp.
 #pragma once
 
+#include <bit>
 #include <eos/caloric.hpp>
 #include <gas/setups.hpp>
 #include <particles/named_fields.hpp>
@@ -14,22 +15,16 @@ namespace tetsuame::gas {
 template <int D>
 using kernel_choice = std::variant<kernels::quintic_spline<D>, kernels::wendland_c4<D>>;
 
-// Of all ranks' particles: kg, J, and kg m/s.
 template <int D>
-struct totals {
-  double mass, kinetic, internal, potential, momentum_scale;
-  std::array<double, D> momentum;
-  double energy() const { return kinetic + internal + potential; }
-};
-
-template <int D>
-struct world : run::state<D> {
-  using run::state<D>::w, run::state<D>::walls, run::state<D>::skin, run::state<D>::fluid_total;
-  static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2);      // gradients
-  static constexpr std::size_t R = 2 + static_cast<std::size_t>(D) * (D + 2);  // m_0, A, B and gradients of A, B
+struct world : run::state<D>, schemes::arrays<D> {
+  using run::state<D>::w, run::state<D>::walls, run::state<D>::skin;
 
   const options& o;
   const setup test;
+  // What the options say, for loops over particles
+  const bool weighs_energy = o.weighs_energy(), weighs_volume = o.weighs_volume(), any_eos = o.any_eos();
+  const bool godunov = o.godunov(), second_order = o.second_order(), evolves_density = o.evolves_density();
+  const bool part_of_star = o.shock.star_pressure == "balsara";
   std::vector<eos::caloric> materials = {};                 // left, right; none: gases
   std::vector<double> stiffening = {};                      // K_S' of each
   kernel_choice<D> unit = kernels::quintic_spline<D>(1.0);  // support 1
@@ -44,16 +39,7 @@ struct world : run::state<D> {
   particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
 
-  // Of all particles, ghosts and images included. kind: which material
-  particles::array S = {}, per_S = {}, weight = {}, slope = {}, correction = {}, dissipation = {};
-  particles::array gamma = {}, stiffness = {}, kind = {};
-  std::array<particles::array, G> gradient = {};
-  std::array<particles::array, R> reproducing = {};
-  // Of the particles of this rank
-  particles::array y = {}, f = {}, z = {}, divergence = {}, curl = {}, number = {}, number_volume = {};
-  particles::array count = {}, count_slope = {}, mass_density = {};
-  std::array<particles::array, D> force = {};
-  particles::array power = {}, signal = {}, density_rate = {};
+  particles::array number_volume = {};  // 1/n, m^D
 
   world(const options& o_, setup test_) : o(o_), test(std::move(test_)) {}
 
@@ -62,9 +48,10 @@ struct world : run::state<D> {
     return particles::declare(w.s, name, of_unit, role, about);
   }
   const domain::communicator& ranks() const { return w.d.ranks; }
+  schemes::fields<D> fields() { return {w.s, *this}; }
 
-  const particles::array& told_density() const { return o.shock.density == "mass" ? mass_density : w.s.rho; }
-  bool has_alpha() const { return !o.godunov() && !o.evolves_density() && o.shock.switch_of_alpha; }
+  const particles::array& told_density() const { return o.shock.density == "mass" ? this->mass_density : w.s.rho; }
+  bool has_alpha() const { return !godunov && !evolves_density && o.shock.switch_of_alpha; }
   // A part of the skin is for supports to grow, the rest for particles to move.
   double room_to_grow() const { return 0.25 * skin; }
 
@@ -76,9 +63,10 @@ struct world : run::state<D> {
   const eos::caloric& caloric_of(std::size_t i) const { return materials[w.s.material[i] == test.material_l ? 0 : 1]; }
   // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
-    if (o.any_eos()) return caloric_of(i).at(w.s.rho[i], w.s.u[i]).c;
-    const double thermal = stiffness[i] > 0.0 ? w.s.u[i] - stiffness[i] / w.s.rho[i] : w.s.u[i];
-    return std::sqrt(gamma[i] * (gamma[i] - 1.0) * std::max(thermal, 0.0));
+    if (any_eos) return caloric_of(i).at(w.s.rho[i], w.s.u[i]).c;
+    const double p_infinity = this->stiffness[i], adiabatic = this->gamma[i];
+    const double thermal = p_infinity > 0.0 ? w.s.u[i] - p_infinity / w.s.rho[i] : w.s.u[i];
+    return std::sqrt(adiabatic * (adiabatic - 1.0) * std::max(thermal, 0.0));
   }
 };
 
@@ -87,26 +75,52 @@ template <int D>
 std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
   const auto& q = g.o.shock;
   const bool left = material == g.test.material_l;
-  if (g.o.any_eos()) return {g.stiffening[left ? 0 : 1], 0.0};
+  if (g.any_eos) return {g.stiffening[left ? 0 : 1], 0.0};
   const auto& side = left ? q.l : q.r;
   return {*side.gamma, side.p_infinity};
 }
 
-// The pair sums of the terms over the neighbours of these rows.
-template <int D, class... Terms>
-void sum(world<D>& g, const pairs::stretch& rows, const Terms&... terms) {
+// The pair sum of a term over the neighbours of these rows, in the precision that the run chose. The unit of length of
+// single precision is near the largest reach of a pair.
+template <int D, class Term>
+void sum(world<D>& g, const pairs::stretch& rows, const Term& term) {
   const double nearest = 1e-9 * g.support_over_dx * g.w.dx;
-  pairs::sum_over<D>(rows, g.w.list, g.w.x(), schemes::distances_only{nearest}, terms...);
+  if constexpr (pairs::takes<Term, pairs::single>)
+    if (g.w.single_pairs()) {
+      const pairs::unit<pairs::single> lengths(g.w.d.width);
+      return pairs::sum_in<D>(lengths, rows, g.w.list, g.w.x(), schemes::distances_only{nearest * lengths.to(-1)},
+                              term);
+    }
+  pairs::sum_over<D>(rows, g.w.list, g.w.x(), schemes::distances_only{nearest}, term);
 }
 
-// f(image, its source, which velocities and slopes along an axis change sign)
+// f(image, its source, a bit for each axis across which it is seen: what is along that axis changes sign)
 template <int D, class F>
 void for_each_image(world<D>& g, F&& f) {
   foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
-    std::array<double, D> sign;
-    sign.fill(1.0);
-    walls::for_each_mirror(g.walls, r, [&](const walls::side<D>& wall) { sign[wall.axis] = -sign[wall.axis]; });
-    f(g.w.s.first_wall() + r, g.walls.source[r], sign);
+    unsigned across = 0;
+    walls::for_each_mirror(g.walls, r, [&](const walls::side<D>& wall) { across ^= 1U << wall.axis; });
+    f(g.w.s.first_wall() + r, g.walls.source[r], across);
+  });
+}
+// The value of what is along these axes.
+inline double reflected(double value, unsigned along) { return std::popcount(along) % 2 == 0 ? value : -value; }
+
+// At ghosts and images: first so many plain numbers, then the gradients of two numbers, and that of a vector.
+template <int D>
+void spread(world<D>& g, std::span<particles::array> arrays, std::size_t plain) {
+  std::vector<double*> all;
+  for (auto& a : arrays) all.push_back(a.data());
+  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
+  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned across) {
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      unsigned along = 0;
+      if (n >= plain) {
+        const std::size_t k = (n - plain) / D, b = (n - plain) % D;
+        along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
+      }
+      all[n][i] = reflected(all[n][j], across & along);
+    }
   });
 }
 

@@ -60,8 +60,9 @@ inline gas::options box_of_gas(const request& asked) {
       fmt::format(
           "&domain dimension = {} length_x = {} particles_x = {} periodic_x = T periodic_y = T periodic_z = T /\n"
           "&shock test = 'square' scheme = '{}' masses = 'equal_spacing' rho_l = 4 p_l = 2.5 rho_r = 1 p_r = 2.5 /\n"
+          "&kernel precision = '{}' /\n"
           "&time method = 'euler' dt = 1e-15 t_end = 1 /\n",
-          asked.dimension, n, n, asked.name),
+          asked.dimension, n, n, asked.name, asked.precision),
       "bench"));
   gas::resolve(schema, o);
   return o;
