@@ -77,7 +77,7 @@ void find_pressure(world<D>& g, std::size_t i, double k) {
     s.p[i] = now.p;
     s.T[i] = now.T;
     s.c[i] = now.c;
-    // The stiffened gas with K_S and K_S' (riemann/states.hpp)
+    // The stiffened gas with K_S and K_S' (riemann/exact.hpp)
     g.stiffness[i] = s.rho[i] * now.c * now.c / g.gamma[i] - now.p;
     return;
   }
