@@ -147,7 +147,10 @@ bool settled(const convection_state<D>& state, const measured& m, double toleran
 }
 
 template <int D>
-void report_averages(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
+void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
+  auto& j = r.metrics;
+  const auto& layer = state.layer;
+  const auto& f = layer.fluid;
   const double span = window(state, m);
   for (std::size_t k = 0; k < measures.size(); ++k) {
     const auto a = m.samples.over(k, span);
@@ -155,12 +158,10 @@ void report_averages(const convection_state<D>& state, const measured& m, nlohma
     if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
   }
   j["averaged_over"] = span;
-}
-
-template <int D>
-void report_layer(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
-  const auto& layer = state.layer;
-  const auto& f = layer.fluid;
+  j["steady"] = steady;
+  j["levels_left"] = state.at_start.level;
+  j["mach"] = m.mach;
+  j["mean_density_drift"] = m.density_drift;
   j["rayleigh"] = relaxation::rayleigh(f);
   j["prandtl"] = relaxation::prandtl(f);
   j["dissipation_number"] = layer.dissipation_number;
@@ -172,17 +173,6 @@ void report_layer(const convection_state<D>& state, const measured& m, nlohmann:
   j["sound_speed_effective"] = layer.c_eff;
   j["target"] = layer.steady ? "steady" : "transient";
   if (layer.law.table) j["outside_viscosity_table"] = m.outside;
-}
-
-template <int D>
-void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
-  auto& j = r.metrics;
-  report_averages(state, m, j);
-  j["steady"] = steady;
-  j["levels_left"] = state.at_start.level;
-  j["mach"] = m.mach;
-  j["mean_density_drift"] = m.density_drift;
-  report_layer(state, m, j);
   // Where the flow is steady, friction takes the work of buoyancy.
   const double friction = j["viscous_heating"], work = j["buoyancy_work"];
   j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;
