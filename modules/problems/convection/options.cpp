@@ -30,10 +30,12 @@ void declare_aim(namelist::schema& schema, convection_options& o) {
              {.choices = {"auto", "steady", "transient"},
               .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, "
                          "whatever xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
-  schema.add(g, "steady_tolerance", o.steady_tolerance,
-             between(0.0, 1.0,
-                     "the run ends when Nusselt number and rms velocity change by less over six turnovers; 0: at "
-                     "t_end only"));
+  schema.add(
+      g, "steady_tolerance", o.steady_tolerance,
+      between(
+          0.0, 1.0,
+          "the run ends when Nusselt number and rms velocity change by less over six turnovers, or, with "
+          "one viscosity and the steady state as the aim, are known to it beside a swing that dies; 0: at t_end only"));
   schema.add(
       g, "levels", o.levels,
       for_expert(between(-1, 10,

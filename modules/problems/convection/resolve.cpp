@@ -141,11 +141,11 @@ void resolve_slowing(options& o, parameters& p) {
 }
 
 // Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
-// Nu = 0.25 Ra^(1/3) of free slip, and 24 particles in any case.
+// Nu = 0.25 Ra^(1/3) of free slip, and 12 particles in any case.
 std::int64_t levels_that_resolve(const options& o, const parameters& p) {
   const auto& c = o.convection;
   if (!p.steady || c.viscosity_law != "constant" || c.steady_tolerance == 0.0) return 0;
-  const double least = std::max(24.0, 2.0 * 0.25 * std::cbrt(relaxation::rayleigh(p.fluid)));
+  const double least = std::max(12.0, 2.0 * 0.25 * std::cbrt(relaxation::rayleigh(p.fluid)));
   const auto& d = o.domain;
   for (std::int64_t level = 0;; ++level) {
     const std::int64_t halved = std::int64_t{2} << level;
