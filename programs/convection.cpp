@@ -15,7 +15,6 @@ int main(int argc, char** argv) {
       .need = [&] { return run::need_of(o.domain.lattice_particles(), 1440.0, o.common.kernel, o.domain.dimension); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     if (line.plan) o.convection.levels = 0;  // of the lattice that is asked for, without the coarser ones before it
-    const auto problem = o.domain.dimension == 3 ? convection::make_3d(o, p) : convection::make_2d(o, p);
-    run::carry_out(*problem, o.common, line, resolved);
+    run::carry_out(*convection::make(o, p), o.common, line, resolved);
   });
 }

@@ -167,7 +167,7 @@ class Convection(Case):
 
     def test_levels_are_chosen(self):
         """As many as resolve the flow, where the steady state is the aim."""
-        for settings, levels in [(size(48), 1), (size(100), 2), (size(46), 0), (size(49), 0),
+        for settings, levels in [(size(24), 1), (size(22), 0), (size(48), 2), (size(100), 2), (size(46), 1), (size(49), 0),
                                  ({**size(48), "convection.steady_tolerance": 0}, 0), ({**size(48), "expert.levels": 0}, 0),
                                  ({**size(48), "convection.target": "'transient'"}, 0),
                                  ({**size(100), "convection.rayleigh": 1e6}, 1)]:
@@ -176,11 +176,11 @@ class Convection(Case):
                 self.assertEqual(s["metrics"]["levels_left"], levels)
 
     def test_nested_start_ranks_restart(self):
-        """Restarts before a level has gone over to the next, and after. Any flow is steady to such a tolerance, once there are six turnovers."""
+        """Restarts before a level has gone over to the next, and after. Any flow is known to such a tolerance, once there is a swing, 1.75 turnovers."""
         loose = {"convection.steady_tolerance": 1, "run.checkpoint_interval": 100}
-        walls = ("walls", {**size(40 if SLOW else 20), "expert.levels": 2 if SLOW else 1, "time.steps": 1800 if SLOW else 1200}, [600, 1740 if SLOW else 1000])
+        walls = ("walls", {**size(40 if SLOW else 20), "expert.levels": 2 if SLOW else 1, "time.steps": 1800 if SLOW else 1200}, [200, 900 if SLOW else 400])
         periodic = ("periodic", {**size(20), "expert.levels": 1, "convection.rayleigh": 1e5, "convection.viscosity_ramp": 2e16, "domain.periodic_x": ".true.",
-                                 "walls.slip": "no_slip", "time.method": "ab2", "time.steps": 9400}, [9100, 9300])
+                                 "walls.slip": "no_slip", "time.method": "ab2", "time.steps": 9400}, [2000, 5000])
         for name, settings, parts in [walls, periodic] if SLOW else [walls]:
             with self.subTest(name):
                 settings = {**settings, **loose}

@@ -4,12 +4,15 @@
 
 #include <convection/history.hpp>
 #include <convection/levels.hpp>
-#include <convection/pass.hpp>
 #include <convection/step.hpp>
 #include <output/groups.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::convection {
+
+// pass.hpp; of each law compiled by itself (programs/convection).
+template <int D, int K, bool graded>
+void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows, bool whole);
 
 template <int D>
 class problem : public run::problem_in_a_box<D> {
@@ -40,8 +43,14 @@ class problem : public run::problem_in_a_box<D> {
   }
 
   void evaluate(std::span<double* const> rate) override {
+    const auto& layer = state_.layer;
     const auto sum = [&](const pairs::stretch& rows) {
-      whole_ ? sum_over_neighbours<true>(state_, rows) : sum_over_neighbours<false>(state_, rows);
+      if (layer.law.varies)
+        sum_over_neighbours<D, unknown<D>::count, true>(state_, rows, whole_);
+      else if (layer.relaxed)
+        sum_over_neighbours<D, unknown<D>::count_with_z, false>(state_, rows, whole_);
+      else
+        sum_over_neighbours<D, unknown<D>::count, false>(state_, rows, whole_);
     };
     begin_state(state_);
     sum(state_.world.w.interior());
@@ -162,7 +171,6 @@ class problem : public run::problem_in_a_box<D> {
  protected:
   void make_lists(bool as_they_were) override {
     run::rebuild(state_.world, as_they_were);
-    state_.last.resize(state_.fluid().fluid);
     refresh_lagged_terms(state_);
   }
 

@@ -10,9 +10,11 @@
 namespace tetsuame::convection {
 
 // Steadiness and averages are over so many turnovers L/v_rms, and at least so much of the diffusion time: within them a
-// flow that swings has come to rest or is seen not to. A coarser level is steady when it changes by so many times the
-// tolerance.
-inline constexpr double turnovers = 6.0, least_window = 0.01, coarser_tolerance = 10.0;
+// flow that swings has come to rest or is seen not to. Where the viscous response is relaxed one swing is enough,
+// beside which the rest is told: docs/theory/convection.md, "When a flow is steady".
+inline constexpr double turnovers = 6.0, of_a_swing = 1.75, least_window = 0.01;
+// How much larger the tolerance is of a coarser level, and of the swing that is left.
+inline constexpr double coarser_tolerance = 10.0, swing_tolerance = 10.0;
 
 // The last three are of kappa DeltaT c_p/L² (W/kg): heat of friction, what rising takes, work of buoyancy, whether or
 // not they heat.
@@ -132,35 +134,56 @@ std::vector<double> measure(const convection_state<D>& state, double t, measured
 }
 
 template <int D>
-double window(const convection_state<D>& state, const measured& m) {  // s, of averages
+double turnover(const convection_state<D>& state, const measured& m) {  // s
   const auto& f = state.layer.fluid;
-  const double diffusion = f.L * f.L / f.kappa, turnover = m.v_rms > 0.0 ? f.L / m.v_rms : diffusion;
-  return std::max(turnovers * turnover, least_window * diffusion);
+  return f.L / (m.v_rms > 0.0 ? m.v_rms : f.kappa / f.L);
 }
 
+template <int D>
+double window(const convection_state<D>& state, const measured& m, bool of_swing) {  // s, of averages
+  const auto& f = state.layer.fluid;
+  return std::max((of_swing ? of_a_swing : turnovers) * turnover(state, m), least_window * f.L * f.L / f.kappa);
+}
+
+// Of nusselt_volume and v_rms: whether they no longer change, over six turnovers; and whether they are known sooner,
+// beside a swing, where the viscous response is relaxed.
+template <int D>
+bool decided(const convection_state<D>& state, const measured& m, double tolerance, bool beside_a_swing) {
+  const double span = window(state, m, beside_a_swing);
+  if (!m.samples.full(span) || m.samples.last_time() < state.layer.ramp + span) return false;
+  return std::ranges::all_of(std::array<std::size_t, 2>{0, 3}, [&](std::size_t k) {
+    if (!beside_a_swing) return m.samples.settled(k, span, tolerance);
+    const auto a = m.samples.beside_a_swing(k, span, turnover(state, m));
+    const double most = tolerance * std::abs(a.mean);
+    return a.uncertainty && *a.uncertainty <= most && a.swing <= swing_tolerance * most;
+  });
+}
+template <int D>
+bool known_beside_a_swing(const convection_state<D>& state, const measured& m, double tolerance) {
+  return state.layer.relaxed && decided(state, m, tolerance, true);
+}
 template <int D>
 bool settled(const convection_state<D>& state, const measured& m, double tolerance) {
-  const double span = window(state, m);
-  if (m.samples.size() == 0 || m.samples.last_time() < state.layer.ramp + span) return false;
-  constexpr std::size_t nusselt_volume = 0, v_rms = 3;
-  return m.samples.settled(nusselt_volume, span, tolerance) && m.samples.settled(v_rms, span, tolerance);
+  return known_beside_a_swing(state, m, tolerance) || decided(state, m, tolerance, false);
 }
 
 template <int D>
-void report_averages(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
-  const double span = window(state, m);
+void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
+  auto& j = r.metrics;
+  const auto& layer = state.layer;
+  const auto& f = layer.fluid;
+  const bool beside = steady && known_beside_a_swing(state, m, state.input.convection.steady_tolerance);
+  const double span = window(state, m, beside);
   for (std::size_t k = 0; k < measures.size(); ++k) {
-    const auto a = m.samples.over(k, span);
+    const auto a = beside ? m.samples.beside_a_swing(k, span, turnover(state, m)) : m.samples.over(k, span);
     j[measures[k]] = a.mean;
     if (k < with_uncertainty) j[std::string(measures[k]) + "_uncertainty"] = run::or_null(a.uncertainty);
   }
   j["averaged_over"] = span;
-}
-
-template <int D>
-void report_layer(const convection_state<D>& state, const measured& m, nlohmann::ordered_json& j) {
-  const auto& layer = state.layer;
-  const auto& f = layer.fluid;
+  j["steady"] = steady;
+  j["levels_left"] = state.at_start.level;
+  j["mach"] = m.mach;
+  j["mean_density_drift"] = m.density_drift;
   j["rayleigh"] = relaxation::rayleigh(f);
   j["prandtl"] = relaxation::prandtl(f);
   j["dissipation_number"] = layer.dissipation_number;
@@ -172,17 +195,6 @@ void report_layer(const convection_state<D>& state, const measured& m, nlohmann:
   j["sound_speed_effective"] = layer.c_eff;
   j["target"] = layer.steady ? "steady" : "transient";
   if (layer.law.table) j["outside_viscosity_table"] = m.outside;
-}
-
-template <int D>
-void report(const convection_state<D>& state, const measured& m, bool steady, run::summary& r) {
-  auto& j = r.metrics;
-  report_averages(state, m, j);
-  j["steady"] = steady;
-  j["levels_left"] = state.at_start.level;
-  j["mach"] = m.mach;
-  j["mean_density_drift"] = m.density_drift;
-  report_layer(state, m, j);
   // Where the flow is steady, friction takes the work of buoyancy.
   const double friction = j["viscous_heating"], work = j["buoyancy_work"];
   j["work_imbalance"] = friction > 0.0 ? (work - friction) / friction : 0.0;

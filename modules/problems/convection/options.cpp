@@ -1,8 +1,4 @@
-#include <fmt/format.h>
-
-#include <cmath>
 #include <convection/options.hpp>
-#include <foundation/error.hpp>
 
 namespace tetsuame::convection {
 
@@ -11,9 +7,6 @@ namespace {
 using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
 
 constexpr const char* g = "convection";
-
-const domain::demands demands{
-    .walls_below_and_above = "heat comes from the bottom and leaves at the top: these are walls", .jitters = false};
 
 void declare_numbers(namelist::schema& schema, convection_options& o) {
   schema.add(g, "rayleigh", o.rayleigh,
@@ -37,10 +30,12 @@ void declare_aim(namelist::schema& schema, convection_options& o) {
              {.choices = {"auto", "steady", "transient"},
               .meaning = "steady: inertia acts on the rate of velocity at a place, and vanishes in a steady flow, "
                          "whatever xi; transient: on D v/D t; auto: steady where viscosity balances buoyancy"});
-  schema.add(g, "steady_tolerance", o.steady_tolerance,
-             between(0.0, 1.0,
-                     "the run ends when Nusselt number and rms velocity change by less over six turnovers; 0: at "
-                     "t_end only"));
+  schema.add(
+      g, "steady_tolerance", o.steady_tolerance,
+      between(
+          0.0, 1.0,
+          "the run ends when Nusselt number and rms velocity change by less over six turnovers, or, with "
+          "one viscosity and the steady state as the aim, are known to it beside a swing that dies; 0: at t_end only"));
   schema.add(
       g, "levels", o.levels,
       for_expert(between(-1, 10,
@@ -115,85 +110,6 @@ void declare_noise(namelist::schema& schema, convection_options& o) {
   schema.add(g, "shifting", o.shifting, for_expert(between(0.0, 10.0, "strength of the particle shifting")));
 }
 
-// Keys of a choice that is not made, but for their defaults, which --describe and resolved.nml write.
-void refuse_unused(const namelist::schema& schema, const convection_options& c) {
-  const convection_options initially;
-  const auto only_for = [&](bool used, const char* choice, const char* key, bool differs) {
-    if (differs && !used) schema.fail(g, key, fmt::format("is for {}", choice));
-  };
-  const bool table = c.viscosity_law == "table", melt = c.viscosity_law == "melt";
-  const bool weighed = c.gravity_density == "equation_of_state";
-  only_for(weighed, "gravity_density = 'equation_of_state'", "eos", c.eos != initially.eos);
-  only_for(weighed, "gravity_density = 'equation_of_state'", "eos_dynamic_pressure", !c.eos_dynamic_pressure);
-  only_for(weighed || melt, "gravity_density = 'equation_of_state'", "p_top", c.p_top != 0.0);
-  only_for(table, "viscosity_law = 'table'", "viscosity_file", !c.viscosity_file.empty());
-  only_for(melt, "viscosity_law = 'melt'", "composition", c.composition != initially.composition);
-  only_for(melt, "viscosity_law = 'melt'", "viscosity_min", c.viscosity_min != initially.viscosity_min);
-  only_for(melt, "viscosity_law = 'melt'", "viscosity_max", c.viscosity_max != initially.viscosity_max);
-  if ((c.viscosity_law == "constant" || table || melt) && (c.temperature_exponent != 0.0 || c.depth_exponent != 0.0))
-    schema.fail(g, "viscosity_law", "exponents belong to the 'exponential' law");
-}
-
-// Whether the expansivity says more than how strongly heat drives the flow: how much heat friction and compression make
-// (alpha g L/c_p), which density an equation of state has; or the viscosity is a law's, up to a factor.
-bool expansivity_is_bound(const convection_options& c) {
-  return c.viscous_heating || c.adiabatic_heating || c.gravity_density == "equation_of_state" ||
-         c.viscosity_law == "table" || c.viscosity_law == "melt";
-}
-
-// The input's with values that a Rayleigh or Prandtl number overrides; the number that is not given stays as it was.
-relaxation::material_options consistent_material(const options& o, double dT) {
-  const auto& c = o.convection;
-  auto m = o.physics.material;
-  const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.domain.length[1];
-  const double drive = o.physics.g * dT * L * L * L / kappa;  // Ra = alpha drive/nu
-  const double Ra = c.rayleigh.value_or(m.expansivity * drive / (m.viscosity / m.density));
-  if (c.prandtl) m.viscosity = *c.prandtl * kappa * m.density;
-  if (c.prandtl || (c.rayleigh && !expansivity_is_bound(c)))
-    m.expansivity = Ra * (m.viscosity / m.density) / drive;
-  else if (c.rayleigh)
-    m.viscosity = m.expansivity * drive / Ra * m.density;
-  return m;
-}
-
-// Coarser lattices that still resolve the steady flow: a spacing not above the thermal boundary layer L/(2 Nu), with
-// Nu = 0.25 Ra^(1/3) of free slip, and 24 particles in any case.
-std::int64_t levels_that_resolve(const options& o, const parameters& p) {
-  const auto& c = o.convection;
-  if (!p.steady || c.viscosity_law != "constant" || c.steady_tolerance == 0.0) return 0;
-  const double least = std::max(24.0, 2.0 * 0.25 * std::cbrt(relaxation::rayleigh(p.fluid)));
-  const auto& d = o.domain;
-  for (std::int64_t level = 0;; ++level) {
-    const std::int64_t halved = std::int64_t{2} << level;
-    for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
-      if (d.particles[a] % halved != 0) return level;
-    if (static_cast<double>(d.particles[1]) < least * static_cast<double>(halved)) return level;
-  }
-}
-
-// The coarsest lattice must hold the kernel, and the fit of the heat through a wall (measures.hpp).
-void check_lattices(const namelist::schema& schema, const options& o) {
-  const auto& d = o.domain;
-  auto coarsest = d;
-  coarsest.particles = particles_of_level(o, o.convection.levels);
-  const double dx = coarsest.dx(), support = std::max(run::support_over_dx(o.common.kernel), fit_radius) * dx;
-  domain::check_widths(schema, coarsest, support + o.common.kernel.skin * dx, support);
-}
-
-void resolve_levels(const namelist::schema& schema, options& o, const parameters& p) {
-  auto& c = o.convection;
-  const auto& d = o.domain;
-  if (c.levels < 0) c.levels = levels_that_resolve(o, p);
-  if (c.levels > 0 && c.steady_tolerance == 0.0)
-    schema.fail("convection", "levels",
-                "coarser particles on the way to a steady state; without a steady_tolerance the history is the aim");
-  for (std::size_t a = 0; a < static_cast<std::size_t>(d.dimension); ++a)
-    if (d.particles[a] % (std::int64_t{1} << c.levels) != 0)
-      schema.fail("convection", "levels",
-                  fmt::format("{} particles cannot be halved {} times", d.particles[a], c.levels));
-  check_lattices(schema, o);
-}
-
 }  // namespace
 
 void declare(namelist::schema& schema, options& o) {
@@ -217,42 +133,6 @@ void declare(namelist::schema& schema, options& o) {
   walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
   run::declare(schema, o.common, {.single_pairs = true, .keeps_rate = true});
-}
-
-std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level) {
-  auto n = o.domain.particles;
-  for (auto& along : n) along >>= level;
-  return n;
-}
-
-parameters resolve(const namelist::schema& schema, options& o) {
-  run::resolve(schema, o.common);
-  domain::resolve(schema, demands, o.domain);
-  const auto& c = o.convection;
-  parameters p{};
-  p.fluid = relaxation::layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
-  const auto material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
-  p.fluid.nu = material.viscosity / material.density;
-  p.fluid.alpha = material.expansivity;
-  p.T_bottom = o.temperature_bottom();
-  p.conductivity = material.conductivity;
-  p.heat_capacity = material.heat_capacity;
-  p.heating = c.heating * p.fluid.kappa / p.conductivity * p.fluid.rho;
-  refuse_unused(schema, c);
-  resolve_gravity(schema, o, p);
-  resolve_viscosity(schema, o, p);
-  p.nu = p.fluid.nu;
-  p.reached = 1.0;
-  resolve_slowing(o, p);
-  resolve_levels(schema, o, p);
-  p.compressibility = c.gravity_density == "separated"      ? 1.0
-                      : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
-                      : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
-                                                            : 0.0;
-  if (!o.common.time.t_end)
-    o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
-  run::check_output(schema, o.common);
-  return p;
 }
 
 }  // namespace tetsuame::convection

@@ -15,6 +15,9 @@
 
 namespace tetsuame::convection {
 
+inline const domain::demands demands{
+    .walls_below_and_above = "heat comes from the bottom and leaves at the top: these are walls", .jitters = false};
+
 struct convection_options {
   std::optional<double> rayleigh, prandtl;
   bool viscous_heating = false, adiabatic_heating = false;
@@ -92,20 +95,17 @@ struct parameters {
   std::vector<std::string> lines;  // what was chosen, and why
 };
 
-// Of each dimension, compiled by itself (programs/convection). Options and parameters outlive the problem.
-std::unique_ptr<run::problem> make_2d(const options& o, const parameters& p);
-std::unique_ptr<run::problem> make_3d(const options& o, const parameters& p);
+// Of the input's dimension (programs/convection/flow.cpp). Options and parameters outlive the problem.
+std::unique_ptr<run::problem> make(const options& o, const parameters& p);
 
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.
 parameters resolve(const namelist::schema& schema, options& o);
 
-// How that is chosen, each from what stands before it: the density that gravity weighs, if it is that of an equation of
-// state; the law of viscosity, and the top's viscosity where a table has it; target, slowed sound and inertia, viscous
-// response, and how the viscosity comes to its law.
+// Of these: the density that gravity weighs, if it is that of an equation of state (gravity_density.cpp), and the law
+// of viscosity, with the top's viscosity where a table has it (viscosity.cpp).
 void resolve_gravity(const namelist::schema& schema, const options& o, parameters& p);
 void resolve_viscosity(const namelist::schema& schema, options& o, parameters& p);
-void resolve_slowing(options& o, parameters& p);
 // Particles along each axis with `level` coarser spacings to come, each twice the one before.
 std::array<std::int64_t, 3> particles_of_level(const options& o, std::int64_t level);
 // Sets what of the slowing and of the viscous response follows the spacing dx (m), and the viscosity while that is not

@@ -161,8 +161,8 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
   const unevenness<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, last.uneven.data(), last.W.data()};
   if constexpr (graded && whole)
     w.sum(rows, derivatives, smooth, uneven, viscous_term(state),
-          contrast{state.viscosity_root->data(), state.own_viscosity->data(), last.viscous_contrast.data(),
-                   last.sound_contrast.data()});
+          contrast{state.viscosity_root->data(), state.own_viscosity->data(), last.contrast[0].data(),
+                   last.contrast[1].data()});
   else if constexpr (graded)
     w.sum(rows, derivatives, smooth, viscous_term(state));
   else if constexpr (whole)
@@ -172,15 +172,10 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
   if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined; the flow has blown up");
 }
 
-template <bool whole, int D>
-void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows) {
+template <int D, int K, bool graded>
+void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows, bool whole) {
   const foundation::stage timed(state.world.w.times, "sums");
-  if (state.layer.law.varies)
-    sum_over_neighbours<D, unknown<D>::count, true, whole>(state, rows);
-  else if (state.layer.relaxed)
-    sum_over_neighbours<D, unknown<D>::count_with_z, false, whole>(state, rows);
-  else
-    sum_over_neighbours<D, unknown<D>::count, false, whole>(state, rows);
+  whole ? sum_over_neighbours<D, K, graded, true>(state, rows) : sum_over_neighbours<D, K, graded, false>(state, rows);
 }
 
 }  // namespace tetsuame::convection

@@ -2,9 +2,12 @@
 // present level.
 #pragma once
 
-#include <convection/fields.hpp>
+#include <convection/graded_viscosity.hpp>
+#include <convection/options.hpp>
 #include <foundation/exact_sum.hpp>
 #include <foundation/threads.hpp>
+#include <operators/consistent.hpp>
+#include <particles/named_fields.hpp>
 #include <run/start.hpp>
 
 namespace tetsuame::convection {
@@ -37,6 +40,92 @@ inline double viscosity(const parameters& layer, double y, double T) {  // m2/s
 inline double inertia(const parameters& layer, double nu) {
   return layer.steady ? nu / layer.nu_eff : layer.slowing.xi * layer.slowing.xi;
 }
+
+// Places of the unknowns among the fields of the operators: v, T, p, and z where the viscous response is relaxed.
+template <int D>
+struct unknown {
+  static constexpr std::size_t T = D, p = D + 1, z = D + 2;
+  static constexpr int count = D + 2, count_with_z = 2 * D + 2;
+};
+
+// What the operators need of an earlier evaluation.
+template <int D>
+struct lagged_terms {
+  static constexpr std::size_t S = operators::symmetric_terms(D), N = angular_terms;
+  template <std::size_t K>
+  using vector_field = particles::vector_field<K>;
+
+  // Of each unknown: the plain Laplacian P, for the deferred correction and curvature at walls that do not slip; and G,
+  // for the noise.
+  std::vector<particles::array*> laplacian;
+  std::vector<vector_field<D>> gradient;
+  vector_field<S> tensor;  // B of the Laplacian
+  // Where the viscosity varies, (∇v + ∇vᵀ - ∇·v)·∇ln ν, 1/(m s), for the pressure at walls; and, in 2-D, ν A, m/s2, and
+  // a of the isotropic line forces, graded_viscosity.hpp, and ν, m2/s.
+  vector_field<D> stress, force;
+  vector_field<N> angles;
+  particles::array* viscosity = nullptr;
+
+  std::vector<particles::array*> all, of_neighbours;  // of these; what a particle needs of its neighbours too
+
+  // Declared among the particles' fields, each name with this prefix.
+  lagged_terms(const parameters& layer, particles::particles<D>& s, const std::string& prefix, particles::role kind) {
+    const auto add = [&](const std::string& name, const std::string& unit) {
+      return all.emplace_back(&particles::declare(s, prefix + name, unit, kind));
+    };
+    const auto add_vector = [&]<std::size_t K>(vector_field<K>& field, const std::string& name,
+                                               const std::string& unit) {
+      std::array<particles::array*, K> components;
+      for (std::size_t k = 0; k < K; ++k) components[k] = add(name + "_" + std::to_string(k), unit);
+      field = vector_field<K>(components);
+    };
+    std::vector<std::string> names;
+    for (int a = 0; a < D; ++a) names.push_back("Velocity" + std::to_string(a));
+    names.insert(names.end(), {"Temperature", "Pressure"});
+    for (int a = 0; a < D && layer.relaxed; ++a) names.push_back("RelaxedVelocity" + std::to_string(a));
+    for (const auto& name : names) laplacian.push_back(add("LaplacianOf" + name, ""));
+    for (const auto& name : names) add_vector(gradient.emplace_back(), "GradientOf" + name, "");
+    if (layer.law.varies) add_vector(stress, "GradedStress", "1/(m s)");
+    if (layer.law.varies && graded_viscosity<D>::isotropic) {
+      add_vector(force, "ViscousForce", "m/s^2");
+      add_vector(angles, "LineWeight", "1");
+      viscosity = add("EarlierViscosity", "m^2/s");
+    }
+    of_neighbours = all;
+    add_vector(tensor, "LaplacianWeight", "1");
+  }
+};
+
+// What one pass over the neighbours leaves, for the fluid.
+template <int D>
+struct sums {
+  template <std::size_t K>
+  using vector_field = particles::vector_field<K>;
+
+  lagged_terms<D> latest;                                   // what the next evaluations may lag behind
+  vector_field<unknown<D>::count_with_z> laplacian, noise;  // L and Q of each unknown
+  vector_field<D> uneven;                                   // 1/m, how unevenly particles stand
+  particles::array& W;                                      // Σ W, 1/m^D
+  // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.
+  vector_field<D> viscous, plain_viscous, log_slope;
+  vector_field<2> contrast;  // of viscosity, of sound
+
+  sums(const parameters& layer, particles::particles<D>& s)
+      : latest(layer, s, "Latest", particles::role::derived),
+        W(particles::declare(s, "SumOfW", "1/m^D", particles::role::derived)) {
+    const auto add = [&]<std::size_t K>(vector_field<K>& field, const std::string& name, const std::string& unit) {
+      field = particles::declare_vector<K>(s, name, unit, particles::role::derived);
+    };
+    add(laplacian, "Laplacian", "");
+    add(noise, "Noise", "");
+    add(uneven, "Unevenness", "1/m");
+    if (!layer.law.varies) return;
+    add(viscous, "ViscousForceOverViscosity", "1/(m s)");
+    add(plain_viscous, "PlainViscousForceOverViscosity", "1/(m s)");
+    add(log_slope, "LogSlopeOfViscosity", "1/m");
+    add(contrast, "Contrast", "1");
+  }
+};
 
 // Of the start of a step.
 struct step_start {
@@ -91,23 +180,16 @@ inline bool keeps_rate(const options& o) { return o.common.time.method == "ab2";
 inline bool extrapolates(const options& o) { return o.common.time.method == "rkl2" || o.common.time.method == "rkc2"; }
 
 template <int D>
-auto declared_in(particles::particles<D>& s, const std::string& prefix) {
-  return [&s, prefix](const std::string& name, const std::string& unit) -> particles::array& {
-    return particles::declare(s, prefix + name, unit, particles::role::memory);
-  };
-}
-
-template <int D>
 convection_state<D>::convection_state(const options& o, const parameters& p_of_input)
     : input(o),
       layer(p_of_input),
       p(particles::declare(fluid(), "DynamicPressure", "Pa", particles::role::integrated)),
       z(layer.relaxed ? particles::declare_vector<D>(fluid(), "RelaxedVelocity", "m/s", particles::role::integrated)
                       : particles::vector_field<D>()),
-      lagged(layer, declared_in(fluid(), "")),
-      last(layer) {
+      lagged(layer, fluid(), "", particles::role::memory),
+      last(layer, fluid()) {
   auto& s = fluid();
-  if (extrapolates(o)) before.emplace(layer, declared_in(s, "Before"));
+  if (extrapolates(o)) before.emplace(layer, s, "Before", particles::role::memory);
   for (std::size_t k = 0; k < D + unknowns() && keeps_rate(o); ++k)
     earlier_rates.push_back(&particles::declare(s, "EarlierRate_" + std::to_string(k), "", particles::role::memory));
   if (layer.law.varies) {

@@ -1,9 +1,13 @@
-// When a flow is steady, and its time averages with their uncertainty.
+// When a flow is steady, and its time averages with their uncertainty: docs/theory/convection.md, "When a flow is
+// steady".
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+#include <operators/symmetric.hpp>
 #include <optional>
 #include <vector>
 
@@ -12,6 +16,7 @@ namespace tetsuame::convection {
 struct average {
   double mean = 0.0;
   std::optional<double> uncertainty = {};
+  double swing = 0.0;  // amplitude of what dies beside it, now
 };
 
 // Samples of several measures over time.
@@ -40,9 +45,42 @@ class record {
     a.uncertainty = std::sqrt(squares / (4.0 * 3.0));
     return a;
   }
+  // What a swing about a steady state leaves when it dies: a of y = a + exp(-γ s) (b cos ω s + c sin ω s), s the time
+  // in turnovers (s), by least squares over that window, eight samples at least. Uncertainty: standard error of a.
+  average beside_a_swing(std::size_t measure, double window, double turnover) const {
+    constexpr double decay = 0.85, period = 1.75;  // per turnover, turnovers
+    const std::size_t end = size(),
+                      first = std::min(first_after(last_time() - window), end - std::min<std::size_t>(8, end));
+    const auto terms = [&](std::size_t k) {
+      const double s = (times_[k] - last_time()) / turnover, size = std::exp(-decay * s);
+      const double phase = 2.0 * std::numbers::pi * s / period;
+      return std::array{1.0, size * std::cos(phase), size * std::sin(phase)};
+    };
+    const auto& y = values_[measure];
+    std::array<std::array<double, 3>, 3> A{};
+    std::array<double, 3> b{};
+    for (std::size_t k = first; k < end; ++k) {
+      const auto P = terms(k);
+      for (std::size_t m = 0; m < 3; ++m) {
+        for (std::size_t n = 0; n < 3; ++n) A[m][n] += P[m] * P[n];
+        b[m] += P[m] * y[k];
+      }
+    }
+    if (end - first < 8 || !operators::factorise(A)) return {mean(measure, first, end)};
+    const auto c = operators::solve(A, b);
+    double squares = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      const auto P = terms(k);
+      const double left = y[k] - c[0] * P[0] - c[1] * P[1] - c[2] * P[2];
+      squares += left * left;
+    }
+    const double variance = operators::solve(A, {1.0, 0.0, 0.0})[0] / static_cast<double>(end - first - 3);
+    return {c[0], std::sqrt(squares * variance), std::hypot(c[1], c[2])};
+  }
+  bool full(double window) const { return size() >= 8 && last_time() - times_.front() >= window; }
   // Whether the window is full and the means of its two halves differ by less than `tolerance` of their mean.
   bool settled(std::size_t measure, double window, double tolerance) const {
-    if (size() < 8 || last_time() - times_.front() < window) return false;
+    if (!full(window)) return false;
     const double t = last_time();
     const std::size_t begin = first_after(t - window), middle = first_after(t - 0.5 * window), end = size();
     if (middle - begin < 4 || end - middle < 4) return false;

@@ -59,8 +59,8 @@ void begin_step(convection_state<D>& state) {
     for (std::size_t i = 0; i < state.fluid().fluid; ++i) most = std::max(most, a[i]);
     return state.ranks().maximum(most);
   };
-  start.viscous_contrast = largest(state.last.viscous_contrast);
-  start.sound_contrast = std::sqrt(largest(state.last.sound_contrast));
+  start.viscous_contrast = largest(state.last.contrast[0]);
+  start.sound_contrast = std::sqrt(largest(state.last.contrast[1]));
 }
 
 // m2/s, what the step is bound by, slowed. Where viscosity varies, compression is damped three times as strongly as

@@ -1,0 +1,9 @@
+// A viscosity that varies.
+#include <convection/pass.hpp>
+
+namespace tetsuame::convection {
+
+template void sum_over_neighbours<2, unknown<2>::count, true>(convection_state<2>&, const pairs::stretch&, bool);
+template void sum_over_neighbours<3, unknown<3>::count, true>(convection_state<3>&, const pairs::stretch&, bool);
+
+}  // namespace tetsuame::convection

@@ -1,0 +1,11 @@
+// One viscosity, whose force is relaxed.
+#include <convection/pass.hpp>
+
+namespace tetsuame::convection {
+
+template void sum_over_neighbours<2, unknown<2>::count_with_z, false>(convection_state<2>&, const pairs::stretch&,
+                                                                      bool);
+template void sum_over_neighbours<3, unknown<3>::count_with_z, false>(convection_state<3>&, const pairs::stretch&,
+                                                                      bool);
+
+}  // namespace tetsuame::convection
