@@ -522,6 +522,7 @@ explicit_integrator::implementation::outcome explicit_integrator::implementation
       for (std::size_t k = 0; k < fields.size(); ++k) std::copy_n(f0[k], n, fields[k].previous_rate);
       previous_dt = dt;
     }
+    forget_values(saved.get());
     return outcome::accepted;
   }
   return_to_saved();
@@ -634,6 +635,11 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
 }
 
 void explicit_integrator::prepare() { self_->know_rate(); }
+
+void explicit_integrator::lend(const std::function<void(std::span<double* const>)>& use) {
+  const vector_handle spare(N_VClone(self_->home.get()));
+  use(values_to_overwrite(spare.get()));
+}
 
 void explicit_integrator::state_changed() {
   home_was_changed(self_->home.get());
