@@ -20,10 +20,10 @@ const liquid::program& program_of(const std::string& name) {
 }
 
 double memory_needed(const request& asked) {
-  // The lists of clusters, and up to twice the arrays while particles are sorted and lists made. Ghosts and walls add
-  // to small cases only.
+  // The lists of clusters; all else, with what is sorted while lists are made. Ghosts and walls add to small cases
+  // only.
   const double list = asked.dimension == 2 ? 45.0 : 220.0;
-  return static_cast<double>(asked.particles()) * (list + 1000.0);
+  return static_cast<double>(asked.particles()) * (list + 800.0);
 }
 
 double median(std::vector<double> values) {
