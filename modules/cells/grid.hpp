@@ -55,6 +55,36 @@ double cell_edge(double spacing, std::size_t width) {
   return (D == 2 && width > 8 ? 4.0 : 2.0) * spacing;
 }
 
+namespace detail {
+
+// `start`, of zeros, one more than cells, and `members`, in no order within a cell. Each thread goes through all
+// particles and sorts those of its share of the cells.
+inline void sort_by_cell(const std::vector<std::uint32_t>& cell_of, std::vector<std::uint32_t>& start,
+                         std::vector<std::uint32_t>& members) {
+  const std::size_t n = cell_of.size(), cells = start.size() - 1;
+  std::vector<std::uint32_t> next;
+#pragma omp parallel if (n > foundation::values_worth_threads)
+  {
+    const auto threads = static_cast<std::size_t>(omp_get_num_threads()),
+               thread = static_cast<std::size_t>(omp_get_thread_num());
+    const std::size_t first = cells * thread / threads, last = cells * (thread + 1) / threads;
+    const auto for_mine = [&](const auto& f) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (cell_of[i] >= first && cell_of[i] < last) f(i, cell_of[i]);
+    };
+    for_mine([&](std::size_t, std::uint32_t cell) { ++start[cell + 1]; });
+#pragma omp barrier
+#pragma omp single
+    {
+      for (std::size_t c = 0; c < cells; ++c) start[c + 1] += start[c];
+      next = start;
+    }
+    for_mine([&](std::size_t i, std::uint32_t cell) { members[next[cell]++] = static_cast<std::uint32_t>(i); });
+  }
+}
+
+}  // namespace detail
+
 // Sorts particles [0, n) into cells of the given edge.
 template <int D>
 grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<std::int64_t>& id, std::size_t n,
@@ -85,13 +115,8 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
   foundation::for_all(
       n, [&](std::size_t i) { cell_of[i] = static_cast<std::uint32_t>(g.linear(g.cell(position<D>(x, i)))); });
   g.start.assign(cells + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) ++g.start[cell_of[i] + 1];
-  for (std::size_t c = 0; c < cells; ++c) g.start[c + 1] += g.start[c];
   g.members.resize(n);
-  {
-    auto next = g.start;
-    for (std::size_t i = 0; i < n; ++i) g.members[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
-  }
+  detail::sort_by_cell(cell_of, g.start, g.members);
   for (auto& component : g.sorted) component.resize(n + foundation::lanes);
 #pragma omp parallel for schedule(static) if (n > values_worth_threads)
   for (std::size_t c = 0; c < cells; ++c) {

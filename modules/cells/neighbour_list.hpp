@@ -188,7 +188,7 @@ void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
   if (end > list.all.size()) {
     list.all.clear();
     list.all.shrink_to_fit();         // before the new memory is taken
-    list.all.resize(end + end / 32);  // a little to spare
+    list.all.resize(end + end / 64);  // a little to spare
     sweep();
   }
   list.all.resize(end);

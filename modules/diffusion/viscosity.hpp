@@ -23,7 +23,7 @@ struct viscous_sum {
   std::array<const double*, D> v;  // m/s
   Eta eta;                         // Pa s
   const double* dV;                // m^D
-  std::array<double*, D> force;    // N, added to
+  std::array<double*, D> force;    // N, added to; a component that is null: not wanted
   double* heat;                    // W, added to; null: not wanted
 
   template <class R>
@@ -57,7 +57,8 @@ struct viscous_sum {
     a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k], D - 1);
+    for (std::size_t k = 0; k < D; ++k)
+      if (force[k] != nullptr) i.add(force[k], a.force[k], D - 1);
     if (heat != nullptr) i.add(heat, 0.5 * a.dissipation, D - 1);
   }
 };

@@ -80,13 +80,13 @@ void wrap(const box<D>& region, particles::particles<D>& s) {
   for (std::size_t a = 0; a < D; ++a) {
     if (!region.periodic[a]) continue;
     const double length = region.length[a];
-    for (std::size_t i = 0; i < s.fluid; ++i) {
+    foundation::for_all(s.fluid, [&](std::size_t i) {
       const double shift = s.x[a][i] < 0.0 ? length : s.x[a][i] >= length ? -length : 0.0;
-      if (shift == 0.0) continue;
+      if (shift == 0.0) return;
       s.x[a][i] += shift;
       if (s.keeps_start) s.x_start[a][i] += shift;
       s.x_list[a][i] += shift;
-    }
+    });
   }
 }
 
@@ -170,13 +170,13 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
   const auto fields = detail::travelling_fields<D>(s);
   const std::size_t row = fields.size() + 2;
   const auto cell = d.cell();
-  std::vector<std::size_t> stay;
+  std::vector<std::uint32_t> stay;
   stay.reserve(s.fluid);
   std::vector<std::pair<int, std::size_t>> leave;  // to which rank, who
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto x = particles::position<D>(s.x, i);
     if (d.within(cell, x))
-      stay.push_back(i);
+      stay.push_back(static_cast<std::uint32_t>(i));
     else
       leave.emplace_back(d.owner(x), i);
   }
@@ -190,7 +190,7 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
     for (const auto* a : fields) values.push_back((*a)[i]);
   }
   const auto in = sparse_exchange(d.ranks, out, detail::next_tag(d));
-  if (stay.size() < s.fluid) particles::reorder(s, 0, std::span<const std::size_t>(stay));
+  if (stay.size() < s.fluid) particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
   std::size_t fluid = stay.size();
   for (const letter& l : in) fluid += l.values.size() / row;
   // Room for the new fluid; the walls move along behind it.

@@ -58,8 +58,15 @@ void begin_exchange(const communicator& ranks, const halo<D>& h, std::span<doubl
   for (double* f : fields) h.fields.push_back({f, -1});
   const std::size_t n = h.fields.size();
   h.requests.clear();
-  h.out.resize(std::max(h.out.size(), h.sources.size() * n));
-  h.in.resize(std::max(h.in.size(), h.ghosts * n));
+  // A rank's own images need no buffer.
+  const auto room = [&](std::vector<double>& buffer, const auto& parts) {
+    std::size_t end = 0;
+    for (const auto& s : parts)
+      if (s.rank != ranks.rank) end = (s.begin + s.count) * n;
+    if (buffer.size() < end) buffer.resize(end);
+  };
+  room(h.out, h.to);
+  room(h.in, h.from);
   std::size_t own = 0;  // where among the ghosts the images of this rank's own particles begin
   for (const auto& s : h.from) {
     if (s.rank == ranks.rank) {

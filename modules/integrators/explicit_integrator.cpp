@@ -406,6 +406,7 @@ struct explicit_integrator::implementation {
         for_all_values([&](std::size_t k, std::size_t i) { fields[k].previous_rate[i] = f0[k][i]; });
         previous_dt = dt;
       }
+      forget_values(saved.get());
       return outcome::accepted;
     }
     return_to_saved();
@@ -575,6 +576,11 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
 }
 
 void explicit_integrator::prepare() { self_->know_rate(); }
+
+void explicit_integrator::lend(const std::function<void(std::span<double* const>)>& use) {
+  const vector_handle spare(N_VClone(self_->home.get()));
+  use(values_to_overwrite(spare.get()));
+}
 
 void explicit_integrator::state_changed() {
   home_was_changed(self_->home.get());

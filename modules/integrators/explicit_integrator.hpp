@@ -122,6 +122,9 @@ class explicit_integrator {
   // then.
   void prepare();
 
+  // Gives arrays as f writes them to who wants rates between steps: memory that only steps need.
+  void lend(const std::function<void(std::span<double* const>)>& use);
+
   // The particle arrays moved, were permuted, or have another length on this rank.
   void resize(std::vector<field> fields, std::size_t n);
   // The integrated values were changed in place (positions wrapped, say): f is asked again, and

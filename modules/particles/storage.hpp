@@ -79,16 +79,15 @@ double moved_since_lists(const particles<D>& s) {
 // Reorders the particles of the block [begin, begin + order.size()): the new k-th
 // is the old begin + order[k]. Derived fields are left as they are.
 template <int D>
-void reorder(particles<D>& s, std::size_t begin, std::span<const std::size_t> order) {
-  std::vector<double> buffer(order.size());
-  const auto permute = [&](auto& a, auto& scratch) {
+void reorder(particles<D>& s, std::size_t begin, std::span<const std::uint32_t> order) {
+  const auto permute = [&](auto& a, auto&& scratch) {
+    scratch.resize(order.size());
     foundation::for_all(order.size(), [&](std::size_t k) { scratch[k] = a[begin + order[k]]; });
     foundation::for_all(order.size(), [&](std::size_t k) { a[begin + k] = scratch[k]; });
   };
-  std::vector<std::int64_t> ids(order.size());
-  permute(s.id, ids);
-  std::vector<std::int32_t> materials(order.size());
-  permute(s.material, materials);
+  permute(s.id, std::vector<std::int64_t>());
+  permute(s.material, std::vector<std::int32_t>());
+  std::vector<double> buffer;
   for_each_field<D>(s, [&](const field_info& field, const auto& components) {
     if (travels(field.kind))
       for (auto* a : components) permute(*a, buffer);

@@ -45,7 +45,7 @@ struct list_lengths {
 // Sorts the owned fluid, which is in the order of cells and IDs, into layers (workspace::border): within, those whose
 // neighbours may have ghosts or walls for neighbours, and those that may themselves.
 template <int D>
-void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size_t>& order) {
+void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::uint32_t>& order) {
   w.core = w.border = 0;
   if (w.d.ranks.size == 1) return;  // nothing is ever on its way
   auto cell = w.d.cell();
@@ -68,9 +68,10 @@ void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::size
 template <int D>
 void end_layers_with_clusters(pairs::workspace<D>& w) {
   w.border -= w.border % w.list.width;
+  w.core = std::min(w.core, w.border);
+  if (w.core == 0) return;
   for (std::size_t r = w.border / w.list.width; r < w.list.rows(); ++r)
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t) { w.core = std::min<std::size_t>(w.core, j); });
-  w.core = std::min(w.core, w.border);
 }
 
 // Positions of the fluid, and those that the lists were made from.
@@ -111,10 +112,11 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
     domain::wrap(w.d.region, s);
   domain::migrate(w.d, s);
   const list_lengths l = lengths();
-  const auto cells_of_fluid = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge);
-  std::vector<std::size_t> order(cells_of_fluid.members.begin(), cells_of_fluid.members.end());
-  order_in_layers(w, l.reach, order);
-  particles::reorder(s, 0, std::span<const std::size_t>(order));
+  {
+    std::vector<std::uint32_t> order = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge).members;
+    order_in_layers(w, l.reach, order);
+    particles::reorder(s, 0, std::span<const std::uint32_t>(order));
+  }
   if (!as_they_were)
     for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
   surround(box, l.reach);

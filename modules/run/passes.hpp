@@ -8,7 +8,7 @@
 #define TETSUAME_RUN_PASSES(where, D)                                                                             \
   where template void tetsuame::particles::allocate(particles<D>&, std::size_t, std::size_t, std::size_t,         \
                                                     std::size_t);                                                 \
-  where template void tetsuame::particles::reorder(particles<D>&, std::size_t, std::span<const std::size_t>);     \
+  where template void tetsuame::particles::reorder(particles<D>&, std::size_t, std::span<const std::uint32_t>);   \
   where template tetsuame::cells::grid<D> tetsuame::cells::make_grid<D>(                                          \
       const std::array<particles::array, D>&, const std::vector<std::int64_t>&, std::size_t, double);             \
   where template void tetsuame::domain::migrate(decomposition<D>&, particles::particles<D>&);                     \

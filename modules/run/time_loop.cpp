@@ -73,10 +73,7 @@ struct loop {
   }
 
   void evaluate_here() {
-    std::vector<particles::array> rates(p.fields().size(), particles::array(p.local_particles()));
-    std::vector<double*> pointers;
-    for (auto& a : rates) pointers.push_back(a.data());
-    p.evaluate(pointers);
+    integrator->lend([&](std::span<double* const> rates) { p.evaluate(rates); });
   }
 
   // kept: s, the fixed step of the run that goes on.

@@ -68,7 +68,7 @@ void solve_first(const std::array<std::array<double, N>, N>& A, std::array<doubl
 
 // Of one order, so that the loops over terms have a fixed length.
 template <int D, int Order>
-void shape_functions_of(std::span<const seen<D>> near, double* phi) {
+void coefficients_of(std::span<const seen<D>> near, double* out) {
   constexpr std::size_t N = terms(Order, D);
   std::array<std::array<real, N>, N> moments;
   for (std::size_t a = 0; a < N; ++a)
@@ -85,22 +85,36 @@ void shape_functions_of(std::span<const seen<D>> near, double* phi) {
     for (std::size_t b = 0; b <= a; ++b) A[a][b] = foundation::sum(moments[a][b]);
   std::array<double, N> c{};
   if (A[0][0] > 0.0) solve_first<D, Order>(A, c);
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const auto P = polynomial<D, Order>(near[k].offset);
+  std::copy(c.begin(), c.end(), out);
+}
+
+template <int D, int Order>
+void shape_functions_of(std::span<const seen<D>> near, const double* c, double* phi) {
+  for (const auto& j : near) {
+    const auto P = polynomial<D, Order>(j.offset);
     real value(0.0);
-    for (std::size_t a = 0; a < N; ++a) value += P[a] * c[a];
-    (near[k].weight * value).copy_to(phi + k * lanes, std::experimental::element_aligned);
+    for (std::size_t a = 0; a < P.size(); ++a) value += P[a] * c[a];
+    (j.weight * value).copy_to(phi, std::experimental::element_aligned);
+    phi += lanes;
   }
 }
 
 }  // namespace detail
 
-// phi: out, one a lane. All zero where the marker sees no fluid.
+// c: out, terms(order, D) numbers. All zero where the marker sees no fluid.
 template <int D>
-void shape_functions(std::span<const seen<D>> near, int order, double* phi) {
-  if (order == 0) detail::shape_functions_of<D, 0>(near, phi);
-  if (order == 1) detail::shape_functions_of<D, 1>(near, phi);
-  if (order == 2) detail::shape_functions_of<D, 2>(near, phi);
+void coefficients(std::span<const seen<D>> near, int order, double* c) {
+  if (order == 0) detail::coefficients_of<D, 0>(near, c);
+  if (order == 1) detail::coefficients_of<D, 1>(near, c);
+  if (order == 2) detail::coefficients_of<D, 2>(near, c);
+}
+
+// phi: out, one a lane.
+template <int D>
+void shape_functions(std::span<const seen<D>> near, int order, const double* c, double* phi) {
+  if (order == 0) detail::shape_functions_of<D, 0>(near, c, phi);
+  if (order == 1) detail::shape_functions_of<D, 1>(near, c, phi);
+  if (order == 2) detail::shape_functions_of<D, 2>(near, c, phi);
 }
 
 }  // namespace tetsuame::walls

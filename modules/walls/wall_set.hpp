@@ -20,10 +20,9 @@ struct wall_set {
   std::vector<std::uint32_t> source;       // of a mirror image: local index
   std::array<particles::array, D> marker;  // m, mirror image of a wall particle that stands still
   cells::point_list near_marker;           // fluid within reach of each marker: places in `listed`
-  particles::array phi;                    // shape function of each entry of that list
+  particles::array coefficients;           // c of each marker's shape functions, of an evaluation
   pairs::chosen near_wall;                 // owned fluid that some marker may see
-  std::vector<std::size_t> listed;         // local indices of all in near_marker, ghosts and null particle included
-  particles::array records;                // what a sum over them reads of these, one after the other
+  std::vector<std::uint32_t> listed;       // local indices of all in near_marker, ghosts and null particle included
   double reach = 0.0;                      // m, radius of a marker's interpolation
 
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J). Due: the next sweep
@@ -31,7 +30,7 @@ struct wall_set {
   particles::array pressure_step, weight_step;
   bool steps_due = false;
   particles::array mass;              // kg, of the fluid at each marker
-  std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g
+  std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g, along axes that have walls
 
   particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start
 };

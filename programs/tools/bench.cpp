@@ -109,10 +109,10 @@ double memory_free() { return 1024.0 * std::stod(said("/proc/meminfo", "MemAvail
 
 // Roughly what a case takes at its largest moment, in bytes: refused beforehand rather than killed.
 double memory_needed(const bench::request& asked) {
-  // The lists of clusters, and up to twice the arrays while particles are sorted and lists made. Ghosts and walls add
-  // to small cases only.
+  // The lists of clusters; all else, with what is sorted while lists are made. Ghosts and walls add to small cases
+  // only.
   const double list = asked.dimension == 2 ? 45.0 : 220.0;
-  return static_cast<double>(asked.particles()) * (list + 1000.0);
+  return static_cast<double>(asked.particles()) * (list + 800.0);
 }
 
 json as_json(const bench::result& r, const settings& o, const std::string& processor_name) {

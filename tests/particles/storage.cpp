@@ -116,10 +116,10 @@ BOOST_AUTO_TEST_CASE(displacement_since_the_lists_keeps_nan) {
 
 BOOST_AUTO_TEST_CASE(reorder_permutes_every_travelling_field) {
   auto s = stamped<3>(12, 4, 6, 0);
-  const std::vector<std::size_t> order{5, 0, 4, 1, 3, 2};
+  const std::vector<std::uint32_t> order{5, 0, 4, 1, 3, 2};
   for (const std::size_t begin : {std::size_t{3}, s.first_wall()}) {
     auto t = s;
-    reorder(t, begin, std::span<const std::size_t>(order));
+    reorder(t, begin, std::span<const std::uint32_t>(order));
     for (std::size_t k = 0; k < order.size(); ++k) {
       const auto id = s.id[begin + order[k]];
       BOOST_TEST(t.id[begin + k] == id);

@@ -30,7 +30,9 @@ struct cloud {
       for (std::size_t a = 0; a < D; ++a) near[k / lanes].offset[a][k % lanes] = offsets[k][a];
     }
     std::vector<double> values(near.size() * lanes, -1.0);
-    shape_functions<D>(near, order, values.data());
+    std::vector<double> c(terms(order, D));
+    coefficients<D>(near, order, c.data());
+    shape_functions<D>(near, order, c.data(), values.data());
     values.resize(weights.size());
     return values;
   }

@@ -236,7 +236,9 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
     const auto row = list.row(r);
     for (std::size_t k = 0; k < row.size(); ++k) {
       const std::size_t j = scene.walls.listed[static_cast<std::size_t>(row[k])];
-      if (scene.walls.phi[list.start[r] + k] == 0.0) continue;
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < 2; ++a) r2 += std::pow(s.x[a][j] - scene.walls.marker[a][r], 2);
+      if (r2 >= std::pow(scene.walls.reach, 2)) continue;
       ++seen;
       for (std::size_t a = 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
     }

@@ -33,7 +33,7 @@ void smooth(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D>& o
   const auto& s = a.s;
   const double support2 = 9.0 * a.h * a.h;
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
+  for (std::size_t i = 0; i < out.p.size(); ++i) {
     double p = s.Y[i] * kernel.W(0.0);
     for (std::size_t k = a.start[i]; k < a.start[i + 1]; ++k) {
       const auto j = static_cast<std::size_t>(a.neighbours[k]);
@@ -51,7 +51,7 @@ void accelerate(const scalar_problem<D>& a, const quintic& kernel, scalar_sums<D
   const auto& s = a.s;
   const double support2 = 9.0 * a.h * a.h;
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
+  for (std::size_t i = 0; i < out.p.size(); ++i) {
     std::array<double, D> force{};
     double work = 0.0, dlnrho = 0.0, heat = 0.0;
     for (std::size_t k = a.start[i]; k < a.start[i + 1]; ++k) {

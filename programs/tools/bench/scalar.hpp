@@ -17,7 +17,7 @@
 
 namespace tetsuame::bench {
 
-// Of the fluid of s among all its particles.
+// Of the first start.size() - 1 of the fluid of s among all its particles.
 template <int D>
 struct scalar_problem {
   const particles::particles<D>& s;

@@ -1,0 +1,40 @@
+// Positions as they stand in memory, four numbers a particle, and as lanes take them: a register a component.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <foundation/lanes.hpp>
+
+namespace tetsuame::walls::detail {
+
+using foundation::lanes, foundation::real;
+
+// Components of the particles at these places, one a lane.
+inline std::array<real, 4> turned(const double* positions, const std::uint32_t* place) {
+  const auto of = [&](std::size_t lane) { return positions + std::size_t{place[lane]} * 4; };
+#if defined(__AVX512F__)
+  // Two particles loaded into one register need no shuffle for it; which two: so that the lanes end in order.
+  const auto two = [&](std::size_t low, std::size_t high) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(of(low))), _mm256_load_pd(of(high)), 1);
+  };
+  const __m512d a = two(0, 2), b = two(1, 3), c = two(4, 6), d = two(5, 7);
+  const __m512d ab_low = _mm512_unpacklo_pd(a, b), ab_high = _mm512_unpackhi_pd(a, b);
+  const __m512d cd_low = _mm512_unpacklo_pd(c, d), cd_high = _mm512_unpackhi_pd(c, d);
+  return {real(_mm512_shuffle_f64x2(ab_low, cd_low, 0x88)), real(_mm512_shuffle_f64x2(ab_high, cd_high, 0x88)),
+          real(_mm512_shuffle_f64x2(ab_low, cd_low, 0xdd)), real(_mm512_shuffle_f64x2(ab_high, cd_high, 0xdd))};
+#elif defined(__AVX__)
+  const __m256d a = _mm256_load_pd(of(0)), b = _mm256_load_pd(of(1)), c = _mm256_load_pd(of(2)),
+                d = _mm256_load_pd(of(3));
+  const __m256d ab_low = _mm256_unpacklo_pd(a, b), ab_high = _mm256_unpackhi_pd(a, b);
+  const __m256d cd_low = _mm256_unpacklo_pd(c, d), cd_high = _mm256_unpackhi_pd(c, d);
+  return {real(_mm256_permute2f128_pd(ab_low, cd_low, 0x20)), real(_mm256_permute2f128_pd(ab_high, cd_high, 0x20)),
+          real(_mm256_permute2f128_pd(ab_low, cd_low, 0x31)), real(_mm256_permute2f128_pd(ab_high, cd_high, 0x31))};
+#else
+  std::array<real, 4> values;
+  for (std::size_t c = 0; c < values.size(); ++c) values[c] = real([&](auto lane) { return of(lane)[c]; });
+  return values;
+#endif
+}
+
+}  // namespace tetsuame::walls::detail
