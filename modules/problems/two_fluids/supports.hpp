@@ -2,7 +2,7 @@
 // neighbours when its liquid expands (docs/theory/core_formation.md#supports). They stay during a step.
 //
 //   our_method        ΔV = m/ρ; every sum has the mean of both kernels, F̄_ij = ½[F(S_i) + F(S_j)]
-//   number_density    ΔV_i = s/n_i, n_i = Σ_j W_ij(S_i): S_i^d n_i is one number for all (schemes/common.hpp).
+//   number_density    ΔV_i = s/n_i, n_i = Σ_j W_ij(S_i): S_i^d n_i is one number for all.
 //                     Pressure: -Σ_j [f_i A_i F_i + f_j A_j F_j] x_ij, A = (p - p_r) ΔV²/s, f_i = -d n_i/Σ_j r
 //                     W'_ij(S_i), and compression takes up f_i A_i Σ_j v_ij·∇_iW_ij(S_i). Friction and conduction have
 //                     F̄.
@@ -83,15 +83,40 @@ void sum(const fluids<D>& f, const pairs::stretch& rows, const Term& term) {
       f.unit);
 }
 
-// n_i S_i^d and its slope in S_i (schemes/common.hpp).
+// n_i S_i^d, and the same of r² F.
+template <class Kernel>
+struct number_density {
+  Kernel unit;
+  const double* S;
+  double *count, *slope;
+
+  struct me {
+    pairs::real S, per_S, count, slope;
+  };
+  me begin(const pairs::cluster<>& i) const {
+    const pairs::real S_i = i(S);
+    return {S_i, 1.0 / S_i, 0.0, 0.0};
+  }
+  void add(me& a, const auto& ij) const {
+    const auto s = schemes::shape_of(unit, ij, a.S, a.per_S);
+    a.count += s.W;
+    a.slope += s.q * s.q * s.F;
+  }
+  void end(const pairs::cluster<>& i, const me& a) const {
+    i.set(count, unit.self() + a.count);
+    i.set(slope, a.slope);
+  }
+};
+
+// n_i S_i^d and its slope in S_i.
 template <int D>
 void count_neighbours(fluids<D>& f) {
   const auto& w = f.world.w;
   std::visit(
       [&](const auto& unit) {
         pairs::sum_over<D>(w.fluid(), w.list, w.x(), schemes::distances_only{1e-9 * f.S_0},
-                           schemes::number_density<std::remove_cvref_t<decltype(unit)>>{
-                               unit, f.S.data(), f.count.data(), f.count_slope.data()});
+                           number_density<std::remove_cvref_t<decltype(unit)>>{unit, f.S.data(), f.count.data(),
+                                                                               f.count_slope.data()});
       },
       f.unit);
 }
