@@ -392,7 +392,10 @@ struct explicit_integrator::implementation {
   void return_to_saved() { N_VScale(1.0, saved.get(), home.get()); }
 
   outcome attempt_here(double dt) {
-    if (!is_euler) N_VScale(1.0, home.get(), saved.get());
+    if (is_euler)
+      values_to_overwrite(saved.get());  // by the step
+    else
+      N_VScale(1.0, home.get(), saved.get());
     int status = 0;
     try {
       status = is_euler ? euler_step(dt) : is_ab2 ? ab2_step(dt) : stabilised_stages(dt);

@@ -222,7 +222,10 @@ void schema::pass_over(const std::string& group, const std::vector<std::string>&
 }
 
 void schema::also_known(const std::string& group, const std::string& older, const std::string& key) {
-  find_key(groups_, group, key)->older = older;
+  namelist::key* const k = find_key(groups_, group, key);
+  if (!k || !k->older.empty())
+    throw std::logic_error(fmt::format("namelist key {}.{} is not declared, or has an older name", group, key));
+  k->older = older;
 }
 
 void schema::add(const std::string& group, const std::string& name, target bound, key_info info) {

@@ -48,8 +48,14 @@ descriptor::~descriptor() {
 
 stream append_to(const std::string& path) {
   const descriptor file(path, O_WRONLY | O_APPEND | O_CREAT);
-  stream out(fdopen(fcntl(file.get(), F_DUPFD_CLOEXEC, 0), "a"));
-  if (!out) fail_system("write", path);
+  const int kept = fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
+  stream out(kept < 0 ? nullptr : fdopen(kept, "a"));
+  if (!out) {
+    const int code = errno;
+    if (kept >= 0) close(kept);
+    errno = code;
+    fail_system("write", path);
+  }
   return out;
 }
 

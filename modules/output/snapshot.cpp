@@ -107,9 +107,12 @@ std::vector<double> rows_of(const column& c, const id_order& order) {
 template <class Stored, class T>
 void write_as(shared_file& file, const dataset& d, const id_order& order, const std::vector<T>& rows) {
   if (rows.empty()) return;
-  const std::vector<Stored> stored(rows.begin(), rows.end());
-  const std::size_t row_bytes = stored.size() / order.rows() * sizeof(Stored);
-  file.write(d, order.first_row * row_bytes, stored.data(), stored.size() * sizeof(Stored));
+  if constexpr (!std::is_same_v<Stored, T>) {
+    write_as<Stored>(file, d, order, std::vector<Stored>(rows.begin(), rows.end()));
+  } else {
+    const std::size_t row_bytes = rows.size() / order.rows() * sizeof(T);
+    file.write(d, order.first_row * row_bytes, rows.data(), rows.size() * sizeof(T));
+  }
 }
 
 template <class T>

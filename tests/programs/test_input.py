@@ -118,6 +118,20 @@ class Refusals(Case):
             self.assertLess(time.monotonic() - began, 10)  # a minute and gigabytes before
         self.assertIn("finite differences)", result.stdout)
 
+    def test_drops_wider_than_a_periodic_box(self):
+        box = {"domain.periodic_x": ".true.", "domain.length_y": 3e6, "domain.particles_y": 120, "drop.places_x": "0.75e6,0.75e6", "drop.places_y": "0.8e6,2.2e6"}
+        self.refuse("drop", "drop_cylinder", {**box, "drop.radius": 8e5}, "--set drop.radius=800000.0: &drop radius", "inside the box")
+
+    def test_pressures_beyond_the_fits_of_melting(self):
+        self.refuse("rti", "pond_on_mantle", {"rti.p_top": 1e12}, "&melting liquidus", "the fits for the mantle are none at")
+
+    def test_keys_of_the_own_sums_of_rti(self):
+        """Schemes pass over those of earlier versions too; rti itself has them no more."""
+        text = (INPUTS / "rti_linear.nml").read_text().replace("&rti", "&rti\n  gradient = 'pattern_1'  stress = 'auto'", 1)
+        (self.here / "older.nml").write_text(text)
+        self.assert_says(self.call("disph_c", "older.nml", "--check"), COMPLETED)
+        self.refuse("rti", "older.nml", {"time.steps": 3}, "older.nml:", "gradient")
+
     def test_kernels_that_reach_no_neighbour(self):
         for program, name in (("rti", "rti_linear"), ("disph_c", "hydrostatic_13"), ("conduction", "conduction_plate")):
             self.refuse(program, name, {"kernel.h_over_dx": "1e-3"}, "--set kernel.h_over_dx=1e-3: &kernel h_over_dx", "nearest neighbours")

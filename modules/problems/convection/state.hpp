@@ -110,6 +110,8 @@ struct sums {
   vector_field<D> viscous, plain_viscous, log_slope;
   vector_field<2> contrast;  // of viscosity, of sound
 
+  sums(const sums&) = delete;  // its fields are the state's
+  sums& operator=(const sums&) = delete;
   sums(const parameters& layer, particles::particles<D>& s)
       : latest(layer, s, "Latest", particles::role::derived),
         W(particles::declare(s, "SumOfW", "1/m^D", particles::role::derived)) {

@@ -30,6 +30,7 @@ void next_supports(world<D>& g) {
 
 template <int D>
 void sum_densities(world<D>& g, const pairs::stretch& rows) {
+  const foundation::stage timed(g.w.times, "densities");
   std::visit(
       [&]<class Kernel>(const Kernel& unit) {
         sum(g, rows, schemes::density<D, Kernel>{unit, g.fields()});

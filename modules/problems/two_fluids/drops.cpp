@@ -128,6 +128,8 @@ void find_places(const namelist::schema& schema, options& o, parameters& p) {
     schema.fail("drop", "measure_at", "is of one drop");
   refuse(schema, "drop", {"shape", "elongation"}, "several drops are round at the start");
   o.measure_at = 0.5;
+  for (std::size_t a = 0; a < d.axes(); ++a)
+    if (2.0 * o.radius > d.length[a]) schema.fail("drop", "radius", "the drops must lie inside the box");
   if (!o.places[0].empty()) {
     refuse(schema, "drop", {"least_gap", "seed"}, "is of drops that are drawn, and places are given");
     for (std::size_t n = 0; n < o.places[0].size(); ++n) {

@@ -60,6 +60,8 @@ class fluids {
   fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {
     world.w.s.keeps_start = true;
   }
+  fluids(const fluids&) = delete;  // its fields are the state's
+  fluids& operator=(const fluids&) = delete;
 
   // Those that an evaluation fills, with room for every particle.
   void make_room() {

@@ -100,8 +100,13 @@ void find_heat(const namelist::schema& schema, problem_kind kind, options& o, pa
 
 // Heat conducted across a flat contact at rest: two half spaces, as long as the heat has not reached floor and lid.
 void find_melt(const options& o, parameters& p) {
-  if (!(o.conductivity > 0.0 && o.common.time.t_end)) return;
-  const auto [T_s, T_l] = melting_range(o.melting, p.base->at(p.interface).pressure);
+  const double pressure = p.base->at(p.interface).pressure;
+  const auto [T_s, T_l] = melting_range(o.melting, pressure);
+  if (!(T_s < T_l))
+    foundation::fail_input(fmt::format(
+        "the fits for the mantle are none at {:.4g} Pa, the interface's pressure: solidus {:.6g} K, liquidus {:.6g} K",
+        pressure, T_s, T_l));
+  if (o.pond_top || !(o.conductivity > 0.0 && o.common.time.t_end)) return;
   if (!(p.temperature[1] > p.temperature[0] && p.temperature[0] <= T_s)) return;
   const auto side = [&](std::size_t n) {
     const double y = p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0);

@@ -102,7 +102,8 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   else
     declare_waves(schema, group, o);
   if (o.by_program)
-    schema.pass_over(group, {"volume", "pressure", "reference_pressure", "supports", "delta", "viscous_order", "rows"});
+    schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
+                             "normalise", "delta", "viscous_order", "stress", "rows"});
   else
     declare(schema, group, o.scheme);
   declare(schema, o.melting);
@@ -115,7 +116,10 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "floor", "slip_bottom");
   schema.also_known("walls", "lid", "slip_top");
   schema.also_known("walls", "sides", "slip");
-  if (o.by_program) volume::declare(schema, o.liquid);
+  if (o.by_program) {
+    schema.pass_over("walls", {"pressure"});
+    volume::declare(schema, o.liquid);
+  }
   run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true});
 }
 
@@ -145,7 +149,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
     warn_of_tension(o, p, p.interface);
-    if (o.melting.curve != "none" && !o.pond_top) schema.placed("melting", "liquidus", [&] { find_melt(o, p); });
+    if (o.melting.curve != "none") schema.placed("melting", "liquidus", [&] { find_melt(o, p); });
   } else {
     find_fall(schema, o, p);
   }

@@ -80,17 +80,24 @@ overturn_run as_run(const two_fluids::options& o) {
 // Of a run's folder: resolved.nml, summary.json, history.csv. fail_file if one is missing or damaged, fail_input if it
 // is no run of rti or drop.
 overturn_run read_run(const std::string& folder) {
-  json summary;
   std::string program, status;
   double time, steps, evaluations;
+  json fastest, tau, run_time;  // null: not measured, or not reached
   try {
     auto file = open(folder + "/summary.json");
-    summary = json::parse(file);
+    const auto summary = json::parse(file);
     program = summary.at("program");
     status = summary.at("status");
     time = summary.at("time");
     steps = summary.at("steps");
     evaluations = summary.at("rhs_evaluations");
+    const auto number_of = [](const json& all, const char* key) {
+      return all.contains(key) && all[key].is_number() ? all[key] : json();
+    };
+    const auto metrics = summary.value("metrics", json::object());
+    fastest = number_of(metrics, "v_rms_max");
+    tau = number_of(metrics, "time_of_fall_0.3");
+    run_time = number_of(summary, "stepping_seconds");
   } catch (const json::exception& e) {
     foundation::fail_file(fmt::format("{}/summary.json: is no summary of a run: {}", folder, e.what()));
   }
@@ -106,9 +113,6 @@ overturn_run read_run(const std::string& folder) {
   auto r = as_run(o);
   const auto columns = read_history(folder + "/history.csv");
   const auto& velocity = columns.at("fall_velocity");
-  // Null: not measured, or not reached.
-  const auto metrics = summary.value("metrics", json::object());
-  const json tau = metrics.value("time_of_fall_0.3", json());
   json steps_to_tau;
   if (tau.is_number()) {
     const auto& times = columns.at("time");
@@ -121,12 +125,12 @@ overturn_run read_run(const std::string& folder) {
                 {"n", r.n},
                 {"eta_lower_Pa_s", o.material[0].viscosity},
                 {"eta_upper_Pa_s", o.material[1].viscosity},
-                {"v_rms_max_m_s", metrics.value("v_rms_max", json())},
+                {"v_rms_max_m_s", fastest},
                 {"steps_to_tau", steps_to_tau},
                 {"time_s", time},
                 {"steps", steps},
                 {"rhs_evaluations", evaluations},
-                {"run_time_s", summary.value("stepping_seconds", json())},
+                {"run_time_s", run_time},
                 {"V_m_s", *std::max_element(velocity.begin(), velocity.end())},
                 {"tau_s", tau},
                 {"dt_s", steps > 0.0 ? time / steps : 0.0}};
@@ -136,7 +140,8 @@ overturn_run read_run(const std::string& folder) {
 // Beside the run; what the note prints for its example, n = 75 in 1500 km, is rounded at each step on the way [S0,
 // section 2].
 void say_beside(const overturn_plan& p, const overturn_run& r, answer& a) {
-  const json& m = a.all["measured"] = r.measured;
+  const json& m = r.measured;
+  a.all["measured"] = m;
   const double V = 20.0, tau = 7e4, dt = 2.0, steps = 5e3;  // of the note
   a.all["note"] = {{"V_m_s", V}, {"tau_s", tau}, {"dt_s", dt}, {"steps", steps}};
   const auto text = [&](const char* key) { return m[key].get<std::string>(); };
