@@ -149,7 +149,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_waves(schema, o, p);
     warn_of_tension(o, p, p.interface);
-    if (o.melting.curve != "none") schema.placed("melting", "liquidus", [&] { find_melt(o, p); });
+    if (o.melting.curve != "none") schema.placed("melting", "curve", [&] { find_melt(o, p); });
   } else {
     find_fall(schema, o, p);
   }
