@@ -4,6 +4,7 @@
 #include <cmath>
 #include <eos/eos.hpp>
 #include <foundation/error.hpp>
+#include <utility>
 
 namespace tetsuame::eos {
 
@@ -60,69 +61,79 @@ any build_stiffened_gas(const material_options& o, const description& about) {
   return stiffened_gas{about, *o.gamma, o.p_infinity.value_or(0.0), *o.heat_capacity};
 }
 
+std::vector<entry> liquids() {
+  return {{{.name = "linear",
+            .reference_pressure = 1e5,
+            .reference_density = 7000.0,
+            .reference_temperature = 2500.0,
+            .bulk_modulus = 100e9,
+            .thermal_expansivity = 2.5e-5,
+            .heat_capacity = 1000.0},
+           "linear in density and temperature",
+           build_linear},
+          {{.name = "liquid_iron",
+            .reference_pressure = 1e5,
+            .reference_density = 7030.0,
+            .reference_temperature = 1811.0,
+            .bulk_modulus = 82.1e9,
+            .bulk_modulus_derivative = 5.80,
+            .heat_capacity = 3.0 * gas_constant / molar_mass_iron,
+            .gruneisen = 2.02,
+            .gruneisen_exponent = 0.63,
+            .electronic_coefficient = 0.68e-4,
+            .electronic_exponent = -1.0},
+           "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)",
+           build_liquid},
+          {{.name = "liquid_iron_isentrope",
+            .reference_pressure = 1e5,
+            .reference_density = 7019.0,
+            .reference_temperature = 1811.0,
+            .bulk_modulus = 109.7e9,
+            .bulk_modulus_derivative = 4.66,
+            .bulk_modulus_second_derivative = -0.043e-9,
+            .heat_capacity = 640.0,  // c_p = 46.02 J/(mol K) over 1 + alpha gamma T = 1.287
+            .gruneisen = 1.735,
+            .gruneisen_exponent = 0.2},
+           "W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994)",
+           build_isentropic_liquid},
+          {{.name = "liquid_silicate",
+            .curve = vinet::name,
+            .reference_pressure = 1e5,
+            .reference_density = 2700.0,
+            .reference_temperature = 2500.0,
+            .bulk_modulus = 25e9,
+            .bulk_modulus_derivative = 6.0,
+            .heat_capacity = 1500.0,
+            .gruneisen = 0.6,
+            .gruneisen_exponent = -1.0},
+           "illustrative parameters of unverified origin",
+           build_liquid,
+           true}};
+}
+
+std::vector<entry> solids_and_gases() {
+  return {{{.name = "tillotson",
+            .tillotson = "iron",
+            .reference_temperature = 300.0,
+            .heat_capacity = find_tillotson("iron").c_V},
+           "H. J. Melosh, Impact Cratering (1989); W. Benz, E. Asphaug, Icarus 142, 5 (1999); ",
+           build_tillotson},
+          {{.name = "ideal_gas", .heat_capacity = 717.5, .gamma = 1.4}, "ideal gas", build_stiffened_gas},  // air
+          // Water: c_V so that 1000 kg/m^3 has 1e5 Pa at 300 K.
+          {{.name = "stiffened_gas",
+            .heat_capacity = (1e5 + 6e8) / (3.4 * 1000.0 * 300.0),
+            .gamma = 4.4,
+            .p_infinity = 6e8},
+           "stiffened gas, F. H. Harlow, A. A. Amsden, LA-4700 (1971)",
+           build_stiffened_gas}};
+}
+
 const std::vector<entry>& catalogue() {
-  static const std::vector<entry> all{
-      {{.name = "linear",
-        .reference_pressure = 1e5,
-        .reference_density = 7000.0,
-        .reference_temperature = 2500.0,
-        .bulk_modulus = 100e9,
-        .thermal_expansivity = 2.5e-5,
-        .heat_capacity = 1000.0},
-       "linear in density and temperature",
-       build_linear},
-      {{.name = "liquid_iron",
-        .reference_pressure = 1e5,
-        .reference_density = 7030.0,
-        .reference_temperature = 1811.0,
-        .bulk_modulus = 82.1e9,
-        .bulk_modulus_derivative = 5.80,
-        .heat_capacity = 3.0 * gas_constant / molar_mass_iron,
-        .gruneisen = 2.02,
-        .gruneisen_exponent = 0.63,
-        .electronic_coefficient = 0.68e-4,
-        .electronic_exponent = -1.0},
-       "Y. Kuwayama et al., Phys. Rev. Lett. 124, 165701 (2020)",
-       build_liquid},
-      {{.name = "liquid_iron_isentrope",
-        .reference_pressure = 1e5,
-        .reference_density = 7019.0,
-        .reference_temperature = 1811.0,
-        .bulk_modulus = 109.7e9,
-        .bulk_modulus_derivative = 4.66,
-        .bulk_modulus_second_derivative = -0.043e-9,
-        .heat_capacity = 640.0,  // c_p = 46.02 J/(mol K) over 1 + alpha gamma T = 1.287
-        .gruneisen = 1.735,
-        .gruneisen_exponent = 0.2},
-       "W. W. Anderson, T. J. Ahrens, J. Geophys. Res. 99, 4273 (1994)",
-       build_isentropic_liquid},
-      {{.name = "liquid_silicate",
-        .curve = vinet::name,
-        .reference_pressure = 1e5,
-        .reference_density = 2700.0,
-        .reference_temperature = 2500.0,
-        .bulk_modulus = 25e9,
-        .bulk_modulus_derivative = 6.0,
-        .heat_capacity = 1500.0,
-        .gruneisen = 0.6,
-        .gruneisen_exponent = -1.0},
-       "illustrative parameters of unverified origin",
-       build_liquid,
-       true},
-      {{.name = "tillotson",
-        .tillotson = "iron",
-        .reference_temperature = 300.0,
-        .heat_capacity = find_tillotson("iron").c_V},
-       "H. J. Melosh, Impact Cratering (1989); W. Benz, E. Asphaug, Icarus 142, 5 (1999); ",
-       build_tillotson},
-      {{.name = "ideal_gas", .heat_capacity = 717.5, .gamma = 1.4}, "ideal gas", build_stiffened_gas},  // air
-      // Water: c_V so that 1000 kg/m^3 has 1e5 Pa at 300 K.
-      {{.name = "stiffened_gas",
-        .heat_capacity = (1e5 + 6e8) / (3.4 * 1000.0 * 300.0),
-        .gamma = 4.4,
-        .p_infinity = 6e8},
-       "stiffened gas, F. H. Harlow, A. A. Amsden, LA-4700 (1971)",
-       build_stiffened_gas}};
+  static const std::vector<entry> all = [] {
+    auto list = liquids();
+    for (auto& one : solids_and_gases()) list.push_back(std::move(one));
+    return list;
+  }();
   return all;
 }
 
