@@ -1,29 +1,17 @@
-// Each kernel in each dimension: normalisation, gradient, knots, support, lanes.
-#include <bit>
+// Each kernel in each dimension: normalisation, gradient, knots, support.
 #include <boost/math/quadrature/gauss.hpp>
-#include <boost/mpl/list.hpp>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
-#include <cstdint>
 #include <foundation/error.hpp>
-#include <kernels/kernel.hpp>
 #include <limits>
-#include <vector>
+#include <numbers>
 
-namespace stdx = std::experimental;
+#include "all_kernels.hpp"
+
 using namespace tetsuame::kernels;
-
-using all_kernels =
-    boost::mpl::list<quintic_spline<1>, quintic_spline<2>, quintic_spline<3>, cubic_spline<1>, cubic_spline<2>,
-                     cubic_spline<3>, wendland_c2<1>, wendland_c2<2>, wendland_c2<3>, wendland_c4<1>, wendland_c4<2>,
-                     wendland_c4<3>, wendland_c6<1>, wendland_c6<2>, wendland_c6<3>>;
+using namespace tetsuame::kernels::test;
 
 namespace {
-
-constexpr double support = 2.5e4;  // m: of the size of a planetary run, so that units matter
-
-// A grid of thirds contains the knots of both splines (h = S/3, S/2 lie on sixths).
-double knot(int k) { return support * k / 6.0; }
 
 template <class Kernel>
 double integral(const Kernel& kernel) {
@@ -114,33 +102,6 @@ BOOST_AUTO_TEST_CASE(limits_of_the_gradient_at_the_origin) {
   // A few roundings of the pieces, some 1e-14, over the least r, 1e-9 h.
   BOOST_TEST(std::abs(in_h_at(quintic_spline<3>(support), 0.0)) < 1e-4);
   BOOST_TEST(std::abs(in_h_at(cubic_spline<1>(support), 0.0)) < 1e-4);
-}
-
-BOOST_AUTO_TEST_CASE_TEMPLATE(lanes_give_the_bits_of_doubles, Kernel, all_kernels) {
-  const Kernel kernel(support);
-  std::vector<double> distances{0.0, 1e-300, 1e-12, support, std::nextafter(support, 0.0), 2.0 * support};
-  for (int k = 0; k <= 6; ++k) distances.push_back(knot(k));
-  for (int k = 0; k < 300; ++k) distances.push_back(support * std::fmod(0.5 + k * std::numbers::phi, 1.2));
-
-  const auto check = [&]<class Lanes>(Lanes) {
-    for (std::size_t start = 0; start < distances.size(); ++start) {
-      const auto at = [&](std::size_t lane) { return distances[(start + 7 * lane) % distances.size()]; };
-      const Lanes r([&](auto lane) { return at(lane); });
-      Lanes w, f;
-      kernel.both(r, w, f);
-      const Lanes value = kernel.value(r), gradient = kernel.gradient_over_r(r);
-      for (std::size_t lane = 0; lane < Lanes::size(); ++lane) {
-        const auto same = [](double a, double b) {
-          return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-        };
-        BOOST_REQUIRE(same(w[lane], kernel.value(at(lane))));
-        BOOST_REQUIRE(same(f[lane], kernel.gradient_over_r(at(lane))));
-        BOOST_REQUIRE(same(value[lane], w[lane]) && same(gradient[lane], f[lane]));
-      }
-    }
-  };
-  check(stdx::native_simd<double>());
-  check(stdx::fixed_size_simd<double, 8>());
 }
 
 BOOST_AUTO_TEST_CASE(by_name) {
