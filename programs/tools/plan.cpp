@@ -22,7 +22,7 @@ struct trial_question {
 std::string program_for(const std::string& input) {
   const auto document = namelist::parse_file(input);
   for (const auto& group : document.groups())
-    if (const auto of = run::program_of_group(group.name); !of.empty()) return of;
+    if (auto of = run::program_of_group(group.name); !of.empty()) return of;
   return "disph_c";
 }
 

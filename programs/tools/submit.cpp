@@ -249,7 +249,7 @@ std::vector<std::string> submission(const submit::options& o, const std::string&
 std::string job_in(const submit::options& o, const std::string& answer) {
   std::istringstream words(answer);
   for (std::string word, before; words >> word; before = word) {
-    const auto number = word.substr(0, word.find_first_not_of("0123456789"));
+    auto number = word.substr(0, word.find_first_not_of("0123456789"));
     if (o.scheduler == "pbs") return number.empty() ? "" : word;
     if (before.ends_with("ob") && !number.empty()) return number;
   }

@@ -107,7 +107,7 @@ BOOST_AUTO_TEST_CASE(averages) {
 BOOST_AUTO_TEST_CASE(what_a_swing_leaves) {
   for (const auto& [decay, period] : {std::pair{0.85, 1.75}, {0.95, 1.7}, {0.65, 1.8}}) {
     record r(1);
-    const auto add = [&](int n) {
+    const auto add = [&, decay = decay, period = period](int n) {
       const double s = n * 0.1;  // turnovers
       r.add(n * 10.0, {5.0 + 0.5 * std::exp(-decay * s) * std::cos(2.0 * std::numbers::pi * s / period + 1.0)});
     };

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
-#include <foundation/error.hpp>
 #include <relaxation/rules.hpp>
 #include <relaxation/steps.hpp>
 
 using namespace tetsuame::relaxation;
-using tetsuame::foundation::error;
 
 namespace {
 
