@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import inside
-from tetsuame.compare import convection, orders, references, rti, shock, study
+from tetsuame.compare import convection, orders, references, rti, runner, shock, study
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -121,6 +121,26 @@ class Parts(unittest.TestCase):
 
     def test_json_has_no_nan(self):
         self.assertEqual(study.finite({"a": [1.0, math.nan], "b": {"c": math.inf}}), {"a": [1.0, None], "b": {"c": None}})
+
+
+class Frame(unittest.TestCase):
+    def test_programs_that_a_command_line_needs(self):
+        self.assertEqual(study.needed(["convection", "--quick"]), ["convection"])
+        self.assertEqual(study.needed([]), [f"disph_{letter}" for letter in "abcdef"])
+        self.assertEqual(study.needed(["rti", "--help"]), [])
+        every = study.needed(["--all"])
+        for subject in study.SUBJECTS:
+            self.assertLessEqual(set(study.needed([subject])), set(every), subject)
+
+    def test_time_that_remains(self):
+        progress = runner.Progress([10.0, 0.0, 20.0, 30.0], 2)
+        self.assertEqual(progress.remaining(), "")
+        self.assertEqual(progress.work[1], 20.0)  # unknown: as the others
+        progress.start -= 6.0
+        progress.spent += progress.left.pop(3)
+        self.assertEqual(progress.remaining(), ", about 10 s left")  # 6 s for 30 of 80
+        progress.left = {0: 3000.0}
+        self.assertEqual(progress.remaining(), ", about 10 min left")
 
 
 class Pages(unittest.TestCase):

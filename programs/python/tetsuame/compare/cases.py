@@ -3,7 +3,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-PROGRAMS = ("A", "B", "C", "D", "E", "F")
+LETTERS = ("A", "B", "C", "D", "E", "F")
 SHIPPED_INPUTS = ("11", "12", "13", "13_linear", "column")
 ITERATING = ("A", "B")  # the programs that find Y by the Hosono iteration
 
@@ -22,6 +22,7 @@ class Run:
     settings: tuple[str, ...]
     n: int = 0                   # particles along the box, where that is varied
     program: str = ""            # 'A' … 'F'
+    seconds: float = 0.0         # that it takes, roughly, for the time that remains; 0: as long as the others
 
 
 def of_letter(program: str, path: Path, variant: str, settings: tuple[str, ...]) -> Run:
@@ -35,11 +36,11 @@ def short(path: Path) -> str:
     return path.stem.removeprefix("hydrostatic_")
 
 
-def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, ...], case: str = "") -> Run:
+def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, ...], case: str = "", seconds: float = 0.0) -> Run:
     """Of the comparisons over resolution. case: '': the input's name"""
     file, name = case or path.stem, re.sub(r"[^A-Za-z0-9]+", "_", variant).strip("_")
     return Run(binary, path, file, f"{variant}, n = {n}" if variant else f"n = {n}", f"{file}/{name}_{n}" if name else f"{file}/{n}",
-               variant, settings, n)
+               variant, settings, n, seconds=seconds)
 
 
 def plan(programs: tuple[str, ...], inputs: list[Path], settings: list[str]) -> list[Run]:

@@ -19,6 +19,7 @@ from .parts import count, error_cell, find_inputs, percent, said, sizes, state_c
 NAME = "convection"
 TITLE = "Convection against known steady states"
 ABOUT = "Run the program convection on steady cases at several resolutions; compare with published values."
+PROGRAMS = ("convection",)
 INPUTS = ("blankenbach_1a", "blankenbach_1b", "air_1e4", "air_1e5", "square_pr1")
 QUICK = ("blankenbach_1a", "air_1e4", "square_pr1")
 

@@ -7,7 +7,7 @@ from .. import pages, style
 from ..reading import write_csv
 from . import cases, note, prose, table
 from . import hydrostatic_figures as figures
-from .cases import ITERATING, PROGRAMS, SHIPPED_INPUTS, Run
+from .cases import ITERATING, LETTERS, SHIPPED_INPUTS, Run
 from .outcomes import COMPLETED, Outcome
 from .parts import chosen, find_inputs, state_class
 from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, said
@@ -15,6 +15,7 @@ from .table import agreement, agreement_in_place, cell, entry_of, error, files, 
 TITLE = "Programs A to F on hydrostatic states"
 ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
         "Other comparisons: ./run compare convection, shock, rti (each with --help)."
+PROGRAMS = tuple(f"disph_{program.lower()}" for program in LETTERS)
 terminal = table.terminal
 INTRODUCTION = "Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should " \
                "move. What moves, or departs from the known pressure, is error."
@@ -22,13 +23,13 @@ AGAIN = "\nbuild/programs/disph_a inputs/hydrostatic_13.nml --set hosono.solver=
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--programs", default=",".join(PROGRAMS), metavar="A,C,F", help="programs to run (default: all six)")
+    parser.add_argument("--programs", default=",".join(LETTERS), metavar="A,C,F", help="programs to run (default: all six)")
     parser.add_argument("--inputs", default=",".join(SHIPPED_INPUTS), metavar="NAME,…",
                         help="11, 12, 13, 13_linear, column, or paths of namelists (default: %(default)s)")
 
 
 def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-    programs = chosen("--programs", "program", given.programs.upper(), ",", PROGRAMS, parser)
+    programs = chosen("--programs", "program", given.programs.upper(), ",", LETTERS, parser)
     inputs = find_inputs(given.inputs, root, parser, "hydrostatic_")
     if not programs or not inputs:
         parser.error("nothing to run: --programs and --inputs need at least one name each")

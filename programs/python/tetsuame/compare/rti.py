@@ -29,6 +29,7 @@ SCHEMES = {
     "SSPH": ("ssph", "density by summation, pressure from the equation of state, mirrored walls, pattern 1"),
     "rti": ("rti", "as N, with a reference pressure, a kernel that resists no shear and a viscous sum of fourth order"),
 }
+PROGRAMS = tuple(program for program, _ in SCHEMES.values())
 QUICK = ("A", "C", "E", "F", "Y", "N", "SSPH", "rti")
 GROWTH, OVERTURN = "growth", "overturn"
 VISCOSITY = ("rti.viscosity_upper=6e11", "rti.viscosity_lower=6e11")

@@ -18,15 +18,28 @@ from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
 CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 
-def run_all(cases: list[Run], given: argparse.Namespace) -> list[Outcome]:
-    """The outcomes in the order of the cases; `given`: of study.options."""
-    progress = Progress(len(cases))
-    with ThreadPoolExecutor(given.jobs) as pool:
-        futures = [pool.submit(run_one, case, given, progress) for case in cases]
+def run_all(cases: list[tuple[Run, argparse.Namespace]]) -> list[Outcome]:
+    """The outcomes in the order of the cases, each with what was given on the command line (of study.options).
+    The long ones start first, so that none is left alone at the end."""
+    work = [expected(case, given) for case, given in cases]
+    jobs = cases[0][1].jobs
+    progress = Progress(work, jobs)
+    with ThreadPoolExecutor(jobs) as pool:
+        futures = {}
+        for index in sorted(range(len(cases)), key=lambda i: -work[i]):
+            futures[pool.submit(run_one, *cases[index], progress)] = index
         for future in as_completed(futures):
-            progress.finished(future.result())
+            progress.finished(future.result(), futures[future])
     progress.end()
-    return [future.result() for future in futures]
+    return [future.result() for future in sorted(futures, key=futures.get)]
+
+
+def expected(case: Run, given: argparse.Namespace) -> float:
+    """Seconds of the last time, else as its subject guesses."""
+    try:
+        return json.loads(beside(given.output.resolve() / "runs" / case.folder, ".json").read_text())["seconds"]
+    except (OSError, ValueError, KeyError):
+        return case.seconds
 
 
 def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outcome:
@@ -50,6 +63,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
     for setting in case.settings:
         command += ["--set", setting]
     progress.started(case)
+    start = time.monotonic()
     with open(beside(folder, ".log"), "w") as log:
         try:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -59,7 +73,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
             return Outcome(case, CRASHED, f"did not end within {given.time_limit:g} s", folder, {}, False)
         except OSError as error:
             return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
-    record.write_text(json.dumps({"fingerprint": mark, "status": status}))
+    record.write_text(json.dumps({"fingerprint": mark, "status": status, "seconds": round(time.monotonic() - start, 2)}))
     return judge(case, folder, status, False)
 
 
@@ -109,8 +123,13 @@ def recorded_status(record: Path, mark: str) -> int | None:
 class Progress:
     """One line, redrawn, on a terminal; a line for each finished run elsewhere."""
 
-    def __init__(self, total: int):
-        self.total, self.done, self.start = total, 0, time.monotonic()
+    def __init__(self, work: list[float], jobs: int):
+        """work: expected seconds of each run, 0 where nothing is known."""
+        known = [seconds for seconds in work if seconds > 0.0]
+        usual = sum(known) / len(known) if known else 1.0
+        self.work, self.jobs = [seconds if seconds > 0.0 else usual for seconds in work], jobs
+        self.left = dict(enumerate(self.work))
+        self.spent, self.start = 0.0, time.monotonic()  # spent: expected seconds of the finished runs that were not there already
         self.terminal = sys.stderr.isatty()
         self.running: list[str] = []
 
@@ -118,23 +137,38 @@ class Progress:
         self.running.append(f"{case.label} on {case.file}")
         self.draw()
 
-    def finished(self, outcome: Outcome) -> None:
-        self.done += 1
+    def finished(self, outcome: Outcome, index: int) -> None:
+        work = self.left.pop(index)
+        self.spent += 0.0 if outcome.reused else work
         name = f"{outcome.case.label} on {outcome.case.file}"
         if name in self.running:
             self.running.remove(name)
         if self.terminal:
             self.draw()
         elif not outcome.reused:
-            print(f"compare: {self.done}/{self.total} {name}: {outcome.kind}", file=sys.stderr, flush=True)
+            print(f"compare: {self.counts()} {name}: {outcome.kind}{self.remaining()}", file=sys.stderr, flush=True)
+
+    def counts(self) -> str:
+        return f"{len(self.work) - len(self.left)}/{len(self.work)}"
+
+    def remaining(self) -> str:
+        """By what the finished runs took against what was expected of them."""
+        if not self.left or self.spent <= 0.0:
+            return ""
+        seconds = (time.monotonic() - self.start) * sum(self.left.values()) / self.spent
+        return f", about {duration(seconds)} left"
 
     def draw(self) -> None:
         if self.terminal:
-            seconds = time.monotonic() - self.start
-            line = f"compare: {self.done}/{self.total} runs, {seconds:.0f} s; now {', '.join(self.running) or '-'}"
+            passed = duration(time.monotonic() - self.start)
+            line = f"compare: {self.counts()} runs, {passed}{self.remaining()}; now {', '.join(self.running) or '-'}"
             width = shutil.get_terminal_size().columns - 1
             print(f"\r\033[K{line[:width]}", end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:
         if self.terminal:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"

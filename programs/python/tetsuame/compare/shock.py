@@ -44,6 +44,7 @@ TESTS = {
     "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is"),
     "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory"),
 }
+PROGRAMS = ("shock",)
 OVER = "Errors of ρ, v and p are coloured by their part of the exact field's largest value."
 WIDE = max(len(name) for name, _ in SCHEME.values()) + 2  # of a column on the terminal
 # Of each L1 error its sign, and the field.

@@ -1,6 +1,7 @@
 """The comparisons: programs A to F, convection, shocks, metal over silicate. Each subject is a module with
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
+    PROGRAMS                             that it runs
     add_options(parser), plan(given, root, parser) -> [Run]
     row(outcome, outcomes) -> dict or None, judged(row) -> {quantity: (error, uncertainty)}      for results.json, and the orders fitted
     sections(outcomes, measured, folder) -> [HTML]     with the figures, drawn into the folder
@@ -21,6 +22,7 @@ from . import convection, hydrostatic, orders, rti, runner, shock, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
 SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
+ALL = "all"
 
 
 def options(name: str, subject) -> argparse.ArgumentParser:
@@ -30,8 +32,12 @@ def options(name: str, subject) -> argparse.ArgumentParser:
     subject.add_options(parser)
     if name:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
-    parser.add_argument("--output", default=f"output/compare/{name}".rstrip("/"), metavar="DIR", type=Path,
-                        help="where report.html goes (default: %(default)s)")
+    common_options(parser, f"output/compare/{name}".rstrip("/"))
+    return parser
+
+
+def common_options(parser: argparse.ArgumentParser, output: str) -> None:
+    parser.add_argument("--output", default=output, metavar="DIR", type=Path, help="where report.html goes (default: %(default)s)")
     parser.add_argument("--jobs", default=len(os.sched_getaffinity(0)), type=int, metavar="N",
                         help="programs at a time, one thread each (default: the number of cores, %(default)s)")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="GROUP.KEY=VALUE",
@@ -42,43 +48,91 @@ def options(name: str, subject) -> argparse.ArgumentParser:
                         help="seconds after which a run counts as crashed (default: %(default)g)")
     parser.add_argument("--fresh", action="store_true",
                         help="run again also what has not changed since the last report")
-    return parser
 
 
 def main(arguments: list[str]) -> int:
+    if arguments[:1] == ["--needs"]:  # for ./run, before it builds
+        print(*needed(arguments[1:]))
+        return 0
+    if "--all" in arguments:
+        return everything([word for word in arguments if word != "--all"])
     name, arguments = (arguments[0], arguments[1:]) if arguments and arguments[0] in SUBJECTS else ("", arguments)
-    subject = SUBJECTS.get(name, hydrostatic)
-    parser = options(name, subject)
-    given = parser.parse_args(arguments)
-    if given.jobs < 1:
-        parser.error("--jobs: needs at least 1")
-    for setting in given.settings:
-        group, _, rest = setting.partition(".")
-        if not group or "=" not in rest:
-            parser.error(f"--set: '{setting}' is not of the form group.key=value")
-    runs = subject.plan(given, ROOT, parser)
-    if not runs:
-        parser.error("nothing to run")
-    given.output.mkdir(parents=True, exist_ok=True)
-    outcomes = runner.run_all(runs, given)
-    measured = None
-    if name:
-        runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
-        measured = {"study": name, "runs": runs, "orders": orders.entries(runs, subject.judged)}
+    one = Comparison(name, arguments)
+    outcomes = runner.run_all([(run, one.given) for run in one.runs])
+    one.report(outcomes)
+    return status(outcomes)
 
-    # The page is written only when the runs that it shows, or what writes it, have changed.
-    mark, stamp, target = fingerprint(outcomes), given.output / "report.stamp", given.output / "report.html"
-    unchanged = all(outcome.reused for outcome in outcomes)
-    if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
-        stamp.unlink(missing_ok=True)
-        again = arguments if name else [word for setting in given.settings for word in ("--set", setting)]
-        target.write_text(page(subject, outcomes, measured, given, " ".join([parser.prog, *again])), encoding="utf-8")
-        stamp.write_text(mark)
-    print("\n".join(subject.terminal(outcomes, measured) + crash_lines(outcomes)))
-    if unchanged:
-        print("Nothing has changed since these runs; --fresh runs them again.")
-    print(f"Report: {target}")
+
+def everything(arguments: list[str]) -> int:
+    """All subjects, their runs in one queue: each gets the options of this command line, and a folder of its own."""
+    parser = argparse.ArgumentParser(prog="./run compare --all", description="All comparisons, each into a folder of its own, its page last.")
+    parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
+    common_options(parser, "output/compare")
+    output = parser.parse_args(arguments).output
+    comparisons = []
+    for name in ("", *SUBJECTS):
+        own = [word for word in arguments if name or word != "--quick"]
+        comparisons.append(Comparison(name, [*own, "--output", str(output / name if name else output)]))
+    outcomes = runner.run_all([(run, one.given) for one in comparisons for run in one.runs])
+    first = 0
+    for one in comparisons:
+        one.report(outcomes[first:first + len(one.runs)])
+        first += len(one.runs)
+    return status(outcomes)
+
+
+def needed(arguments: list[str]) -> list[str]:
+    """The programs that a command line runs; none if it only asks for help."""
+    if {"-h", "--help"} & set(arguments):
+        return []
+    names = SUBJECTS if "--all" in arguments else [name for name in arguments[:1] if name in SUBJECTS]
+    modules = [SUBJECTS[name] for name in names]
+    if "--all" in arguments or not modules:
+        modules.append(hydrostatic)
+    return sorted({program for module in modules for program in module.PROGRAMS})
+
+
+def status(outcomes: list[Outcome]) -> int:
     return 1 if any(outcome.kind == CRASHED for outcome in outcomes) else 0  # a crash is none of the results
+
+
+class Comparison:
+    """A subject with what was given on its command line: its runs, and its page."""
+
+    def __init__(self, name: str, arguments: list[str]):
+        """name: '': programs A to F on the note's inputs"""
+        self.name, self.arguments, self.subject = name, arguments, SUBJECTS.get(name, hydrostatic)
+        self.parser = parser = options(name, self.subject)
+        self.given = given = parser.parse_args(arguments)
+        if given.jobs < 1:
+            parser.error("--jobs: needs at least 1")
+        for setting in given.settings:
+            group, _, rest = setting.partition(".")
+            if not group or "=" not in rest:
+                parser.error(f"--set: '{setting}' is not of the form group.key=value")
+        self.runs = self.subject.plan(given, ROOT, parser)
+        if not self.runs:
+            parser.error("nothing to run")
+        given.output.mkdir(parents=True, exist_ok=True)
+
+    def report(self, outcomes: list[Outcome]) -> None:
+        """Writes the page only when the runs that it shows, or what writes it, have changed."""
+        subject, given = self.subject, self.given
+        measured = None
+        if self.name:
+            runs = [common(one) | own for one in outcomes if (own := subject.row(one, outcomes)) is not None]
+            measured = {"study": self.name, "runs": runs, "orders": orders.entries(runs, subject.judged)}
+        mark, stamp, target = fingerprint(outcomes), given.output / "report.stamp", given.output / "report.html"
+        unchanged = all(outcome.reused for outcome in outcomes)
+        if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
+            stamp.unlink(missing_ok=True)
+            again = self.arguments if self.name else [word for setting in given.settings for word in ("--set", setting)]
+            target.write_text(page(subject, outcomes, measured, given, " ".join([self.parser.prog, *again])), encoding="utf-8")
+            stamp.write_text(mark)
+        print("\n".join(subject.terminal(outcomes, measured) + crash_lines(outcomes)))
+        if unchanged:
+            print("Nothing has changed since these runs; --fresh runs them again.")
+        print(f"Report: {target}")
 
 
 def common(outcome: Outcome) -> dict:
