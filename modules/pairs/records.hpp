@@ -118,6 +118,25 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
+// The records of the neighbours that a register has room for.
+template <class R>
+struct neighbours;
+
+template <>
+struct neighbours<real> {
+  static constexpr std::size_t at_once = 1;
+  std::array<const double*, at_once> records;
+  [[gnu::always_inline]] real operator[](std::size_t k) const { return records[0][k]; }
+};
+template <>
+struct neighbours<single> {
+  static constexpr std::size_t at_once = 2;
+  std::array<const float*, at_once> records;
+  [[gnu::always_inline]] single operator[](std::size_t k) const {
+    return single(foundation::beside(records[0] + k, records[1] + k));
+  }
+};
+
 // How positions, in m, stand in records, and what makes x_i - x_j of them.
 template <class R>
 struct positions;
@@ -130,7 +149,9 @@ struct positions<real> {
   explicit positions(const unit<real>&) {}
   static double number_of(double x) { return x; }
   static own_type own(const cluster<real>& i, const double* x) { return i(x); }
-  [[gnu::always_inline]] static real difference(const own_type& x_i, double x_j) { return x_i - x_j; }
+  [[gnu::always_inline]] static real difference(const own_type& x_i, const neighbours<real>& j, std::size_t at) {
+    return x_i - j.records[0][at];
+  }
 };
 
 // As whole numbers of 2^-28 units, modulo 2^32: differences of neighbours are exact, whatever the size of the domain
@@ -141,23 +162,24 @@ struct positions<single> {
   using own_type = stdx::native_simd<std::uint32_t>;
   static_assert(own_type::size() == single::size());
   static constexpr int places = 28;
+  static constexpr double whole_numbers = 0x1.8p52;  // near it doubles are
 
   double per_step;  // 1/m
 
   explicit positions(const unit<single>& lengths) : per_step(lengths.to(-1) * (1 << places)) {}
   // The lower half of a double's digits, once the number is so large that these are whole.
   std::uint32_t steps(double x) const {
-    return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_step + 0x1.8p52));
+    return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_step + whole_numbers));
   }
   float number_of(double x) const { return std::bit_cast<float>(steps(x)); }
   own_type own(const cluster<single>& i, const double* x) const {
-    std::array<std::uint32_t, single::size()> all;
-    for (std::size_t lane = 0; lane < all.size(); ++lane)
-      all[lane] = (i.chosen >> lane & 1U) != 0 ? steps(x[i.first + lane]) : 0;
-    return own_type(all.data(), stdx::element_aligned);
+    const real whole = foundation::load_where<real>(i.chosen, x + i.first) * per_step + whole_numbers;
+    const auto digits = std::bit_cast<std::array<std::uint64_t, lanes>>(whole);
+    return own_type([&](auto lane) { return static_cast<std::uint32_t>(digits[lane % lanes]); });
   }
-  [[gnu::always_inline]] static single difference(const own_type& x_i, float x_j) {
-    const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - std::bit_cast<std::uint32_t>(x_j));
+  [[gnu::always_inline]] static single difference(const own_type& x_i, const neighbours<single>& j, std::size_t at) {
+    const auto x_j = std::bit_cast<own_type>(foundation::beside(j.records[0] + at, j.records[1] + at));
+    const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - x_j);
     return single(stdx::static_simd_cast<single::lanes_type>(steps) * (1.0F / (1 << places)));
   }
 };

@@ -177,7 +177,7 @@ struct load_balance {
 
   // Pairs that are evaluated: of the fluid's clusters, and of the walls' markers.
   static double pairs_of(const state<D>& box) {
-    return static_cast<double>(box.w.list.all.size() * box.w.list.width + box.walls.near_marker.all.size());
+    return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.near_marker.all.size());
   }
   // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
   static balance::extent<D> extent_of(const state<D>& box) {
