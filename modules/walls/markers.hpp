@@ -7,6 +7,7 @@
 #include <cells/grid.hpp>
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
+#include <limits>
 #include <type_traits>
 #include <walls/interpolation.hpp>
 #include <walls/turned.hpp>
@@ -14,12 +15,36 @@
 
 namespace tetsuame::walls::detail {
 
-// Of each wall particle of this rank: whether fluid, owned or ghost, is nearer to it than `reach`. What is as near to
-// the wall particle is as near to its marker, and so among this rank's ghosts at least.
+// m, how far a wall particle is from fluid that is nowhere nearer to its walls than so far.
 template <int D>
-std::vector<char> find_read(const particles::particles<D>& s, const cells::grid<D>& grid, double reach) {
+double least_distance(const particles::particles<D>& s, const wall_set<D>& set, std::size_t r,
+                      const std::vector<double>& nearest) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < set.sides.size(); ++k) {
+    if ((set.mirrored[r] >> k & 1U) == 0) continue;
+    const double along = nearest[k] - set.sides[k].distance(s.x[set.sides[k].axis][s.first_wall() + r]);
+    sum += along * along;
+  }
+  return std::sqrt(sum);
+}
+
+// Of each wall particle of this rank: whether fluid, owned or ghost, may be nearer to it than `reach`. What is as near
+// to the wall particle is as near to its marker, and so among this rank's ghosts at least. Those whom a lattice would
+// come near count as read, without a search.
+template <int D>
+std::vector<char> find_read(const particles::particles<D>& s, const wall_set<D>& set, const cells::grid<D>& grid,
+                            double reach, double dx) {
+  std::vector<double> nearest;  // m, fluid to each side, from within
+  const std::vector<double> lattice(set.sides.size(), dx);
+  for (const auto& wall : set.sides) {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < s.first_wall(); ++i) least = std::min(least, wall.distance(s.x[wall.axis][i]));
+    nearest.push_back(std::max(0.0, least));
+  }
   std::vector<char> read(s.walls, 0);
   foundation::for_all(s.walls, [&](std::size_t r) {
+    read[r] = least_distance(s, set, r, lattice) < reach ? 1 : 0;
+    if (read[r] != 0 || least_distance(s, set, r, nearest) > reach * (1.0 + 1e-9)) return;
     const auto x = cells::position<D>(s.x, s.first_wall() + r);
     cells::for_each_near<D>(grid, x, x, reach, [&](std::uint32_t k, std::uint64_t near) {
       for (; near != 0; near &= near - 1)
@@ -93,7 +118,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   const bool all = set.how.treatment == "repulsion";
   // Lists end when some fluid has moved half the skin. Markers and wall particles do not move.
   const double moved = 0.5 * skin;
-  const auto is_read = all ? std::vector<char>(s.walls, 1) : find_read(s, grid, w.support() + moved);
+  const auto is_read = all ? std::vector<char>(s.walls, 1) : find_read(s, set, grid, w.support() + moved, w.dx);
   set.unread.reset();
   set.read.of.clear();
   for (std::size_t r = 0; r < s.walls; ++r)
@@ -193,12 +218,12 @@ struct side_by_side {
 // The kernel stretched to the markers' reach, in units of that, and the marker of a row in the same.
 template <int D, class Kernel>
 struct marker_view {
-  Kernel kernel{1.0};
+  const Kernel& kernel;
   real nearest{kernel.smallest_r() * kernel.smallest_r()};
   vec<real, D> x;
 
-  marker_view(const wall_set<D>& set, std::size_t r)
-      : x(vec<real, D>::of([&](std::size_t a) { return set.marker[a][r] * (1.0 / set.reach); })) {}
+  marker_view(const wall_set<D>& set, std::size_t r, const Kernel& in_reaches)
+      : kernel(in_reaches), x(vec<real, D>::of([&](std::size_t a) { return set.marker[a][r] * (1.0 / set.reach); })) {}
 
   // Particles whose records begin with these numbers.
   [[gnu::always_inline]] seen<D> operator()(const std::array<real, 4>& record) const {
@@ -267,6 +292,7 @@ void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_ro
   const std::size_t n = rows.near.rows();
   std::visit(
       [&]<class Kernel>(const Kernel&) {
+        const Kernel kernel(1.0);
 #pragma omp parallel if (n > foundation::rows_worth_threads)
         {
           std::vector<seen<D>> near;
@@ -274,7 +300,7 @@ void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_ro
 #pragma omp for schedule(static)
           for (std::size_t k = 0; k < n; ++k) {
             const auto row = rows.near.row(k);
-            see(near, row, records.first, marker_view<D, Kernel>(set, rows.of[k]));
+            see(near, row, records.first, marker_view<D, Kernel>(set, rows.of[k], kernel));
             double* const c = rows.coefficients.data() + k * terms(order, D);
             coefficients<D>(near, order, c);
             phi.resize(near.size() * lanes);
@@ -303,7 +329,8 @@ void for_each_marker(const pairs::workspace<D>& w, const wall_set<D>& set, const
   };
   std::visit(
       [&]<class Kernel>(const Kernel&) {
-        const auto view_of = [&](std::size_t r) { return marker_view<D, Kernel>(set, r); };
+        const Kernel kernel(1.0);
+        const auto view_of = [&](std::size_t r) { return marker_view<D, Kernel>(set, r, kernel); };
         with_order(set.how, [&](auto order) {
           if (records.size == 4)
             sweep(std::integral_constant<std::size_t, 1>{}, order, view_of);
