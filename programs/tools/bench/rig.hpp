@@ -97,6 +97,7 @@ class rig {
       if (!gas) s.T[i] += scatter(s.id[i], 6);  // K
     }
     make_lists();
+    box_->expect_snapshot(false);
     integrators::explicit_options how;
     how.method = time.method;
     how.dt = dt_;
