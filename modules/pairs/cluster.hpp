@@ -50,13 +50,13 @@ struct cluster {
   std::uint32_t chosen;
   [[no_unique_address]] unit<R> lengths;
 
-  // Each member's value, in m^n. No branches for clusters of which all are chosen: the compiler would fuse
-  // multiplications and additions here and not there, and sums would depend on who else is in the cluster.
-  R operator()(const double* a, int n = 0) const {
+  // Each member's value, in m^n, times a factor. No branches for clusters of which all are chosen: the compiler would
+  // fuse multiplications and additions here and not there, and sums would depend on who else is in the cluster.
+  R operator()(const double* a, int n = 0, double factor = 1.0) const {
     if constexpr (std::is_same_v<R, real>) {
-      return foundation::load_where<real>(chosen, a + first);
+      return foundation::load_where<real>(chosen, a + first) * factor;
     } else {
-      const double scale = lengths.to(-n);
+      const double scale = lengths.to(-n) * factor;
       const auto h = load(a);
       return foundation::narrow({real(h.low * scale), real(h.high * scale)});
     }
@@ -86,6 +86,18 @@ struct cluster {
         else
           return static_cast<double>(value[lane]) * lengths.to(n);
       });
+    }
+  }
+  // f(doubles, of) for those members at once that a register of doubles takes, a cluster of their own; of(value, n) are
+  // their lanes, n as above.
+  template <class F>
+  void in_doubles(F&& f) const {
+    if constexpr (std::is_same_v<R, real>) {
+      f(*this, [](const R& value, int = 0) { return value; });
+    } else {
+      f(cluster<real>{first, chosen & half, {}}, [&](const R& value, int n = 0) { return scaled(value, n).low; });
+      f(cluster<real>{first + lanes, chosen >> lanes, {}},
+        [&](const R& value, int n = 0) { return scaled(value, n).high; });
     }
   }
 
