@@ -70,6 +70,14 @@ template <class T, class Abi>
   return single(c);
 }
 
+// Bit n: lane n of the mask.
+template <class T, class Abi>
+std::uint32_t bits_of(const stdx::simd_mask<T, Abi>& mask) {
+  std::uint32_t bits = 0;
+  for (std::size_t lane = 0; lane < mask.size(); ++lane) bits |= (mask[lane] ? 1U : 0U) << lane;
+  return bits;
+}
+
 // What guards a division by what may vanish; R holds its inverse too.
 template <class R>
 inline constexpr double tiny = std::is_same_v<R, single> ? 1e-30 : 1e-200;

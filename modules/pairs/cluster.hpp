@@ -50,15 +50,15 @@ struct cluster {
   std::uint32_t chosen;
   [[no_unique_address]] unit<R> lengths;
 
-  // Each member's value, in m^n; of `single`, in both halves. No branches for clusters of which all are chosen: the
-  // compiler would fuse multiplications and additions here and not there, and sums would depend on who else is in the
-  // cluster.
-  R operator()(const double* a, int n = 0) const {
+  // Each member's value, in m^n, times a factor; of `single`, in both halves. No branches for clusters of which all are
+  // chosen: the compiler would fuse multiplications and additions here and not there, and sums would depend on who else
+  // is in the cluster.
+  R operator()(const double* a, int n = 0, double factor = 1.0) const {
     const real values = foundation::load_where<real>(chosen, a + first);
     if constexpr (std::is_same_v<R, real>)
-      return values;
+      return values * factor;
     else
-      return foundation::in_both_halves(real(values * lengths.to(-n)));
+      return foundation::in_both_halves(real(values * (lengths.to(-n) * factor)));
   }
   // A value of the members in doubles and SI units, which goes with m^n.
   real in_doubles(const R& value, int n = 0) const {
@@ -86,6 +86,11 @@ struct cluster {
           return static_cast<double>(value[lane]) * lengths.to(n);
       });
     }
+  }
+  // f(doubles, of) for all members at once: a cluster of doubles; of(value, n) are its members', n as above.
+  template <class F>
+  void with_doubles(F&& f) const {
+    f(cluster<real>{first, chosen, {}}, [&](const R& value, int n = 0) { return in_doubles(value, n); });
   }
 };
 

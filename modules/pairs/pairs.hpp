@@ -54,6 +54,19 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
 // Lengths in R's unit (cluster.hpp).
 template <class R, int D>
 struct pair {
+  pair() = default;
+  // One by one: of a copy as a whole the compiler would keep in memory what no term uses.
+  pair(const pair& b) : x_ij(b.x_ij), r2(b.r2), r(b.r), per_r(b.per_r), W(b.W), F(b.F) {}
+  pair& operator=(const pair& b) {
+    x_ij = b.x_ij;
+    r2 = b.r2;
+    r = b.r;
+    per_r = b.per_r;
+    W = b.W;
+    F = b.F;
+    return *this;
+  }
+
   vec<R, D> x_ij;                                  // m, x_i - x_j
   R r2;                                            // m2, of at least the kernel's smallest_r(), as those that follow
   R r, per_r;                                      // m, 1/m
@@ -146,7 +159,7 @@ template <class R, class Layout, class Kernel, class... Terms>
   std::array<typename positions<R>::own_type, D> x_i;
   std::array<R, Layout::used> own;
   for (std::size_t c = 0; c < D; ++c) x_i[c] = place.own(i, fields.from[c]);
-  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c]);
+  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c], fields.factor[c]);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
   constexpr std::size_t at_once = neighbours<R>::at_once;
   cells::neighbour_list::neighbours<at_once> n(row);

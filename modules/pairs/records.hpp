@@ -41,7 +41,8 @@ inline constexpr viscosity_tag of_viscosity;
 inline constexpr temperature_tag of_temperature;
 inline constexpr conductivity_tag of_conductivity;
 
-// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), in m^lengths.
+// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), times a factor, in
+// m^lengths.
 template <class Tag, std::size_t N, bool Vector>
 struct field_read {
   using tag = Tag;
@@ -49,15 +50,16 @@ struct field_read {
   static constexpr bool is_vector = Vector;
   std::array<const double*, N> from;
   int lengths;
+  double factor;
 };
 
 template <class Tag>
 field_read<Tag, 1, false> read(Tag, const double* a, int lengths = 0) {
-  return {{a}, lengths};
+  return {{a}, lengths, 1.0};
 }
 template <class Tag, std::size_t N>
-field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a, int lengths = 0) {
-  return {a, lengths};
+field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a, int lengths = 0, double factor = 1.0) {
+  return {a, lengths, factor};
 }
 
 // The reads of a term, none if it does not say.
@@ -190,6 +192,7 @@ struct sources {
   static constexpr std::size_t D = Layout::dimension;
   std::array<const double*, Layout::used> from;
   std::array<int, Layout::used> lengths{};  // powers of m
+  std::array<double, Layout::used> factor{};
 
   template <class... Reads>
   sources(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads) {
@@ -202,6 +205,7 @@ struct sources {
   void append(std::size_t& k, const auto& r) {
     for (const double* a : r.from) {
       from[k] = a;
+      factor[k] = r.factor;
       lengths[k++] = r.lengths;
     }
   }
@@ -216,7 +220,7 @@ void pack(
   const std::size_t n = chosen.size(), room = (n > 0 ? chosen[n - 1] + 1 : 0) * Layout::size;
   if (records.size() < room) records.resize(room);
   std::array<double, Layout::used> scale;
-  for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]);
+  for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]) * fields.factor[c];
   number* const out = records.data();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
@@ -224,10 +228,7 @@ void pack(
     number* const record = out + i * Layout::size;
     for (std::size_t c = 0; c < Layout::dimension; ++c) record[c] = place.number_of(fields.from[c][i]);
     for (std::size_t c = Layout::dimension; c < Layout::used; ++c) {
-      if constexpr (std::is_same_v<R, real>)
-        record[c] = fields.from[c][i];
-      else
-        record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
+      record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
     }
   }
 }
