@@ -9,7 +9,7 @@ from .. import pages, style
 from .cases import Run
 from .outcomes import COMPLETED, CRASHED, Outcome
 from .parts import said, state_class
-from .precision_reports import NUDGE, PARTS, SECONDS, USUAL_NUDGE, Cells, Part
+from .precision_reports import NUDGE, PARTS, SECONDS, Part
 from .table import stopped_step, verdict
 
 NAME = "precision"
@@ -20,7 +20,8 @@ INTRODUCTION = "What a pair of particles adds to a sum can be computed in number
                "A program takes them by itself where each figure of its reports has an error ten times as large as the change."
 DOUBLE, SINGLE, COARSE, NUDGED = "double", "single", "coarse", "nudged"
 ENOUGH = 10.0  # times the change that the method's own error must be
-OF_ENERGY = 1e-6  # that what is kept may change by
+SPEAKERS = tuple(dict.fromkeys(part.speaks_for for part in PARTS))
+OF_KEPT = 1e-6  # that a residual of what is kept may change by, where a tenth of it is less
 
 
 @dataclass(frozen=True)
@@ -51,10 +52,9 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
         words, coarse = (part.quick, part.quick_coarse) if given.quick else (part.words, part.coarse)
         halves = [half(part, one, kind) for one in asked(part, words, given, root) for kind in (DOUBLE, SINGLE)]
         halves += [half(part, one, COARSE) for one in asked(part, coarse, given, root)]
-        if part.report is Cells:
-            halves += [half(part, one, NUDGED) for one in asked(part, words, given, root)]
+        halves += [half(part, one, NUDGED) for one in asked(part, words, given, root) if one.file in NUDGE]
         runs |= {one.folder: one for one in halves if one.folder not in runs}
-    return list(runs.values())
+    return sorted(runs.values(), key=lambda one: SPEAKERS.index(one.part.speaks_for))
 
 
 def asked(part: Part, words: str, given: argparse.Namespace, root: Path) -> list[Run]:
@@ -72,7 +72,7 @@ def half(part: Part, run: Run, kind: str) -> Half:
     own = {field.name: getattr(run, field.name) for field in fields(Run)}
     precision = SINGLE if kind == SINGLE else DOUBLE
     own |= {"folder": f"{kind}/{run.binary}/{run.folder}", "label": f"{run.binary} {run.label}, {kind}",
-            "settings": (*run.settings, *(NUDGE.get(run.file, USUAL_NUDGE) if kind == NUDGED else ()), f"kernel.precision={precision}"),
+            "settings": (*run.settings, *((NUDGE[run.file],) if kind == NUDGED else ()), f"kernel.precision={precision}"),
             "seconds": SECONDS.get(run.file, 1.0) * (run.n / 48) ** 3 if run.n else 0.5}
     return Half(**own, part=part, kind=kind)
 
@@ -113,7 +113,7 @@ def compared(single: Outcome, double: Outcome, outcomes: list[Outcome]) -> list[
         change, own = other - value, abs(value - right)
         found.append({"figure": name, "double": value, "single": other, "change": change, "own_error": own, "against": against,
                       "ratio": own / abs(change) if change else None, "kept": kept,
-                      "enough": abs(change) <= (OF_ENERGY if kept else own / ENOUGH),
+                      "enough": abs(change) <= max(own / ENOUGH, OF_KEPT if kept else 0.0),
                       "last_digit": beside[name].value - value if name in beside and beside[name].value is not None else None})
     return found
 
@@ -123,8 +123,13 @@ def judged(_row: dict) -> dict[str, tuple[float, float]]:
 
 
 def bears(one: dict) -> bool:
-    """Whether both runs of a problem end alike, and each figure's own error is large enough."""
-    return CRASHED not in one["ends"] and one["ends"][0] == one["ends"][1] and all(figure["enough"] for figure in one["figures"])
+    """Whether both runs of a problem end alike, and each answer's own error is large enough."""
+    return CRASHED not in one["ends"] and one["ends"][0] == one["ends"][1] and all(figure["enough"] for figure in answers(one))
+
+
+def answers(one: dict) -> list[dict]:
+    """The figures without residuals of what is kept, which are the check of an answer."""
+    return [figure for figure in one["figures"] if not figure["kept"]]
 
 
 def groups(measured: dict) -> dict[str, list[dict]]:
@@ -136,15 +141,15 @@ def groups(measured: dict) -> dict[str, list[dict]]:
 
 def worst(runs: list[dict]) -> tuple[dict, dict] | None:
     """The run and the figure that changes most against the method's own error; without what is kept."""
-    changed = [(one, figure) for one in runs for figure in one["figures"] if figure["ratio"] is not None and not figure["kept"]]
+    changed = [(one, figure) for one in runs for figure in answers(one) if figure["ratio"] is not None]
     return min(changed, key=lambda each: each[1]["ratio"], default=None)
 
 
-def counts(runs: list[dict]) -> tuple[int, int]:
-    """Figures that bear single precision, of all; that a run ends otherwise counts as one that does not."""
-    figures = [figure["enough"] for one in runs for figure in one["figures"]]
-    ends = [False for one in runs if one["ends"][0] != one["ends"][1]]
-    return sum(figures), len(figures) + len(ends)
+def counts(runs: list[dict], kept: bool = False) -> tuple[int, int]:
+    """Answers (kept: residuals) that bear single precision, of all; that a run ends otherwise counts as an answer that does not."""
+    figures = [figure["enough"] for one in runs for figure in one["figures"] if figure["kept"] == kept]
+    otherwise = 0 if kept else sum(one["ends"][0] != one["ends"][1] for one in runs)
+    return sum(figures), len(figures) + otherwise
 
 
 def quotient(pair: list[float | None]) -> str:
@@ -183,7 +188,8 @@ def verdicts(by_program: dict[str, list[dict]]) -> str:
         return pages.cell(f"{ratio_text(found[1])}: {escape(said_of(found[1]))} of {escape(problem(found[0]))}" if found else "–", "words")
 
     columns = {"Program": lambda item: pages.name(item[0]),
-               "figures that bear it": lambda item: pages.number("{} of {}".format(*counts(item[1]))),
+               "answers that bear it": lambda item: pages.number("{} of {}".format(*counts(item[1]))),
+               "residuals": lambda item: pages.number("{} of {}".format(*counts(item[1], kept=True))),
                "ends otherwise": lambda item: pages.number(sum(one["ends"][0] != one["ends"][1] for one in item[1])),
                "least of error over change": lambda item: least(item[1]),
                "time, double/single": lambda item: pages.number(faster(item[1])),
@@ -217,9 +223,10 @@ def of_program(runs: list[dict]) -> str:
             names.append(problem(one))
     heads = ["Problem", "figure", "double", "single", "change", *(["a last digit changes"] if nudged else []), "own error", "error/change", "enough"]
     remark = "Own error: the distance of the figure in double from the exact, published or theoretical one; with (n = …): from the figure at so " \
-             f"many particles, where nothing is known. A residual or drift of energy may change by {OF_ENERGY:g} of the energy, whatever its size."
+             "many particles, where nothing is known. A residual of what is kept (energy, heat, an element) bears a change by a tenth of itself " \
+             f"or by {OF_KEPT:g}; it is the check of an answer and not one, and the verdict above is without it."
     if nudged:
-        remark += " A last digit: what the figure changes by in double, where the disturbance at the start is changed in its eighth digit."
+        remark += " A last digit: what the figure changes by in double, with another eighth digit of the disturbance at the start, or of gravity."
     return pages.table(heads, rows, "wide", names) + pages.small(remark)
 
 
@@ -234,7 +241,7 @@ def steps(runs: list[dict]) -> str:
 
 
 def ratios(by_program: dict[str, list[dict]]):
-    figures = {name: [figure for one in runs for figure in one["figures"] if not figure["kept"]] for name, runs in by_program.items()}
+    figures = {name: [figure for one in runs for figure in answers(one)] for name, runs in by_program.items()}
     figures = {name: found for name, found in figures.items() if found}
     if not figures:
         return None
