@@ -70,10 +70,10 @@ def asked(part: Part, words: str, given: argparse.Namespace, root: Path) -> list
 
 def half(part: Part, run: Run, kind: str) -> Half:
     own = {field.name: getattr(run, field.name) for field in fields(Run)}
-    precision = SINGLE if kind == SINGLE else DOUBLE
+    precision, (seconds, n) = SINGLE if kind == SINGLE else DOUBLE, SECONDS.get(run.file, (0, 0))
     own |= {"folder": f"{kind}/{run.binary}/{run.folder}", "label": f"{run.binary} {run.label}, {kind}",
             "settings": (*run.settings, *((NUDGE[run.file],) if kind == NUDGED else ()), f"kernel.precision={precision}"),
-            "seconds": SECONDS.get(run.file, 1.0) * (run.n / 48) ** 3 if run.n else 0.5}
+            "seconds": seconds * (run.n / n) ** 3 if n else 0.5}
     return Half(**own, part=part, kind=kind)
 
 
@@ -169,7 +169,10 @@ def problem(one: dict) -> str:
 
 
 def ratio_text(figure: dict) -> str:
-    return "no change" if figure["ratio"] is None else f"{figure['ratio']:.2g}"
+    ratio = figure["ratio"]
+    if ratio is None:
+        return "no change"
+    return f"{ratio:.2g}" if ratio < 10 else f"{ratio:.0f}" if ratio < 1e4 else f"{ratio:.0e}".replace("e+0", "e")
 
 
 def sections(_outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
@@ -177,7 +180,7 @@ def sections(_outcomes: list[Outcome], measured: dict, folder: Path) -> list[str
     return [pages.section("By program", verdicts(by_program), pages.figure(
                 ratios(by_program), folder / "ratios.png",
                 "Each dot a figure: the method's own error over what single precision changes. Left of the line (10) single is not good enough. "
-                "Dots on the right edge: no change; on the left edge: below 10⁻³, mostly where nothing should change at all.")),
+                "Dots on the right edge: no change; on the left one: below 10⁻³, where nothing should change at all.")),
             *(pages.section(f"Figures: {name}", of_program(runs)) for name, runs in by_program.items()),
             pages.section("Steps and time", steps(measured["runs"]))]
 
