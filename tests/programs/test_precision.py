@@ -92,7 +92,7 @@ class Precision(Case):
                 ("rti", "rti_linear", size(16), "single"), ("rti", "rti_poster", size(16), "double"),
                 ("drop", "drop_cylinder", size(16), "single"),
                 ("drop", "drop_surface_tension", {"domain.particles_x": 16, "domain.particles_y": 32}, "double"),
-                ("conduction", "conduction_plate", size(16), "single"), ("disph_c", "conduction_plate", size(16), "double"),
+                ("conduction", "conduction_plate", size(16), "double"),
                 ("disph_c", "rti_linear", size(16), "double"), ("disph_f", "hydrostatic_13", {}, "double"),
                 ("convection", "blankenbach_1a", size(16), "double"), ("shock", "sod", {}, "single"),
                 ("shock", "square", {"domain.particles_x": 16}, "double"), ("shock", "sod", {"shock.scheme": "remix"}, "double"),

@@ -37,8 +37,6 @@ void declare(namelist::schema& schema, options& o) {
     schema.add("conduction", "operator", o.scheme,
                {.choices = {"sum", "consistent", "corrected"},
                 .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
-    // What it changes is a tenth of any error at most: docs/studies/2026-11-24_single_precision.md
-    o.common.kernel.precision = "single";
     walls::declare(schema, {.slips = false, .moving = false}, o.walls);
   }
   run::declare(schema, o.common, {.single_pairs = true, .lists_change = false, .starts_from_file = true});
