@@ -86,7 +86,8 @@ def rti(n, source, settings, stopped):
     theory = 2.29e-3
     x = square(n)
     t = np.linspace(0, 1400, 20)
-    metrics = {"growth_rate": theory * (1 + n**-2.0), "growth_rate_theory": theory, "growth_rate_uncertainty": 1e-7,
+    single = 1e-6 if settings.get("kernel.precision") == "single" else 0.0
+    metrics = {"growth_rate": theory * (1 + n**-2.0) * (1 + single), "growth_rate_theory": theory, "growth_rate_uncertainty": 1e-7,
                "metal_centroid": 0.3, "density_ratio_min": 0.9, "density_ratio_max": 1.15, "pressure_min": 1e9, "energy_residual": 1e-4}
     columns = {"time": t, "centroid": 0.75 - 1e-4 * t, "density_ratio_min": 1 - 1e-5 * t, "density_ratio_max": 1 + 1e-5 * t,
                "mode_amplitude": 750 * np.exp(theory * t)}

@@ -77,6 +77,8 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const auto names = names_of(kind);
   o.common.kernel.name = o.by_program ? "quintic" : "wendland_c6";
   o.common.kernel.skin = 0.4;
+  // What it changes is a tenth of any answer's error at most: docs/studies/2026-11-24_single_precision.md
+  if (!o.by_program) o.common.kernel.precision = "single";
   o.common.output.history_interval = 10;
   o.common.time.t_end = 3000.0;
   domain::declare(schema, demands, o.domain);
@@ -93,7 +95,9 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                   "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
   schema.add(group, "conductivity", o.conductivity, not_negative("W/(m K)", "thermal, not of the isothermal law"));
   schema.add(group, "surface_tension", o.surface_tension,
-             not_negative("N/m", "between the two materials; walls are neutral (90 degrees)"));
+             not_negative("N/m",
+                          "between the two materials; walls are neutral (90 degrees). Pairs are in double precision "
+                          "then, unless &kernel precision is given"));
   for (const std::size_t n : {1, 0})
     schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
                for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
