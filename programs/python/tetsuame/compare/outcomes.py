@@ -50,10 +50,14 @@ class Outcome:
         return table(self.folder / "history.csv")
 
     @functools.cached_property
+    def snapshots(self) -> list[Snapshot]:
+        """The states on disk, by time."""
+        return [Snapshot(name) for name in sorted(self.folder.glob("snapshot_*.h5"))]
+
+    @property
     def snapshot(self) -> Snapshot | None:
         """The last state on disk; None if there is none."""
-        names = sorted(self.folder.glob("snapshot_*.h5"))
-        return Snapshot(names[-1]) if names else None
+        return self.snapshots[-1] if self.snapshots else None
 
     def resolved(self, key: str) -> str:
         """The first word of a value of resolved.nml."""
