@@ -29,9 +29,9 @@ def main() -> int:
     with open(folder / "resolved.nml", "w") as file:
         for name, keys in groups.items():
             file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
-    if made_by is at_rest:  # E holds, the others move by 0.02 spacings within each half
+    if made_by is at_rest:  # E holds, the others move by a spacing in 227 crossings
         for k in range(3):
-            fields["Displacement"] = np.full((n * n, 3), [0.02 * k * 1e5 / n if program != "disph_e" else 0.0, 0.0, 0.0])
+            fields["Displacement"] = np.full((n * n, 3), [0.1 * k * 1e5 / n if program != "disph_e" else 0.0, 0.0, 0.0])
             write_snapshot(folder / f"snapshot_{k:04}.h5", 500.0 * k, fields, groups)
         with open(folder / "residuals.csv", "w") as file:
             file.write("step [1],evaluation [1],iteration [1],residual [1]\n" + "".join(f"1,1,{k + 1},{1e-12 * 10.0**k}\n" for k in range(12)))
@@ -111,7 +111,7 @@ def rti(n, source, settings, stopped):
 def at_rest(n, source, settings, stopped):
     x = square(n) * 1e5
     fields = {"Coordinates": x, "Velocities": np.full_like(x, 0.1), "Pressure": np.full(n * n, 1.01e10), "PressureReference": np.full(n * n, 1e10),
-              "Masses": np.ones(n * n)}
+              "Masses": np.ones(n * n), "Weight": np.linspace(0.9, 1.1, n * n)}
     t = np.linspace(0, 1000, 20)
     columns = {"time": t, "kinetic_energy": 100 * np.exp(-t / 300), "pressure_error_mean": 0.01 + 0 * t}
     return {"density_max": 0.01, "displacement_max_over_dx": 0.04}, {}, fields, columns, {"domain": {"length_x": 1e5, "length_y": 1e5}}

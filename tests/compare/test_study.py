@@ -268,8 +268,9 @@ class Pages(unittest.TestCase):
         runs = {(one["case"], one["variant"]): one for one in self.results()["runs"]}
         self.assertEqual({start for start, _ in runs}, {"jitter 10 %", *(hydrostatic.GLASS, hydrostatic.MAKING, hydrostatic.OPEN, hydrostatic.PLAIN)})
         self.assertEqual((runs["jitter 10 %", "C"]["verdict"], runs["jitter 10 %", "E"]["verdict"]), ("drifts", "holds"))
-        self.assertAlmostEqual(runs["glass", "C"]["moved"], 0.04)
-        self.assertAlmostEqual(runs["glass", "C"]["moved_late"], 0.02)
+        self.assertAlmostEqual(runs["glass", "C"]["moved"], 0.2)
+        self.assertAlmostEqual(runs["glass", "C"]["moved_late"], 0.1)
+        self.assertAlmostEqual(runs["glass", "C"]["crossings_a_spacing"], 5000 / hydrostatic.CROSSING)
         self.assertAlmostEqual(runs["glass", "C"]["pressure_mean"], 0.01)
         self.assertEqual(runs["jitter 10 %", "D"]["stopped_step"], 53)
         self.assertNotIn("verdict", runs["jitter 10 %", "D"])

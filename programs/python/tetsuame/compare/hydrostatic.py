@@ -8,10 +8,11 @@ import numpy as np
 
 from .. import pages, style
 from . import hydrostatic_figures as figures
+from . import hydrostatic_prose as prose
 from . import table
 from .cases import Run
-from .outcomes import COMPLETED, CRASHED, Outcome, residuals
-from .parts import chosen, percent, said, state_class
+from .outcomes import COMPLETED, CRASHED, Outcome, passes
+from .parts import chosen, said, state_class
 
 NAME = "hydrostatic"
 TITLE = "Who holds a liquid at rest"
@@ -26,7 +27,7 @@ CROSSING = 22.0            # s, of sound through the box: 100 km at 4545 m/s, of
 LONG, SHORT = 100, 20      # crossings; B, whose Newton steps grow long as its pressure falls, and --quick have the short time
 STEP = 0.3                 # s: 98 % of the largest at the start, that of the viscosity
 VISCOSITY = 1.5e11         # Pa s: equation (18) of the note, c rho_min dx, with its 1e4 m/s and 3000 kg/m3
-HOLDS = 0.01               # spacings that the particles may move within the second half of a run, root mean square
+HOLDS = 1000               # crossings that a particle needs for one spacing, at the rate of the second half of its run: at least
 NEWTON = ("hosono.solver=newton",)
 WHOLE = ("smoothing.normalise=.true.",)
 NO_STEP = ("time.steps=0",)
@@ -104,9 +105,10 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     if outcome.kind == CRASHED:
         return found
     if outcome.case.file == PLAIN:
-        return found | {"residuals": chain(outcome)}
+        return found | {"residuals": passes(outcome.folder)}
     if outcome.case.file == OPEN:
-        return found | errors_of_pressure(outcome.snapshot) | {name: table.error(outcome, name) for name in ("density_max", "displacement_max_over_dx")}
+        own = {name: table.error(outcome, name) for name in ("density_max", "displacement_max_over_dx")}
+        return found | errors_of_pressure(outcome.snapshot) | own
     return found | course(outcome)
 
 
@@ -124,14 +126,18 @@ def errors_of_pressure(snapshot) -> dict:
 
 
 def course(outcome: Outcome) -> dict:
-    """Of a run at rest. moved, moved_late: from the start and from half time to the end, root mean square in spacings."""
+    """Of a run at rest. moved, moved_late: from the start and from half time to the end, root mean square in spacings;
+    crossings_a_spacing: at the rate of the second half; weight_spread: of Y, standard deviation over mean."""
     states = outcome.snapshots
     if outcome.kind != COMPLETED or len(states) < 3:
         return {}
     half = min(states, key=lambda state: abs(state.time - 0.5 * states[-1].time))
     late, speed = moved(half, states[-1]), math.sqrt((states[-1]["Speed"]**2).mean())
-    return errors_of_pressure(states[-1]) | {"moved": moved(states[0], states[-1]), "moved_late": late, "speed": speed,
-                                             "verdict": "holds" if late <= HOLDS else "drifts"}
+    slowness = (states[-1].time - half.time) / CROSSING / late if late > 0.0 else math.inf
+    weight = states[-1]["Weight"]
+    return errors_of_pressure(states[-1]) | {
+        "moved": moved(states[0], states[-1]), "moved_late": late, "crossings_a_spacing": slowness, "speed": speed,
+        "weight_spread": weight.std() / weight.mean(), "verdict": "holds" if slowness >= HOLDS else "drifts"}
 
 
 def moved(first, last) -> float:
@@ -144,19 +150,11 @@ def judged(_one: dict) -> dict:
     return {}  # no orders
 
 
-def chain(outcome: Outcome) -> list[float]:
-    """Residuals of the passes one after another. A start that was accepted is computed once more by the time stepping: that is left out."""
-    course = residuals(outcome.folder)
-    if len(course) > 1 and list(course[0].residual) == list(course[1].residual):
-        course = course[1:]
-    return [float(value) for one in course for value in one.residual]
-
-
-def dies(passes: list[float], tolerance: float) -> tuple[int, int] | None:
+def dies(residuals: list[float], tolerance: float) -> tuple[int, int] | None:
     """Step and iteration in which a program stops that has a residual below the tolerance for converged, one that grows for
     diverged, no eye for the sign of a pressure but in the pass after, and counts an evaluation to the step that begins with it."""
     step, iteration, before = 1, 0, math.inf
-    for residual in passes:
+    for residual in residuals:
         iteration += 1
         if iteration > 1 and not residual < before:
             return step, iteration
@@ -174,22 +172,18 @@ def dies(passes: list[float], tolerance: float) -> tuple[int, int] | None:
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     runs = measured["runs"]
     at_rest = [one for one in runs if one["case"] in STARTS]
-    return [pages.paragraph(
-                f"Liquid iron at 10 GPa in the note's box of 20 × 20 particles (file 13), with the viscosity that the note's section 2 chooses, η = c ρ_min Δx = "
-                f"{VISCOSITY:.2g} Pa s, so that sound dies within some crossings, and with equal steps of {STEP} s, 98 % of the largest that this viscosity "
-                f"allows (sound alone: 0.55 s). A crossing of sound takes {CROSSING:g} s. A and B with Newton's method. Starts: the perfect lattice; places off "
-                "it by up to 5, 10, 20 % of a spacing along each axis, masses and pressure those of the lattice; and a glass: the lattice with 20 %, after "
-                f"{SHORT} crossings by A, the one scheme in which ρ, p and Y agree by its own equations, masses, densities and places taken over by all."),
+    return [pages.paragraph(prose.setting(VISCOSITY, STEP, CROSSING, SHORT)),
             pages.section("Who holds, who drifts, who stops", glance(at_rest), full(at_rest)),
             pages.figure(figures.courses(outcomes, STARTS, CROSSING), folder / "courses.png",
-                         "Root-mean-square speed, and mean error of the pressure, over time. ×: stopped. The perfect lattice is not shown: all but B and D "
-                         "stay as they are, to rounding."),
-            pages.section("Where C and E part", *map(pages.paragraph, parting(at_rest))),
+                         "Root-mean-square speed, and mean error of the pressure, over time. ×: stopped. The perfect lattice is not shown: "
+                         "all but B and D stay as they are, to rounding."),
+            pages.section("Where C and E part", *map(pages.paragraph, prose.parting(at_rest, STARTS))),
             pages.section("Without correction, 1 %?", open_table([one for one in runs if one["case"] == OPEN])),
-            pages.section("Where A and B die", *map(pages.paragraph, dying()), plain_table([one for one in runs if one["case"] == PLAIN]),
+            pages.section("Where A and B die", pages.paragraph(prose.DYING), plain_table([one for one in runs if one["case"] == PLAIN]),
                           pages.figure(figures.chains(outcomes, PLAIN), folder / "chains.png",
-                                       "Residuals of the plain iteration by pass, of starts that differ. A program accepts an evaluation in the first pass "
-                                       "below its tolerance; where the line rises above it, it diverges. B's and, on file 11, A's first pass leaves p &lt; 0."))]
+                                       "Residuals of the plain iteration by pass, of starts that differ. A program accepts an evaluation in "
+                                       "the first pass below its tolerance; where the line rises above it, it diverges. The first pass of "
+                                       "B, and of A on file 11 as it is, leaves p &lt; 0 and no residual."))]
 
 
 def glance(runs: list[dict]) -> str:
@@ -198,8 +192,8 @@ def glance(runs: list[dict]) -> str:
     columns = {"Scheme": lambda name: pages.name(name, style.COLOUR[name]),
                **{start: lambda name, start=start: result(found.get((start, name))) for start in starts}}
     return pages.columns(list(dict.fromkeys(one["variant"] for one in runs)), columns) + pages.error_key(
-        f"Holds: within the second half of the run the particles moved by at most {HOLDS:g} spacings (root mean square). Percent: mean |p/p_ref − 1| at the "
-        f"end. B: {SHORT} crossings.")
+        f"Holds: at the rate of the second half of the run (root mean square) a particle needs at least {HOLDS} crossings of sound to move "
+        f"by a spacing, ten times the run. Percent: mean |p/p_ref − 1| at the end. B: {SHORT} crossings.")
 
 
 def result(one: dict | None) -> str:
@@ -208,36 +202,29 @@ def result(one: dict | None) -> str:
     if "verdict" not in one:
         return pages.cell(f"stops, step {one['stopped_step']}" if one["stopped_step"] else escape(one["outcome"]), "number stop")
     error = one["pressure_mean"]
-    return pages.error(error, f"{one['verdict']}, {'< 0.001 %' if error < 1e-5 else f'{100 * error:.2g} %'}")
+    return pages.error(error, f"{one['verdict']}, {'&lt; 0.001 %' if error < 1e-5 else f'{100 * error:.2g} %'}")
 
 
 def full(runs: list[dict]) -> str:
-    columns = {"Start": lambda one: pages.cell(escape(one["case"])), "Scheme": lambda one: pages.name(one["variant"], style.COLOUR[one["variant"]]),
+    columns = {"Start": lambda one: pages.cell(escape(one["case"])),
+               "Scheme": lambda one: pages.name(one["variant"], style.COLOUR[one["variant"]]),
                "Outcome": lambda one: pages.cell(one.get("verdict") or f"stops, step {one['stopped_step']}", state_class(one["outcome"])),
                "crossings": lambda one: pages.number(said(one["time"] and one["time"] / CROSSING, "{:.3g}")),
                "p error, mean": error_cell("pressure_mean"), "max": error_cell("pressure_max"),
                "moved/Δx, rms": lambda one: pages.number(said(one.get("moved"), "{:.2g}")),
-               "second half": lambda one: pages.number(said(one.get("moved_late"), "{:.2g}")),
+               "crossings a spacing": lambda one: pages.number(slow(one)),
+               "spread of Y": error_cell("weight_spread"),
                "speed at the end (m/s)": lambda one: pages.number(said(one.get("speed"), "{:.2g}"))}
     return pages.folded("All numbers", pages.columns(runs, columns, "wide", lambda one: one["case"]))
 
 
+def slow(one: dict) -> str:
+    value = one.get("crossings_a_spacing")
+    return "–" if value is None else f"{value:.2g}" if value < 1e6 else "&gt; 1e6"
+
+
 def error_cell(what: str):
     return lambda one: pages.error(one.get(what), said(one.get(what), "{:.1e}"))
-
-
-def parting(runs: list[dict]) -> list[str]:
-    found = {(one["case"], one["variant"]): one for one in runs if "verdict" in one}
-    text = ["The two forms differ by (Y<sub>i</sub> − Y<sub>j</sub>)(V<sub>i</sub> − V<sub>j</sub>)∇W<sub>ij</sub> with V = Y/p, for "
-            "Y<sub>i</sub>²/p<sub>i</sub> + Y<sub>j</sub>²/p<sub>j</sub> − Y<sub>i</sub>Y<sub>j</sub>(1/p<sub>i</sub> + 1/p<sub>j</sub>) is that product. On a lattice "
-            "of equal masses and uniform pressure both factors are zero, in a column the second: there the note's runs could not tell them apart. "
-            "They part where neighbours have neither the same Y nor the same volume."]
-    pairs = [(start, found[start, "C"], found[start, "E"]) for start in STARTS if start != "lattice" and {(start, "C"), (start, "E")} <= found.keys()]
-    if pairs:
-        text.append("At the end of these runs, C against E: " + "; ".join(
-            f"{start}: {c['speed']:.2g} and {e['speed']:.2g} m/s, moved in the second half {c['moved_late']:.2g} and {e['moved_late']:.2g} Δx, "
-            f"error of p {percent(c['pressure_mean'])} and {percent(e['pressure_mean'])}" for start, c, e in pairs) + ".")
-    return text
 
 
 def open_table(runs: list[dict]) -> str:
@@ -245,17 +232,7 @@ def open_table(runs: list[dict]) -> str:
                "max": error_cell("pressure_max"), "median": error_cell("pressure_median"),
                "mean, further than 2 Δx from a wall": error_cell("pressure_inner"), "ρ error, max": error_cell("density_max"),
                "moved/Δx, max": lambda one: pages.number(said(one.get("displacement_max_over_dx"), "{:.1e}"))}
-    return pages.columns(runs, columns, "wide") + pages.small(
-        "Without correction the smoothed pressure is 27 % low in the row beside a wall and 3 % in the next: 0.59/n in the mean of a box of n rows between two "
-        "walls. File 11 and 12: the start, in which nothing has moved; file 13: after 1 s.")
-
-
-def dying() -> list[str]:
-    return ["The note: A in step 2, iteration 2, B in step 1, iteration 2, on files 11 and 12. These programs stop elsewhere because they judge otherwise. Here "
-            "their residuals are read as another program may: below its tolerance is converged, growing is diverged, and an evaluation counts to the step that "
-            "begins with it. Then <b>iteration 2 is the first in which anything can be seen to grow</b>, on any file, and the step tells how many "
-            "evaluations lay below the tolerance. Bold: as in the note. “Sum of one”: the smoothed pressure divided by the kernel's sum, as a program whose masses "
-            "come from that sum has it."]
+    return pages.columns(runs, columns, "wide") + pages.small(prose.WITHOUT)
 
 
 def plain_table(runs: list[dict]) -> str:

@@ -2,8 +2,8 @@
 import numpy as np
 
 from .. import style
-from .outcomes import COMPLETED, Outcome
 from .letters_figures import ROUND_OFF
+from .outcomes import COMPLETED, Outcome, passes
 
 
 def courses(outcomes: list[Outcome], starts: tuple[str, ...], crossing: float):
@@ -12,6 +12,10 @@ def courses(outcomes: list[Outcome], starts: tuple[str, ...], crossing: float):
     if not shown:
         return None
     figure, axes = style.panels(2 * len(shown), len(shown), 2.9, sharex=True, sharey="row")
+    for ax, label, limits in ((axes[0], "speed (m/s)", (1e-2, 1e3)), (axes[len(shown)], "mean |p/p_ref − 1|", (1e-4, 1.5))):
+        ax.set(ylabel=label, yscale="log", ylim=limits)
+    end = max(o.history["time"][-1] for o in outcomes if o.case.file in shown and o.history) / crossing
+    axes[0].set_xlim(-0.02 * end, 1.02 * end)
     for k, start in enumerate(shown):
         above, below = axes[k], axes[k + len(shown)]
         for o in outcomes:
@@ -27,17 +31,13 @@ def courses(outcomes: list[Outcome], starts: tuple[str, ...], crossing: float):
                     style.stopped(ax, time[-1], value[-1] if len(time) > 1 else None, style.COLOUR[o.case.variant])
         above.set_title(start)
         below.set_xlabel("crossings of sound")
-    for ax, label, limits in ((axes[0], "speed (m/s)", (1e-2, 1e3)), (axes[len(shown)], "mean |p/p_ref − 1|", (1e-4, 1.5))):
-        ax.set(ylabel=label, yscale="log", ylim=limits)
     style.legend_above(figure, axes[:len(shown)])
     return figure
 
 
 def chains(outcomes: list[Outcome], case: str):
     """Residuals of the plain iteration, evaluations behind one another."""
-    from .hydrostatic import chain
-
-    runs = [(o, [value for value in chain(o) if np.isfinite(value)]) for o in outcomes if o.case.file == case and o.kind != "crashed"]
+    runs = [(o, [value for value in passes(o.folder) if np.isfinite(value)]) for o in outcomes if o.case.file == case]
     runs = [(o, values) for o, values in runs if values]
     if not runs:
         return None

@@ -89,6 +89,14 @@ def residuals(folder: Path) -> list[Residuals]:
     return [Residuals(*map(np.array, zip(*rows))) for rows in groups.values()]
 
 
+def passes(folder: Path) -> list[float]:
+    """Residuals of all passes one after another. A start that has settled is computed once more by the time stepping: that is left out."""
+    of_evaluations = residuals(folder)
+    if len(of_evaluations) > 1 and list(of_evaluations[0].residual) == list(of_evaluations[1].residual):
+        of_evaluations = of_evaluations[1:]
+    return [float(value) for one in of_evaluations for value in one.residual]
+
+
 def representatives(outcomes: list[Outcome], file: str) -> list[Outcome]:
     """For each program the first completed run on a file: as the input has it, else the first cure
     that worked (the cures agree to their tolerance, so that one stands for all)."""
