@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for convection, shock and rti: writes what they write, made up but of the right shape, with errors that are powers
+"""Stands in for convection, shock, rti and, on files 11 to 13, A to F, Y and ssph: writes what they write, made up but of the right shape, with errors that are powers
 of n, so that the orders are known.
 
 FAKE_FAIL in the environment, 'CASE:WORD': runs of that case whose n or settings hold the word stop as diverged.
@@ -18,21 +18,25 @@ def main() -> int:
     program, source, folder = Path(sys.argv[0]).name, Path(sys.argv[1]), Path(sys.argv[sys.argv.index("--output") + 1])
     settings = dict(sys.argv[i + 1].split("=", 1) for i, word in enumerate(sys.argv) if word == "--set")
     folder.mkdir(parents=True)
-    n = int(settings["domain.particles_x"])
+    if "initial.file" in settings and not Path(settings["initial.file"]).is_file():
+        return 2
+    n = int(settings.get("domain.particles_x", 20))
     case, _, word = os.environ.get("FAKE_FAIL", "").partition(":")
     stopped = bool(word) and folder.parent.name == case and (word in (str(n), program) or word in settings.values())
     message = "step 53: the smoothed pressure is not positive, or the flow has blown up" if stopped else ""
-    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock}.get(program, rti)(n, source, settings, stopped)
+    made_by = at_rest if source.stem.startswith("hydrostatic") else {"convection": convection, "shock": shock}.get(program, rti)
+    errors, metrics, fields, columns, groups = made_by(n, source, settings, stopped)
     with open(folder / "resolved.nml", "w") as file:
         for name, keys in groups.items():
             file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
-    with h5py.File(folder / "snapshot_0001.h5", "w") as file:
-        lengths = [float(groups["domain"].get(f"length_{axis}", 1.0)) for axis in "xyz"] if "domain" in groups else [1.0] * 3
-        file.create_group("Header").attrs.update(Time=500.0, Step=53, Dimension=groups.get("domain", {}).get("dimension", 2), BoxLengths=lengths, Periodic=[0, 0, 0])
-        count = len(next(iter(fields.values())))
-        own = {"ParticleIDs": np.arange(count), "Volume": np.full(count, lengths[0] * lengths[1] / count)}
-        for name, values in (own | fields).items():
-            file[f"PartType0/{name}"] = values
+    if made_by is at_rest:  # E holds, the others move by a spacing in 227 crossings
+        for k in range(3):
+            fields["Displacement"] = np.full((n * n, 3), [0.1 * k * 1e5 / n if program != "disph_e" else 0.0, 0.0, 0.0])
+            write_snapshot(folder / f"snapshot_{k:04}.h5", 500.0 * k, fields, groups)
+        with open(folder / "residuals.csv", "w") as file:
+            file.write("step [1],evaluation [1],iteration [1],residual [1]\n" + "".join(f"1,1,{k + 1},{1e-12 * 10.0**k}\n" for k in range(12)))
+    else:
+        write_snapshot(folder / "snapshot_0001.h5", 500.0, fields, groups)
     with open(folder / "history.csv", "w") as file:
         file.write(",".join(f"{name} [1]" for name in columns) + "\n")
         for row in zip(*columns.values()):
@@ -43,6 +47,16 @@ def main() -> int:
         "diverged_iteration": None, "errors": errors, "conservation": {"mass": 0.0, "momentum": 0.0, "energy": 1e-6},
         "metrics": metrics, "version": "0000000"}))
     return 3 if stopped else 0
+
+
+def write_snapshot(path, time, fields, groups) -> None:
+    with h5py.File(path, "w") as file:
+        lengths = [float(groups["domain"].get(f"length_{axis}", 1.0)) for axis in "xyz"] if "domain" in groups else [1.0] * 3
+        file.create_group("Header").attrs.update(Time=time, Step=53, Dimension=groups.get("domain", {}).get("dimension", 2), BoxLengths=lengths, Periodic=[0, 0, 0])
+        count = len(next(iter(fields.values())))
+        own = {"ParticleIDs": np.arange(count), "Volume": np.full(count, lengths[0] * lengths[1] / count)}
+        for name, values in (own | fields).items():
+            file[f"PartType0/{name}"] = values
 
 
 def square(n: int) -> np.ndarray:
@@ -93,6 +107,15 @@ def rti(n, source, settings, stopped):
                "mode_amplitude": 750 * np.exp(theory * t)}
     fields = {"Coordinates": 1.5e6 * x, "Material": (x[:, 1] > 0.5).astype(float)}
     return None, metrics, fields, columns, {"domain": {"length_x": 1.5e6, "length_y": 1.5e6}}
+
+
+def at_rest(n, source, settings, stopped):
+    x = square(n) * 1e5
+    fields = {"Coordinates": x, "Velocities": np.full_like(x, 0.1), "Pressure": np.full(n * n, 1.01e10), "PressureReference": np.full(n * n, 1e10),
+              "Masses": np.ones(n * n), "Weight": np.linspace(0.9, 1.1, n * n)}
+    t = np.linspace(0, 1000, 20)
+    columns = {"time": t, "kinetic_energy": 100 * np.exp(-t / 300), "pressure_error_mean": 0.01 + 0 * t}
+    return {"density_max": 0.01, "displacement_max_over_dx": 0.04}, {}, fields, columns, {"domain": {"length_x": 1e5, "length_y": 1e5}}
 
 
 if __name__ == "__main__":

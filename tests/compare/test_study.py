@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import inside
-from tetsuame.compare import convection, orders, references, rti, runner, shock, study
+from tetsuame.compare import convection, hydrostatic, orders, references, rti, runner, shock, study
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -143,6 +143,37 @@ class Frame(unittest.TestCase):
         self.assertEqual(progress.remaining(), ", about 10 min left")
 
 
+class AtRest(unittest.TestCase):
+    """Where another program would stop, read off the residuals of the plain iteration."""
+
+    def test_growth_is_seen_in_the_second_pass_of_an_evaluation(self):
+        passes = [1e-12 * 10.0**k for k in range(12)]
+        self.assertEqual(hydrostatic.dies(passes, 1e-13), (1, 2))
+        self.assertEqual(hydrostatic.dies(passes, 5e-12), (2, 2))    # one evaluation was accepted
+        self.assertEqual(hydrostatic.dies(passes, 5e-10), (4, 2))
+        self.assertIsNone(hydrostatic.dies(passes, 1.0))             # nothing grows above it
+
+    def test_a_start_that_settles_before_it_grows(self):
+        self.assertEqual(hydrostatic.dies([1e-4, 1e-14, 1e-13, 1e-12], 5e-14), (2, 2))
+        self.assertEqual(hydrostatic.dies([1e-4, 1e-6, 1e-5], 1e-9), (1, 3))
+
+    def test_a_pressure_below_zero_is_seen_one_pass_later(self):
+        self.assertEqual(hydrostatic.dies([math.inf], 1e-6), (1, 2))
+        self.assertEqual(hydrostatic.dies([1e-10, 1e-4, math.inf], 1e-6), (2, 2))
+        self.assertEqual(hydrostatic.dies([1e-10, math.inf], 1e-6), (2, 2))
+
+    def test_a_run_that_starts_from_another_depends_on_it(self):
+        given = argparse.Namespace(schemes="C", starts="glass", quick=False, settings=())
+        made, run = hydrostatic.plan(given, ROOT, argparse.ArgumentParser())[:2]
+        self.assertIs(run.start, made)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("disph_a", "disph_c"):
+                (Path(folder) / name).write_text(name)
+            before = runner.fingerprint(Path(folder), run)
+            (Path(folder) / "disph_a").write_text("another")
+            self.assertNotEqual(before, runner.fingerprint(Path(folder), run))
+
+
 class Pages(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -150,7 +181,7 @@ class Pages(unittest.TestCase):
         self.output = Path(scratch.name) / "compare"
         self.binaries = Path(scratch.name) / "programs"
         self.binaries.mkdir()
-        for name in ("convection", "shock", "rti", "disph_c", "disph_n"):
+        for name in ("convection", "shock", "rti", "disph_n", *hydrostatic.PROGRAMS):
             program = self.binaries / name
             program.write_bytes((HERE / "fake_study.py").read_bytes())
             program.chmod(0o755)
@@ -230,6 +261,29 @@ class Pages(unittest.TestCase):
         self.assertAlmostEqual(next(one for one in found["orders"] if one["variant"] == "N")["order"], 2.0, places=6)
         page = self.check_page(4)
         self.assertIn("smoothed pressure", page)
+
+    def test_hydrostatic(self):
+        done = self.compare("hydrostatic", "--schemes", "C; D; E", "--starts", "jitter 10 %; glass", fail="jitter_10:disph_d")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        runs = {(one["case"], one["variant"]): one for one in self.results()["runs"]}
+        self.assertEqual({start for start, _ in runs}, {"jitter 10 %", *(hydrostatic.GLASS, hydrostatic.MAKING, hydrostatic.OPEN, hydrostatic.PLAIN)})
+        self.assertEqual((runs["jitter 10 %", "C"]["verdict"], runs["jitter 10 %", "E"]["verdict"]), ("drifts", "holds"))
+        self.assertAlmostEqual(runs["glass", "C"]["moved"], 0.2)
+        self.assertAlmostEqual(runs["glass", "C"]["moved_late"], 0.1)
+        self.assertAlmostEqual(runs["glass", "C"]["crossings_a_spacing"], 5000 / hydrostatic.CROSSING)
+        self.assertAlmostEqual(runs["glass", "C"]["pressure_mean"], 0.01)
+        self.assertEqual(runs["jitter 10 %", "D"]["stopped_step"], 53)
+        self.assertNotIn("verdict", runs["jitter 10 %", "D"])
+        page = self.check_page(2)
+        self.assertIn("stops, step 53", page)
+        # What starts from the glass is not run again, and is when the glass is another.
+        arguments = ("hydrostatic", "--schemes", "C; D; E", "--starts", "jitter 10 %; glass")
+        self.assertIn("Nothing has changed", self.compare(*arguments, fail="jitter_10:disph_d").stdout)
+
+    def test_nothing_starts_from_a_run_that_left_no_end(self):
+        done = self.compare("hydrostatic", "--schemes", "C", "--starts", "glass", fail="making_of_the_glass:disph_a")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("left no end", done.stdout)
 
     def test_usage_errors_run_nothing(self):
         for arguments, word in ((("convection", "--particles", "4"), "at least 8"), (("convection", "--inputs", "none"), "'none'"),
