@@ -1,4 +1,4 @@
-"""The comparisons: programs A to F, convection, shocks, metal over silicate. Each subject is a module with
+"""The comparisons: programs A to F, convection, shocks, metal over silicate, two liquids in contact. Each subject is a module with
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
     PROGRAMS                             that it runs
@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import convection, hydrostatic, orders, rti, runner, shock, table
+from . import continuity_of_y, convection, hydrostatic, orders, rti, runner, shock, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (convection, shock, rti)}
+SUBJECTS = {module.NAME: module for module in (convection, shock, rti, continuity_of_y)}
 ALL = "all"
 
 
