@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for convection, shock and rti: writes what they write, made up but of the right shape, with errors that are powers
+"""Stands in for convection, shock, rti and the schemes' programs: writes what they write, made up but of the right shape, with errors that are powers
 of n, so that the orders are known.
 
 FAKE_FAIL in the environment, 'CASE:WORD': runs of that case whose n or settings hold the word stop as diverged.
@@ -22,17 +22,19 @@ def main() -> int:
     case, _, word = os.environ.get("FAKE_FAIL", "").partition(":")
     stopped = bool(word) and folder.parent.name == case and (word in (str(n), program) or word in settings.values())
     message = "step 53: the smoothed pressure is not positive, or the flow has blown up" if stopped else ""
-    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock}.get(program, rti)(n, source, settings, stopped)
+    errors, metrics, fields, columns, groups = {"convection": convection, "shock": shock, "contact": contact}.get("contact" if source.stem == "contact" else program, rti)(n, source, settings, stopped)
     with open(folder / "resolved.nml", "w") as file:
         for name, keys in groups.items():
             file.write(f"&{name}\n" + "".join(f"  {key} = {value}\n" for key, value in keys.items()) + "/\n")
-    with h5py.File(folder / "snapshot_0001.h5", "w") as file:
-        lengths = [float(groups["domain"].get(f"length_{axis}", 1.0)) for axis in "xyz"] if "domain" in groups else [1.0] * 3
-        file.create_group("Header").attrs.update(Time=500.0, Step=53, Dimension=groups.get("domain", {}).get("dimension", 2), BoxLengths=lengths, Periodic=[0, 0, 0])
-        count = len(next(iter(fields.values())))
-        own = {"ParticleIDs": np.arange(count), "Volume": np.full(count, lengths[0] * lengths[1] / count)}
-        for name, values in (own | fields).items():
-            file[f"PartType0/{name}"] = values
+    lengths = [float(groups["domain"].get(f"length_{axis}", 1.0)) for axis in "xyz"] if "domain" in groups else [1.0] * 3
+    for number, time in enumerate((0.0, 500.0) if source.stem == "contact" else (500.0,)):
+        with h5py.File(folder / f"snapshot_{number:04}.h5", "w") as file:
+            file.create_group("Header").attrs.update(Time=time, Step=53, Dimension=groups.get("domain", {}).get("dimension", 2), BoxLengths=lengths,
+                                                     Periodic=[0, 0, 0])
+            count = len(next(iter(fields.values())))
+            own = {"ParticleIDs": np.arange(count), "Volume": np.full(count, lengths[0] * lengths[1] / count)}
+            for name, values in (own | fields).items():
+                file[f"PartType0/{name}"] = values
     with open(folder / "history.csv", "w") as file:
         file.write(",".join(f"{name} [1]" for name in columns) + "\n")
         for row in zip(*columns.values()):
@@ -80,6 +82,20 @@ def shock(n, source, settings, stopped):
         metrics |= {"square_area_change": 0.04, "square_corner_radius": 0.3}
     groups = {"domain": {"dimension": 2 if flat else 1, "length_x": 1.0, "length_y": 1.0}}
     return errors, metrics, fields, {"time": [0.0, 1.0]}, groups
+
+
+def contact(n, source, settings, stopped):
+    """n: along x, a quarter of the height's. The pressure is off by 1/n at the contact, and by nothing elsewhere."""
+    high, wide, gravity = 4 * n, 2.5e4, float(settings.get("rti.gravity", 0.0))
+    x, y = (a.ravel() for a in np.meshgrid((np.arange(n) + 0.5) * wide / n, (np.arange(high) + 0.5) * wide / n))
+    density = np.where(y < 2 * wide, 7000.0, 3000.0)
+    rest = 1e10 + gravity * (3000.0 * np.minimum(4 * wide - y, 2 * wide) + 7000.0 * np.maximum(2 * wide - y, 0.0))
+    near = np.abs(y - 2 * wide) < 4 * wide / n
+    fields = {"Coordinates": np.column_stack([x, y, 0 * x]), "Velocities": np.column_stack([0 * x + 3.0, 0 * x + 4.0, 0 * x]),
+              "Pressure": rest * (1 + near / n), "DensityReference": density}
+    groups = {"domain": {"length_x": wide, "length_y": 4 * wide, "particles_x": n},
+              "rti": {"gravity": gravity, "p_top": 1e10, "shear": float(settings.get("rti.shear", 0.0))}}
+    return None, {"v_rms": 5.0}, fields, {"time": [0.0, 50.0], "v_rms": [0.0, 5.0]}, groups
 
 
 def rti(n, source, settings, stopped):

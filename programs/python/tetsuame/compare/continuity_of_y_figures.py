@@ -5,6 +5,7 @@ from .. import runs, style
 from .outcomes import COMPLETED, Outcome
 
 NEAR = 4.0  # spacings of the box's lattice: a little more than the kernel reaches
+FRAME = 0.3  # of p/p at rest - 1
 RED, BLUE = "#d62020", "#2040d0"
 SNAPSHOTS = (0.1, 0.3, 0.5, 1.0, 8.0)  # s, those of their figure
 EQUAL_MASS, EQUAL_SPACING = "shock.masses=equal_mass", "shock.masses=equal_spacing"
@@ -63,10 +64,12 @@ def course(outcome: Outcome) -> dict[str, np.ndarray]:
 
 
 def finest(outcomes: list[Outcome], case: str = "") -> list[Outcome]:
-    """Completed runs of a contact, or of all, with the most particles."""
-    all_ = [o for o in outcomes if o.case.file != "square" and (not case or o.case.file == case)]
-    most = max((o.case.n for o in all_), default=0)
-    return [o for o in all_ if o.case.n == most and o.kind == COMPLETED]
+    """Of a contact, or of all, each form's run with the most particles, where it is complete."""
+    found = {}
+    for o in sorted(outcomes, key=lambda o: o.case.n):
+        if o.case.file != "square" and case in ("", o.case.file):
+            found[o.case.file, o.case.variant] = o
+    return [found[key] for key in dict.fromkeys((o.case.file, o.case.variant) for o in outcomes) if key in found and found[key].kind == COMPLETED]
 
 
 def courses(outcomes: list[Outcome]):
@@ -108,11 +111,14 @@ def profiles(outcomes: list[Outcome]):
         last, spacing = snapshots(o)[-1], o.setting("domain.length_x") / o.setting("domain.particles_x")
         place = (last["Coordinates"][:, 1] - last.lengths[1] / 2) / spacing
         near = np.abs(place) < 20
-        ax.plot(place[near], last["Pressure"][near] / o.setting("rti.p_top") - 1, ".", color=style.COLOUR[o.case.variant], markersize=2,
+        error = last["Pressure"][near] / o.setting("rti.p_top") - 1
+        if outside := int((np.abs(error) > FRAME).sum()):
+            ax.text(0.98, 0.95, f"{outside} outside", transform=ax.transAxes, ha="right", va="top", fontsize=7.5, color=style.GREY)
+        ax.plot(place[near], error, ".", color=style.COLOUR[o.case.variant], markersize=2,
                 markeredgewidth=0, rasterized=True)
         ax.axvline(0, color=style.GREY, linewidth=0.7)
         ax.set(title=o.case.variant, xlabel="distance from the contact (Δx)")
-    axes[0].set_ylim(-0.3, 0.3)
+    axes[0].set_ylim(-FRAME, FRAME)
     return figure
 
 
@@ -123,6 +129,8 @@ def squares(outcomes: list[Outcome], rows: dict[str, tuple[str, ...]]):
         return None
     columns = len(SNAPSHOTS)
     figure, axes = style.plt.subplots(len(shown), columns, figsize=(style.WIDTH, style.WIDTH / columns * len(shown)), squeeze=False)
+    for ax, time in zip(axes[0], SNAPSHOTS):
+        ax.set_title(f"t = {time:g}")
     for row, o in zip(axes, shown):
         states = snapshots(o)
         start = states[0]["Coordinates"][:, :2] / states[0].lengths[:2]
@@ -135,8 +143,6 @@ def squares(outcomes: list[Outcome], rows: dict[str, tuple[str, ...]]):
                 ax.plot(x[chosen, 0], x[chosen, 1], ".", color=colour, markersize=72 / o.case.n, markeredgewidth=0, rasterized=True)
             ax.set(aspect="equal", xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[])
             ax.grid(False)
-            if row is axes[0]:
-                ax.set_title(f"t = {time:g}")
             if abs(state.time - time) > 0.06:
                 ax.set_title(f"stopped at t = {state.time:.2f}", color=style.ALARM)
         row[0].set_ylabel(o.case.variant, fontsize=8)
