@@ -100,7 +100,9 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     motion, _, masses = outcome.case.file.partition("_")
     found = figures.course(outcome) if outcome.kind == COMPLETED else {}
     measured = {name: float(np.mean(values[1:])) for name, values in found.items() if name != "time"}
-    return {"motion": motion, "masses": masses, "time": outcome.number("time"),
+    low, high = (outcome.number("metrics", f"density_ratio_{end}") for end in ("min", "max"))
+    changed = max(high - 1.0, 1.0 - low) if found and low is not None and high is not None else None
+    return {"motion": motion, "masses": masses, "time": outcome.number("time"), "density_change": changed,
             **{name: measured.get(name) for name in ("pressure_near", "pressure_elsewhere", "speed_near", "speed_elsewhere")}}
 
 
@@ -259,7 +261,8 @@ def order_table(measured: dict, motion: str) -> str:
                **{f"error of p, {n}": lambda kind, n=n: value(kind, n, "pressure_near", pressure) for n in counts},
                "order": lambda kind: pages.number(order(measured, last[kind], "pressure_near")),
                **{f"speed, {n}": lambda kind, n=n: value(kind, n, "speed_near", speed) for n in counts},
-               "its order": lambda kind: pages.number(order(measured, last[kind], "speed_near"))}
+               "its order": lambda kind: pages.number(order(measured, last[kind], "speed_near")),
+               f"change of ρ, {counts[-1]}": lambda kind: pages.error(last[kind]["density_change"], pressure(last[kind]["density_change"]))}
     return pages.subsection(MOTIONS[motion].about, pages.columns(kinds, columns, "wide", lambda kind: kind[0]))
 
 
