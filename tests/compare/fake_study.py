@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for convection, shock, rti and, on files 11 to 13, A to F, Y and ssph: writes what they write, made up but of the right shape, with errors that are powers
+"""Stands in for the programs of the subjects: writes what they write, made up but of the right shape, with errors that are powers
 of n, so that the orders are known.
 
 FAKE_FAIL in the environment, 'CASE:WORD': runs of that case whose n or settings hold the word stop as diverged.
@@ -24,7 +24,8 @@ def main() -> int:
     case, _, word = os.environ.get("FAKE_FAIL", "").partition(":")
     stopped = bool(word) and folder.parent.name == case and (word in (str(n), program) or word in settings.values())
     message = "step 53: the smoothed pressure is not positive, or the flow has blown up" if stopped else ""
-    made_by = at_rest if source.stem.startswith("hydrostatic") else {"convection": convection, "shock": shock}.get(program, rti)
+    made_by = (at_rest if source.stem.startswith("hydrostatic") else contact if source.stem == "contact"
+               else {"convection": convection, "shock": shock}.get(program, rti))
     errors, metrics, fields, columns, groups = made_by(n, source, settings, stopped)
     with open(folder / "resolved.nml", "w") as file:
         for name, keys in groups.items():
@@ -36,6 +37,8 @@ def main() -> int:
         with open(folder / "residuals.csv", "w") as file:
             file.write("step [1],evaluation [1],iteration [1],residual [1]\n" + "".join(f"1,1,{k + 1},{1e-12 * 10.0**k}\n" for k in range(12)))
     else:
+        if made_by is contact:
+            write_snapshot(folder / "snapshot_0000.h5", 0.0, fields, groups)
         write_snapshot(folder / "snapshot_0001.h5", 500.0, fields, groups)
     with open(folder / "history.csv", "w") as file:
         file.write(",".join(f"{name} [1]" for name in columns) + "\n")
@@ -94,6 +97,20 @@ def shock(n, source, settings, stopped):
         metrics |= {"square_area_change": 0.04, "square_corner_radius": 0.3}
     groups = {"domain": {"dimension": 2 if flat else 1, "length_x": 1.0, "length_y": 1.0}}
     return errors, metrics, fields, {"time": [0.0, 1.0]}, groups
+
+
+def contact(n, source, settings, stopped):
+    """n: along x, a quarter of the height's. The pressure is off by 1/n at the contact, and by nothing elsewhere."""
+    high, wide, gravity = 4 * n, 2.5e4, float(settings.get("rti.gravity", 0.0))
+    x, y = (a.ravel() for a in np.meshgrid((np.arange(n) + 0.5) * wide / n, (np.arange(high) + 0.5) * wide / n))
+    density = np.where(y < 2 * wide, 7000.0, 3000.0)
+    rest = 1e10 + gravity * (3000.0 * np.minimum(4 * wide - y, 2 * wide) + 7000.0 * np.maximum(2 * wide - y, 0.0))
+    near = np.abs(y - 2 * wide) < 4 * wide / n
+    fields = {"Coordinates": np.column_stack([x, y, 0 * x]), "Velocities": np.column_stack([0 * x + 3.0, 0 * x + 4.0, 0 * x]),
+              "Pressure": rest * (1 + near / n), "DensityReference": density}
+    groups = {"domain": {"length_x": wide, "length_y": 4 * wide, "particles_x": n},
+              "rti": {"gravity": gravity, "p_top": 1e10, "shear": float(settings.get("rti.shear", 0.0))}}
+    return None, {"v_rms": 5.0}, fields, {"time": [0.0, 50.0], "v_rms": [0.0, 5.0]}, groups
 
 
 def rti(n, source, settings, stopped):

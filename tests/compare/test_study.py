@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import inside
-from tetsuame.compare import convection, hydrostatic, orders, references, rti, runner, shock, study
+from tetsuame.compare import continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -111,6 +111,20 @@ class Parts(unittest.TestCase):
         self.assertIn("kernel.h_over_dx=0", said["C"])
         self.assertIn("kernel.h_over_dx=0", said["SSPH"])
         self.assertNotIn("kernel.h_over_dx=0", said["rti"])  # its kernel is that of the input
+
+    def test_the_slow_form_runs_on_some(self):
+        given = {"motions": "rest,gravity", "particles": None, "quick": False, "square": 0, "settings": []}
+        some = continuity_of_y.plan(argparse.Namespace(**given, forms=None), ROOT, argparse.ArgumentParser())
+        self.assertEqual({(one.file, one.n) for one in some if one.variant == "A"},
+                         {(f"rest_{masses}", n) for masses in continuity_of_y.MASSES for n in (32, 64)})
+        asked = continuity_of_y.plan(argparse.Namespace(**given, forms="A"), ROOT, argparse.ArgumentParser())
+        self.assertEqual(len(asked), 2 * 2 * 3)
+
+    def test_verdict(self):
+        def one(form, error):
+            return {"case": "rest_equal_mass", "motion": "rest", "masses": "equal_mass", "variant": form, "n": 64, "pressure_near": error}
+        said = continuity_of_y.verdict({"runs": [one("F", 0.02), one("E", 9e-4), one("C", 0.01), one("SSPH", None)]})
+        self.assertEqual(said, ["at rest, equal masses: held by E; not by C 1 %, F 2 %; stopped: SSPH"])
 
     def test_causes_in_few_words(self):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")
@@ -285,9 +299,28 @@ class Pages(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("left no end", done.stdout)
 
+    def test_continuity_of_y(self):
+        done = self.compare("continuity_of_y", "--forms", "C; N", "--motions", "rest,sheared,gravity", "--particles", "32", "64", "128", "--square", "16",
+                            "--quick", fail="rest_equal_mass:disph_n")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = self.results()
+        runs = {(one["case"], one["variant"], one["n"]): one for one in found["runs"]}
+        self.assertEqual(len(runs), 3 * 2 * 2 * 3 + 4)
+        for case in ("rest_equal_spacing", "gravity_equal_mass"):  # under gravity the column's own pressure is taken off
+            one = runs[case, "C", 128]
+            self.assertAlmostEqual(one["pressure_near"], 1 / 32, places=6)
+            self.assertLess(one["pressure_elsewhere"], 1e-6)
+            self.assertAlmostEqual(one["speed_near"], 5.0)
+        self.assertAlmostEqual(runs["sheared_equal_mass", "C", 64]["speed_near"], 4.0)  # across the contact
+        self.assertIsNone(runs["rest_equal_mass", "N", 64]["pressure_near"])
+        self.assertAlmostEqual(next(one for one in found["orders"] if one["quantity"] == "pressure_near")["order"], 1.0, places=6)
+        self.check_page(4)  # over time, across the contact, orders, the square
+        self.assertIn("at rest, equal masses: held by none; not by C 3.1 %; stopped: N", done.stdout)
+
     def test_usage_errors_run_nothing(self):
         for arguments, word in ((("convection", "--particles", "4"), "at least 8"), (("convection", "--inputs", "none"), "'none'"),
                                 (("shock", "--tests", "soot"), "no test 'soot'"), (("shock", "--schemes", "sph"), "no scheme 'sph'"),
+                                (("continuity_of_y", "--particles", "34"), "multiples of 4"), (("continuity_of_y", "--forms", "Q"), "no form 'Q'"),
                                 (("rti", "--schemes", "Z"), "no scheme 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
             with self.subTest(word):
                 done = inside.call("compare", *arguments, "--binaries", self.binaries, "--output", self.output)

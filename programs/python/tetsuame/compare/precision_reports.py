@@ -4,7 +4,7 @@ import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from . import convection, hydrostatic, rti, shock, table
+from . import convection, letters, rti, shock, table
 from .cases import Run, of_letter, of_size
 from .outcomes import Outcome
 
@@ -59,12 +59,12 @@ class AtRest:
     """Programs C to F and Y on the states of the notes at rest."""
     @staticmethod
     def add_options(parser: argparse.ArgumentParser) -> None:
-        hydrostatic.add_options(parser)
+        letters.add_options(parser)
         parser.add_argument("--more", help="programs beside A to F: LETTER,…", default="Y")
 
     @staticmethod
     def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser) -> list[Run]:
-        runs = hydrostatic.plan(given, root, parser)
+        runs = letters.plan(given, root, parser)
         inputs = dict.fromkeys(one.input for one in runs)
         return runs + [of_letter(letter, path, "", tuple(given.settings)) for path in inputs for letter in given.more.split(",")]
 

@@ -1,4 +1,4 @@
-"""The comparisons: programs A to F, states at rest, convection, shocks, metal over silicate. Each subject is a module with
+"""The comparisons: programs A to F, and the subjects below. Each subject is a module with
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
     PROGRAMS                             that it runs
@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import convection, hydrostatic, letters, orders, precision, rti, runner, shock, table
+from . import continuity_of_y, convection, hydrostatic, letters, orders, precision, rti, runner, shock, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (hydrostatic, convection, shock, rti, precision)}
+SUBJECTS = {module.NAME: module for module in (hydrostatic, convection, shock, rti, continuity_of_y, precision)}
 ALL = "all"
 
 
