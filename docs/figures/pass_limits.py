@@ -26,9 +26,9 @@ DERIVATIVES = "tetsuame::operators::consistent<{D}, {fields}"
 # Of each pass: the program that has it, and what the name of its sum over a row ends with: kernel and terms.
 PASSES = {
     "C_smoothing": ("bench", f">, {QUINTIC}, tetsuame::volume::weight_sum<{{D}}, false> >"),
-    "C_forces": ("bench", f">, {QUINTIC}, {FORCES}> >"),
-    "C_forces_with_heat": ("bench", f">, {QUINTIC}, {FORCES} const*>, tetsuame::diffusion::conduction<{{D}}> >"),
-    "C_at_walls": ("bench", f">, {QUINTIC}, tetsuame::diffusion::viscous_sum<{{D}}, double> >"),
+    "C_forces": ("bench", f">, {QUINTIC}, {FORCES}, {{D}}ul, true> >"),
+    "C_forces_with_heat": ("bench", f">, {QUINTIC}, {FORCES} const*, {{D}}ul, true>, tetsuame::diffusion::conduction<{{D}}> >"),
+    "C_at_walls": ("bench", f">, {QUINTIC}, tetsuame::diffusion::viscous_sum<{{D}}, double, 1ul, false> >"),
     "rti_volumes": ("rti", f">, {C6}, tetsuame::volume::number_volume<{{D}}> >"),
     "rti_forces": ("rti", f">, {C6}, tetsuame::two_fluids::forces<{{D}}, false> >"),
     # Of a step's first stage, and of the others; fields: v, T, p and the relaxed velocity.
