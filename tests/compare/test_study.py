@@ -123,8 +123,10 @@ class Parts(unittest.TestCase):
     def test_verdict(self):
         def one(form, error):
             return {"case": "rest_equal_mass", "motion": "rest", "masses": "equal_mass", "variant": form, "n": 64, "pressure_near": error}
-        said = continuity_of_y.verdict({"runs": [one("F", 0.02), one("E", 9e-4), one("C", 0.01), one("SSPH", None)]})
-        self.assertEqual(said, ["at rest, equal masses: held by E; not by C 1 %, F 2 %; stopped: SSPH"])
+        measured = {"runs": [one("F", 0.02), one("E", 9e-4), one("C", 0.01), one("SSPH", None)]}
+        self.assertEqual(continuity_of_y.verdict(measured), ["at rest, equal masses: held by E; not by C 1 %, F 2 %; stopped: SSPH"])
+        measured["runs"] += [one(form, 1e-5) | {"masses": "equal_spacing", "case": "rest_equal_spacing"} for form in ("C", "E")]
+        self.assertRegex(continuity_of_y.conclusion(measured), "both kinds of masses are held by E; equal spacing alone by C[.]")
 
     def test_causes_in_few_words(self):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")

@@ -117,7 +117,7 @@ def order(measured: dict, one: dict, quantity: str) -> str:
         return "–"
     if one[quantity] <= judged(one)[quantity][1]:
         return "exact"
-    return next((orders.said(each) for each in measured["orders"]
+    return next((orders.said(each).replace("-0.00", "0.00") for each in measured["orders"]
                  if (each["case"], each["variant"], each["quantity"]) == (one["case"], one["variant"], quantity)), "–")
 
 
@@ -153,6 +153,21 @@ def verdict(measured: dict) -> list[str]:
     return lines
 
 
+def conclusion(measured: dict) -> str:
+    """Who holds all contacts that nothing disturbs, and who those of one lattice alone."""
+    still = [one for one in finest(measured) if one["motion"] != "jittered"]
+
+    def holding(masses: tuple[str, ...]) -> list[str]:
+        asked = [one for one in still if one["masses"] in masses]
+        lost = {one["variant"] for one in asked if one["pressure_near"] is None or one["pressure_near"] > HOLDS}
+        return [form for form in dict.fromkeys(one["variant"] for one in asked) if form not in lost]
+
+    every = holding(tuple(MASSES))
+    spacing = [form for form in holding(("equal_spacing",)) if form not in every]
+    return (f"Contacts on regular lattices, at rest, sheared or under gravity: both kinds of masses are held by {', '.join(every) or 'none'}; "
+            f"equal spacing alone by {', '.join(spacing) or 'none'}.")
+
+
 def counts_said(measured: dict) -> str:
     """'128 (A: 64)'"""
     of_form = {one["variant"]: one["n"] for one in sorted(contacts(measured), key=lambda one: one["n"])}
@@ -166,6 +181,8 @@ def pressure(value: float | None) -> str:
         return "–"
     if value <= ROUNDING["pressure"]:
         return "0"
+    if value >= 1.0:
+        return f"{100 * value:.0f} %"
     return f"{100 * value:.2g} %" if value >= 1e-3 else f"{value:.1e}".replace("e-0", "e-")
 
 
@@ -187,6 +204,7 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
                  pages.section("Who holds which contact", pages.paragraph(
                      f"Held: a mean error of the pressure of at most {100 * HOLDS:g} % within four spacings of the contact, over time and "
                      f"at the largest number of particles of each form: {counts_said(measured)}."),
+                     pages.paragraph(f"<b>{escape(conclusion(measured))}</b>"),
                      pages.listed([escape(line) for line in verdict(measured)]), glance(measured, names)),
                  pages.section("Over time", pages.figure(
                      figures.courses(outcomes), folder / "courses.png",
@@ -275,7 +293,7 @@ def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
             cells = {one["variant"]: pressure(one["pressure_near"]) if one["outcome"] == COMPLETED else one["outcome"]
                      for one in runs if one["case"] == case}
             lines.append(f"{look(case, names[0], '')[0]:<26}" + "".join(f"{cells.get(name, ''):>10}" for name in names))
-        lines += ["", *verdict(measured)]
+        lines += ["", *verdict(measured), conclusion(measured)]
     for one in measured["runs"]:
         if one["case"] == SQUARE:
             lines.append(f"square, {one['variant']}: area {percent(one['area_change'])}, corner {said(one['corner_radius'], '{:.2f}')}")

@@ -140,7 +140,7 @@ def squares(outcomes: list[Outcome], rows: dict[str, tuple[str, ...]]):
             x = state["Coordinates"]
             red = np.array([int(one) in dense for one in state["ParticleIDs"]])
             for chosen, colour in ((~red, BLUE), (red, RED)):
-                ax.plot(x[chosen, 0], x[chosen, 1], ".", color=colour, markersize=72 / o.case.n, markeredgewidth=0, rasterized=True)
+                ax.plot(x[chosen, 0], x[chosen, 1], ".", color=colour, markersize=100 / o.case.n, markeredgewidth=0, rasterized=True)
             ax.set(aspect="equal", xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[])
             ax.grid(False)
             if abs(state.time - time) > 0.06:
