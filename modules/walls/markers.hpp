@@ -137,7 +137,7 @@ void find_unread(const pairs::workspace<D>& w, wall_set<D>& set) {
       ++next;
     else
       set.unread->of.push_back(r);
-  const auto grid = cells::make_grid<D>(s.x, s.id, s.first_wall(), cells::cell_edge<D>(w.dx, w.list.width));
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.first_wall(), cells::cell_edge(w.dx));
   list_fluid(w, set, grid, 0.0, *set.unread);
 }
 
