@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <foundation/lanes.hpp>
+#include <tuple>
+#include <type_traits>
 
 namespace tetsuame::operators {
 
@@ -21,19 +23,19 @@ auto factorise(Matrix& A) {
   using std::sqrt;
   using number = typename Matrix::value_type::value_type;
   constexpr double singular = 1e-10;  // of the diagonal
-  const std::size_t N = A.size();
+  constexpr std::size_t N = std::tuple_size_v<Matrix>;
   decltype(A[0][0] > A[0][0]) definite(true);
-  for (std::size_t k = 0; k < N; ++k) {
-    const number diagonal = A[k][k];
-    for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
-    definite = definite && A[k][k] > singular * diagonal;
-    if constexpr (std::is_same_v<number, double>)
-      if (!definite) return false;
-    A[k][k] = sqrt(A[k][k]);
-    for (std::size_t i = k + 1; i < N; ++i) {
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
       for (std::size_t l = 0; l < k; ++l) A[i][k] -= A[i][l] * A[k][l];
       A[i][k] /= A[k][k];
     }
+    const number diagonal = A[i][i];
+    for (std::size_t l = 0; l < i; ++l) A[i][i] -= A[i][l] * A[i][l];
+    definite = definite && A[i][i] > singular * diagonal;
+    if constexpr (std::is_same_v<number, double>)
+      if (!definite) return false;
+    A[i][i] = sqrt(A[i][i]);
   }
   return definite;
 }
