@@ -168,10 +168,10 @@ void rates_of_change(convection_state<D>& state, std::span<double* const> rate) 
   bool all_finite = true;
   double speed2 = 0.0;  // m2/s2
   const auto rows = w.fluid();
-  const std::size_t n = rows.clusters(real::size());
+  const std::size_t n = rows.clusters();
 #pragma omp parallel for schedule(static) reduction(&& : all_finite) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
-    const auto m = rows.cluster(r, real::size());
+    const auto m = rows.cluster(r);
     const auto of = rates_of(state, several{m.first, m.chosen, {}}, rate);
     speed2 = std::max(speed2, of.speed2);
     all_finite = all_finite && of.finite;
