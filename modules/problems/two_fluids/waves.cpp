@@ -23,9 +23,9 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
               .meaning = "of the particles of both layers: on one lattice; or, of a coloured start that is flat, the "
                          "denser layer on a finer lattice, to a whole number of rows and columns"});
   schema.add(group, "shear", o.shear,
-             {.unit = "m/s",
-              .meaning = "of a coloured start: velocity along x of the upper layer less that of the lower, half of it "
-                         "each"});
+             for_expert({.unit = "m/s",
+                         .meaning = "of a coloured start: velocity along x of the upper layer less that of the lower, "
+                                    "half of it each"}));
   if (!o.by_program)
     schema.add(
         group, "rows", o.scheme.rows,
