@@ -1,4 +1,5 @@
-// What each program consists of: A to F [S0, table 1], Y [S2, improved DISPH], N, and standard SPH to stand beside.
+// What each program consists of: A to F [S0, table 1], F with pattern 2, Y [S2, improved DISPH], N, and standard SPH to
+// stand beside.
 #pragma once
 
 #include <gradient/pattern_1.hpp>
@@ -38,6 +39,9 @@ struct disph_e : scheme<volume::our_method, volume::smoothed, walls::virtual_mar
 };
 struct disph_f : scheme<volume::our_method, volume::non_smoothed, walls::virtual_marker> {
   static constexpr const char* name = "disph_f";
+};
+struct disph_f2 : scheme<volume::our_method, volume::non_smoothed, walls::virtual_marker, gradient::pattern_2> {
+  static constexpr const char* name = "disph_f2";
 };
 struct disph_y : scheme<volume::y_evolution, volume::smoothed, walls::virtual_marker> {
   static constexpr const char* name = "disph_y";

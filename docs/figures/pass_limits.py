@@ -26,20 +26,20 @@ DERIVATIVES = "tetsuame::operators::consistent<{D}, {fields}"
 # Of each pass: the program that has it, and what the name of its sum over a row ends with: kernel and terms.
 PASSES = {
     "C_smoothing": ("bench", f">, {QUINTIC}, tetsuame::volume::weight_sum<{{D}}, false> >"),
-    "C_forces": ("bench", f">, {QUINTIC}, {FORCES}> >"),
-    "C_forces_with_heat": ("bench", f">, {QUINTIC}, {FORCES} const*>, tetsuame::diffusion::conduction<{{D}}> >"),
-    "C_at_walls": ("bench", f">, {QUINTIC}, tetsuame::diffusion::viscous_sum<{{D}}, double> >"),
+    "C_forces": ("bench", f">, {QUINTIC}, {FORCES}, {{D}}ul, true> >"),
+    "C_forces_with_heat": ("bench", f">, {QUINTIC}, {FORCES} const*, {{D}}ul, true>, tetsuame::diffusion::conduction<{{D}}> >"),
+    "C_at_walls": ("bench", f">, {QUINTIC}, tetsuame::diffusion::viscous_sum<{{D}}, double, 1ul, false> >"),
     "rti_volumes": ("rti", f">, {C6}, tetsuame::volume::number_volume<{{D}}> >"),
-    "rti_forces": ("rti", f">, {C6}, tetsuame::two_fluids::forces<{{D}}> >"),
+    "rti_forces": ("rti", f">, {C6}, tetsuame::two_fluids::forces<{{D}}, false> >"),
     # Of a step's first stage, and of the others; fields: v, T, p and the relaxed velocity.
     "convection_first": ("convection", f">, {C2}, {DERIVATIVES}, true, {{wanted}}u>, "),
     "convection_stage": ("convection", f">, {C2}, {DERIVATIVES}, false, {{wanted}}u>, "),
     "gdisph_densities": ("bench", f"tetsuame::schemes::density<{{D}}, {QUINTIC} > >"),
     "gdisph_gradients": ("bench", f"tetsuame::schemes::gradients<{{D}}, {QUINTIC} > >"),
-    "gdisph_rates": ("bench", f"tetsuame::schemes::gdisph<{{D}}, {QUINTIC}, true> >"),
+    "gdisph_rates": ("bench", f"tetsuame::schemes::gdisph<{{D}}, {QUINTIC} > >"),
 }
 # Their pairs take the long way (here the tensor B, which is always at hand); others the short one (no exact Riemann
-# problem, no second part of the viscous stress, which are choices).
+# problem, which is a choice).
 TAKES_LONG_WAY = ("convection_first", "convection_stage")
 MODELS = ["znver4", "skylake-avx512", "icelake-server", "sapphirerapids"]
 NUMBERS = {"double": "std::experimental::parallelism_v2::simd<double", "single": "tetsuame::foundation::single"}

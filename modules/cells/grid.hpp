@@ -48,12 +48,9 @@ struct grid {
 
 using particles::position;
 
-// m, edge of the cells of particles with this spacing, sorted along the last axis: clusters of so many members are then
-// nearly as long as wide, so that their members have most neighbours in common.
-template <int D>
-double cell_edge(double spacing, std::size_t width) {
-  return (D == 2 && width > 8 ? 4.0 : 2.0) * spacing;
-}
+// m, edge of the cells of particles with this spacing, sorted along the last axis: clusters of eight are then nearly as
+// long as wide, so that their members have most neighbours in common.
+inline double cell_edge(double spacing) { return 2.0 * spacing; }
 
 namespace detail {
 

@@ -5,13 +5,19 @@
 // them, and says which of them. Neighbours stand in the order of the grid, and for members that do not have one it is
 // so far away that it adds an exact zero. So every sum over a row has the same bits on any number of ranks and threads,
 // wherever clusters begin and end.
+//
+// In single precision a register has room for the members beside two neighbours at once. A row then goes through two
+// sequences, each in the order of the grid, side by side; which of them a particle is in follows from its place alone,
+// so that ranks and clusters change no bit of the two sums, nor of their sum.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cells/grid.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
 #include <memory>
@@ -30,31 +36,33 @@ struct uninitialised : std::allocator<T> {
   }
 };
 
-using entries = std::vector<std::uint32_t, uninitialised<std::uint32_t>>;
-
+template <class Word>
 struct list_of_rows {
+  using word = Word;
+  using words = std::vector<Word, uninitialised<Word>>;
   std::vector<std::size_t> start;  // per row, into `all`; one more at the end
-  entries all;
+  words all;
   std::size_t pairs = 0;  // of a particle, or point, and a neighbour
 
   std::size_t rows() const { return start.empty() ? 0 : start.size() - 1; }
-  std::span<const std::uint32_t> row(std::size_t r) const { return {all.data() + start[r], all.data() + start[r + 1]}; }
+  std::span<const Word> row(std::size_t r) const { return {all.data() + start[r], all.data() + start[r + 1]}; }
   double bytes() const {
     return static_cast<double>(start.capacity() * sizeof(start[0]) + all.capacity() * sizeof(all[0]));
   }
 };
 
 // Local indices of the neighbours of each of some points.
-struct point_list : list_of_rows {};
+struct point_list : list_of_rows<std::uint32_t> {};
 
-// Of each cluster. An entry is what a neighbour's local index is above that of the one before, from 0 on, in its upper
-// bits, and in the lower ones the lanes that have this neighbour. A larger distance stands by itself behind a 0.
-struct neighbour_list : list_of_rows {
-  // Members of a cluster: numbers in one SIMD register, doubles or single.
-  std::size_t width = foundation::lanes;
-  static_assert(foundation::single::size() == 2 * foundation::lanes && foundation::single::size() <= 16);
-  // Lower bits of an entry.
-  static constexpr int bits_of(std::size_t width) { return width <= 8 ? 8 : 16; }
+// Of each cluster. The lower byte of an entry has the lanes that have this neighbour, the upper one what its local
+// index is above that of the one before in its sequence. Steps that are too far for that, and the first one, stand
+// behind the row's entries, two words each, the last one first.
+struct neighbour_list : list_of_rows<std::uint16_t> {
+  static constexpr std::size_t width = foundation::lanes;  // members of a cluster
+  static_assert(width <= 8 && foundation::single::size() == 2 * width);
+  static constexpr std::int32_t far_step = -128;
+
+  std::size_t at_once = 1;  // sequences, 1 or 2
 
   // Scratch of the pair loop: what it reads of the neighbours, packed.
   struct scratch {
@@ -72,88 +80,112 @@ struct neighbour_list : list_of_rows {
   mutable scratch records;
 
   // The row of the cluster that particle i is in.
-  std::span<const std::uint32_t> row_of(std::size_t i) const { return row(i / width); }
-  // f(neighbour, lanes that have it) for each in the row of cluster r.
+  std::span<const std::uint16_t> row_of(std::size_t i) const { return row(i / width); }
+  // f(neighbour, lanes that have it) for each in the row of cluster r, the sequences side by side.
   template <class F>
   void for_each(std::size_t r, F&& f) const {
-    for (neighbour n(row(r), width); n.next();) f(n.j, n.of_lanes);
+    constexpr std::uint32_t lanes_of_one = (1U << width) - 1U;
+    const auto through = [&](auto n) {
+      while (n.next())
+        for (std::size_t k = 0; k < n.j.size(); ++k)
+          if (const std::uint32_t of_lanes = n.of_lanes >> k * width & lanes_of_one; of_lanes != 0) f(n.j[k], of_lanes);
+    };
+    at_once == 1 ? through(neighbours<1>(row(r))) : through(neighbours<2>(row(r)));
   }
 
-  // Goes through a row.
-  struct neighbour {
-    const std::uint32_t *at, *end;
-    int bits;
-    std::uint32_t j = 0, of_lanes = 0;
+  // Goes through a row, its n sequences at once.
+  template <std::size_t n>
+  struct neighbours {
+    const std::uint16_t *at, *far;
+    std::array<std::uint32_t, n> j{};
+    std::uint32_t of_lanes = 0;  // of the first neighbour, then of the second
 
-    neighbour(std::span<const std::uint32_t> row, std::size_t width)
-        : at(row.data()), end(row.data() + row.size()), bits(bits_of(width)) {}
+    explicit neighbours(std::span<const std::uint16_t> row) : at(row.data()), far(row.data() + row.size()) {}
+    // No jumps: few steps are far, but nobody can foresee which.
     [[gnu::always_inline]] bool next() {
-      if (at == end) return false;
-      std::uint32_t entry = *at++;
-      if (entry == 0) [[unlikely]] {
-        j += *at++;
-        entry = *at++;
+      if (at == far) return false;
+      of_lanes = 0;
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::uint32_t entry = *at++;
+        const std::int32_t step = static_cast<std::int16_t>(entry) >> 8;
+        std::uint32_t far_away;
+        std::memcpy(&far_away, far - 2, sizeof(far_away));
+        const auto near_by = static_cast<std::uint32_t>(step), is_far = static_cast<std::uint32_t>(step == far_step);
+        j[k] += near_by ^ ((near_by ^ far_away) & (0U - is_far));
+        far -= 2 * is_far;
+        of_lanes |= (entry & 0xffU) << k * width;
       }
-      j += static_cast<std::uint32_t>(static_cast<std::int32_t>(entry) >> bits);
-      of_lanes = entry & ((1U << bits) - 1U);
       return true;
     }
   };
 };
 
-// Writes entries of a row.
-class entry_writer {
- public:
-  // Words that an entry takes at most.
-  static constexpr std::size_t most = 3;
-  std::uint32_t* out = nullptr;
-
-  explicit entry_writer(std::size_t width) : bits_(neighbour_list::bits_of(width)) {}
-
-  // Nothing where no lane has it.
-  void add(std::uint32_t j, std::uint32_t of_lanes) {
-    if (of_lanes == 0) return;
-    const std::int64_t step = std::int64_t{j} - std::int64_t{last_};
-    const std::int64_t reach = std::int64_t{1} << (31 - bits_);
-    std::uint32_t upper = static_cast<std::uint32_t>(step) << bits_;
-    if (step < -reach || step >= reach) {
-      *out++ = 0;
-      *out++ = static_cast<std::uint32_t>(step);
-      upper = 0;
-    }
-    *out++ = upper | of_lanes;
-    last_ = j;
-  }
-
- private:
-  int bits_;
-  std::uint32_t last_ = 0;
-};
-
 // Where a thread's rows grow.
+template <class Word>
 class row_store {
  public:
   // Room for n more; returns where they go. Those written are kept by keep(their end).
-  std::uint32_t* room(std::size_t n) {
+  Word* room(std::size_t n) {
     if (used_ + n > made_.size()) made_.resize(2 * (used_ + n));
     return made_.data() + used_;
   }
-  void keep(const std::uint32_t* end) { used_ = static_cast<std::size_t>(end - made_.data()); }
+  void keep(const Word* end) { used_ = static_cast<std::size_t>(end - made_.data()); }
   std::size_t size() const { return used_; }
-  const std::uint32_t* begin() const { return made_.data(); }
+  const Word* begin() const { return made_.data(); }
   void clear() { used_ = 0; }
 
  private:
-  entries made_;
+  typename list_of_rows<Word>::words made_;
   std::size_t used_ = 0;
 };
 
-// Rows of a list, row r made by make(r, row_store), which returns its number of pairs. The list's memory serves again.
+// A row of a neighbour_list, until it is written.
+class row_of_clusters {
+ public:
+  // Nothing where no lane has it.
+  void add(std::size_t sequence, std::uint32_t j, std::uint32_t of_lanes) {
+    if (of_lanes != 0) sequences_[sequence].push_back({j, of_lanes});
+  }
+  // The first so many sequences; those that are shorter end with neighbours that no lane has. Empty after that.
+  void write(std::size_t at_once, row_store<std::uint16_t>& made) {
+    const std::size_t length = std::max(sequences_[0].size(), sequences_[1].size());
+    for (std::size_t k = 0; k < at_once && length > 0; ++k) {
+      const auto& other = sequences_[1 - k];
+      const std::uint32_t some = sequences_[k].empty() ? other.back().j : sequences_[k].back().j;
+      sequences_[k].resize(length, {some, 0});
+    }
+    std::uint16_t* out = made.room(length * at_once * 3);
+    far_.clear();
+    for (std::size_t at = 0; at < length; ++at)
+      for (std::size_t k = 0; k < at_once; ++k) {
+        const entry e = sequences_[k][at];
+        const std::uint32_t before = at > 0 ? sequences_[k][at - 1].j : 0;
+        const std::int64_t step = std::int64_t{e.j} - std::int64_t{before};
+        const bool is_far = at == 0 || step <= neighbour_list::far_step || step > 127;
+        if (is_far) far_.push_back(e.j - before);
+        const auto upper = static_cast<std::uint32_t>(is_far ? neighbour_list::far_step : step);
+        *out++ = static_cast<std::uint16_t>(upper << 8 | e.of_lanes);
+      }
+    for (std::size_t n = far_.size(); n-- > 0; out += 2) std::memcpy(out, &far_[n], sizeof(far_[n]));
+    made.keep(out);
+    for (auto& s : sequences_) s.clear();
+  }
+
+ private:
+  struct entry {
+    std::uint32_t j, of_lanes;
+  };
+  std::array<std::vector<entry>, 2> sequences_;
+  std::vector<std::uint32_t> far_;
+};
+
+// Rows of a list, row r made by make(r, row_store), which returns its number of pairs; each thread has a copy of
+// `make`. The list's memory serves again.
 //
 // Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
 // those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
-template <class Make>
-void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
+template <class Word, class Make>
+void make_rows(list_of_rows<Word>& list, std::size_t rows, const Make& make) {
   constexpr std::size_t block = 32;
   list.start.resize(rows + 1);
   list.start[0] = 0;
@@ -163,13 +195,14 @@ void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
     pairs = end = 0;
 #pragma omp parallel reduction(+ : pairs) if (rows > block)
     {
-      row_store made;
+      row_store<Word> made;
+      Make make_row = make;
 #pragma omp for ordered schedule(dynamic, 1)
       for (std::size_t first = 0; first < rows; first += block) {
         const std::size_t last = std::min(rows, first + block);
         made.clear();
         for (std::size_t r = first; r < last; ++r) {
-          pairs += make(r, made);
+          pairs += make_row(r, made);
           list.start[r + 1] = made.size();  // from the block's begin
         }
         std::size_t begin;
@@ -195,28 +228,28 @@ void make_rows(list_of_rows& list, std::size_t rows, const Make& make) {
   list.pairs = pairs;
 }
 
-// Register h of the values of n members, the last one's in the lanes behind.
-inline foundation::real of_members(const double* from, std::size_t n, std::size_t h) {
-  return foundation::real([&](auto lane) { return from[std::min<std::size_t>(h * foundation::lanes + lane, n - 1)]; });
+// The values of n members, the last one's in the lanes behind.
+inline foundation::real of_members(const double* from, std::size_t n) {
+  return foundation::real([&](auto lane) { return from[std::min<std::size_t>(lane, n - 1)]; });
 }
 
 // One reach for all pairs: those of one support.
 struct one_reach {
   double most;  // m
   const one_reach& of(std::size_t, std::size_t) const { return *this; }
-  foundation::real squared(std::uint32_t, std::size_t) const { return most * most; }
+  foundation::real squared(std::uint32_t) const { return most * most; }
 };
 
-// The members of a cluster, so many registers of them: particles [first, first + n).
-template <int D, std::size_t registers>
+// The members of a cluster: particles [first, first + n).
+template <int D>
 struct cluster_positions {
-  std::array<std::array<foundation::real, D>, registers> x;  // m
+  std::array<foundation::real, D> x;  // m
   std::array<double, D> low, high;
 
   cluster_positions(const std::array<particles::array, D>& all, std::size_t first, std::size_t n) {
     for (std::size_t a = 0; a < D; ++a) {
       const double* from = all[a].data() + first;
-      for (std::size_t h = 0; h < registers; ++h) x[h][a] = of_members(from, n, h);
+      x[a] = of_members(from, n);
       const auto [least, most] = std::minmax_element(from, from + n);
       low[a] = *least;
       high[a] = *most;
@@ -224,54 +257,53 @@ struct cluster_positions {
   }
 };
 
-template <int D, std::size_t registers, class Reach>
-void make_list_of(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
-                  const Reach& reach) {
-  using foundation::lanes, foundation::real;
-  const std::size_t width = list.width;
-  make_rows(list, (n + width - 1) / width, [&](std::size_t r, row_store& made) {
-    const std::size_t first = r * width, members = std::min(width, n - first);
-    const cluster_positions<D, registers> cluster(x, first, members);
-    const std::uint32_t all_members = (1U << members) - 1U;
-    std::size_t pairs = 0;
-    entry_writer row(width);
-    const auto& of_cluster = reach.of(first, members);
-    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, [&](std::uint32_t k, std::uint64_t near) {
-      row.out = made.room(64 * entry_writer::most);
-      for (; near != 0; near &= near - 1) {
-        const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
-        const std::uint32_t j = g.members[at];
-        std::uint32_t within = 0;
-        for (std::size_t h = 0; h < registers; ++h) {
-          real r2(0.0);
-          for (std::size_t a = 0; a < D; ++a) {
-            const real x_ij = cluster.x[h][a] - g.sorted[a][at];
-            r2 += x_ij * x_ij;
-          }
-          within |= foundation::bits_of_less(r2, of_cluster.squared(j, h)) << h * lanes;
-        }
-        within &= all_members;
-        // None is its own neighbour.
-        if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
-        row.add(j, within);
-        pairs += static_cast<std::size_t>(std::popcount(within));
-      }
-      made.keep(row.out);
-    });
-    return pairs;
+// Which of two sequences each member of the grid is in: squares (cubes) of half a cell's edge, black and white, so that
+// about as many neighbours of any cluster are in either.
+template <int D>
+std::vector<unsigned char> sequences_of(const grid<D>& g) {
+  std::vector<unsigned char> sequence(g.members.size());
+  foundation::for_all(sequence.size(), [&](std::size_t k) {
+    std::int64_t square = 0;
+    for (std::size_t a = 0; a < D; ++a) square += static_cast<std::int64_t>(std::floor(2.0 * g.sorted[a][k] / g.size));
+    sequence[k] = static_cast<unsigned char>(square & 1);
   });
+  return sequence;
 }
 
 // Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
-// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j, h), m2, that of j
-// with each member of the cluster's register number h.
+// of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
+// with each member of the cluster.
 template <int D, class Reach>
 void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
                const Reach& reach) {
-  if (list.width == foundation::lanes)
-    make_list_of<D, 1>(list, g, x, n, reach);
-  else
-    make_list_of<D, 2>(list, g, x, n, reach);
+  using foundation::real;
+  constexpr std::size_t width = neighbour_list::width;
+  const auto sequences = list.at_once > 1 ? sequences_of(g) : std::vector<unsigned char>{};
+  make_rows(list, (n + width - 1) / width, [&, row = row_of_clusters()](std::size_t r, auto& made) mutable {
+    const std::size_t first = r * width, members = std::min(width, n - first);
+    const cluster_positions<D> cluster(x, first, members);
+    const std::uint32_t all_members = (1U << members) - 1U;
+    std::size_t pairs = 0;
+    const auto& of_cluster = reach.of(first, members);
+    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, [&](std::uint32_t k, std::uint64_t near) {
+      for (; near != 0; near &= near - 1) {
+        const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
+        const std::uint32_t j = g.members[at];
+        real r2(0.0);
+        for (std::size_t a = 0; a < D; ++a) {
+          const real x_ij = cluster.x[a] - g.sorted[a][at];
+          r2 += x_ij * x_ij;
+        }
+        std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+        // None is its own neighbour.
+        if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
+        row.add(sequences.empty() ? 0 : sequences[at], j, within);
+        pairs += static_cast<std::size_t>(std::popcount(within));
+      }
+    });
+    row.write(list.at_once, made);
+    return pairs;
+  });
 }
 
 // Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`
@@ -280,7 +312,7 @@ template <int D, class Centre, class Accept>
 void make_list_of_points(point_list& list, const grid<D>& g, std::size_t points, double reach, std::uint32_t null,
                          const Centre& centre, const Accept& accept) {
   using foundation::lanes;
-  make_rows(list, points, [&](std::size_t r, row_store& made) {
+  make_rows(list, points, [&](std::size_t r, row_store<std::uint32_t>& made) {
     const std::array<double, D> at = centre(r);
     const std::size_t before = made.size();
     for_each_near<D>(g, at, at, reach, [&](std::uint32_t k, std::uint64_t near) {

@@ -15,21 +15,23 @@ R harmonic(const R& a, const R& b) {
   return foundation::select(sum == 0.0, R(0.0), R(4.0 * a * b / sum));
 }
 
-// Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair.
-template <int D, class Eta>
+// Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair. Of N components of
+// the velocity; with the dissipation, which needs all of them, or without.
+template <int D, class Eta, std::size_t N = D, bool heats = true>
 struct viscous_sum {
   static constexpr bool uniform = std::is_same_v<Eta, double>;
+  static_assert(N == D || !heats);
 
-  std::array<const double*, D> v;  // m/s
+  std::array<const double*, N> v;  // m/s
   Eta eta;                         // Pa s
   const double* dV;                // m^D
-  std::array<double*, D> force;    // N, added to; a component that is null: not wanted
-  double* heat;                    // W, added to; null: not wanted
+  std::array<double*, N> force;    // N, added to
+  double* heat = nullptr;          // W, added to; null: not wanted
 
   template <class R>
   struct me {
     R factor;  // 2 η ΔV where η is uniform
-    pairs::vec<R, D> force;
+    pairs::vec<R, static_cast<int>(N)> force;
     R dissipation;
   };
 
@@ -43,7 +45,7 @@ struct viscous_sum {
   }
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    me<R> a{R(0.0), foundation::zero<R, D>(), R(0.0)};
+    me<R> a{R(0.0), foundation::zero<R, static_cast<int>(N)>(), R(0.0)};
     if constexpr (uniform) a.factor = 2.0 * (eta * i.lengths.to(-1)) * i(dV, D);
     return a;
   }
@@ -54,12 +56,12 @@ struct viscous_sum {
     factor *= ij(of_volume) * ij.F;
     const auto v_ij = ij.difference(of_velocity);
     a.force += factor * v_ij;
-    a.dissipation -= factor * foundation::dot(v_ij, v_ij);
+    if constexpr (heats) a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k)
-      if (force[k] != nullptr) i.add(force[k], a.force[k], D - 1);
-    if (heat != nullptr) i.add(heat, 0.5 * a.dissipation, D - 1);
+    for (std::size_t k = 0; k < N; ++k) i.add(force[k], a.force[k], D - 1);
+    if constexpr (heats)
+      if (heat != nullptr) i.add(heat, 0.5 * a.dissipation, D - 1);
   }
 };
 

@@ -70,6 +70,14 @@ template <class T, class Abi>
   return single(c);
 }
 
+// Bit n: lane n of the mask.
+template <class T, class Abi>
+std::uint32_t bits_of(const stdx::simd_mask<T, Abi>& mask) {
+  std::uint32_t bits = 0;
+  for (std::size_t lane = 0; lane < mask.size(); ++lane) bits |= (mask[lane] ? 1U : 0U) << lane;
+  return bits;
+}
+
 // What guards a division by what may vanish; R holds its inverse too.
 template <class R>
 inline constexpr double tiny = std::is_same_v<R, single> ? 1e-30 : 1e-200;
@@ -147,6 +155,25 @@ template <class R>
   return select(a < b, a, b);
 }
 
+// A product in single numbers as it is rounded: what is added to it is not fused with it, so that a b + c d has the
+// same bits as c d + a b, and what two particles do to each other cancels. Doubles go as they are.
+template <class R>
+[[gnu::always_inline]] inline R rounded(const R& product) {
+#if __has_builtin(__builtin_assoc_barrier)
+#if defined(__AVX512F__)
+  if constexpr (is_single<R, 16>)
+    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<__m512>(product.all()))));
+#elif defined(__AVX__)
+  if constexpr (is_single<R, 8>)
+    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<__m256>(product.all()))));
+#elif defined(__aarch64__)
+  if constexpr (is_single<R, 4>)
+    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<float32x4_t>(product.all()))));
+#endif
+#endif
+  return product;
+}
+
 // Values from `a` on in the lanes whose bit is set, 0 in others; nothing else is read, or written.
 template <class R>
 [[gnu::always_inline]] inline R load_where(std::uint32_t bits, const double* a) {
@@ -174,40 +201,58 @@ template <class R>
     if ((bits >> lane & 1U) != 0) a[lane] = values[lane];
 }
 
-// Doubles as single numbers, those of `low` in the first half of the lanes, and back.
-struct halves {
-  real low, high;
-};
-[[gnu::always_inline]] inline single narrow(const halves& h) {
+// A `single` holds the same particles twice, beside two neighbours: its lower half those with the one, its upper half
+// those with the other. Doubles as single numbers, in both halves:
+[[gnu::always_inline]] inline single in_both_halves(const real& a) {
+#if defined(__AVX512F__)
+  if constexpr (is_single<single, 16>) {
+    const __m512 low = _mm512_castps256_ps512(_mm512_cvtpd_ps(static_cast<__m512d>(a)));
+    return single(single::lanes_type(_mm512_shuffle_f32x4(low, low, 0x44)));
+  }
+#elif defined(__AVX__)
+  if constexpr (is_single<single, 8>) {
+    const __m128 low = _mm256_cvtpd_ps(static_cast<__m256d>(a));
+    return single(single::lanes_type(_mm256_set_m128(low, low)));
+  }
+#endif
+  return single(single::lanes_type([&](auto lane) { return static_cast<float>(a[lane % lanes]); }));
+}
+[[gnu::always_inline]] inline real lower_half(const single& a) {
 #if defined(__AVX512F__)
   if constexpr (is_single<single, 16>)
-    return single(
-        single::lanes_type(_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(static_cast<__m512d>(h.low))),
-                                              _mm512_cvtpd_ps(static_cast<__m512d>(h.high)), 1)));
+    return real(_mm512_cvtps_pd(_mm512_castps512_ps256(static_cast<__m512>(a.all()))));
 #elif defined(__AVX__)
   if constexpr (is_single<single, 8>)
-    return single(single::lanes_type(
-        _mm256_set_m128(_mm256_cvtpd_ps(static_cast<__m256d>(h.high)), _mm256_cvtpd_ps(static_cast<__m256d>(h.low)))));
+    return real(_mm256_cvtps_pd(_mm256_castps256_ps128(static_cast<__m256>(a.all()))));
 #endif
-  return single(single::lanes_type([&](auto lane) {
-    constexpr std::size_t at = decltype(lane)::value;
-    return static_cast<float>(at < lanes ? h.low[at % lanes] : h.high[at % lanes]);
-  }));
+  return real([&](auto lane) { return static_cast<double>(a[lane]); });
 }
-[[gnu::always_inline]] inline halves widen(const single& a) {
+[[gnu::always_inline]] inline single halves_exchanged(const single& a) {
 #if defined(__AVX512F__)
   if constexpr (is_single<single, 16>) {
     const auto all = static_cast<__m512>(a.all());
-    return {real(_mm512_cvtps_pd(_mm512_castps512_ps256(all))), real(_mm512_cvtps_pd(_mm512_extractf32x8_ps(all, 1)))};
+    return single(single::lanes_type(_mm512_shuffle_f32x4(all, all, 0x4e)));
   }
 #elif defined(__AVX__)
   if constexpr (is_single<single, 8>) {
     const auto all = static_cast<__m256>(a.all());
-    return {real(_mm256_cvtps_pd(_mm256_castps256_ps128(all))), real(_mm256_cvtps_pd(_mm256_extractf128_ps(all, 1)))};
+    return single(single::lanes_type(_mm256_permute2f128_ps(all, all, 1)));
   }
 #endif
-  return {real([&](auto lane) { return static_cast<double>(a[lane]); }),
-          real([&](auto lane) { return static_cast<double>(a[lane + lanes]); })};
+  return single(single::lanes_type([&](auto lane) { return a[(lane + lanes) % single::size()]; }));
+}
+// *low in all lanes of the lower half, *high in those of the upper: loads, and no shuffle.
+[[gnu::always_inline]] inline single::lanes_type beside(const float* low, const float* high) {
+#if defined(__AVX512F__)
+  if constexpr (single::size() == 16)
+    return single::lanes_type(_mm512_mask_blend_ps(0xff00, _mm512_set1_ps(*low), _mm512_set1_ps(*high)));
+#elif defined(__AVX__)
+  if constexpr (single::size() == 8)
+    return single::lanes_type(_mm256_blend_ps(_mm256_set1_ps(*low), _mm256_set1_ps(*high), 0xf0));
+#elif defined(__aarch64__)
+  if constexpr (single::size() == 4) return single::lanes_type(vcombine_f32(vld1_dup_f32(low), vld1_dup_f32(high)));
+#endif
+  return single::lanes_type([&](auto lane) { return lane < lanes ? *low : *high; });
 }
 
 // greater(a, b) in lane n where bit n of `bits` is set, `other` elsewhere.

@@ -20,9 +20,9 @@
 namespace tetsuame::operators {
 
 struct fields_tag {};
-struct laplacians_tag {};
+struct corrections_tag {};
 inline constexpr fields_tag of_fields;
-inline constexpr laplacians_tag of_laplacians;
+inline constexpr corrections_tag of_corrections;
 
 // Where the operators of K fields f and of their earlier plain Laplacians P go; arrays of particles, rows are written.
 template <int D, int K>
@@ -53,13 +53,12 @@ struct consistent {
     std::array<std::array<R, S>, whole ? S : 0> Q;  // Σ F r_a r_b e_c e_d, b-th of pair (a b) <= (c d)
     pairs::vec<R, D> first;                         // Σ F s r
     R m_s;                                          // Σ F s r²
-    R beta;                                         // m2
     std::array<pairs::vec<R, D>, K> gradient;       // Σ F r (f_i - f_j), of f - 2β P
     std::array<R, K> laplacian;                     // Σ F s (f_i - f_j), of f - β P
     std::array<R, whole ? K : 0> plain;             // of f
   };
 
-  auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_laplacians, P, -2)}; }
+  auto reads() const { return std::tuple{pairs::read(of_fields, f), pairs::read(of_corrections, P, 0, beta)}; }
 
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
@@ -72,7 +71,6 @@ struct consistent {
     }
     a.first = foundation::zero<R, D>();
     a.m_s = R(0.0);
-    a.beta = R(beta * i.lengths.to(-2));
     for (std::size_t k = 0; k < K; ++k) {
       a.gradient[k] = foundation::zero<R, D>();
       a.laplacian[k] = R(0.0);
@@ -91,12 +89,11 @@ struct consistent {
       for (std::size_t q = p; q < D; ++q) rr[n++] = r[p] * r[q];
     auto Fs = F;
     if (B[0] != nullptr) {
-      const R inverse_r2 = 1.0 / ij.r2;
       R s(0.0);
       n = 0;
       for (std::size_t p = 0; p < D; ++p)
         for (std::size_t q = p; q < D; ++q, ++n) s += (p == q ? 1.0 : 2.0) * a.B[n] * rr[n];
-      const auto F_per_r2 = F * inverse_r2;
+      const auto F_per_r2 = F / ij.r2;
       Fs = s * F_per_r2;
       if constexpr (whole)
         for (std::size_t k = 0; k < S; ++k) {
@@ -107,54 +104,74 @@ struct consistent {
     for (std::size_t k = 0; k < S; ++k) a.M[k] += F * rr[k];
     a.first += Fs * r;
     a.m_s += Fs * ij.r2;
-    const auto f_ij = ij.difference(of_fields), P_ij = ij.difference(of_laplacians);
+    const auto f_ij = ij.difference(of_fields), correction = ij.difference(of_corrections);
+    const auto Fr = F * r;
     for (std::size_t k = 0; k < K; ++k) {
-      const auto f_k = f_ij[k], correction = a.beta * P_ij[k], once = f_k - correction;
-      a.gradient[k] += (F * (once - correction)) * r;
+      const auto once = f_ij[k] - correction[k], twice = once - correction[k];
+      a.gradient[k] += twice * Fr;
       if ((wanted >> k & 1U) != 0) a.laplacian[k] += Fs * once;
-      if constexpr (whole) a.plain[k] += Fs * f_k;
+      if constexpr (whole) a.plain[k] += Fs * f_ij[k];
     }
   }
 
   void end(const auto& members, const auto& a) const {
-    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+    members.with_doubles([&](const pairs::cluster<pairs::real>& i, const auto& of) { finish(i, in_metres(a, of)); });
   }
 
  private:
-  // Of particle i, whose lane of a sum `of` takes.
-  void end(std::size_t i, const auto& a, const auto& of) const {
+  using real = pairs::real;
+
+  // The sums of those members whose lanes `of` takes.
+  static me<real> in_metres(const auto& a, const auto& of) {
+    constexpr auto d = static_cast<int>(D);
+    me<real> all;
+    for (std::size_t k = 0; k < S; ++k) {
+      all.M[k] = of(a.M[k], -d);
+      if constexpr (whole)
+        for (std::size_t l = k; l < S; ++l) all.Q[k][l] = of(a.Q[k][l], -d);
+    }
+    for (std::size_t p = 0; p < D; ++p) all.first[p] = of(a.first[p], -d - 1);
+    all.m_s = of(a.m_s, -d);
+    for (std::size_t k = 0; k < K; ++k) {
+      for (std::size_t p = 0; p < D; ++p) all.gradient[k][p] = of(a.gradient[k][p], -d - 1);
+      all.laplacian[k] = of(a.laplacian[k], -d - 2);
+      if constexpr (whole) all.plain[k] = of(a.plain[k], -d - 2);
+    }
+    return all;
+  }
+
+  // Compiled once for all kernels and precisions.
+  [[gnu::noinline]] void finish(const pairs::cluster<real>& i, const me<real>& a) const {
     constexpr auto d = static_cast<double>(D);
-    std::array<std::array<double, D>, D> M{};
+    std::array<std::array<real, D>, D> M;
     for (std::size_t p = 0; p < D; ++p)
-      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * of(a.M[symmetric_place(q, p, D)], -D);
-    if (!factorise(M)) {
+      for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * a.M[symmetric_place(q, p, D)];
+    if ((i.chosen & ~foundation::bits_of(factorise(M))) != 0) {
 #pragma omp atomic write
       *singular = true;
       return;
     }
-    std::array<double, D> first;
-    for (std::size_t p = 0; p < D; ++p) first[p] = V * of(a.first[p], -D - 1);
-    const double scale = -2.0 * d / (V * of(a.m_s, -D));
+    const auto first = V * a.first;
+    const real scale = -2.0 * d / (V * a.m_s);
     for (std::size_t k = 0; k < K; ++k) {
-      std::array<double, D> b;
-      for (std::size_t p = 0; p < D; ++p) b[p] = -V * of(a.gradient[k][p], -D - 1);
-      const auto G = solve(M, b);
-      double linear = 0.0;
+      const auto G = solve(M, (-V * a.gradient[k]).c);
+      real linear = 0.0;
       for (std::size_t p = 0; p < D; ++p) {
-        out.gradient[k][p][i] = G[p];
+        i.set(out.gradient[k][p], G[p]);
         linear += G[p] * first[p];
       }
-      if ((wanted >> k & 1U) != 0) out.laplacian[k][i] = scale * (V * of(a.laplacian[k], -D - 2) - linear);
-      if constexpr (whole) out.plain[k][i] = scale * (V * of(a.plain[k], -D - 2) - linear);
+      if ((wanted >> k & 1U) != 0) i.set(out.laplacian[k], scale * (V * a.laplacian[k] - linear));
+      if constexpr (whole) i.set(out.plain[k], scale * (V * a.plain[k] - linear));
     }
     if constexpr (whole)
-      if (B[0] != nullptr) next_tensor(i, a, of);
+      if (B[0] != nullptr) next_tensor(i, a);
   }
 
   // -Σ V F r_a r_b (eᵀB e) = δ_ab. Where it cannot be solved the unit tensor stays.
-  void next_tensor(std::size_t i, const auto& a, const auto& of) const {
-    std::array<std::array<double, S>, S> A{};
-    std::array<double, S> b{}, weight{};
+  void next_tensor(const pairs::cluster<real>& i, const me<real>& a) const {
+    std::array<std::array<real, S>, S> A;
+    std::array<real, S> b;
+    std::array<double, S> weight;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q, ++n) {
@@ -163,10 +180,10 @@ struct consistent {
       }
     // Rows of off-diagonal components are doubled, which makes the matrix symmetric.
     for (std::size_t k = 0; k < S; ++k)
-      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * of(a.Q[l][k], -D);
-    const bool solvable = factorise(A);
-    const auto solution = solvable ? solve(A, b) : b;
-    for (std::size_t k = 0; k < S; ++k) out.next_B[k][i] = solution[k];
+      for (std::size_t l = 0; l <= k; ++l) A[k][l] = -V * weight[k] * weight[l] * a.Q[l][k];
+    const auto solvable = factorise(A);
+    const auto solution = solve(A, b);
+    for (std::size_t k = 0; k < S; ++k) i.set(out.next_B[k], foundation::select(solvable, solution[k], b[k]));
   }
 };
 

@@ -1,8 +1,12 @@
-// Small symmetric systems of one particle: gradients are solved with the moments of its neighbourhood.
+// Small symmetric systems of one particle, or of several in lanes: gradients are solved with the moments of a
+// neighbourhood.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <foundation/lanes.hpp>
+#include <tuple>
+#include <type_traits>
 
 namespace tetsuame::operators {
 
@@ -13,22 +17,27 @@ constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t 
 }
 
 // A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
-// positive definite to working accuracy.
+// positive definite to working accuracy. Of lanes a mask, one matrix a lane.
 template <class Matrix>
-bool factorise(Matrix& A) {
+auto factorise(Matrix& A) {
+  using std::sqrt;
+  using number = typename Matrix::value_type::value_type;
   constexpr double singular = 1e-10;  // of the diagonal
-  const std::size_t N = A.size();
-  for (std::size_t k = 0; k < N; ++k) {
-    const double diagonal = A[k][k];
-    for (std::size_t l = 0; l < k; ++l) A[k][k] -= A[k][l] * A[k][l];
-    if (!(A[k][k] > singular * diagonal)) return false;
-    A[k][k] = std::sqrt(A[k][k]);
-    for (std::size_t i = k + 1; i < N; ++i) {
+  constexpr std::size_t N = std::tuple_size_v<Matrix>;
+  decltype(A[0][0] > A[0][0]) definite(true);
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
       for (std::size_t l = 0; l < k; ++l) A[i][k] -= A[i][l] * A[k][l];
       A[i][k] /= A[k][k];
     }
+    const number diagonal = A[i][i];
+    for (std::size_t l = 0; l < i; ++l) A[i][i] -= A[i][l] * A[i][l];
+    definite = definite && A[i][i] > singular * diagonal;
+    if constexpr (std::is_same_v<number, double>)
+      if (!definite) return false;
+    A[i][i] = sqrt(A[i][i]);
   }
-  return true;
+  return definite;
 }
 
 // c with L Lᵀ c = b, from factorise().

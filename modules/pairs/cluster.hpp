@@ -50,30 +50,29 @@ struct cluster {
   std::uint32_t chosen;
   [[no_unique_address]] unit<R> lengths;
 
-  // Each member's value, in m^n. No branches for clusters of which all are chosen: the compiler would fuse
-  // multiplications and additions here and not there, and sums would depend on who else is in the cluster.
-  R operator()(const double* a, int n = 0) const {
-    if constexpr (std::is_same_v<R, real>) {
-      return foundation::load_where<real>(chosen, a + first);
-    } else {
-      const double scale = lengths.to(-n);
-      const auto h = load(a);
-      return foundation::narrow({real(h.low * scale), real(h.high * scale)});
-    }
+  // Each member's value, in m^n, times a factor; of `single`, in both halves. No branches for clusters of which all are
+  // chosen: the compiler would fuse multiplications and additions here and not there, and sums would depend on who else
+  // is in the cluster.
+  R operator()(const double* a, int n = 0, double factor = 1.0) const {
+    const real values = foundation::load_where<real>(chosen, a + first);
+    if constexpr (std::is_same_v<R, real>)
+      return values * factor;
+    else
+      return foundation::in_both_halves(real(values * (lengths.to(-n) * factor)));
+  }
+  // A value of the members in doubles and SI units, which goes with m^n.
+  real in_doubles(const R& value, int n = 0) const {
+    if constexpr (std::is_same_v<R, real>)
+      return value;
+    else
+      return foundation::lower_half(value) * lengths.to(n);
   }
   void set(double* a, const R& value, int n = 0) const {
-    if constexpr (std::is_same_v<R, real>)
-      foundation::store_where(chosen, a + first, value);
-    else
-      store(a, scaled(value, n));
+    foundation::store_where(chosen, a + first, in_doubles(value, n));
   }
   void add(double* a, const R& value, int n = 0) const {
-    if constexpr (std::is_same_v<R, real>) {
-      set(a, (*this)(a) + value);
-    } else {
-      const auto h = load(a), more = scaled(value, n);
-      store(a, {h.low + more.low, h.high + more.high});
-    }
+    foundation::store_where(chosen, a + first,
+                            real(foundation::load_where<real>(chosen, a + first) + in_doubles(value, n)));
   }
   // f(particle, of) for every chosen one; of(value, n) is its lane's, n as above.
   template <class F>
@@ -88,22 +87,10 @@ struct cluster {
       });
     }
   }
-
- private:
-  static constexpr std::uint32_t half = (1U << lanes) - 1U;
-
-  foundation::halves load(const double* a) const {
-    return {foundation::load_where<real>(chosen & half, a + first),
-            foundation::load_where<real>(chosen >> lanes, a + first + lanes)};
-  }
-  foundation::halves scaled(const R& value, int n) const {
-    const double scale = lengths.to(n);
-    const auto h = foundation::widen(value);
-    return {real(h.low * scale), real(h.high * scale)};
-  }
-  void store(double* a, const foundation::halves& h) const {
-    foundation::store_where(chosen & half, a + first, h.low);
-    foundation::store_where(chosen >> lanes, a + first + lanes, h.high);
+  // f(doubles, of) for all members at once: a cluster of doubles; of(value, n) are its members', n as above.
+  template <class F>
+  void with_doubles(F&& f) const {
+    f(cluster<real>{first, chosen, {}}, [&](const R& value, int n = 0) { return in_doubles(value, n); });
   }
 };
 
@@ -112,11 +99,10 @@ struct cluster {
 struct stretch {
   std::size_t first, last, seen_first, seen_last;
 
-  // Clusters of so many members.
-  std::size_t clusters(std::size_t width) const { return (last - first + width - 1) / width; }
-  members cluster(std::size_t r, std::size_t width) const {
-    const std::size_t at = first + r * width;
-    return {at, (1U << std::min(width, last - at)) - 1U};
+  std::size_t clusters() const { return (last - first + lanes - 1) / lanes; }
+  members cluster(std::size_t r) const {
+    const std::size_t at = first + r * lanes;
+    return {at, (1U << std::min(lanes, last - at)) - 1U};
   }
 
   // What is packed: those seen.
@@ -133,22 +119,22 @@ struct chosen {
   std::vector<std::size_t> rows, seen;
   std::vector<members> of_rows;
 
-  std::size_t clusters(std::size_t) const { return of_rows.size(); }
-  const members& cluster(std::size_t r, std::size_t) const { return of_rows[r]; }
+  std::size_t clusters() const { return of_rows.size(); }
+  const members& cluster(std::size_t r) const { return of_rows[r]; }
   const std::vector<std::size_t>& packed() const { return seen; }
 };
 
 // Of `total` particles.
 inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows, std::size_t total) {
   std::vector<std::uint32_t> bits(list.rows(), 0);
-  for (const std::size_t i : rows) bits[i / list.width] |= 1U << i % list.width;
+  for (const std::size_t i : rows) bits[i / lanes] |= 1U << i % lanes;
   chosen c{std::move(rows), {}, {}};
   std::vector<char> needed(total, 0);
   for (std::size_t r = 0; r < bits.size(); ++r) {
     if (bits[r] == 0) continue;
-    const std::size_t first = r * list.width;
+    const std::size_t first = r * lanes;
     c.of_rows.push_back({first, bits[r]});
-    for (std::size_t i = first; i < std::min(total, first + list.width); ++i) needed[i] = 1;
+    for (std::size_t i = first; i < std::min(total, first + lanes); ++i) needed[i] = 1;
     list.for_each(r, [&](std::uint32_t j, std::uint32_t) { needed[j] = 1; });
   }
   for (std::size_t i = 0; i < total; ++i)

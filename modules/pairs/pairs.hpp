@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cells/neighbour_list.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -53,6 +54,19 @@ std::array<const double*, D> pointers(const std::array<particles::array, D>& a) 
 // Lengths in R's unit (cluster.hpp).
 template <class R, int D>
 struct pair {
+  pair() = default;
+  // One by one: of a copy as a whole the compiler would keep in memory what no term uses.
+  pair(const pair& b) : x_ij(b.x_ij), r2(b.r2), r(b.r), per_r(b.per_r), W(b.W), F(b.F) {}
+  pair& operator=(const pair& b) {
+    x_ij = b.x_ij;
+    r2 = b.r2;
+    r = b.r;
+    per_r = b.per_r;
+    W = b.W;
+    F = b.F;
+    return *this;
+  }
+
   vec<R, D> x_ij;                                  // m, x_i - x_j
   R r2;                                            // m2, of at least the kernel's smallest_r(), as those that follow
   R r, per_r;                                      // m, 1/m
@@ -64,12 +78,12 @@ struct pair {
 // A pair with both records: numbers are an R, vectors a vec.
 template <class R, class Layout>
 struct packed_pair : pair<R, Layout::dimension> {
-  const std::array<R, Layout::used>* mine;      // but for the position
-  const typename positions<R>::number* record;  // the neighbour's
+  const std::array<R, Layout::used>* mine;  // but for the position
+  neighbours<R> others;
 
   template <class Tag>
   auto operator()(Tag) const {
-    return pick<Tag>([&](std::size_t k) { return R(record[k]); });
+    return pick<Tag>([&](std::size_t k) { return others[k]; });
   }
   template <class Tag>
   auto own(Tag) const {
@@ -78,7 +92,7 @@ struct packed_pair : pair<R, Layout::dimension> {
   // Terms that ask for the same difference share it: the compiler sees one expression.
   template <class Tag>
   auto difference(Tag) const {
-    return pick<Tag>([&](std::size_t k) { return (*mine)[k] - record[k]; });
+    return pick<Tag>([&](std::size_t k) { return (*mine)[k] - others[k]; });
   }
   // v_ij·x_ij of the vector field of that tag; times F it is v_ij·∇_i W_ij.
   template <class Tag>
@@ -104,6 +118,28 @@ void add_all(Mine& mine, const Pair& ij, std::index_sequence<T...>, const Terms&
   (terms.add(std::get<T>(mine), ij), ...);
 }
 
+// Of `single`, whose halves have the sums over two sequences of neighbours: both halves, what began at zero as one sum,
+// and what is the same in both, as it is. A term that keeps other things than these says by join(a, other half's a).
+template <class R, class Term, class Me>
+void join_halves(const Term& term, const Me& start, Me& mine) {
+  using numbers = std::array<R, sizeof(Me) / sizeof(R)>;
+  static_assert(sizeof(numbers) == sizeof(Me), "what a term keeps of i are numbers in lanes");
+  const auto begun = std::bit_cast<numbers>(start);
+  auto sums = std::bit_cast<numbers>(mine), others = sums;
+  for (R& other : others) other = foundation::halves_exchanged(other);
+  if constexpr (requires { term.join(mine, mine); }) {
+    term.join(mine, std::bit_cast<Me>(others));
+  } else {
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += others[k] - begun[k];
+    mine = std::bit_cast<Me>(sums);
+  }
+}
+
+template <class R, class Mine, std::size_t... T, class... Terms>
+void join_all(Mine& mine, const Mine& start, std::index_sequence<T...>, const Terms&... terms) {
+  (join_halves<R>(terms, std::get<T>(start), std::get<T>(mine)), ...);
+}
+
 template <class Mine, class R, std::size_t... T, class... Terms>
 void end_all(const Mine& mine, const cluster<R>& i, std::index_sequence<T...>, const Terms&... terms) {
   (terms.end(i, std::get<T>(mine)), ...);
@@ -112,7 +148,7 @@ void end_all(const Mine& mine, const cluster<R>& i, std::index_sequence<T...>, c
 // The members' sums over their row of the list. `flatten`: everything called in here is inlined, so that the compiler
 // keeps sums and kernel in registers whatever it thinks of the program's size.
 template <class R, class Layout, class Kernel, class... Terms>
-[[gnu::flatten]] void sum_row(const cluster<R>& i, std::span<const std::uint32_t> row, const sources<Layout>& fields,
+[[gnu::flatten]] void sum_row(const cluster<R>& i, std::span<const std::uint16_t> row, const sources<Layout>& fields,
                               const positions<R>& place, const typename positions<R>::number* records,
                               const Kernel& kernel, const Terms&... terms) {
   constexpr int D = Layout::dimension;
@@ -123,13 +159,15 @@ template <class R, class Layout, class Kernel, class... Terms>
   std::array<typename positions<R>::own_type, D> x_i;
   std::array<R, Layout::used> own;
   for (std::size_t c = 0; c < D; ++c) x_i[c] = place.own(i, fields.from[c]);
-  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c]);
+  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c], fields.factor[c]);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
-  cells::neighbour_list::neighbour n(row, R::size());
+  constexpr std::size_t at_once = neighbours<R>::at_once;
+  cells::neighbour_list::neighbours<at_once> n(row);
   const auto next_pair = [&] {
-    const auto* const x_j = record_of(n.j);
-    pair<R, D> p;
-    p.x_ij = vec<R, D>::of([&](std::size_t a) { return place.difference(x_i[a], x_j[a]); });
+    packed_pair<R, Layout> p;
+    p.mine = &own;
+    for (std::size_t k = 0; k < at_once; ++k) p.others.records[k] = record_of(n.j[k]);
+    p.x_ij = vec<R, D>::of([&](std::size_t a) { return place.difference(x_i[a], p.others, a); });
     p.r2 = foundation::greater_where(n.of_lanes, foundation::dot(p.x_ij, p.x_ij), nearest, far);
     const auto root = foundation::both_roots(p.r2);
     p.r = root.r;
@@ -138,20 +176,24 @@ template <class R, class Layout, class Kernel, class... Terms>
     return p;
   };
   std::tuple mine{terms.begin(i)...};
-  const auto add = [&](const pair<R, D>& p, std::uint32_t j) {
-    add_all(mine, packed_pair<R, Layout>{p, &own, record_of(j)}, std::index_sequence_for<Terms...>{}, terms...);
-  };
+  constexpr std::index_sequence_for<Terms...> all_terms;
   // A pair ahead of the sums: the processor computes them side by side.
   if (n.next()) {
-    pair<R, D> last = next_pair();
-    for (std::uint32_t j = n.j; n.next(); j = n.j) {
-      const pair<R, D> next = next_pair();
-      add(last, j);
+    auto last = next_pair();
+    while (n.next()) {
+      const auto next = next_pair();
+      add_all(mine, last, all_terms, terms...);
       last = next;
     }
-    add(last, n.j);
+    add_all(mine, last, all_terms, terms...);
   }
-  end_all(mine, i, std::index_sequence_for<Terms...>{}, terms...);
+  if constexpr (at_once == 1) {
+    end_all(mine, i, all_terms, terms...);
+  } else {
+    auto joined = mine;
+    join_all<R>(joined, std::tuple{terms.begin(i)...}, all_terms, terms...);
+    end_all(joined, i, all_terms, terms...);
+  }
 }
 
 // Whether a term's sum can be computed in R.
@@ -164,18 +206,18 @@ concept takes = requires(const Term& t, const cluster<R>& i) {
 template <int D, class R, class Kernel, class Rows, class... Terms>
 void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_list& list,
             const std::array<const double*, D>& x, const Kernel& kernel, const Terms&... terms) {
-  if (list.width != R::size()) throw std::logic_error("the list's clusters are for sums in another precision");
+  if (list.at_once != neighbours<R>::at_once) throw std::logic_error("the list is for sums in another precision");
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
-  const std::size_t n = rows.clusters(list.width);
+  const std::size_t n = rows.clusters();
   if (n == 0) return;
   const sources<decltype(layout_of<D>(reads))> fields(x, reads);
   const positions<R> place(lengths);
   auto& records = list.records.template of<typename positions<R>::number>();
   pack<R>(fields, rows.packed(), lengths, place, records);
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / list.width)
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
   for (std::size_t r = 0; r < n; ++r) {
-    const members m = rows.cluster(r, list.width);
+    const members m = rows.cluster(r);
     sum_row(cluster<R>{m.first, m.chosen, lengths}, list.row_of(m.first), fields, place, records.data(), kernel,
             terms...);
   }

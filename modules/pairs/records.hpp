@@ -41,7 +41,8 @@ inline constexpr viscosity_tag of_viscosity;
 inline constexpr temperature_tag of_temperature;
 inline constexpr conductivity_tag of_conductivity;
 
-// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), in m^lengths.
+// A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), times a factor, in
+// m^lengths.
 template <class Tag, std::size_t N, bool Vector>
 struct field_read {
   using tag = Tag;
@@ -49,15 +50,16 @@ struct field_read {
   static constexpr bool is_vector = Vector;
   std::array<const double*, N> from;
   int lengths;
+  double factor;
 };
 
 template <class Tag>
 field_read<Tag, 1, false> read(Tag, const double* a, int lengths = 0) {
-  return {{a}, lengths};
+  return {{a}, lengths, 1.0};
 }
 template <class Tag, std::size_t N>
-field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a, int lengths = 0) {
-  return {a, lengths};
+field_read<Tag, N, true> read(Tag, const std::array<const double*, N>& a, int lengths = 0, double factor = 1.0) {
+  return {a, lengths, factor};
 }
 
 // The reads of a term, none if it does not say.
@@ -118,6 +120,25 @@ layout<D, Reads...> layout_of(const std::tuple<Reads...>&) {
   return {};
 }
 
+// The records of the neighbours that a register has room for.
+template <class R>
+struct neighbours;
+
+template <>
+struct neighbours<real> {
+  static constexpr std::size_t at_once = 1;
+  std::array<const double*, at_once> records;
+  [[gnu::always_inline]] real operator[](std::size_t k) const { return records[0][k]; }
+};
+template <>
+struct neighbours<single> {
+  static constexpr std::size_t at_once = 2;
+  std::array<const float*, at_once> records;
+  [[gnu::always_inline]] single operator[](std::size_t k) const {
+    return single(foundation::beside(records[0] + k, records[1] + k));
+  }
+};
+
 // How positions, in m, stand in records, and what makes x_i - x_j of them.
 template <class R>
 struct positions;
@@ -130,7 +151,9 @@ struct positions<real> {
   explicit positions(const unit<real>&) {}
   static double number_of(double x) { return x; }
   static own_type own(const cluster<real>& i, const double* x) { return i(x); }
-  [[gnu::always_inline]] static real difference(const own_type& x_i, double x_j) { return x_i - x_j; }
+  [[gnu::always_inline]] static real difference(const own_type& x_i, const neighbours<real>& j, std::size_t at) {
+    return x_i - j.records[0][at];
+  }
 };
 
 // As whole numbers of 2^-28 units, modulo 2^32: differences of neighbours are exact, whatever the size of the domain
@@ -141,23 +164,24 @@ struct positions<single> {
   using own_type = stdx::native_simd<std::uint32_t>;
   static_assert(own_type::size() == single::size());
   static constexpr int places = 28;
+  static constexpr double whole_numbers = 0x1.8p52;  // near it doubles are
 
   double per_step;  // 1/m
 
   explicit positions(const unit<single>& lengths) : per_step(lengths.to(-1) * (1 << places)) {}
   // The lower half of a double's digits, once the number is so large that these are whole.
   std::uint32_t steps(double x) const {
-    return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_step + 0x1.8p52));
+    return static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x * per_step + whole_numbers));
   }
   float number_of(double x) const { return std::bit_cast<float>(steps(x)); }
   own_type own(const cluster<single>& i, const double* x) const {
-    std::array<std::uint32_t, single::size()> all;
-    for (std::size_t lane = 0; lane < all.size(); ++lane)
-      all[lane] = (i.chosen >> lane & 1U) != 0 ? steps(x[i.first + lane]) : 0;
-    return own_type(all.data(), stdx::element_aligned);
+    const real whole = foundation::load_where<real>(i.chosen, x + i.first) * per_step + whole_numbers;
+    const auto digits = std::bit_cast<std::array<std::uint64_t, lanes>>(whole);
+    return own_type([&](auto lane) { return static_cast<std::uint32_t>(digits[lane % lanes]); });
   }
-  [[gnu::always_inline]] static single difference(const own_type& x_i, float x_j) {
-    const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - std::bit_cast<std::uint32_t>(x_j));
+  [[gnu::always_inline]] static single difference(const own_type& x_i, const neighbours<single>& j, std::size_t at) {
+    const auto x_j = std::bit_cast<own_type>(foundation::beside(j.records[0] + at, j.records[1] + at));
+    const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - x_j);
     return single(stdx::static_simd_cast<single::lanes_type>(steps) * (1.0F / (1 << places)));
   }
 };
@@ -168,6 +192,7 @@ struct sources {
   static constexpr std::size_t D = Layout::dimension;
   std::array<const double*, Layout::used> from;
   std::array<int, Layout::used> lengths{};  // powers of m
+  std::array<double, Layout::used> factor{};
 
   template <class... Reads>
   sources(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads) {
@@ -180,6 +205,7 @@ struct sources {
   void append(std::size_t& k, const auto& r) {
     for (const double* a : r.from) {
       from[k] = a;
+      factor[k] = r.factor;
       lengths[k++] = r.lengths;
     }
   }
@@ -194,7 +220,7 @@ void pack(
   const std::size_t n = chosen.size(), room = (n > 0 ? chosen[n - 1] + 1 : 0) * Layout::size;
   if (records.size() < room) records.resize(room);
   std::array<double, Layout::used> scale;
-  for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]);
+  for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]) * fields.factor[c];
   number* const out = records.data();
 #pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
@@ -202,10 +228,7 @@ void pack(
     number* const record = out + i * Layout::size;
     for (std::size_t c = 0; c < Layout::dimension; ++c) record[c] = place.number_of(fields.from[c][i]);
     for (std::size_t c = Layout::dimension; c < Layout::used; ++c) {
-      if constexpr (std::is_same_v<R, real>)
-        record[c] = fields.from[c][i];
-      else
-        record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
+      record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
     }
   }
 }

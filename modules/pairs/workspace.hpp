@@ -81,8 +81,8 @@ struct workspace {
   }
 
   // What pairs are computed in, before lists are made.
-  void compute_pairs_in(bool single_precision) { list.width = single_precision ? single::size() : lanes; }
-  bool single_pairs() const { return list.width != lanes; }
+  void compute_pairs_in(bool single_precision) { list.at_once = single_precision ? neighbours<single>::at_once : 1; }
+  bool single_pairs() const { return list.at_once != 1; }
 
   // The terms' sums over the neighbours of these rows, with the kernel and the precision the run chose.
   template <class Rows, class... Terms>

@@ -71,7 +71,7 @@ struct fluids_of_input : problem_of_input {
     if (scheme) check_precision(schema, *scheme, o.common.kernel);
   }
   run::memory_need need() const override {
-    return run::need_of(o.domain.lattice_particles(), 800.0, o.common.kernel, o.domain.dimension);
+    return run::need_of(two_fluids::particles_at_start(o, p), 800.0, o.common.kernel, o.domain.dimension);
   }
   std::string theory() const override { return two_fluids::theory_text(kind, o, p); }
   run::common_options& common() override { return o.common; }

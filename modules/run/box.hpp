@@ -71,6 +71,11 @@ class problem_in_a_box : public problem {
     return h;
   }
 
+  void expect_snapshot(bool shown) final {
+    box.walls.complete = shown;
+    box.walls.unread.reset();
+  }
+
   double moved() override { return moved_since_lists(box); }
   double allowance() const override { return 0.5 * box.skin; }
   double speed() override { return largest_speed(box); }

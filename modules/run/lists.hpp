@@ -67,10 +67,10 @@ void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::uint
 // Once lists are made: layers end where clusters do.
 template <int D>
 void end_layers_with_clusters(pairs::workspace<D>& w) {
-  w.border -= w.border % w.list.width;
+  w.border -= w.border % pairs::lanes;
   w.core = std::min(w.core, w.border);
   if (w.core == 0) return;
-  for (std::size_t r = w.border / w.list.width; r < w.list.rows(); ++r)
+  for (std::size_t r = w.border / pairs::lanes; r < w.list.rows(); ++r)
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t) { w.core = std::min<std::size_t>(w.core, j); });
 }
 
@@ -141,7 +141,7 @@ void rebuild(state<D>& box, bool as_they_were) {
   rebuild_by(
       box, as_they_were,
       [&] {
-        return list_lengths{cells::cell_edge<D>(w.dx, w.list.width), reach};
+        return list_lengths{cells::cell_edge(w.dx), reach};
       },
       [&](const list_lengths&, const cells::grid<D>& grid) {
         cells::make_list<D>(w.list, grid, s.x, s.fluid, cells::one_reach{reach});

@@ -177,7 +177,7 @@ struct load_balance {
 
   // Pairs that are evaluated: of the fluid's clusters, and of the walls' markers.
   static double pairs_of(const state<D>& box) {
-    return static_cast<double>(box.w.list.all.size() * box.w.list.width + box.walls.near_marker.all.size());
+    return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.read.near.all.size());
   }
   // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
   static balance::extent<D> extent_of(const state<D>& box) {
@@ -188,8 +188,10 @@ struct load_balance {
     mine.begin_costs();
     for (std::size_t i = 0; i < s.fluid; ++i)
       mine.add_cost(cells::position<D>(s.x, i), static_cast<double>(box.w.list.row_of(i).size()));
-    for (std::size_t r = 0; r < box.walls.near_marker.rows(); ++r)
-      mine.add_cost(cells::position<D>(box.walls.marker, r), static_cast<double>(box.walls.near_marker.row(r).size()));
+    const auto& markers = box.walls.read;
+    for (std::size_t k = 0; k < markers.near.rows(); ++k)
+      mine.add_cost(cells::position<D>(box.walls.marker, markers.of[k]),
+                    static_cast<double>(markers.near.row(k).size()));
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.

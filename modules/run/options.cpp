@@ -19,9 +19,11 @@ void declare(namelist::schema& schema, kernel_options& o, const abilities& of_pr
       "kernel", "h_over_dx", o.h_over_dx,
       {.minimum = 0.0, .maximum = 10.0, .meaning = "smoothing length in particle spacings; 0: the kernel's own"});
   if (of_problem.single_pairs)
-    schema.add("kernel", "precision", o.precision,
-               {.choices = {"double", "single"},
-                .meaning = "of what is computed for a pair of particles; states and their steps are double"});
+    schema.add(
+        "kernel", "precision", o.precision,
+        {.choices = {"double", "single"},
+         .meaning = std::string("of what is computed for a pair of particles; states and their steps are double") +
+                    (o.single_pairs() ? "; not given: double where single is not good enough" : "")});
   if (of_problem.lists_change)
     schema.add(
         "kernel", "skin", o.skin,

@@ -99,6 +99,9 @@ class problem {
 
   // Whether keep_memory may follow the next evaluations; else what serves that alone can be left out. True at first.
   virtual void expect_memory(bool) {}
+  // Whether the next evaluations are of a state that a snapshot shows: what serves that alone can be left out
+  // otherwise. True at first.
+  virtual void expect_snapshot(bool) {}
   // The rate at the present state is known: what the next evaluations lag behind may become the present.
   virtual void keep_memory() {}
   // Whether that rate is to be evaluated again then, so that all stages of a step have one memory.

@@ -15,20 +15,68 @@
 
 namespace tetsuame::run {
 
+// A lattice with its own spacing along each axis, whose particles are numbered along x first.
+template <int D>
+struct lattice_block {
+  std::array<std::int64_t, D> number;  // particles along each axis
+  std::array<double, D> corner{};      // m, of the lowest cell
+  std::array<double, D> spacing;       // m
+  std::int64_t first_id = 0;
+
+  std::int64_t particles() const {
+    std::int64_t all = 1;
+    for (const auto n : number) all *= n;
+    return all;
+  }
+};
+
 namespace detail {
 
-// Where the particle of that ID starts, its row along each axis given: jittered by numbers of its ID alone. A particle
-// stays in its own cell of the lattice.
+// Where the particle of that ID starts, its row along each axis given: jittered, by a part of the spacing, by numbers
+// of its ID alone. A particle stays in its own cell of the lattice.
 template <int D>
-std::array<double, D> start_place(const domain::options& of, const std::array<std::int64_t, D>& row, std::int64_t id,
-                                  double dx) {
+std::array<double, D> start_place(const lattice_block<D>& of, const std::array<std::int64_t, D>& row, std::int64_t id,
+                                  double jitter) {
   std::array<double, D> x;
-  for (std::size_t a = 0; a < D; ++a) x[a] = (static_cast<double>(row[a]) + 0.5) * dx;
-  if (of.jitter == 0.0) return x;
+  for (std::size_t a = 0; a < D; ++a) x[a] = of.corner[a] + (static_cast<double>(row[a]) + 0.5) * of.spacing[a];
+  if (jitter == 0.0) return x;
   std::mt19937_64 random(static_cast<std::uint64_t>(id) + 1);
-  for (auto& component : x)  // 53 bits, so that it is the same with every library
-    component += (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0) * of.jitter * dx;
+  for (std::size_t a = 0; a < D; ++a)  // 53 bits, so that it is the same with every library
+    x[a] += (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0) * jitter * of.spacing[a];
   return x;
+}
+
+// Those of a lattice's particles that start in this rank's cell.
+template <int D>
+void find_own(const state<D>& box, const lattice_block<D>& of, double jitter,
+              std::vector<std::array<double, D>>& places, std::vector<std::int64_t>& ids) {
+  const auto& w = box.w;
+  const auto cell = w.d.cell();
+  // Rows that may lie in the cell.
+  std::array<std::int64_t, D> first, last, row;
+  bool some = true;
+  for (std::size_t a = 0; a < D; ++a) {
+    const double n = static_cast<double>(of.number[a]);
+    first[a] =
+        static_cast<std::int64_t>(std::clamp(std::floor((cell.lower[a] - of.corner[a]) / of.spacing[a]) - 1.0, 0.0, n));
+    last[a] =
+        static_cast<std::int64_t>(std::clamp(std::ceil((cell.upper[a] - of.corner[a]) / of.spacing[a]) + 1.0, 0.0, n));
+    some = some && first[a] < last[a];
+  }
+  row = first;
+  while (some) {
+    std::int64_t id = 0;
+    for (std::size_t a = D; a-- > 0;) id = id * of.number[a] + row[a];
+    id += of.first_id;
+    const auto x = start_place<D>(of, row, id, jitter);
+    if (w.d.within(cell, x)) {
+      places.push_back(x);
+      ids.push_back(id);
+    }
+    std::size_t a = 0;
+    while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
+    some = a < D;
+  }
 }
 
 }  // namespace detail
@@ -43,35 +91,16 @@ void make_room(particles::particles<D>& s, std::size_t number) {
   });
 }
 
-// The fluid of the start lattice in this rank's cell, numbered along x first, at rest.
+// The fluid of these lattices in this rank's cell, at rest.
 template <int D>
-void place_lattice(run::state<D>& box, const domain::options& of) {
-  auto& w = box.w;
-  auto& s = w.s;
-  const auto cell = w.d.cell();
-  // Rows that may lie in the cell.
-  std::array<std::int64_t, D> first, last, row;
-  for (std::size_t a = 0; a < D; ++a) {
-    const double n = static_cast<double>(of.particles[a]);
-    first[a] = static_cast<std::int64_t>(std::clamp(std::floor(cell.lower[a] / w.dx) - 1.0, 0.0, n));
-    last[a] = static_cast<std::int64_t>(std::clamp(std::ceil(cell.upper[a] / w.dx) + 1.0, 0.0, n));
-  }
+void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lattices, double jitter) {
+  auto& s = box.w.s;
   std::vector<std::array<double, D>> places;
   std::vector<std::int64_t> ids;
-  row = first;
-  bool some = true;
-  for (std::size_t a = 0; a < D; ++a) some = some && first[a] < last[a];
-  while (some) {
-    std::int64_t id = 0;
-    for (std::size_t a = D; a-- > 0;) id = id * of.particles[a] + row[a];
-    const auto x = detail::start_place<D>(of, row, id, w.dx);
-    if (w.d.within(cell, x)) {
-      places.push_back(x);
-      ids.push_back(id);
-    }
-    std::size_t a = 0;
-    while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
-    some = a < D;
+  box.fluid_total = 0;
+  for (const auto& lattice : lattices) {
+    detail::find_own<D>(box, lattice, jitter, places, ids);
+    box.fluid_total += lattice.particles();
   }
   make_room(s, places.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -97,15 +126,16 @@ void set_up(run::state<D>& box, const domain::communicator& ranks, const domain:
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   box.skin = kernel.skin * w.dx;
   domain::box<D> region;
-  box.fluid_total = 1;
+  lattice_block<D> lattice;
   for (std::size_t a = 0; a < D; ++a) {
     region.length[a] = of.length[a];
     region.periodic[a] = of.periodic[a];
-    box.fluid_total *= of.particles[a];
+    lattice.number[a] = of.particles[a];
+    lattice.spacing[a] = w.dx;
   }
   w.d = domain::decompose<D>(ranks, region, std::max(reach, w.support()) + box.skin, of.ranks_x);
   box.walls.sides = walls::make_sides<D>(of_walls, region);
-  place_lattice(box, of);
+  place_lattices<D>(box, {lattice}, of.jitter);
 }
 
 // ---- a snapshot ---------------------------------------------------------------------------

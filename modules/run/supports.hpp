@@ -49,23 +49,20 @@ struct larger_support {
   largest_near<D> largest;
 
   struct of_cluster {
-    double most;                        // m
-    std::array<foundation::real, 2> S;  // m, of the members
+    double most;         // m
+    foundation::real S;  // m, of the members
     const double* S_j;
     double skin;
 
-    foundation::real squared(std::uint32_t j, std::size_t h) const {
-      const foundation::real reach = foundation::greater(S[h], foundation::real(S_j[j])) + skin;
+    foundation::real squared(std::uint32_t j) const {
+      const foundation::real reach = foundation::greater(S, foundation::real(S_j[j])) + skin;
       return reach * reach;
     }
   };
   of_cluster of(std::size_t first, std::size_t n) const {
     double most = 0.0;
     for (std::size_t i = first; i < first + n; ++i) most = std::max(most, largest(cells::position<D>(s.x, i)));
-    return {most + skin,
-            {cells::of_members(S.data() + first, n, 0), cells::of_members(S.data() + first, n, 1)},
-            S.data(),
-            skin};
+    return {most + skin, cells::of_members(S.data() + first, n), S.data(), skin};
   }
 };
 
@@ -99,7 +96,7 @@ void rebuild_with_supports(state<D>& box, bool as_they_were, double support_over
       if (w.d.region.periodic[a] && w.d.width > w.d.region.length[a])
         foundation::fail_calculation("a particle's kernel has grown wider than the periodic box");
     const double mean = w.d.ranks.exact(all) / static_cast<double>(box.fluid_total);
-    return list_lengths{cells::cell_edge<D>(mean / support_over_dx, w.list.width), most};
+    return list_lengths{cells::cell_edge(mean / support_over_dx), most};
   };
   rebuild_by(box, as_they_were, lengths, [&](const list_lengths&, const cells::grid<D>& grid) {
     w.exchange_fluid({list_support.data()});

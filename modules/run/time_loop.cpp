@@ -75,9 +75,14 @@ struct loop {
   void evaluate_here() {
     integrator->lend([&](std::span<double* const> rates) { p.evaluate(rates); });
   }
+  void evaluate_for_snapshot() {
+    p.expect_snapshot(true);
+    evaluate_here();
+  }
 
   // kept: s, the fixed step of the run that goes on.
   void make_integrator(double kept = 0.0) {
+    p.expect_snapshot(false);
     integrators::explicit_options how;
     how.method = o.time.method;
     how.order = static_cast<int>(o.time.order);
@@ -234,7 +239,10 @@ struct loop {
   void record() {
     const bool line_due = step % o.output.history_interval == 0;
     const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
-    if (line_due || snapshot_due) evaluate_here();
+    if (snapshot_due)
+      evaluate_for_snapshot();
+    else if (line_due)
+      evaluate_here();
     if (line_due) append_history();
     if (snapshot_due) write_snapshot();
     if (line_due) refine();
@@ -245,7 +253,10 @@ struct loop {
   // that is continued from it is one that was not stopped.
   void record_end() {
     if (checkpoint_step != step) write_checkpoint();
-    evaluate_here();
+    if (snapshot_step != step)
+      evaluate_for_snapshot();
+    else
+      evaluate_here();
     if (line_step != step) append_history();
     if (snapshot_step != step) write_snapshot();
   }
@@ -277,6 +288,7 @@ struct loop {
     header.step = step;
     std::vector<particles::array> extra;
     files.write_snapshot(header, p.snapshot(extra), o.output);
+    p.expect_snapshot(false);
     snapshot_step = step;
   }
 
@@ -317,7 +329,7 @@ struct loop {
     files.begin();
     files.start_history(columns());
     p.begin_tables(files);
-    evaluate_here();
+    evaluate_for_snapshot();
     append_history();
     write_snapshot();
   }

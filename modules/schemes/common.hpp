@@ -15,7 +15,7 @@
 
 namespace tetsuame::schemes {
 
-using foundation::greater, foundation::lesser, foundation::select;
+using foundation::greater, foundation::lesser, foundation::rounded, foundation::select;
 using pairs::of_pressure, pairs::of_velocity, pairs::of_volume, pairs::of_weight, pairs::vec;
 
 // The name by which terms read a field.
@@ -194,10 +194,10 @@ struct density {
     const auto v_ij = ij.difference(of_velocity);
     if constexpr (D == 2) sum.curl[0] += wF * (v_ij[0] * ij.x_ij[1] - v_ij[1] * ij.x_ij[0]);
     if constexpr (D == 3)
-      for (std::size_t k = 0; k < 3; ++k) {
+      foundation::for_each_of<3>([&](std::size_t k) {
         const std::size_t b = (k + 1) % 3, c = (k + 2) % 3;
         sum.curl[k] += wF * (v_ij[b] * ij.x_ij[c] - v_ij[c] * ij.x_ij[b]);
-      }
+      });
   }
   void end(const auto& members, const auto& sum) const {
     members.each([&](std::size_t i, const auto& of) { end(i, sum, of); });
@@ -247,6 +247,11 @@ struct forces {
   template <class R>
   sums<D, R> begin(const pairs::cluster<R>&) const {
     return {foundation::zero<R, D>(), R(0.0), R(0.0)};
+  }
+  static void join(auto& sum, const auto& other) {
+    sum.force += other.force;
+    sum.power += other.power;
+    sum.signal = greater(sum.signal, other.signal);
   }
   void end(const auto& i, const auto& sum) const {
     for (std::size_t k = 0; k < D; ++k) i.set(g.a.force[k].data(), sum.force[k], D - 1);

@@ -36,12 +36,15 @@ struct gradients {
   void add(auto& a, const auto& ij) const {
     const auto VF = -ij(of_volume) * shape_of(unit, ij, a.S, a.per_S).F;
     const auto weighted = VF * ij.x_ij;
-    for (std::size_t b = 0, k = 0; b < D; ++b)
-      for (std::size_t c = b; c < D; ++c, ++k) a.moments[k] += weighted[b] * ij.x_ij[c];
+    foundation::for_each_of<D>([&](std::size_t b) {
+      foundation::for_each_of<D>([&](std::size_t c) {
+        if (b <= c) a.moments[operators::symmetric_place(b, c, D)] += weighted[b] * ij.x_ij[c];
+      });
+    });
     a.sums[0] += ij.difference(of_pressure) * weighted;
     a.sums[1] += ij.difference(of_density) * weighted;
     const auto v_ij = ij.difference(of_velocity);
-    for (std::size_t b = 0; b < D; ++b) a.sums[2 + b] += v_ij[b] * weighted;
+    foundation::for_each_of<D>([&](std::size_t b) { a.sums[2 + b] += v_ij[b] * weighted; });
   }
   void end(const auto& members, const auto& a) const {
     members.each([&](std::size_t i, const auto& of) { end(i, a, of); });

@@ -89,12 +89,17 @@ void coefficients_of(std::span<const seen<D>> near, double* out) {
 }
 
 template <int D, int Order>
+[[gnu::always_inline]] inline real shape_function(const seen<D>& j, const double* c) {
+  const auto P = polynomial<D, Order>(j.offset);
+  real value(c[0]);
+  foundation::for_each_of<terms(Order, D) - 1>([&](std::size_t a) { value += P[a + 1] * c[a + 1]; });
+  return j.weight * value;
+}
+
+template <int D, int Order>
 void shape_functions_of(std::span<const seen<D>> near, const double* c, double* phi) {
   for (const auto& j : near) {
-    const auto P = polynomial<D, Order>(j.offset);
-    real value(0.0);
-    for (std::size_t a = 0; a < P.size(); ++a) value += P[a] * c[a];
-    (j.weight * value).copy_to(phi, std::experimental::element_aligned);
+    shape_function<D, Order>(j, c).copy_to(phi, std::experimental::element_aligned);
     phi += lanes;
   }
 }

@@ -4,164 +4,339 @@
 
 #include <algorithm>
 #include <bit>
+#include <cells/grid.hpp>
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
+#include <limits>
+#include <type_traits>
 #include <walls/interpolation.hpp>
 #include <walls/turned.hpp>
 #include <walls/wall_set.hpp>
 
 namespace tetsuame::walls::detail {
 
-// `listed`: all that some marker sees; from then on the list counts in it. Rows were filled up with `null`.
+// m, how far a wall particle is from fluid that is nowhere nearer to its walls than so far.
 template <int D>
-void count_in_listed(wall_set<D>& set, std::size_t null) {
+double least_distance(const particles::particles<D>& s, const wall_set<D>& set, std::size_t r,
+                      const std::vector<double>& nearest) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < set.sides.size(); ++k) {
+    if ((set.mirrored[r] >> k & 1U) == 0) continue;
+    const double along = nearest[k] - set.sides[k].distance(s.x[set.sides[k].axis][s.first_wall() + r]);
+    sum += along * along;
+  }
+  return std::sqrt(sum);
+}
+
+// Of each wall particle of this rank: whether fluid, owned or ghost, may be nearer to it than `reach`. What is as near
+// to the wall particle is as near to its marker, and so among this rank's ghosts at least. Those whom a lattice would
+// come near count as read, without a search.
+template <int D>
+std::vector<char> find_read(const particles::particles<D>& s, const wall_set<D>& set, const cells::grid<D>& grid,
+                            double reach, double dx) {
+  std::vector<double> nearest;  // m, fluid to each side, from within
+  const std::vector<double> lattice(set.sides.size(), dx);
+  for (const auto& wall : set.sides) {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < s.first_wall(); ++i) least = std::min(least, wall.distance(s.x[wall.axis][i]));
+    nearest.push_back(std::max(0.0, least));
+  }
+  std::vector<char> read(s.walls, 0);
+  foundation::for_all(s.walls, [&](std::size_t r) {
+    read[r] = least_distance(s, set, r, lattice) < reach ? 1 : 0;
+    if (read[r] != 0 || least_distance(s, set, r, nearest) > reach * (1.0 + 1e-9)) return;
+    const auto x = cells::position<D>(s.x, s.first_wall() + r);
+    cells::for_each_near<D>(grid, x, x, reach, [&](std::uint32_t k, std::uint64_t near) {
+      for (; near != 0; near &= near - 1)
+        if (grid.members[k + static_cast<std::uint32_t>(std::countr_zero(near))] < s.first_wall()) read[r] = 1;
+    });
+  });
+  return read;
+}
+
+// `listed`: all that some marker sees; from then on the list counts in it. Rows were filled up with `null`.
+inline void count_in_listed(marker_rows& rows, std::size_t null) {
   constexpr std::uint32_t unseen = 0xffffffff;
   std::vector<std::uint32_t> place(null + 1, unseen);
   place[null] = 0;
-  for (const std::uint32_t j : set.near_marker.all) place[j] = 0;
-  set.listed.clear();
+  for (const std::uint32_t j : rows.near.all) place[j] = 0;
+  rows.listed.clear();
   for (std::size_t i = 0; i < place.size(); ++i)
     if (place[i] == 0) {
-      place[i] = static_cast<std::uint32_t>(set.listed.size());
-      set.listed.push_back(static_cast<std::uint32_t>(i));
+      place[i] = static_cast<std::uint32_t>(rows.listed.size());
+      rows.listed.push_back(static_cast<std::uint32_t>(i));
     }
-  for (std::uint32_t& j : set.near_marker.all) j = place[j];
+  for (std::uint32_t& j : rows.near.all) j = place[j];
 }
 
-// Lists of the fluid near each marker and of the fluid near the walls.
+// The owned fluid that one of these markers, on whichever rank, may see until it has moved so far (m).
+template <int D>
+pairs::chosen choose_near_wall(const pairs::workspace<D>& w, const wall_set<D>& set,
+                               const std::vector<std::uint32_t>& markers, double moved) {
+  const auto& s = w.s;
+  double depth = 0.0;
+  for (const std::uint32_t r : markers)
+    for (std::size_t k = 0; k < set.sides.size(); ++k)
+      if ((set.mirrored[r] >> k & 1U) != 0)
+        depth = std::max(depth, set.sides[k].distance(set.marker[set.sides[k].axis][r]));
+  depth = w.d.ranks.maximum(depth) + set.reach + moved;
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for (const auto& wall : set.sides)
+      if (wall.distance(s.x[wall.axis][i]) < depth) {
+        near.push_back(i);
+        break;
+      }
+  return pairs::choose(w.list, std::move(near), s.total());
+}
+
+// Lists of the fluid near some markers, valid until it has moved so far (m), and of what fluid that may be. Collective.
+template <int D>
+void list_fluid(const pairs::workspace<D>& w, const wall_set<D>& set, const cells::grid<D>& grid, double moved,
+                marker_rows& rows) {
+  const auto& s = w.s;
+  cells::make_list_of_points<D>(
+      rows.near, grid, rows.of.size(), set.reach + moved, static_cast<std::uint32_t>(s.null()),
+      [&](std::size_t k) { return cells::position<D>(set.marker, rows.of[k]); },
+      [&](std::uint32_t j) { return j < s.first_wall(); });
+  count_in_listed(rows, s.null());
+  rows.coefficients.assign(rows.of.size() * terms(polynomial_order(set.how.interpolation), D), 0.0);
+  rows.near_wall = choose_near_wall(w, set, rows.of, moved);
+}
+
+// With new lists of the fluid: which wall particles these read, and what fluid is near their markers. Collective.
 template <int D>
 void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
   const auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
-  cells::make_list_of_points<D>(
-      set.near_marker, grid, s.walls, set.reach + skin, static_cast<std::uint32_t>(s.null()),
-      [&](std::size_t r) { return cells::position<D>(set.marker, r); },
-      [&](std::uint32_t j) { return j < s.first_wall(); });
   set.pressure_step.assign(s.walls, 0.0);
   set.weight_step.assign(s.walls, 0.0);
   set.mass.assign(s.walls, 0.0);
   set.steps_due = false;
-  set.coefficients.assign(s.walls * terms(polynomial_order(set.how.interpolation), D), 0.0);
   for (const auto& wall : set.sides) set.f[wall.axis].assign(s.total() + 1, 0.0);
-
-  double depth = 0.0;
+  // Repulsion acts on all fluid near a wall, whichever of the markers are read.
+  const bool all = set.how.treatment == "repulsion";
+  // Lists end when some fluid has moved half the skin. Markers and wall particles do not move.
+  const double moved = 0.5 * skin;
+  const auto is_read = all ? std::vector<char>(s.walls, 1) : find_read(s, set, grid, w.support() + moved, w.dx);
+  set.unread.reset();
+  set.read.of.clear();
   for (std::size_t r = 0; r < s.walls; ++r)
-    for (const auto& wall : set.sides)
-      depth = std::max(depth, (set.marker[wall.axis][r] - wall.position) * wall.inward *
-                                  ((set.mirrored[r] >> (&wall - set.sides.data()) & 1U) != 0 ? 1.0 : 0.0));
-  depth = w.d.ranks.maximum(depth) + set.reach + skin;
-  count_in_listed(set, s.null());
-  std::vector<std::size_t> near;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    for (const auto& wall : set.sides)
-      if ((s.x[wall.axis][i] - wall.position) * wall.inward < depth) {
-        near.push_back(i);
-        break;
-      }
-  set.near_wall = pairs::choose(w.list, std::move(near), s.total());
+    if (is_read[r] != 0) set.read.of.push_back(static_cast<std::uint32_t>(r));
+  list_fluid(w, set, grid, moved, set.read);
 }
 
-// Fields of the fluid that markers see, packed: the position, whose components lanes take, and the fields of which
-// there are sums, side by side in registers of their own. Null stands for a field of zeros.
-template <int D, std::size_t N>
+// The other markers, for this evaluation alone. Collective.
+template <int D>
+void find_unread(const pairs::workspace<D>& w, wall_set<D>& set) {
+  const auto& s = w.s;
+  set.unread.emplace();
+  std::size_t next = 0;
+  for (std::uint32_t r = 0; r < s.walls; ++r)
+    if (next < set.read.of.size() && set.read.of[next] == r)
+      ++next;
+    else
+      set.unread->of.push_back(r);
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.first_wall(), cells::cell_edge(w.dx));
+  list_fluid(w, set, grid, 0.0, *set.unread);
+}
+
+// f(marker_rows) for those of this evaluation.
+template <int D, class F>
+void for_all_rows(wall_set<D>& set, F&& f) {
+  f(set.read);
+  if (set.unread) f(*set.unread);
+}
+
+// What markers see, packed: fours of numbers a particle, in the first the position in units of the reach and as many
+// fields as have room beside it. Null stands for a field of zeros.
+template <int D>
 struct marker_records {
-  static constexpr std::uint32_t components = 4;  // of a position
-  static constexpr std::size_t width = std::min(lanes, std::bit_ceil(N)), registers = (N + width - 1) / width,
-                               size = registers * width;
-  using part = pairs::stdx::simd<double, pairs::stdx::simd_abi::deduce_t<double, width>>;
-  static_assert(D <= components);
+  static constexpr std::size_t most = 2, room = 4 - D;  // fours; fields in the first
+  std::size_t size;                                     // numbers
+  const double* first;
 
-  const double *places, *fields;
+  static constexpr std::size_t fours(std::size_t fields) { return fields > room ? 2 : 1; }
 
-  marker_records(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<const double*, N>& arrays) {
-    const std::size_t n = set.listed.size(), before = (n * components + lanes - 1) / lanes * lanes;
+  marker_records(const pairs::workspace<D>& w, const wall_set<D>& set, const marker_rows& rows,
+                 std::span<const double* const> fields)
+      : size(4 * fours(fields.size())) {
+    const std::size_t n = rows.listed.size(), numbers = size;
+    const double per_reach = 1.0 / set.reach;
     auto& scratch = w.list.records.doubles;
-    if (scratch.size() < before + n * size) scratch.resize(before + n * size);
-    double *x = scratch.data(), *f = x + before;
-    places = x;
-    fields = f;
+    if (scratch.size() < n * numbers) scratch.resize(n * numbers);
+    double* const all = scratch.data();
+    first = all;
     foundation::for_all(n, [&](std::size_t k) {
-      const std::size_t j = set.listed[k];
-      for (std::size_t a = 0; a < D; ++a) x[k * components + a] = w.s.x[a][j];
-      for (std::size_t a = 0; a < N; ++a) f[k * size + a] = arrays[a] != nullptr ? arrays[a][j] : 0.0;
+      const std::size_t j = rows.listed[k];
+      double* const record = all + k * numbers;
+      for (std::size_t a = 0; a < D; ++a) record[a] = w.s.x[a][j] * per_reach;
+      for (std::size_t f = 0; f + D < numbers; ++f)
+        record[D + f] = f < fields.size() && fields[f] != nullptr ? fields[f][j] : 0.0;
     });
   }
 };
 
-// The fluid about the marker of row r, one a lane. `flatten`: as in pairs::sum_row.
+// Fields of which there are sums, side by side in registers of their own.
+template <std::size_t N>
+struct side_by_side {
+  static constexpr std::size_t width = std::min(lanes, std::bit_ceil(N)), registers = (N + width - 1) / width,
+                               size = registers * width;
+  using part = pairs::stdx::simd<double, pairs::stdx::simd_abi::deduce_t<double, width>>;
+  const double* first;
+
+  // all: room, as aligned as a register.
+  side_by_side(const marker_rows& rows, const std::array<const double*, N>& fields, double* all) : first(all) {
+    foundation::for_all(rows.listed.size(), [&](std::size_t k) {
+      for (std::size_t f = 0; f < N; ++f) all[k * size + f] = fields[f][rows.listed[k]];
+    });
+  }
+
+  // Σ_j φ_j f_j of each field. Neighbour j adds to the sums of lane j modulo their number, whose sum is that of a
+  // register (foundation::sum); it does so for all fields at once.
+  std::array<double, N> sum(std::span<const std::uint32_t> row, const double* phi) const {
+    std::array<std::array<part, registers>, lanes> sums;
+    for (auto& of_lane : sums) of_lane.fill(0.0);
+    for (std::size_t k = 0; k < row.size(); k += lanes)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const double* f = first + row[k + lane] * size;
+        for (std::size_t g = 0; g < registers; ++g)
+          sums[lane][g] += phi[k + lane] * part(f + g * width, pairs::stdx::vector_aligned);
+      }
+    for (std::size_t half = lanes / 2; half > 0; half /= 2)
+      for (std::size_t lane = 0; lane < half; ++lane)
+        for (std::size_t g = 0; g < registers; ++g) sums[lane][g] += sums[lane + half][g];
+    std::array<double, size> total;
+    for (std::size_t g = 0; g < registers; ++g)
+      sums[0][g].copy_to(total.data() + g * width, pairs::stdx::element_aligned);
+    std::array<double, N> wanted;
+    std::copy_n(total.begin(), N, wanted.begin());
+    return wanted;
+  }
+};
+
+// The kernel stretched to the markers' reach, in units of that, and the marker of a row in the same.
 template <int D, class Kernel>
-[[gnu::flatten]] void see(std::vector<seen<D>>& near, const wall_set<D>& set, std::size_t r, const double* places,
-                          const Kernel& kernel) {
-  const auto row = set.near_marker.row(r);
-  near.resize(row.size() / lanes);
+struct marker_view {
+  const Kernel& kernel;
+  real nearest{kernel.smallest_r() * kernel.smallest_r()};
   vec<real, D> x;
-  for (std::size_t a = 0; a < D; ++a) x[a] = real(set.marker[a][r]);
-  const real per_reach(1.0 / set.reach);
-  const real squeeze(kernel.support() / set.reach);  // the kernel's own radius, stretched to the marker's reach
-  const real nearest(kernel.smallest_r() * kernel.smallest_r());
+
+  marker_view(const wall_set<D>& set, std::size_t r, const Kernel& in_reaches)
+      : kernel(in_reaches), x(vec<real, D>::of([&](std::size_t a) { return set.marker[a][r] * (1.0 / set.reach); })) {}
+
+  // Particles whose records begin with these numbers.
+  [[gnu::always_inline]] seen<D> operator()(const std::array<real, 4>& record) const {
+    seen<D> j;
+    j.offset = vec<real, D>::of([&](std::size_t a) { return record[a] - x[a]; });
+    const real r2 = foundation::greater(foundation::dot(j.offset, j.offset), nearest);
+    j.weight = kernel.value(foundation::both_roots(r2).r);
+    return j;
+  }
+};
+
+// f(order as a constant).
+template <class F>
+void with_order(const options& how, F&& f) {
+  const int order = polynomial_order(how.interpolation);
+  if (order == 0) f(std::integral_constant<int, 0>{});
+  if (order == 1) f(std::integral_constant<int, 1>{});
+  if (order == 2) f(std::integral_constant<int, 2>{});
+}
+
+// The fluid about a marker, one a lane. `flatten`: as in pairs::sum_row.
+template <int D, class Kernel>
+[[gnu::flatten]] void see(std::vector<seen<D>>& near, std::span<const std::uint32_t> row, const double* places,
+                          const marker_view<D, Kernel>& view) {
+  near.resize(row.size() / lanes);
   const std::uint32_t* of_lane = row.data();
   for (auto& j : near) {
-    const auto values = turned(places, of_lane);
-    for (std::size_t a = 0; a < D; ++a) j.offset[a] = values[a] - x[a];
-    const real r2 = foundation::dot(j.offset, j.offset);
-    j.weight = kernel.value(real(foundation::both_roots(foundation::greater(r2, nearest)).r * squeeze));
-    for (std::size_t a = 0; a < D; ++a) j.offset[a] *= per_reach;
+    j = view(turned(places, of_lane));
     of_lane += lanes;
   }
 }
 
-// Σ_j φ_j f_j of each field. Neighbour j adds to the sums of lane j modulo their number, whose sum is that of a
-// register (foundation::sum); it does so for all fields at once.
-template <int D, std::size_t N>
-std::array<double, N> sum_fields(std::span<const std::uint32_t> row, const double* phi,
-                                 const marker_records<D, N>& records) {
-  using of = marker_records<D, N>;
-  std::array<std::array<typename of::part, of::registers>, lanes> sums;
-  for (auto& of_lane : sums) of_lane.fill(0.0);
-  for (std::size_t k = 0; k < row.size(); k += lanes)
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const double* f = records.fields + row[k + lane] * of::size;
-      for (std::size_t g = 0; g < of::registers; ++g)
-        sums[lane][g] += phi[k + lane] * typename of::part(f + g * of::width, pairs::stdx::vector_aligned);
+// Σ_j φ_j f_j of the fields in the records, which are so many fours of numbers, by the coefficients c of φ.
+template <int D, int Order, std::size_t fours, class Kernel>
+[[gnu::flatten]] std::array<double, 4 * fours - D> interpolate(std::span<const std::uint32_t> row, const double* first,
+                                                               const double* c, const marker_view<D, Kernel>& view) {
+  constexpr std::size_t fields = 4 * fours - D;
+  std::array<real, fields> sums;
+  foundation::for_each_of<fields>([&](std::size_t f) { sums[f] = 0.0; });
+  for (std::size_t k = 0; k < row.size(); k += lanes) {
+    const auto record = turned<4 * fours>(first, row.data() + k);
+    const auto phi = detail::shape_function<D, Order>(view(record), c);
+    foundation::for_each_of<4 - D>([&](std::size_t f) { sums[f] += phi * record[D + f]; });
+    if constexpr (fours > 1) {
+      const auto more = turned<4 * fours>(first + 4, row.data() + k);
+      foundation::for_each_of<4>([&](std::size_t f) { sums[4 - D + f] += phi * more[f]; });
     }
-  for (std::size_t half = lanes / 2; half > 0; half /= 2)
-    for (std::size_t lane = 0; lane < half; ++lane)
-      for (std::size_t g = 0; g < of::registers; ++g) sums[lane][g] += sums[lane + half][g];
-  std::array<double, of::size> all;
-  for (std::size_t g = 0; g < of::registers; ++g)
-    sums[0][g].copy_to(all.data() + g * of::width, pairs::stdx::element_aligned);
-  std::array<double, N> total;
-  std::copy_n(all.begin(), N, total.begin());
+  }
+  std::array<double, fields> total;
+  for (std::size_t f = 0; f < fields; ++f) total[f] = foundation::sum(sums[f]);
   return total;
 }
 
-// When the coefficients of the shape functions are found: with the first sweep over the markers of an evaluation.
-enum class shapes { found, as_found };
-
-// f(r, values) for each marker, with the values of these fields at it, Σ_j φ_j f_j(x_m). Each sweep makes the φ_j anew:
-// kept, they would take as much memory as the fluid's own lists, and as long to read.
+// With the first sweep over the markers of an evaluation: finds the coefficients of the shape functions.
+// f(r, values) for the marker of each wall particle r, with the values of these fields at it, Σ_j φ_j f_j(x_m).
 template <int D, std::size_t N, class F>
-void for_each_marker(const pairs::workspace<D>& w, wall_set<D>& set, shapes when,
-                     const std::array<const double*, N>& arrays, F&& f) {
-  const marker_records<D, N> records(w, set, arrays);
+void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_rows& rows,
+                 const std::array<const double*, N>& fields, F&& f) {
+  const std::size_t of_places = (rows.listed.size() * 4 + lanes - 1) / lanes * lanes;
+  auto& scratch = w.list.records.doubles;
+  const std::size_t needed = of_places + rows.listed.size() * side_by_side<N>::size;
+  if (scratch.size() < needed) scratch.resize(needed);
+  const marker_records<D> records(w, set, rows, {});
+  const side_by_side<N> values(rows, fields, scratch.data() + of_places);
   const int order = polynomial_order(set.how.interpolation);
-  const std::size_t n = set.near_marker.rows();
+  const std::size_t n = rows.near.rows();
   std::visit(
-      [&](const auto& kernel) {
+      [&]<class Kernel>(const Kernel&) {
+        const Kernel kernel(1.0);
 #pragma omp parallel if (n > foundation::rows_worth_threads)
         {
           std::vector<seen<D>> near;
           std::vector<double> phi;
 #pragma omp for schedule(static)
-          for (std::size_t r = 0; r < n; ++r) {
-            see(near, set, r, records.places, kernel);
-            double* const c = set.coefficients.data() + r * terms(order, D);
-            if (when == shapes::found) coefficients<D>(near, order, c);
+          for (std::size_t k = 0; k < n; ++k) {
+            const auto row = rows.near.row(k);
+            see(near, row, records.first, marker_view<D, Kernel>(set, rows.of[k], kernel));
+            double* const c = rows.coefficients.data() + k * terms(order, D);
+            coefficients<D>(near, order, c);
             phi.resize(near.size() * lanes);
             shape_functions<D>(near, order, c, phi.data());
-            f(r, sum_fields(set.near_marker.row(r), phi.data(), records));
+            f(rows.of[k], values.sum(row, phi.data()));
           }
         }
+      },
+      w.kernel);
+}
+
+// The same in the sweeps that follow, which make the φ_j anew: kept, they would take as much memory as the fluid's own
+// lists.
+template <int D, class F>
+void for_each_marker(const pairs::workspace<D>& w, const wall_set<D>& set, const marker_rows& rows,
+                     std::span<const double* const> fields, F&& f) {
+  const marker_records<D> records(w, set, rows, fields);
+  const std::size_t n = rows.near.rows();
+  const auto sweep = [&](auto fours, auto order, const auto& view_of) {
+    constexpr int Order = decltype(order)::value;
+#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
+    for (std::size_t k = 0; k < n; ++k)
+      f(rows.of[k],
+        interpolate<D, Order, decltype(fours)::value>(
+            rows.near.row(k), records.first, rows.coefficients.data() + k * terms(Order, D), view_of(rows.of[k])));
+  };
+  std::visit(
+      [&]<class Kernel>(const Kernel&) {
+        const Kernel kernel(1.0);
+        const auto view_of = [&](std::size_t r) { return marker_view<D, Kernel>(set, r, kernel); };
+        with_order(set.how, [&](auto order) {
+          if (records.size == 4)
+            sweep(std::integral_constant<std::size_t, 1>{}, order, view_of);
+          else
+            sweep(std::integral_constant<std::size_t, 2>{}, order, view_of);
+        });
       },
       w.kernel);
 }
@@ -176,17 +351,21 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   const std::array<const double*, 6> scalars{s.T.data(), s.rho.data(), s.dV.data(),
                                              s.m.data(), s.eta.data(), s.k.data()};
   std::copy_n(scalars.begin(), N - D, arrays.begin() + D);
-  for_each_marker<D>(w, set, shapes::found, arrays, [&](std::size_t r, const auto& values) {
-    const std::size_t i = s.first_wall() + r;
-    std::array<double, D> v;
-    std::copy_n(values.begin(), D, v.begin());
-    mirror_velocity<D>(set, r, v);
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    s.T[i] = mirror_temperature(set, r, values[D]);
-    s.rho[i] = values[D + 1];
-    s.dV[i] = values[D + 2];
-    set.mass[r] = values[D + 3];
-    if constexpr (Transport) s.eta[i] = values[D + 4], s.k[i] = values[D + 5];
+  set.unread.reset();
+  if (set.complete) find_unread(w, set);
+  for_all_rows(set, [&](marker_rows& rows) {
+    find_shapes<D>(w, set, rows, arrays, [&](std::size_t r, const auto& values) {
+      const std::size_t i = s.first_wall() + r;
+      std::array<double, D> v;
+      std::copy_n(values.begin(), D, v.begin());
+      mirror_velocity<D>(set, r, v);
+      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+      s.T[i] = mirror_temperature(set, r, values[D]);
+      s.rho[i] = values[D + 1];
+      s.dV[i] = values[D + 2];
+      set.mass[r] = values[D + 3];
+      if constexpr (Transport) s.eta[i] = values[D + 4], s.k[i] = values[D + 5];
+    });
   });
   if constexpr (Transport)
     w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
@@ -199,66 +378,93 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   w.uniform_transport ? marker_kinematics<false>(w, set) : marker_kinematics<true>(w, set);
 }
 
-// f = ν∇²v + g of the fluid near the walls, ghosts included, along axes that have walls.
+// Axes that have walls.
+template <int D>
+std::vector<std::size_t> walled_axes(const wall_set<D>& set) {
+  std::vector<std::size_t> axes;
+  for (std::size_t a = 0; a < D; ++a)
+    if (!set.f[a].empty()) axes.push_back(a);
+  return axes;
+}
+
+// Σ of the viscous forces (N) on these rows, of N components.
+template <int D, std::size_t N>
+void viscous_forces(const pairs::workspace<D>& w, const pairs::chosen& rows, const std::array<const double*, N>& v,
+                    const std::array<double*, N>& force) {
+  using diffusion::viscous_sum;
+  const auto& s = w.s;
+  if (w.uniform_transport)
+    w.sum(rows, viscous_sum<D, double, N, false>{v, *w.uniform_transport, s.dV.data(), force});
+  else
+    w.sum(rows, viscous_sum<D, const double*, N, false>{v, s.eta.data(), s.dV.data(), force});
+}
+
+// f = ν∇²v + g of the fluid near the walls, ghosts included, along axes that have walls. Along one alone it takes a
+// third less.
 template <int D>
 void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  const auto& rows = set.near_wall.rows;
-  std::array<double*, D> f;
+  const auto axes = walled_axes(set);
   std::vector<double*> wanted;
-  for (std::size_t a = 0; a < D; ++a) {
-    f[a] = set.f[a].empty() ? nullptr : set.f[a].data();
-    if (f[a] == nullptr) continue;
-    wanted.push_back(f[a]);
-    foundation::for_all(rows.size(), [&](std::size_t k) { f[a][rows[k]] = 0.0; });
-  }
-  const auto v = pairs::pointers<D>(s.v);
-  if (w.uniform_transport)
-    w.sum(set.near_wall, diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), f, nullptr});
-  else
-    w.sum(set.near_wall, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), f, nullptr});
-  for (std::size_t a = 0; a < D; ++a)
-    if (f[a] != nullptr)
-      foundation::for_all(rows.size(), [&](std::size_t k) { f[a][rows[k]] = f[a][rows[k]] / s.m[rows[k]] + w.g[a]; });
+  for (const std::size_t a : axes) wanted.push_back(set.f[a].data());
+  for_all_rows(set, [&](const marker_rows& of) {
+    const auto& rows = of.near_wall.rows;
+    for (double* f : wanted) foundation::for_all(rows.size(), [&](std::size_t k) { f[rows[k]] = 0.0; });
+    if (axes.size() == 1) {
+      viscous_forces<D, 1>(w, of.near_wall, {s.v[axes[0]].data()}, {wanted[0]});
+    } else {
+      // Along axes without walls nobody reads it.
+      std::array<double*, D> f;
+      particles::array unread(axes.size() < D ? s.total() + 1 : 0);
+      for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a].empty() ? unread.data() : set.f[a].data();
+      viscous_forces<D, D>(w, of.near_wall, pairs::pointers<D>(s.v), f);
+    }
+    for (std::size_t n = 0; n < axes.size(); ++n)
+      foundation::for_all(rows.size(), [&](std::size_t k) {
+        double& f = wanted[n][rows[k]];
+        f = f / s.m[rows[k]] + w.g[axes[n]];
+      });
+  });
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(wanted));
 }
 
 // put(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's
 // steps are due, the same sweep makes them: a pressure and a weight that grow from marker to wall particle,
 // linear in the fluid's values. Both lie apart along axes that have walls.
-template <int D, std::size_t N, class Put>
-void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& arrays, Put&& put) {
+template <int D, class Put>
+void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, std::vector<const double*> fields, Put&& put) {
   const auto& s = w.s;
-  if (!set.steps_due)
-    return for_each_marker<D>(w, set, shapes::as_found, arrays,
-                              [&](std::size_t r, const auto& values) { put(s.first_wall() + r, values); });
-  set.steps_due = false;
-  std::array<const double*, N + D> all;
-  std::copy_n(arrays.begin(), N, all.begin());
-  for (std::size_t a = 0; a < D; ++a) all[N + a] = set.f[a].empty() ? nullptr : set.f[a].data();
-  for_each_marker<D>(w, set, shapes::as_found, all, [&](std::size_t r, const auto& values) {
-    const std::size_t i = s.first_wall() + r;
-    double f_dx = 0.0;
-    for (std::size_t a = 0; a < D; ++a) f_dx += values[N + a] * (s.x[a][i] - set.marker[a][r]);
-    set.pressure_step[r] = s.rho[i] * f_dx;
-    set.weight_step[r] = set.mass[r] * f_dx;
-    put(i, values);
+  const std::size_t n = fields.size();
+  const auto axes = set.steps_due ? walled_axes(set) : std::vector<std::size_t>{};
+  for (const std::size_t a : axes) fields.push_back(set.f[a].data());
+  for_all_rows(set, [&](const marker_rows& rows) {
+    for_each_marker<D>(w, set, rows, fields, [&](std::size_t r, const auto& values) {
+      const std::size_t i = s.first_wall() + r;
+      if (set.steps_due) {
+        double f_dx = 0.0;
+        for (std::size_t k = 0; k < axes.size(); ++k)
+          f_dx += values[n + k] * (s.x[axes[k]][i] - set.marker[axes[k]][r]);
+        set.pressure_step[r] = s.rho[i] * f_dx;
+        set.weight_step[r] = set.mass[r] * f_dx;
+      }
+      put(i, values);
+    });
   });
+  set.steps_due = false;
 }
 
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  at_markers<D, 1>(w, set, {s.Y.data()}, [&](std::size_t i, const auto& values) {
-    s.Y[i] = values[0] + set.weight_step[i - s.first_wall()];
-  });
+  at_markers<D>(w, set, {s.Y.data()},
+                [&](std::size_t i, const auto& values) { s.Y[i] = values[0] + set.weight_step[i - s.first_wall()]; });
   w.exchange_walls({s.Y.data()});
 }
 
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  at_markers<D, 2>(w, set, {s.p.data(), s.dV.data()}, [&](std::size_t i, const auto& values) {
+  at_markers<D>(w, set, {s.p.data(), s.dV.data()}, [&](std::size_t i, const auto& values) {
     s.p[i] = values[0] + set.pressure_step[i - s.first_wall()];
     s.dV[i] = values[1];
   });

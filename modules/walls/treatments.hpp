@@ -64,7 +64,7 @@ struct virtual_marker : with_markers {
   }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
-    for (const std::size_t i : set.near_wall.rows)
+    for (const std::size_t i : set.read.near_wall.rows)
       push_off(set.force, set.sides, w.s, i, [&](std::size_t axis, double a) { force[axis][i] += w.s.m[i] * a; });
   }
 };
@@ -75,7 +75,7 @@ struct repulsion : with_markers {
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     const double range = set.how.repulsion_range * w.dx;
-    for (const std::size_t i : set.near_wall.rows)
+    for (const std::size_t i : set.read.near_wall.rows)
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);

@@ -1,4 +1,4 @@
-// Positions as they stand in memory, four numbers a particle, and as lanes take them: a register a component.
+// Records as they stand in memory, fours of numbers a particle, and as lanes take them: a register a number.
 #pragma once
 
 #include <array>
@@ -10,9 +10,11 @@ namespace tetsuame::walls::detail {
 
 using foundation::lanes, foundation::real;
 
-// Components of the particles at these places, one a lane.
-inline std::array<real, 4> turned(const double* positions, const std::uint32_t* place) {
-  const auto of = [&](std::size_t lane) { return positions + std::size_t{place[lane]} * 4; };
+// Four numbers of the particles at these places, one a lane, of records of so many numbers, from the first one on.
+template <std::size_t size = 4>
+std::array<real, 4> turned(const double* first, const std::uint32_t* place) {
+  static_assert(size % 4 == 0);
+  const auto of = [&](std::size_t lane) { return first + std::size_t{place[lane]} * size; };
 #if defined(__AVX512F__)
   // Two particles loaded into one register need no shuffle for it; which two: so that the lanes end in order.
   const auto two = [&](std::size_t low, std::size_t high) {

@@ -3,11 +3,21 @@
 
 #include <cells/neighbour_list.hpp>
 #include <foundation/error.hpp>
+#include <optional>
 #include <pairs/workspace.hpp>
 #include <walls/boundary_force.hpp>
 #include <walls/options.hpp>
 
 namespace tetsuame::walls {
+
+// Some of the markers, and the fluid that they see. Row k is of the wall particle first_wall() + of[k].
+struct marker_rows {
+  std::vector<std::uint32_t> of;
+  cells::point_list near;             // fluid within reach of each marker: places in `listed`
+  std::vector<std::uint32_t> listed;  // local indices of all in `near`, ghosts and null particle included
+  particles::array coefficients;      // c of each one's shape functions, of an evaluation
+  pairs::chosen near_wall;            // owned fluid that some marker may see
+};
 
 template <int D>
 struct wall_set {
@@ -19,11 +29,13 @@ struct wall_set {
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
   std::vector<std::uint32_t> source;       // of a mirror image: local index
   std::array<particles::array, D> marker;  // m, mirror image of a wall particle that stands still
-  cells::point_list near_marker;           // fluid within reach of each marker: places in `listed`
-  particles::array coefficients;           // c of each marker's shape functions, of an evaluation
-  pairs::chosen near_wall;                 // owned fluid that some marker may see
-  std::vector<std::uint32_t> listed;       // local indices of all in near_marker, ghosts and null particle included
   double reach = 0.0;                      // m, radius of a marker's interpolation
+
+  // While lists live no fluid reads the deepest wall particles: their values follow in complete evaluations alone,
+  // those whose walls are written, and from the positions of then.
+  marker_rows read;
+  std::optional<marker_rows> unread;
+  bool complete = true;
 
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J). Due: the next sweep
   // over the markers makes them.

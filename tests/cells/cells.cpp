@@ -49,12 +49,22 @@ std::vector<point<D>> all_with_images(const hydrostatic::scene<D>& scene) {
   return all;
 }
 
-// IDs of the neighbours of a point in the order of the lists: by cell along the axes, then along the
-// last axis, then ID.
+// In single precision: the first of two sequences on black squares (cubes) of half a cell's edge, the second on white.
 template <int D>
-std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point<D>& centre, double reach,
-                                   double edge) {
-  std::vector<std::tuple<std::array<double, D>, double, std::int64_t>> found;
+std::size_t sequence_of(const std::array<double, D>& x, double edge) {
+  double square = 0.0;
+  for (const double c : x) square += std::floor(2.0 * c / edge);
+  return std::fmod(square, 2.0) != 0.0 ? 1 : 0;
+}
+
+using sequences = std::array<std::vector<std::int64_t>, 2>;
+
+// IDs of the neighbours of a point in the order of the lists: by cell along the axes, then along the
+// last axis, then ID; in one sequence or two.
+template <int D>
+sequences expected(const std::vector<point<D>>& all, const point<D>& centre, double reach, double edge,
+                   std::size_t at_once) {
+  std::vector<std::tuple<std::array<double, D>, double, std::int64_t, std::size_t>> found;
   for (const auto& p : all) {
     double r2 = 0.0;
     std::array<double, D> cell;
@@ -62,11 +72,12 @@ std::vector<std::int64_t> expected(const std::vector<point<D>>& all, const point
       r2 += (centre.x[a] - p.x[a]) * (centre.x[a] - p.x[a]);
       cell[a] = std::floor(p.x[a] / edge);
     }
-    if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0)) found.emplace_back(cell, p.x[D - 1], p.id);
+    if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0))
+      found.emplace_back(cell, p.x[D - 1], p.id, at_once > 1 ? sequence_of<D>(p.x, edge) : 0);
   }
   std::sort(found.begin(), found.end());
-  std::vector<std::int64_t> ids;
-  for (const auto& f : found) ids.push_back(std::get<2>(f));
+  sequences ids;
+  for (const auto& f : found) ids[std::get<3>(f)].push_back(std::get<2>(f));
   return ids;
 }
 
@@ -77,23 +88,26 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   const auto all = all_with_images<D>(scene);
   const double reach = w.support() + scene.skin;
   BOOST_REQUIRE(w.d.ranks.sum(static_cast<std::int64_t>(s.fluid)) == scene.fluid_total);
-  const std::size_t width = w.list.width;
+  constexpr std::size_t width = cells::neighbour_list::width;
+  const double edge = cells::cell_edge(1.0);
   BOOST_REQUIRE(w.list.rows() == (s.fluid + width - 1) / width);
   std::size_t pairs = 0, wrong = 0;
   for (std::size_t r = 0; r < w.list.rows(); ++r) {
-    std::vector<std::vector<std::int64_t>> is(width);
+    // Of each lane, one sequence after the other.
+    std::vector<sequences> is(width);
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) {
       wrong += of_lanes == 0;
+      const std::size_t sequence = w.list.at_once > 1 ? sequence_of<D>(cells::position<D>(s.x, j), edge) : 0;
       for (std::size_t lane = 0; lane < width; ++lane)
-        if ((of_lanes >> lane & 1U) != 0) is[lane].push_back(s.id[j]);
+        if ((of_lanes >> lane & 1U) != 0) is[lane][sequence].push_back(s.id[j]);
     });
     for (std::size_t lane = 0; lane < width; ++lane) {
       const std::size_t i = r * width + lane;
-      const auto should =
-          i < s.fluid ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach, cells::cell_edge<D>(1.0, width))
-                      : std::vector<std::int64_t>{};
+      const auto should = i < s.fluid
+                              ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach, edge, w.list.at_once)
+                              : sequences{};
       wrong += is[lane] != should;
-      pairs += should.size();
+      pairs += should[0].size() + should[1].size();
     }
   }
   BOOST_TEST(wrong == 0U);
@@ -192,42 +206,35 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
 }
 
 // Neighbours come back as they were written, with their lanes: near and far, backwards too.
+// Steps that an entry just holds, and those that it does not; sequences of different lengths, and none at all.
 BOOST_AUTO_TEST_CASE(entries_come_back) {
-  for (const std::size_t width : {8, 16}) {
-    // Steps that an entry just holds, and those that it does not.
-    const std::uint32_t far = width == 8 ? 8388608 : 32768;
-    const std::vector<std::pair<std::uint32_t, std::uint32_t>> given{{0, 1},
-                                                                     {1, 3},
-                                                                     {7, 8},
-                                                                     {5, 2},
-                                                                     {far + 4, 1},
-                                                                     {2 * far + 4, 4},
-                                                                     {2 * far + 3, 15},
-                                                                     {3, 1},
-                                                                     {0xfffffff0, 7},
-                                                                     {0xffffffff, 1},
-                                                                     {0, 2},
-                                                                     {far - 1, 1},
-                                                                     {far - 1, 2},
-                                                                     {2 * far, 9},
-                                                                     {far, 1},
-                                                                     {0, 1},
-                                                                     {far, 1U << (width - 1)}};
+  constexpr std::uint32_t top = 1U << (cells::neighbour_list::width - 1);
+  using entry = std::pair<std::uint32_t, std::uint32_t>;
+  const std::vector<entry> first{{0, 1},   {1, 3},   {7, 2},   {5, 2},          {131, 1},        {130, 1}, {258, 3},
+                                 {385, 1}, {258, 2}, {130, 3}, {0xfffffff0, 3}, {0xffffffff, 1}, {0, 2},   {12, top}};
+  const std::vector<entry> second{{7, 1}, {9, top}, {40'000'000, 3}};
+  const std::vector<entry> none;
+  using row_of_two = std::array<std::vector<entry>, 2>;
+  const std::vector<row_of_two> rows{row_of_two{first, second}, row_of_two{second, first}, row_of_two{second, none},
+                                     row_of_two{none, first},   row_of_two{none, none},    row_of_two{first, none}};
+  for (const std::size_t at_once : {1, 2}) {
     cells::neighbour_list list;
-    list.width = width;
-    cells::make_rows(list, 2, [&](std::size_t, cells::row_store& made) {
-      cells::entry_writer row(width);
-      row.out = made.room((given.size() + 1) * cells::entry_writer::most);
-      for (const auto& [j, of_lanes] : given) row.add(j, of_lanes);
-      row.add(12, 0);
-      made.keep(row.out);
-      return given.size();
+    list.at_once = at_once;
+    cells::make_rows(list, rows.size(), [&, row = cells::row_of_clusters()](std::size_t r, auto& made) mutable {
+      for (std::size_t k = 0; k < at_once; ++k)
+        for (const auto& [j, of_lanes] : rows[r][k]) row.add(k, j, of_lanes);
+      row.add(0, 12, 0);
+      row.write(at_once, made);
+      return 1;
     });
-    BOOST_TEST(list.pairs == 2 * given.size());
-    for (std::size_t r = 0; r < 2; ++r) {
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+    BOOST_TEST(list.pairs == rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      std::vector<entry> should, found;  // side by side
+      for (std::size_t n = 0; n < first.size(); ++n)
+        for (std::size_t k = 0; k < at_once; ++k)
+          if (n < rows[r][k].size()) should.push_back(rows[r][k][n]);
       list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) { found.emplace_back(j, of_lanes); });
-      BOOST_TEST((found == given));
+      BOOST_TEST((found == should));
     }
   }
 }

@@ -10,10 +10,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 import inside
-from tetsuame.compare import convection, orders, references, rti, runner, shock, study
+from tetsuame.compare import continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study, time_stepping
+from tetsuame.compare.cases import Run
+from tetsuame.compare.outcomes import Outcome
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -112,6 +115,22 @@ class Parts(unittest.TestCase):
         self.assertIn("kernel.h_over_dx=0", said["SSPH"])
         self.assertNotIn("kernel.h_over_dx=0", said["rti"])  # its kernel is that of the input
 
+    def test_the_slow_form_runs_on_some(self):
+        given = {"motions": "rest,gravity", "particles": None, "quick": False, "square": 0, "settings": []}
+        some = continuity_of_y.plan(argparse.Namespace(**given, forms=None), ROOT, argparse.ArgumentParser())
+        self.assertEqual({(one.file, one.n) for one in some if one.variant == "A"},
+                         {(f"rest_{masses}", n) for masses in continuity_of_y.MASSES for n in (32, 64)})
+        asked = continuity_of_y.plan(argparse.Namespace(**given, forms="A"), ROOT, argparse.ArgumentParser())
+        self.assertEqual(len(asked), 2 * 2 * 3)
+
+    def test_verdict(self):
+        def one(form, error):
+            return {"case": "rest_equal_mass", "motion": "rest", "masses": "equal_mass", "variant": form, "n": 64, "pressure_near": error}
+        measured = {"runs": [one("F", 0.02), one("E", 9e-4), one("C", 0.01), one("SSPH", None)]}
+        self.assertEqual(continuity_of_y.verdict(measured), ["at rest, equal masses: held by E; not by C 1 %, F 2 %; stopped: SSPH"])
+        measured["runs"] += [one(form, 1e-5) | {"masses": "equal_spacing", "case": "rest_equal_spacing"} for form in ("C", "E")]
+        self.assertRegex(continuity_of_y.conclusion(measured), "both kinds of masses are held by E; equal spacing alone by C[.]")
+
     def test_causes_in_few_words(self):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")
         self.assertEqual(rti.cause("step 9: the weight Y = -1e18 J is not positive and finite"), "Y ≤ 0")
@@ -143,6 +162,73 @@ class Frame(unittest.TestCase):
         self.assertEqual(progress.remaining(), ", about 10 min left")
 
 
+class AtRest(unittest.TestCase):
+    """Where another program would stop, read off the residuals of the plain iteration."""
+
+    def test_growth_is_seen_in_the_second_pass_of_an_evaluation(self):
+        passes = [1e-12 * 10.0**k for k in range(12)]
+        self.assertEqual(hydrostatic.dies(passes, 1e-13), (1, 2))
+        self.assertEqual(hydrostatic.dies(passes, 5e-12), (2, 2))    # one evaluation was accepted
+        self.assertEqual(hydrostatic.dies(passes, 5e-10), (4, 2))
+        self.assertIsNone(hydrostatic.dies(passes, 1.0))             # nothing grows above it
+
+    def test_a_start_that_settles_before_it_grows(self):
+        self.assertEqual(hydrostatic.dies([1e-4, 1e-14, 1e-13, 1e-12], 5e-14), (2, 2))
+        self.assertEqual(hydrostatic.dies([1e-4, 1e-6, 1e-5], 1e-9), (1, 3))
+
+    def test_a_pressure_below_zero_is_seen_one_pass_later(self):
+        self.assertEqual(hydrostatic.dies([math.inf], 1e-6), (1, 2))
+        self.assertEqual(hydrostatic.dies([1e-10, 1e-4, math.inf], 1e-6), (2, 2))
+        self.assertEqual(hydrostatic.dies([1e-10, math.inf], 1e-6), (2, 2))
+
+    def test_a_run_that_starts_from_another_depends_on_it(self):
+        given = argparse.Namespace(schemes="C", starts="glass", quick=False, settings=())
+        made, run = hydrostatic.plan(given, ROOT, argparse.ArgumentParser())[:2]
+        self.assertIs(run.start, made)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("disph_a", "disph_c"):
+                (Path(folder) / name).write_text(name)
+            before = runner.fingerprint(Path(folder), run)
+            (Path(folder) / "disph_a").write_text("another")
+            self.assertNotEqual(before, runner.fingerprint(Path(folder), run))
+
+
+class TimeStepping(unittest.TestCase):
+    def test_the_cheapest_has_the_fewest_right_hand_sides(self):
+        runs = [{"error": error, "right_hand_sides": sides} for error, sides in ((2e-3, 50), (9e-4, 300), (1e-5, 200), (None, 10))]
+        self.assertEqual(time_stepping.cheapest(runs, 1e-2)["right_hand_sides"], 50)
+        self.assertEqual(time_stepping.cheapest(runs, 1e-3)["right_hand_sides"], 200)
+        self.assertIsNone(time_stepping.cheapest(runs, 1e-6))
+
+    def test_equal_steps_end_at_the_end(self):
+        given = argparse.Namespace(quick=False, settings=[], cases=",".join(time_stepping.CASES))
+        runs = time_stepping.plan(given, ROOT, argparse.ArgumentParser())
+        self.assertEqual(len({run.folder + run.file for run in runs}), len(runs))
+        for run in runs:
+            settings = dict(setting.split("=", 1) for setting in run.settings)
+            if "time.dt" in settings and run.n:
+                self.assertAlmostEqual(float(settings["time.dt"]) * run.n, time_stepping.CASES[run.file].t_end, places=9)
+                self.assertNotEqual(run.variant, time_stepping.REFERENCE)
+
+    def test_distance_over_the_way(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            def made(name, *states):
+                folder = Path(scratch) / name
+                folder.mkdir()
+                for k, x in enumerate(states):
+                    with h5py.File(folder / f"snapshot_{k:04}.h5", "w") as file:
+                        file.create_group("Header").attrs.update(Time=float(k), Step=k, Dimension=2, BoxLengths=[1.0, 1.0, 1.0], Periodic=[1, 0, 0])
+                        file["PartType0/ParticleIDs"] = np.arange(2)
+                        file["PartType0/Coordinates"] = np.array([[x, 0.5, 0.0], [x + 0.5, 0.5, 0.0]]) % 1.0
+                case = Run("rti", Path("none"), "overturn", name, name, name, ())
+                return Outcome(case, "completed", "", folder, {}, False)
+            reference, other = made("reference", 0.3, 0.4), made("other", 0.3, 0.41)
+            self.assertAlmostEqual(time_stepping.distance(other, reference), 0.1, places=12)
+            across = made("across", 0.95, 1.05)  # through the periodic side
+            self.assertAlmostEqual(time_stepping.distance(across, across), 0.0)
+            self.assertAlmostEqual(time_stepping.distance(made("late", 0.95, 1.02), across), 0.3, places=12)
+
+
 class Pages(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -150,7 +236,7 @@ class Pages(unittest.TestCase):
         self.output = Path(scratch.name) / "compare"
         self.binaries = Path(scratch.name) / "programs"
         self.binaries.mkdir()
-        for name in ("convection", "shock", "rti", "disph_c", "disph_n"):
+        for name in ("convection", "shock", "rti", "disph_n", *hydrostatic.PROGRAMS):
             program = self.binaries / name
             program.write_bytes((HERE / "fake_study.py").read_bytes())
             program.chmod(0o755)
@@ -231,9 +317,51 @@ class Pages(unittest.TestCase):
         page = self.check_page(4)
         self.assertIn("smoothed pressure", page)
 
+    def test_hydrostatic(self):
+        done = self.compare("hydrostatic", "--schemes", "C; D; E", "--starts", "jitter 10 %; glass", fail="jitter_10:disph_d")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        runs = {(one["case"], one["variant"]): one for one in self.results()["runs"]}
+        self.assertEqual({start for start, _ in runs}, {"jitter 10 %", *(hydrostatic.GLASS, hydrostatic.MAKING, hydrostatic.OPEN, hydrostatic.PLAIN)})
+        self.assertEqual((runs["jitter 10 %", "C"]["verdict"], runs["jitter 10 %", "E"]["verdict"]), ("drifts", "holds"))
+        self.assertAlmostEqual(runs["glass", "C"]["moved"], 0.2)
+        self.assertAlmostEqual(runs["glass", "C"]["moved_late"], 0.1)
+        self.assertAlmostEqual(runs["glass", "C"]["crossings_a_spacing"], 5000 / hydrostatic.CROSSING)
+        self.assertAlmostEqual(runs["glass", "C"]["pressure_mean"], 0.01)
+        self.assertEqual(runs["jitter 10 %", "D"]["stopped_step"], 53)
+        self.assertNotIn("verdict", runs["jitter 10 %", "D"])
+        page = self.check_page(2)
+        self.assertIn("stops, step 53", page)
+        # What starts from the glass is not run again, and is when the glass is another.
+        arguments = ("hydrostatic", "--schemes", "C; D; E", "--starts", "jitter 10 %; glass")
+        self.assertIn("Nothing has changed", self.compare(*arguments, fail="jitter_10:disph_d").stdout)
+
+    def test_nothing_starts_from_a_run_that_left_no_end(self):
+        done = self.compare("hydrostatic", "--schemes", "C", "--starts", "glass", fail="making_of_the_glass:disph_a")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("left no end", done.stdout)
+
+    def test_continuity_of_y(self):
+        done = self.compare("continuity_of_y", "--forms", "C; N", "--motions", "rest,sheared,gravity", "--particles", "32", "64", "128", "--square", "16",
+                            "--quick", fail="rest_equal_mass:disph_n")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = self.results()
+        runs = {(one["case"], one["variant"], one["n"]): one for one in found["runs"]}
+        self.assertEqual(len(runs), 3 * 2 * 2 * 3 + 4)
+        for case in ("rest_equal_spacing", "gravity_equal_mass"):  # under gravity the column's own pressure is taken off
+            one = runs[case, "C", 128]
+            self.assertAlmostEqual(one["pressure_near"], 1 / 32, places=6)
+            self.assertLess(one["pressure_elsewhere"], 1e-6)
+            self.assertAlmostEqual(one["speed_near"], 5.0)
+        self.assertAlmostEqual(runs["sheared_equal_mass", "C", 64]["speed_near"], 4.0)  # across the contact
+        self.assertIsNone(runs["rest_equal_mass", "N", 64]["pressure_near"])
+        self.assertAlmostEqual(next(one for one in found["orders"] if one["quantity"] == "pressure_near")["order"], 1.0, places=6)
+        self.check_page(4)  # over time, across the contact, orders, the square
+        self.assertIn("at rest, equal masses: held by none; not by C 3.1 %; stopped: N", done.stdout)
+
     def test_usage_errors_run_nothing(self):
         for arguments, word in ((("convection", "--particles", "4"), "at least 8"), (("convection", "--inputs", "none"), "'none'"),
                                 (("shock", "--tests", "soot"), "no test 'soot'"), (("shock", "--schemes", "sph"), "no scheme 'sph'"),
+                                (("continuity_of_y", "--particles", "34"), "multiples of 4"), (("continuity_of_y", "--forms", "Q"), "no form 'Q'"),
                                 (("rti", "--schemes", "Z"), "no scheme 'Z'"), (("rti", "--jobs", "0"), "--jobs")):
             with self.subTest(word):
                 done = inside.call("compare", *arguments, "--binaries", self.binaries, "--output", self.output)

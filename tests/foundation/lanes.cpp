@@ -95,18 +95,26 @@ BOOST_AUTO_TEST_CASE(exp_and_log) {
   }
 }
 
-// Two registers of doubles are one of single numbers, in order; each rounds once.
+// A register of doubles is either half of one of single numbers, in order; each rounds once.
 BOOST_AUTO_TEST_CASE(single_numbers_from_doubles_and_back) {
-  const halves given{filled([](std::size_t k) { return 1.0 / (1.0 + k); }),
-                     filled([](std::size_t k) { return -3.0 - static_cast<double>(k) / 7.0; })};
-  const single narrowed = narrow(given);
-  const halves back = widen(narrowed);
+  const real given = filled([](std::size_t k) { return -3.0 - static_cast<double>(k) / 7.0; });
+  const single both = in_both_halves(given);
+  const real back = lower_half(both);
   for (std::size_t k = 0; k < lanes; ++k) {
-    const auto low = static_cast<float>(given.low[k]), high = static_cast<float>(given.high[k]);
-    BOOST_TEST(narrowed[k] == low);
-    BOOST_TEST(narrowed[k + lanes] == high);
-    BOOST_TEST(static_cast<double>(back.low[k]) == static_cast<double>(low));
-    BOOST_TEST(static_cast<double>(back.high[k]) == static_cast<double>(high));
+    const double one = given[k];
+    const auto is = static_cast<float>(one);
+    BOOST_TEST(both[k] == is);
+    BOOST_TEST(both[k + lanes] == is);
+    BOOST_TEST(static_cast<double>(back[k]) == static_cast<double>(is));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(halves_beside_each_other) {
+  const float low = 1.5F, high = -2.5F;
+  const single is(beside(&low, &high)), exchanged = halves_exchanged(is);
+  for (std::size_t k = 0; k < single::size(); ++k) {
+    BOOST_TEST(is[k] == (k < lanes ? low : high));
+    BOOST_TEST(exchanged[k] == (k < lanes ? high : low));
   }
 }
 
@@ -117,7 +125,7 @@ BOOST_AUTO_TEST_CASE(single_choices_by_lane) {
     y[k] = 7.5 - static_cast<double>(k);
   }
   const auto of = [](const std::array<double, 2 * lanes>& a) {
-    return narrow({real(a.data(), stdx::element_aligned), real(a.data() + lanes, stdx::element_aligned)});
+    return single(single::lanes_type([&](auto lane) { return static_cast<float>(a[lane]); }));
   };
   const single a = of(x), b = of(y), other(-1.0), mean = (a + b) * 0.5, ratio = a / (1.0 + a), opposite = -a;
   for (std::uint32_t bits = 0; bits < 1U << single::size(); bits += 7) {
@@ -143,8 +151,9 @@ BOOST_AUTO_TEST_CASE(single_roots_to_a_rounding_or_two) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> exponent(-16.0, 16.0);
   for (int n = 0; n < 2000; ++n) {
-    const single r2 = narrow({filled([&](std::size_t) { return std::pow(10.0, exponent(random)); }),
-                              filled([&](std::size_t) { return std::pow(10.0, exponent(random)); })});
+    const auto some = [&](std::size_t) { return std::pow(10.0, exponent(random)); };
+    const single one = in_both_halves(filled(some)), other = halves_exchanged(in_both_halves(filled(some)));
+    const single r2 = select(other < one, one, other);
     const auto root = both_roots(r2);
     for (std::size_t k = 0; k < single::size(); ++k) {
       const double exact = std::sqrt(static_cast<double>(r2[k]));

@@ -7,6 +7,8 @@ from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
 POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_surface_tension", "drop_emulsion"
 
+DOUBLE = {"kernel.precision": "double"}  # where nothing but rounding may be left
+
 
 def size(n, dimension=2):
     return {f"domain.particles_{axis}": n for axis in "xyz"[:dimension]}
@@ -206,7 +208,7 @@ class Melting(Case):
             &time  t_end = 4.0 /""")
         errors = []
         for n in (24, 48):
-            run = self.run_program("rti", source, {"domain.particles_x": n // 4, "domain.particles_y": n})
+            run = self.run_program("rti", source, {"domain.particles_x": n // 4, "domain.particles_y": n, **DOUBLE})
             m = run.summary["metrics"]
             errors.append(abs(m["melt_fraction"] / m["melt_fraction_conducted"] - 1))
             self.assertLess(abs(m["heat_residual"]), 1e-12)
@@ -215,7 +217,7 @@ class Melting(Case):
 
     def test_pond(self):
         """Liquid metal, liquid and solid silicate: the metal goes down as it melts its floor, and heat and energy are accounted for."""
-        settings = {**size(20), "output.interval": 0, "time.t_end": 2500}
+        settings = {**size(20), "output.interval": 0, "time.t_end": 2500, **DOUBLE}
         m = self.run_program("rti", POND, settings).summary["metrics"]
         cold = self.run_program("rti", POND, {**settings, "rti.conductivity": 0}).summary["metrics"]
         self.assertLess(abs(m["heat_residual"]), 1e-10)
@@ -225,7 +227,7 @@ class Melting(Case):
 
     def test_pond_in_three_dimensions(self):
         """A box of equal edges, periodic along z: heat and energy are accounted for there too, and about as much melts as in two."""
-        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500 if SLOW else 1000}
+        flat = {**size(10), "kernel.name": "quintic", "output.interval": 0, "time.t_end": 1500 if SLOW else 1000, **DOUBLE}
         deep = {**flat, "domain.dimension": 3, "domain.particles_z": 10, "domain.length_z": 1e6, "domain.periodic_z": ".true."}
         m = self.run_program("rti", POND, deep).summary["metrics"]
         self.assertLess(abs(m["heat_residual"]), 1e-10)
@@ -246,7 +248,7 @@ class Partitioning(Case):
     def test_drop(self):
         """A drop that sinks and takes up an element: none is lost, and the uptake is that of diffusion along the radius. Measured:
         1.4 % at n = 30, 0.5 % at 60."""
-        settings = {**size(30), "output.interval": 0}
+        settings = {**size(30), "output.interval": 0, **DOUBLE}
         m = self.run_program("drop", PARTITIONING, settings).summary["metrics"]
         self.assertLess(m["element_mass_error"], 1e-12)
         self.assertAlmostEqual(m["equilibration_time"] / m["equilibration_time_reference"], 1, delta=0.02)
@@ -256,7 +258,7 @@ class Partitioning(Case):
     def test_equilibrium_stays(self):
         """Concentrations in equilibrium at the start, with a constant coefficient, stay as they are."""
         settings = {**size(20), "element.name": "constant", "element.partition_coefficient": 5, "element.concentration_metal": 5,
-                    "time.t_end": 1000, "output.interval": 0, "drop.radius": 2e5, "drop.y": 1e6}
+                    "time.t_end": 1000, "output.interval": 0, "drop.radius": 2e5, "drop.y": 1e6, **DOUBLE}
         source = self.here / "constant.nml"
         source.write_text((INPUTS / f"{PARTITIONING}.nml").read_text().replace("iron_ratio = 2.0", ""))
         run = self.run_program("drop", source, settings)

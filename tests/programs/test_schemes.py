@@ -53,6 +53,36 @@ class Exact(Case):
                 self.assertEqual(again.summary["state_hash"], whole.summary["state_hash"])
 
 
+class Contact(Case):
+    """Iron under silicate without gravity, one pressure everywhere."""
+
+    def moves(self, program, settings):
+        """Root mean square of the speed at the end, m/s."""
+        return self.run_program(program, "contact", {"time.t_end": 10, **QUIET, **settings}).summary["metrics"]["v_rms"]
+
+    def test_one_lattice_is_at_rest(self):
+        """Equal volumes: Y is the same for all, so that either pattern's sum vanishes by symmetry, pair by pair, to rounding."""
+        for program in ("disph_c", "disph_e", "disph_f", "disph_f2"):
+            with self.subTest(program):
+                self.assertLess(self.moves(program, {}), 1e-9)
+
+    def test_equal_masses_and_the_patterns(self):
+        """Where Y jumps pattern 1 has the force -p (ΔV_i - ΔV_j)² ∇W that pattern 2 lacks."""
+        mass = {"rti.masses": "equal_mass"}
+        first, second = self.moves("disph_f", mass), self.moves("disph_f2", mass)
+        self.assertGreater(first, 2 * second)
+        self.assertGreater(second, 1e-3)
+
+    def test_ranks_and_restart(self):
+        settings = {"domain.jitter": 0.1, "rti.masses": "equal_mass", "rti.shear": 200, "rti.gravity": 10, "time.dt": 0.4, "time.steps": 12,
+                    "domain.balance": "counted", **QUIET}
+        whole = self.run_program("disph_f2", "contact", settings)
+        self.assertEqual(outcome(self.run_program("disph_f2", "contact", settings, ranks=4).summary), outcome(whole.summary))
+        self.run_program("disph_f2", "contact", {**settings, "time.steps": 5}, output="part", ranks=3)
+        again = self.run_program("disph_f2", "contact", settings, output="part", options=["--restart", "latest"])
+        self.assertEqual(again.summary["state_hash"], whole.summary["state_hash"])
+
+
 class Problems(Case):
     def test_drop(self):
         """A cylinder's fall in a box, 4.8 particles across, and 6.4: an eighth too fast at most, as the viscous sum smooths the flow about it."""

@@ -6,6 +6,7 @@ import unittest
 from running import BAD_INPUT, INTERRUPTED, SLOW, Case
 
 SCHEMES = ["ssph", "disph", "gsph", "gdisph", "remix"]
+DOUBLE = {"kernel.precision": "double"}  # where nothing but its rounding may be left
 
 
 class Shock(Case):
@@ -34,7 +35,7 @@ class Shock(Case):
         """Round-off, where no walls are."""
         for scheme in SCHEMES:
             with self.subTest(scheme):
-                s = self.summary("sod", {"shock.scheme": scheme, "domain.particles_x": 100, "domain.periodic_x": "T"})
+                s = self.summary("sod", {"shock.scheme": scheme, "domain.particles_x": 100, "domain.periodic_x": "T", **DOUBLE})
                 self.assertLess(s["conservation"]["momentum"], 1e-13)
 
     def test_two_dimensions(self):
@@ -137,7 +138,7 @@ class Shock(Case):
 
     def test_symmetry(self):
         """A quarter between walls is a quarter of the whole, to rounding, which chaos has no time to magnify."""
-        settings = {"domain.dimension": 2, "time.t_end": 0.02, "shock.p_l": 1e-3}
+        settings = {"domain.dimension": 2, "time.t_end": 0.02, "shock.p_l": 1e-3, **DOUBLE}
         whole = self.summary("sedov", {**settings, "domain.particles_x": 32})
         part = self.summary("sedov_octant", {**settings, "domain.particles_x": 16})
         self.assertEqual(part["steps"], whole["steps"])
@@ -149,7 +150,7 @@ class Shock(Case):
     def test_explosion(self):
         """The shock's radius to a quarter of a spacing, which is 2.1 % of it; energy as the steps' errors."""
         settings = {"domain.dimension": 2, "domain.particles_x": 32, "time.t_end": 0.1, "shock.p_l": 1e-3,
-                    "shock.support_terms": "number"}
+                    "shock.support_terms": "number", **DOUBLE}
         for scheme in SCHEMES if SLOW else ["disph", "gdisph", "remix"]:
             with self.subTest(scheme):
                 s = self.summary("sedov", {**settings, "shock.scheme": scheme})
@@ -200,7 +201,7 @@ class Shock(Case):
     def test_forces_without_terms_of_supports(self):
         """Where all supports are the same there are none to leave out; at a contact of two lattices they hold the square."""
         even = {"shock.rho_r": 1, "shock.u_l": 0.1, "shock.u_r": 0.1, "shock.p_r": 1, "domain.particles_x": 50,
-                "domain.periodic_x": "T", "time.steps": 5}
+                "domain.periodic_x": "T", "time.steps": 5, **DOUBLE}
         for scheme in ["ssph", "disph", "gdisph"]:
             one, other = (self.summary("sod", {**even, "shock.scheme": scheme, "shock.support_terms": terms})["errors"]
                           for terms in ("none", "number"))

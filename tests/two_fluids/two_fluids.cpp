@@ -268,3 +268,37 @@ BOOST_AUTO_TEST_CASE(many_drops_through_the_input) {
     BOOST_CHECK_THROW(resolved(start + bad + walls, problem_kind::drop, other), foundation::error);
   }
 }
+
+// A contact without gravity: each layer of equal masses has a lattice of its own, the denser one the finer.
+BOOST_AUTO_TEST_CASE(lattices_of_equal_masses) {
+  const std::string box =
+      "&domain length_x = 2.5e4 length_y = 1e5 particles_x = 16 particles_y = 64 periodic_x = .true. /\n";
+  const auto contact = [&](const std::string& more, const char* start = "coloured", const char* amplitude = "0") {
+    return box + "&rti density_upper = 2000 density_lower = 8000 gravity = 0 p_top = 1e10 start = '" + start +
+           "' amplitude = " + amplitude + " " + more + " /\n";
+  };
+  {
+    options o;
+    const auto p = resolved(contact("masses = 'equal_mass'"), problem_kind::rayleigh_taylor, o);
+    BOOST_TEST(p.layers[0].number[0] == 32);
+    BOOST_TEST(p.layers[0].number[1] == 64);
+    BOOST_TEST(p.layers[1].number[0] == 16);
+    BOOST_TEST(p.layers[1].number[1] == 32);
+    BOOST_TEST(p.layers[1].low == 5e4);
+    BOOST_TEST(p.layers[0].volume * 8000.0 == p.layers[1].volume * 2000.0, tt::tolerance(1e-12));
+    BOOST_TEST(particles_at_start(o, p) == 32.0 * 64.0 + 16.0 * 32.0);
+    BOOST_TEST(p.base->at(1e3).pressure == 1e10, tt::tolerance(1e-12));
+  }
+  {
+    options o;
+    const auto p = resolved(contact(""), problem_kind::rayleigh_taylor, o);
+    BOOST_TEST(p.layers[0].number[1] == 32);
+    BOOST_TEST(particles_at_start(o, p) == 16.0 * 64.0);
+  }
+  for (const auto& wrong :
+       {contact("masses = 'equal_mass'", "coloured", "1e3"), contact("masses = 'equal_mass' shear = 1", "displaced"),
+        contact("shear = 1", "displaced")}) {
+    options o;
+    BOOST_CHECK_THROW(resolved(wrong, problem_kind::rayleigh_taylor, o), foundation::error);
+  }
+}

@@ -213,9 +213,11 @@ BOOST_AUTO_TEST_CASE(hydrostatic_pressure_goes_on_beyond_the_walls) {
   check.operator()<3>();
 }
 
-// f = ν∇²v + g on all fluid that a marker sees: the sum over all fluid, owned or ghost.
-BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
-  auto scene = disorder<2>(closed_box<2>("virtual_marker"));
+// f = ν∇²v + g on all fluid that a marker sees, along axes that have walls: the sum over all fluid, owned or ghost.
+void check_acceleration(bool along_one_axis) {
+  auto o = closed_box<2>("virtual_marker");
+  o.domain.periodic[0] = along_one_axis;
+  auto scene = disorder<2>(o);
   auto& w = scene.w;
   auto& s = w.s;
   w.g = {0.5, -9.0};
@@ -230,21 +232,73 @@ BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
   for (std::size_t a = 0; a < 2; ++a)
     for (std::size_t i = 0; i < s.fluid; ++i) f[a][i] = f[a][i] / s.m[i] + w.g[a];
   for (std::size_t a = 0; a < 2; ++a) w.exchange_fluid({f[a].data()});
-  const auto& list = scene.walls.near_marker;
   std::size_t seen = 0, wrong = 0;
-  for (std::size_t r = 0; r < list.rows(); ++r) {
-    const auto row = list.row(r);
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const std::size_t j = scene.walls.listed[static_cast<std::size_t>(row[k])];
-      double r2 = 0.0;
-      for (std::size_t a = 0; a < 2; ++a) r2 += std::pow(s.x[a][j] - scene.walls.marker[a][r], 2);
-      if (r2 >= std::pow(scene.walls.reach, 2)) continue;
-      ++seen;
-      for (std::size_t a = 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
-    }
-  }
+  for (const auto* markers : {&scene.walls.read, &*scene.walls.unread})
+    for (std::size_t k = 0; k < markers->of.size(); ++k)
+      for (const std::uint32_t place : markers->near.row(k)) {
+        const std::size_t j = markers->listed[place];
+        double r2 = 0.0;
+        for (std::size_t a = 0; a < 2; ++a) r2 += std::pow(s.x[a][j] - scene.walls.marker[a][markers->of[k]], 2);
+        if (r2 >= std::pow(scene.walls.reach, 2)) continue;
+        ++seen;
+        for (std::size_t a = along_one_axis ? 1 : 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
+      }
   BOOST_TEST((seen > 0 || s.walls == 0));
   BOOST_TEST(wrong == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(acceleration_without_pressure) {
+  check_acceleration(false);
+  check_acceleration(true);
+}
+
+// Wall particles that no fluid reaches are left out unless they are asked for, and change nothing of the others.
+BOOST_AUTO_TEST_CASE(what_no_particle_reads_is_left_out) {
+  constexpr double untouched = -7.0;
+  const auto check = []<int D>(const hydrostatic::options& o) {
+    const auto values = [&](bool complete) {
+      auto scene = make_scene<D>(o, domain::communicator::world(), 0.05);
+      auto& w = scene.w;
+      auto& s = w.s;
+      scene.walls.complete = complete;
+      for (std::size_t a = 0; a < D; ++a) randomise<D>(w, s.v[a], 3 + a, -1.0, 1.0);
+      randomise<D>(w, s.p, 8, 1e9, 2e9);
+      fill<D>(w, s.dV, [&](std::size_t i) { return s.m[i] / s.rho[i]; });
+      for (std::size_t i = s.first_wall(); i < s.total(); ++i) s.p[i] = untouched;
+      walls::virtual_marker::kinematics(w, scene.walls);
+      walls::virtual_marker::weights(w, scene.walls);
+      walls::virtual_marker::pressures(w, scene.walls);
+      // A wall particle in some fluid particle's reach has its value.
+      std::size_t missing = 0;
+      for (std::size_t i = 0; i < s.fluid; ++i)
+        w.list.for_each(i / w.list.width, [&](std::uint32_t j, std::uint32_t) {
+          double r2 = 0.0;
+          for (std::size_t a = 0; a < D; ++a) r2 += std::pow(s.x[a][i] - s.x[a][j], 2);
+          missing += j >= s.first_wall() && r2 < std::pow(w.support(), 2) && s.p[j] == untouched ? 1 : 0;
+        });
+      BOOST_TEST(missing == 0U);
+      return std::pair{walls_by_id(scene, s.p), walls_by_id(scene, s.v[0])};
+    };
+    const auto all = values(true), some = values(false);
+    std::size_t left_out = 0, wrong = 0, number = 0;
+    for (std::size_t k = 0; k < all.first.size(); ++k) {
+      if (all.first[k] == 0.0) continue;  // no wall particle's
+      ++number;
+      wrong += all.first[k] == untouched ? 1 : 0;
+      if (some.first[k] == untouched)
+        ++left_out;
+      else
+        wrong += some.first[k] != all.first[k] || some.second[k] != all.second[k] ? 1 : 0;
+    }
+    BOOST_TEST(wrong == 0U);
+    return static_cast<double>(left_out) / static_cast<double>(number);
+  };
+  // The outermost of the quintic's four layers, which is behind 0.1 spacings alone.
+  auto o = box<2>({24, 16}, false, "virtual_marker");
+  o.domain.periodic[0] = true;
+  BOOST_TEST(check.operator()<2>(o) == 0.25);
+  // Of C2's three too; in edges and corners, which are farther from the fluid, more.
+  BOOST_TEST(check.operator()<3>(closed_box<3>("virtual_marker")) > 1.0 / 3.0);
 }
 
 // One viscosity for all: the same, told once or carried by each particle.
@@ -259,7 +313,7 @@ BOOST_AUTO_TEST_CASE(acceleration_of_one_viscosity) {
     w.uniform_transport.reset();
     if (told) w.uniform_transport = eta;
     walls::virtual_marker::kinematics(w, scene.walls);
-    for (const std::size_t i : scene.walls.near_wall.rows)
+    for (const std::size_t i : scene.walls.read.near_wall.rows)
       for (const auto& f : scene.walls.f) near[told ? 1 : 0].push_back(f[i]);
   }
   BOOST_REQUIRE(near[0].size() == near[1].size());

@@ -109,50 +109,67 @@ struct graded_viscosity {
     a.m += F_r2 * s;
   }
   void end(const auto& members, const auto& a) const {
-    members.each([&](std::size_t i, const auto& of) { end(i, a, of); });
+    members.with_doubles([&](const pairs::cluster<pairs::real>& i, const auto& of) { finish(i, in_metres(a, of)); });
   }
 
  private:
-  void end(std::size_t i, const auto& a, const auto& of) const {
-    constexpr auto d = static_cast<double>(D);
-    const double scale = -2.0 * d * (d + 2.0) / of(a.m, -D);
+  using real = pairs::real;
+
+  // The sums of those members whose lanes `of` takes.
+  static me<real> in_metres(const auto& a, const auto& of) {
+    constexpr auto d = static_cast<int>(D);
+    me<real> all;
     for (std::size_t p = 0; p < D; ++p) {
-      double force_i = of(a.sum[p], -D - 2);
+      all.sum[p] = of(a.sum[p], -d - 2);
+      all.force[p] = of(a.force[p], -d - 2);
+      all.slope[p] = of(a.slope[p], -d - 1);
+      for (std::size_t k = 0; k < S; ++k) all.third[k][p] = of(a.third[k][p], -d - 1);
+    }
+    all.m = of(a.m, -d);
+    all.second = of(a.second, -d);
+    for (std::size_t k = 0; k < a.b.size(); ++k) all.b[k] = of(a.b[k], -d);
+    for (std::size_t k = 0; k < a.M.size(); ++k) all.M[k] = of(a.M[k], -d);
+    return all;
+  }
+
+  [[gnu::noinline]] void finish(const pairs::cluster<real>& i, const me<real>& a) const {
+    constexpr auto d = static_cast<double>(D);
+    const real scale = -2.0 * d * (d + 2.0) / a.m, of_laplacian = -2.0 * d / a.second;
+    for (std::size_t p = 0; p < D; ++p) {
+      real force_i = a.sum[p];
       for (std::size_t q = 0; q < D; ++q)
         for (std::size_t c = 0; c < D; ++c)
-          force_i -= gradient[q][c][i] * of(a.third[operators::symmetric_place(p, q, D)][c], -D - 1);
-      out[p][i] = scale * force_i;
-    }
-    const double of_laplacian = -2.0 * d / of(a.second, -D);
-    for (std::size_t p = 0; p < D; ++p) slope[p][i] = of_laplacian * of(a.slope[p], -D - 1);
-    if constexpr (isotropic) {
-      const double nu = root[i] * root[i];
-      for (std::size_t p = 0; p < D; ++p) {
-        plain[p][i] = out[p][i];
-        out[p][i] -= beta * of_laplacian * of(a.force[p], -D - 2) / nu;
+          force_i -= i(gradient[q][c]) * a.third[operators::symmetric_place(p, q, D)][c];
+      force_i *= scale;
+      i.set(slope[p], of_laplacian * a.slope[p]);
+      if constexpr (isotropic) {
+        const real own_root = i(root);
+        i.set(plain[p], force_i);
+        force_i -= beta * of_laplacian * a.force[p] / (own_root * own_root);
       }
-      next_angles(i, a, of);
+      i.set(out[p], force_i);
     }
+    if constexpr (isotropic) next_angles(i, a);
   }
 
   // Half the way to the a_i that is right for the neighbours' a_j.
-  void next_angles(std::size_t i, const auto& a, const auto& of) const {
-    std::array<std::array<double, N>, N> M{};
-    std::array<double, N> b{};
+  void next_angles(const pairs::cluster<real>& i, const me<real>& a) const {
+    std::array<std::array<real, N>, N> M;
+    std::array<real, N> b, next;
     for (std::size_t k = 0, place = 0; k < N; ++k) {
-      b[k] = 2.0 * of(a.b[k], -D);  // F < 0: both sides change their signs
-      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -of(a.M[place++], -D);
+      b[k] = 2.0 * a.b[k];  // F < 0: both sides change their signs
+      for (std::size_t l = 0; l <= k; ++l) M[k][l] = -a.M[place++];
     }
     constexpr double most = 0.8;
-    double sum = 0.0;
-    const bool solvable = operators::factorise(M);
-    const auto wanted = solvable ? operators::solve(M, b) : std::array<double, N>{};
-    std::array<double, N> next;
+    const auto solvable = operators::factorise(M);
+    const auto wanted = operators::solve(M, b);
+    real sum = 0.0;
     for (std::size_t k = 0; k < N; ++k) {
-      next[k] = 0.5 * (angular[k][i] + wanted[k]);
-      sum += std::abs(next[k]);
+      next[k] = 0.5 * (i(angular[k]) + foundation::select(solvable, wanted[k], real(0.0)));
+      sum += abs(next[k]);
     }
-    for (std::size_t k = 0; k < N; ++k) next_angular[k][i] = sum > most ? next[k] * most / sum : next[k];
+    const real part = foundation::select(sum > most, most / sum, real(1.0));
+    for (std::size_t k = 0; k < N; ++k) i.set(next_angular[k], next[k] * part);
   }
 };
 

@@ -10,8 +10,8 @@ struct slopes_tag {};
 inline constexpr slopes_tag of_slopes;
 
 // Q(f) = Σ V F [2 (f_i - f_j) - (G_i + G_j)·r] [after Antuono et al., Comput. Phys. Commun. 181, 532 (2010)] of the K
-// fields of operators::consistent. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a pair. Where ξ² goes with ν, energy
-// is p²/ξ²: so it falls, whatever the contrast.
+// fields of operators::consistent; what G_i takes is G_i·Σ V F r. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a
+// pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
 template <int D, int fields, bool graded>
 struct noise {
   static constexpr std::size_t K = fields;
@@ -21,31 +21,47 @@ struct noise {
 
   template <class R>
   struct me {
-    std::array<R, K> sum;
+    std::array<R, K> sum;                             // of 2 (f_i - f_j) - G_j·r
+    pairs::vec<R, D> first;                           // Σ F r
+    std::array<pairs::vec<R, D>, graded> first_of_p;  // with the part of a pair
   };
   auto reads() const { return std::tuple{pairs::read(of_slopes, gradients, -1)}; }
   template <class R>
   me<R> begin(const pairs::cluster<R>&) const {
     me<R> a;
     a.sum.fill(R(0.0));
+    a.first = foundation::zero<R, D>();
+    a.first_of_p.fill(foundation::zero<R, D>());
     return a;
   }
   void add(auto& a, const auto& ij) const {
-    const auto G = ij.own(of_slopes) + ij(of_slopes);
+    const auto G = ij(of_slopes);
     const auto f_ij = ij.difference(operators::of_fields);
+    const auto Fr = ij.F * ij.x_ij;
+    const auto twice_F = ij.F + ij.F;
+    a.first += Fr;
     for (std::size_t k = 0; k < K; ++k) {
-      auto steps = 2.0 * f_ij[k];
-      for (std::size_t b = 0; b < D; ++b) steps -= G[k * D + b] * ij.x_ij[b];
-      if constexpr (graded)
-        if (k == D + 1) {
-          const auto mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
-          steps *= mine / foundation::greater(mine, ij(of_viscosity_root) * ij(of_viscosity_root));
-        }
-      a.sum[k] += ij.F * steps;
+      if (graded && k == D + 1) continue;
+      a.sum[k] += twice_F * f_ij[k];
+      for (std::size_t b = 0; b < D; ++b) a.sum[k] -= G[k * D + b] * Fr[b];
+    }
+    if constexpr (graded) {
+      constexpr std::size_t p = D + 1;
+      const auto mine = ij.own(of_viscosity_root) * ij.own(of_viscosity_root);
+      const auto part = mine / foundation::greater(mine, ij(of_viscosity_root) * ij(of_viscosity_root));
+      const auto part_of_Fr = part * Fr;
+      a.first_of_p[0] += part_of_Fr;
+      a.sum[p] += part * twice_F * f_ij[p];
+      for (std::size_t b = 0; b < D; ++b) a.sum[p] -= G[p * D + b] * part_of_Fr[b];
     }
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < K; ++k) i.set(out[k], V * a.sum[k], -D - 2);
+    for (std::size_t k = 0; k < K; ++k) {
+      const auto& first = graded && k == D + 1 ? a.first_of_p[0] : a.first;
+      auto sum = a.sum[k];
+      for (std::size_t b = 0; b < D; ++b) sum -= i(gradients[k * D + b], -1) * first[b];
+      i.set(out[k], V * sum, -D - 2);
+    }
   }
 };
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <convection/state.hpp>
+#include <limits>
 
 namespace tetsuame::convection {
 
@@ -30,33 +31,55 @@ double dissipation(const convection_state<D>& state, std::size_t i, double nu) {
   return sum;
 }
 
-// Of a particle against the fluid: w, m/s, and ε h |w|, m2/s.
+// Rates are computed of several particles at once, in lanes.
+using pairs::real;
+using several = pairs::cluster<real>;
+
+// f(particle) of each of them, of what is only known one by one.
+template <class F>
+real one_by_one(const several& i, F&& f) {
+  real all = 0.0;
+  i.each([&](std::size_t particle, const auto&) { all[particle - i.first] = f(particle); });
+  return all;
+}
+
+// Of particles against the fluid: w, m/s, and ε h |w|, m2/s.
 template <int D>
 struct particle_shift {
-  std::array<double, D> w;
-  double remap;
+  std::array<real, D> w;
+  real remap;
 };
 
 template <int D>
-particle_shift<D> shift_of(const convection_state<D>& state, std::size_t i) {
+particle_shift<D> shift_of(const convection_state<D>& state, const several& i) {
   const auto& c = state.input.convection;
   const double h = state.at_start.h, strength = c.shifting * h * state.start.v_max, most = 0.5 * state.start.v_max;
   particle_shift<D> of;
-  double w2 = 0.0;
+  real w2 = 0.0;
   for (std::size_t a = 0; a < D; ++a) {
-    of.w[a] = -strength * state.last.uneven[a][i];
+    of.w[a] = -strength * i(state.last.uneven[a].data());
     w2 += of.w[a] * of.w[a];
   }
-  const double cut = w2 > most * most ? most / std::sqrt(w2) : 1.0;
-  of.remap = c.remap_diffusion * h * cut * std::sqrt(w2);
-  for (double& w : of.w) w *= cut;
+  const real speed = sqrt(w2), cut = foundation::select(w2 > most * most, most / speed, real(1.0));
+  of.remap = c.remap_diffusion * h * cut * speed;
+  for (real& w : of.w) w *= cut;
   return of;
 }
 
-// Heat of friction and of compression, to dT/dt. With an equation of state c_p follows the pressure
+// b, m/s2.
+template <int D>
+real buoyancy_of(const convection_state<D>& state, const several& i) {
+  const auto& s = state.fluid();
+  const auto& layer = state.layer;
+  if (layer.weighed)
+    return one_by_one(i, [&](std::size_t k) { return buoyancy(layer, s.x[1][k], s.T[k], state.p[k]); });
+  return linear_buoyancy(layer, i(s.x[1].data()), i(s.T.data()), i(state.p.data()));
+}
+
+// dT/dt with heat of friction and of compression. With an equation of state c_p follows the pressure
 // (gravity_density.hpp), for conduction and heat from inside as well.
 template <int D>
-void release_heat(const convection_state<D>& state, std::size_t i, double nu, double& dT) {
+double with_heat(const convection_state<D>& state, std::size_t i, double nu, double dT) {
   const auto& s = state.fluid();
   const auto& c = state.input.convection;
   const auto& layer = state.layer;
@@ -67,53 +90,74 @@ void release_heat(const convection_state<D>& state, std::size_t i, double nu, do
   if (c.viscous_heating) released += dissipation(state, i, nu);
   if (c.adiabatic_heating) released -= buoyancy_slope(layer, s.x[1][i], s.T[i]) * s.v[1][i] * s.T[i];
   if (follows_pressure)
-    dT += (kappa * laplacian_T[i] + layer.heating + released * per_c_p) *
-              (c_p / (c_p + layer.weighed->heat_capacity_change(s.x[1][i], s.T[i]))) -
-          kappa * laplacian_T[i] - layer.heating;
-  else
-    dT += released * per_c_p;
+    return dT +
+           (kappa * laplacian_T[i] + layer.heating + released * per_c_p) *
+               (c_p / (c_p + layer.weighed->heat_capacity_change(s.x[1][i], s.T[i]))) -
+           kappa * laplacian_T[i] - layer.heating;
+  return dT + released * per_c_p;
 }
 
-// The rates of a particle, in the order of convection::fields(). Returns its speed squared, with its shift.
+// Of some particles: their largest speed squared, with the shift, m2/s2; whether all rates but those of x are finite.
+struct outcome {
+  double speed2 = 0.0;
+  bool finite = true;
+};
+
+// The rates of particles, in the order of convection::fields().
 template <int D>
-double rates_of(const convection_state<D>& state, std::size_t i, std::span<double* const> rate) {
+outcome rates_of(const convection_state<D>& state, const several& i, std::span<double* const> rate) {
   const auto& s = state.fluid();
   const auto& layer = state.layer;
   const auto& c = state.input.convection;
   const auto& f = layer.fluid;
   const auto& last = state.last;
-  const auto& G = last.latest.gradient;
   constexpr std::size_t T = unknown<D>::T, p = unknown<D>::p, z = unknown<D>::z;
+  const auto G = [&](std::size_t k, std::size_t a) { return i(last.latest.gradient[k][a].data()); };
+  const auto noise = [&](std::size_t k) { return i(last.noise[k].data()); };
   const auto [w, remap] = shift_of(state, i);
-  const double nu = state.viscosity(i), xi2 = inertia(layer, nu), per_xi2 = 1.0 / xi2;
+  const real nu = layer.law.varies ? one_by_one(i, [&](std::size_t k) { return state.viscosity(k); }) : real(layer.nu);
+  const real xi2 = inertia(layer, nu), per_xi2 = 1.0 / xi2;
   const double a_inertia = layer.steady ? 1.0 : 0.0;
-  std::array<double, D> moving;  // w + a v
-  for (std::size_t a = 0; a < D; ++a) moving[a] = w[a] + a_inertia * s.v[a][i];
-  double speed2 = 0.0, divergence = 0.0, dT = f.kappa * last.laplacian[T][i] + layer.heating + remap * last.noise[T][i];
-  double dp = *c.pressure_diffusion * state.at_start.h * layer.c_eff * last.noise[p][i];
+  real::mask_type finite(true);
+  const auto set = [&](std::size_t k, const real& value) {
+    i.set(rate[k], value);
+    finite = finite && abs(value) <= std::numeric_limits<double>::max();
+  };
+  std::array<real, D> v, moving;  // w + a v
   for (std::size_t a = 0; a < D; ++a) {
-    const double viscous = layer.law.varies ? last.viscous[a][i] : last.laplacian[layer.relaxed ? z + a : a][i];
-    double force = nu * viscous - G[p][a][i] / f.rho, advected = 0.0;
-    if (a == 1) force += buoyancy(layer, s.x[1][i], s.T[i], state.p[i]);
-    for (std::size_t b = 0; b < D; ++b) advected += moving[b] * G[a][b][i];
-    rate[a][i] = s.v[a][i] + w[a];
-    rate[D + a][i] = per_xi2 * force + advected + remap * last.noise[a][i];
-    if (layer.relaxed) {
-      double carried = 0.0;
-      for (std::size_t b = 0; b < D; ++b) carried += moving[b] * G[z + a][b][i];
-      rate[D + z + a][i] = layer.instant_share * per_xi2 * force +
-                           (s.v[a][i] - state.z[a][i]) * (1.0 / layer.relaxation_time) + carried +
-                           remap * last.noise[z + a][i];
-    }
-    speed2 += rate[a][i] * rate[a][i];
-    divergence += G[a][a][i];
-    dT += w[a] * G[T][a][i];
-    dp += (w[a] + s.v[a][i]) * G[p][a][i];
+    v[a] = i(s.v[a].data());
+    moving[a] = w[a] + a_inertia * v[a];
   }
-  release_heat(state, i, nu, dT);
-  rate[D + T][i] = dT;
-  rate[D + p][i] = dp - f.rho * layer.c_eff * layer.c_eff * xi2 * divergence;
-  return speed2;
+  real speed2 = 0.0, divergence = 0.0;
+  real dT = f.kappa * i(last.laplacian[T].data()) + layer.heating + remap * noise(T);
+  real dp = *c.pressure_diffusion * state.at_start.h * layer.c_eff * noise(p);
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto& viscous = layer.law.varies ? last.viscous[a] : last.laplacian[layer.relaxed ? z + a : a];
+    real force = nu * i(viscous.data()) - G(p, a) / f.rho, advected = 0.0;
+    if (a == 1) force += buoyancy_of(state, i);
+    for (std::size_t b = 0; b < D; ++b) advected += moving[b] * G(a, b);
+    const real dx = v[a] + w[a];
+    i.set(rate[a], dx);
+    set(D + a, per_xi2 * force + advected + remap * noise(a));
+    if (layer.relaxed) {
+      real carried = 0.0;
+      for (std::size_t b = 0; b < D; ++b) carried += moving[b] * G(z + a, b);
+      set(D + z + a, layer.instant_share * per_xi2 * force +
+                         (v[a] - i(state.z[a].data())) * (1.0 / layer.relaxation_time) + carried +
+                         remap * noise(z + a));
+    }
+    speed2 += dx * dx;
+    divergence += G(a, a);
+    dT += w[a] * G(T, a);
+    dp += dx * G(p, a);
+  }
+  if (c.viscous_heating || c.adiabatic_heating)
+    dT = one_by_one(i, [&](std::size_t k) { return with_heat(state, k, nu[k - i.first], dT[k - i.first]); });
+  set(D + T, dT);
+  set(D + p, dp - f.rho * layer.c_eff * layer.c_eff * xi2 * divergence);
+  outcome all{0.0, (i.chosen & ~foundation::bits_of(finite)) == 0};
+  i.each([&](std::size_t, const auto& of) { all.speed2 = std::max(all.speed2, of(speed2)); });
+  return all;
 }
 
 template <int D>
@@ -121,17 +165,21 @@ void rates_of_change(convection_state<D>& state, std::span<double* const> rate) 
   auto& w = state.world.w;
   const auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
+  bool all_finite = true;
+  double speed2 = 0.0;  // m2/s2
+  const auto rows = w.fluid();
+  const std::size_t n = rows.clusters(real::size());
+#pragma omp parallel for schedule(static) reduction(&& : all_finite) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
+  for (std::size_t r = 0; r < n; ++r) {
+    const auto m = rows.cluster(r, real::size());
+    const auto of = rates_of(state, several{m.first, m.chosen, {}}, rate);
+    speed2 = std::max(speed2, of.speed2);
+    all_finite = all_finite && of.finite;
+  }
+  state.displacing = std::sqrt(speed2);
   const auto finite = [&](std::size_t i) {
     return std::ranges::all_of(rate.subspan(D), [&](const double* r) { return std::isfinite(r[i]); });
   };
-  bool all_finite = true;
-  double speed2 = 0.0;  // m2/s2
-#pragma omp parallel for schedule(static) reduction(&& : all_finite) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    speed2 = std::max(speed2, rates_of(state, i, rate));
-    all_finite = all_finite && finite(i);
-  }
-  state.displacing = std::sqrt(speed2);
   for (std::size_t i = 0; i < s.fluid && !all_finite; ++i)
     if (!finite(i))
       w.first_fault.report(s.id[i], "a rate is not finite at particle " + std::to_string(s.id[i]) +

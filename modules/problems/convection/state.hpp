@@ -14,17 +14,21 @@ namespace tetsuame::convection {
 
 // What a particle's place and state say alone: temperature of conduction, buoyancy, viscosity, inertia.
 
-// K, the conductive profile; y: m above the bottom.
-inline double reference_temperature(const parameters& layer, double y) {
+// K, the conductive profile; y: m above the bottom. Numbers are doubles, or several in lanes.
+template <class R>
+R reference_temperature(const parameters& layer, const R& y) {
   return layer.T_bottom - layer.fluid.dT * y / layer.fluid.L;
 }
 
 // b = α g (T - T_ref) - g q p/K₀, m/s2 upwards, or by an equation of state; q: 0, 1 (separated gravity density [S1
 // (64)]), ζ² (conventional density).
-inline double buoyancy(const parameters& layer, double y, double T, double p) {
-  if (layer.weighed) return layer.weighed->buoyancy(y, T, p, layer.compressibility);
+template <class R>
+R linear_buoyancy(const parameters& layer, const R& y, const R& T, const R& p) {
   const auto& f = layer.fluid;
   return f.alpha * f.g * (T - reference_temperature(layer, y)) - f.g * layer.compressibility * p / f.K;
+}
+inline double buoyancy(const parameters& layer, double y, double T, double p) {
+  return layer.weighed ? layer.weighed->buoyancy(y, T, p, layer.compressibility) : linear_buoyancy(layer, y, T, p);
 }
 
 // ∂b/∂T, m/(s2 K): what rises cools by it, times T v_y/c_p.
@@ -37,8 +41,9 @@ inline double viscosity(const parameters& layer, double y, double T) {  // m2/s
 }
 
 // ξ² where the viscosity is ν.
-inline double inertia(const parameters& layer, double nu) {
-  return layer.steady ? nu / layer.nu_eff : layer.slowing.xi * layer.slowing.xi;
+template <class R>
+R inertia(const parameters& layer, const R& nu) {
+  return layer.steady ? R(nu / layer.nu_eff) : R(layer.slowing.xi * layer.slowing.xi);
 }
 
 // Places of the unknowns among the fields of the operators: v, T, p, and z where the viscous response is relaxed.

@@ -46,7 +46,10 @@ class record {
     return a;
   }
   // What a swing about a steady state leaves when it dies: a of y = a + exp(-γ s) (b cos ω s + c sin ω s), s the time
-  // in turnovers (s), by least squares over that window, eight samples at least. Uncertainty: standard error of a.
+  // in turnovers (s), by least squares over that window, eight samples at least. Uncertainty: standard error of a, as
+  // if what the fit leaves were of the first order in its correlation ρ from sample to sample: (1 + ρ)/(1 - ρ) times
+  // the variance of ρ = 0. Noise of the particles has none; what a swing with another γ or ω leaves is almost the same
+  // from sample to sample.
   average beside_a_swing(std::size_t measure, double window, double turnover) const {
     constexpr double decay = 0.85, period = 1.75;  // per turnover, turnovers
     const std::size_t end = size(),
@@ -68,14 +71,18 @@ class record {
     }
     if (end - first < 8 || !operators::factorise(A)) return {mean(measure, first, end)};
     const auto c = operators::solve(A, b);
-    double squares = 0.0;
+    double squares = 0.0, products = 0.0, before = 0.0;
     for (std::size_t k = first; k < end; ++k) {
       const auto P = terms(k);
       const double left = y[k] - c[0] * P[0] - c[1] * P[1] - c[2] * P[2];
       squares += left * left;
+      products += left * before;
+      before = left;
     }
     const double variance = operators::solve(A, {1.0, 0.0, 0.0})[0] / static_cast<double>(end - first - 3);
-    return {c[0], std::sqrt(squares * variance), std::hypot(c[1], c[2])};
+    const double correlation = squares > 0.0 ? std::clamp(products / squares, 0.0, 0.99) : 0.0;
+    const double correlated = (1.0 + correlation) / (1.0 - correlation);
+    return {c[0], std::sqrt(squares * variance * correlated), std::hypot(c[1], c[2])};
   }
   bool full(double window) const { return size() >= 8 && last_time() - times_.front() >= window; }
   // Whether the window is full and the means of its two halves differ by less than `tolerance` of their mean.

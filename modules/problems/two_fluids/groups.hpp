@@ -50,6 +50,7 @@ void find_melt(const options& o, parameters& p);
 
 // waves.cpp: layers one over the other
 void declare_waves(namelist::schema& schema, const char* group, options& o);
+void find_lattices(const namelist::schema& schema, const options& o, parameters& p);
 void find_waves(const namelist::schema& schema, options& o, parameters& p);
 
 // drops.cpp

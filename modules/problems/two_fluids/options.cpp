@@ -77,13 +77,16 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   const auto names = names_of(kind);
   o.common.kernel.name = o.by_program ? "quintic" : "wendland_c6";
   o.common.kernel.skin = 0.4;
+  // What it changes is a tenth of any answer's error at most: docs/studies/2026-11-24_single_precision.md
+  if (!o.by_program) o.common.kernel.precision = "single";
   o.common.output.history_interval = 10;
   o.common.time.t_end = 3000.0;
   domain::declare(schema, demands, o.domain);
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
   for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
   schema.add(group, "bulk_modulus", o.bulk_modulus, positive("Pa", "K of p = K (rho/rho0 - 1), of both"));
-  schema.add(group, "gravity", o.gravity, positive("m/s^2", "towards -y"));
+  schema.add(group, "gravity", o.gravity,
+             kind == problem_kind::drop ? positive("m/s^2", "towards -y") : not_negative("m/s^2", "towards -y"));
   schema.add(group, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure at the top of the start column"});
   schema.add(group, "temperature", o.temperature, positive("K", "at the top of the start column"));
   schema.add(
@@ -93,7 +96,9 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
                   "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
   schema.add(group, "conductivity", o.conductivity, not_negative("W/(m K)", "thermal, not of the isothermal law"));
   schema.add(group, "surface_tension", o.surface_tension,
-             not_negative("N/m", "between the two materials; walls are neutral (90 degrees)"));
+             not_negative("N/m",
+                          "between the two materials; walls are neutral (90 degrees). Pairs are in double precision "
+                          "then, unless &kernel precision is given"));
   for (const std::size_t n : {1, 0})
     schema.add(group, std::string("temperature_") + names[n], o.start_heat[n],
                for_expert(positive("K", "at the start, enthalpy law; not given: temperature")));
@@ -147,6 +152,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   find_layers(schema, kind, o, p);
   if (kind == problem_kind::rayleigh_taylor) {
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
+    find_lattices(schema, o, p);
     find_waves(schema, o, p);
     warn_of_tension(o, p, p.interface);
     if (o.melting.curve != "none") schema.placed("melting", "curve", [&] { find_melt(o, p); });
@@ -154,6 +160,17 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     find_fall(schema, o, p);
   }
   return p;
+}
+
+double particles_at_start(const options& o, const parameters& p) {
+  if (o.masses != "equal_mass") return o.domain.lattice_particles();
+  double all = 0.0;
+  for (const auto& layer : p.layers) {
+    double of_layer = 1.0;
+    for (std::size_t a = 0; a < o.domain.axes(); ++a) of_layer *= static_cast<double>(layer.number[a]);
+    all += of_layer;
+  }
+  return all;
 }
 
 std::string theory_text(problem_kind kind, const options& o, const parameters& p) {

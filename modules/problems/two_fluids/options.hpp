@@ -74,7 +74,8 @@ struct options {
   std::optional<double> interface, wavelength;  // m
   double wavelength_z = 0.0;                    // m; 0: no change along z
   double amplitude = 750.0;                     // m
-  std::string start = "eigenmode";
+  std::string start = "eigenmode", masses = "equal_spacing";
+  double shear = 0.0;                                 // m/s, of the upper layer against the lower, along x
   std::optional<double> pond_top, cover_temperature;  // m, K: above, the lower material again
   // of drop
   double radius = 1.5e5;                          // m
@@ -97,12 +98,21 @@ struct options {
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };
 
+// Rows and columns of a layer's start lattice, and what a particle of it takes up.
+struct layer_lattice {
+  double low = 0.0;                      // m, its lower edge
+  std::array<std::int64_t, 3> number{};  // particles along each axis
+  std::array<double, 3> spacing{};       // m
+  double volume = 0.0;                   // m^D
+};
+
 // What a run computes with, SI.
 struct parameters {
   double dx;
   double halo;                                        // m, what a particle, or a marker, reaches
   std::unique_ptr<std::array<eos::any, 2>> material;  // lower or outside, upper or drop
   double interface;                                   // m, on an edge between rows
+  std::array<layer_lattice, 2> layers;                // lower, upper; of equal masses each has its own spacing
   std::unique_ptr<column> base;                       // the column at rest
   std::array<double, 2> temperature{};                // K, at the start, law 'enthalpy'
   double pond_top, cover_temperature;                 // m, K; pond_top is the lid where nothing covers the pond
@@ -132,6 +142,7 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
+double particles_at_start(const options& o, const parameters& p);
 // What --theory prints.
 std::string theory_text(problem_kind kind, const options& o, const parameters& p);
 

@@ -222,6 +222,17 @@ void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
                           f.world.w.s.dV.data(), f.gain.data()});
 }
 
+// Pressure and viscosity, of the stress that the run chose.
+template <int D, bool symmetric>
+void sum_forces(fluids<D>& f, const pairs::stretch& rows) {
+  auto& s = f.world.w.s;
+  forces<D, symmetric> all{
+      pairs::pointers<D>(s.v), f.stress.data(), s.dV.data(), s.eta.data(), f.viscous.a0, f.viscous.a1, {},
+      f.compression.data(),    f.heat.data()};
+  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
+  sum(f, rows, all);
+}
+
 // Sums over the neighbours of these rows.
 template <int D>
 void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
@@ -230,19 +241,7 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
   const auto v = pairs::pointers<D>(s.v);
   {
     const foundation::stage timed(w.times, "forces");
-    forces<D> all{v,
-                  f.stress.data(),
-                  s.dV.data(),
-                  s.eta.data(),
-                  f.p.symmetric_stress ? 0.0 : 1.0,
-                  f.p.symmetric_stress ? D + 2.0 : 0.0,
-                  f.viscous.a0,
-                  f.viscous.a1,
-                  {},
-                  f.compression.data(),
-                  f.heat.data()};
-    for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-    sum(f, rows, all);
+    f.p.symmetric_stress ? sum_forces<D, true>(f, rows) : sum_forces<D, false>(f, rows);
   }
   if (f.carried) {
     const foundation::stage timed(w.times, "continuity");

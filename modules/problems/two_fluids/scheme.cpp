@@ -36,7 +36,8 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
   schema.add(group, "supports", o.supports,
              {.choices = {"fixed", "volume"},
               .expert = true,
-              .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume"});
+              .meaning = "of the kernels: one for all, or in proportion to the edge of each particle's volume, with "
+                         "pairs in double precision"});
   schema.add(group, "delta", o.delta,
              for_expert(between(
                  0.0, 1.0, "our_method: diffusion of the dynamic pressure in the density (0: none, as in the notes)")));
@@ -59,6 +60,13 @@ eos::any make(const options& o, std::size_t n) {
   }
   m.heat_capacity = given.heat_capacity;
   return eos::make(m);
+}
+
+// Pairs in single precision, where they are the default alone, leave to double what has no other, and surface tension,
+// of which too much changes: docs/studies/2026-11-24_single_precision.md
+void choose_precision(const namelist::schema& schema, options& o) {
+  if (!schema.given("kernel", "precision") && (o.scheme.supports == "volume" || o.surface_tension > 0.0))
+    o.common.kernel.precision = "double";
 }
 
 // What the sums with supports of their own are derived for.
@@ -106,6 +114,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
     schema.fail(group, "reference_pressure", "a free surface feels the whole pressure: choose 'none'");
   const bool whole = open || s.volume != "number_density" || o.temperature_law == "enthalpy" || o.surface_tension > 0.0;
   if (s.reference_pressure == "auto") s.reference_pressure = whole ? "none" : "lightest";
+  choose_precision(schema, o);
   if (s.supports == "volume") check_supports(schema, group, o);
   if (s.rows == "balanced" &&
       !(s.volume == "our_method" && s.pressure == "non_smoothed" && s.reference_pressure == "none"))

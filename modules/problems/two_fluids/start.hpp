@@ -195,26 +195,54 @@ void displace(fluids<D>& f, std::size_t i) {
       1.0 + f.o.amplitude * wave_at(f, x) * (m.pressure - s.rho[i] * f.o.gravity * m.displacement_y) / stiffness;
 }
 
+// Equal masses: each layer's own lattice in the place of the box's, the lower one's particles numbered first.
+template <int D>
+void place_layers(fluids<D>& f) {
+  std::vector<run::lattice_block<D>> lattices(2);
+  for (const std::size_t n : {0, 1}) {
+    const auto& layer = f.p.layers[n];
+    std::copy_n(layer.number.begin(), D, lattices[n].number.begin());
+    std::copy_n(layer.spacing.begin(), D, lattices[n].spacing.begin());
+    lattices[n].corner[1] = layer.low;
+  }
+  lattices[1].first_id = lattices[0].particles();
+  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter);
+  auto& s = f.world.w.s;
+  for (std::size_t i = 0; i < s.fluid; ++i) s.material[i] = s.id[i] < lattices[1].first_id ? 0 : 1;
+}
+
+// What a particle starts with, of a density (kg/m3) and volume (m^D) at rest.
+template <int D>
+void start_at(fluids<D>& f, std::size_t i, const place& state, double V) {
+  auto& s = f.world.w.s;
+  s.m[i] = state.density * V;
+  s.rho[i] = f.rho_start[i] = state.density;
+  s.T[i] = f.T_start[i] = state.temperature;
+  s.u[i] = f.dissipated[i] = 0.0;
+  if (f.follows) f.support[i] = f.S_0;
+  const auto& e = f.o.element;
+  if (f.dissolved) f.element[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
+  if (f.o.shear != 0.0) s.v[0][i] = (f.is_metal(i) ? 0.5 : -0.5) * f.o.shear;
+}
+
 template <int D>
 void place_fluid(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
-  auto rows = rows_at_rest(f);
-  const auto heights = f.o.scheme.rows == "balanced" ? balance(f, rows) : std::vector<double>{};
-  const double V = std::pow(w.dx, D);
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto row = static_cast<std::size_t>(s.x[1][i] / w.dx);
-    const auto& state = rows[row][static_cast<std::size_t>(s.material[i])];
-    if (!heights.empty()) s.x[1][i] = s.x_start[1][i] += heights[row] - (static_cast<double>(row) + 0.5) * w.dx;
-    s.m[i] = state.density * V;
-    s.rho[i] = f.rho_start[i] = state.density;
-    s.T[i] = f.T_start[i] = state.temperature;
-    s.u[i] = f.dissipated[i] = 0.0;
-    if (f.follows) f.support[i] = f.S_0;
-    const auto& e = f.o.element;
-    if (f.dissolved) f.element[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
-    if (f.enthalpy) heat_up(f, i);
-    if (f.p.mode && f.o.start != "coloured") displace(f, i);
+  if (f.o.masses == "equal_mass") {
+    place_layers(f);
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      start_at(f, i, f.p.base->at(s.x[1][i]), f.p.layers[static_cast<std::size_t>(s.material[i])].volume);
+  } else {
+    auto rows = rows_at_rest(f);
+    const auto heights = f.o.scheme.rows == "balanced" ? balance(f, rows) : std::vector<double>{};
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const auto row = static_cast<std::size_t>(s.x[1][i] / w.dx);
+      if (!heights.empty()) s.x[1][i] = s.x_start[1][i] += heights[row] - (static_cast<double>(row) + 0.5) * w.dx;
+      start_at(f, i, rows[row][static_cast<std::size_t>(s.material[i])], std::pow(w.dx, D));
+      if (f.enthalpy) heat_up(f, i);
+      if (f.p.mode && f.o.start != "coloured") displace(f, i);
+    }
   }
   if (!f.o.common.start.file.empty()) run::start_from_file(f.o.common.start, {.material = true}, f.world);
 }

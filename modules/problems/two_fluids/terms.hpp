@@ -6,7 +6,7 @@
 //   A = p ΔV² = Y²/p: pattern 1 [S0, S2]
 //   F_ij = F (a0 - a1 |x_ij|²): a0 = 1, a1 = 0 is the notes' sum, which smooths like the kernel, by a part of order
 //   (kS)²; lattice.hpp has weights that do so by (kS)⁴ only
-//   a = 1, b = 0: ∇·(η ∇v) [S2];   symmetric: a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which
+//   a = 1, b = 0: ∇·(η ∇v) [S2];   `symmetric`: a = 0, b = d + 2: the divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], which
 //   conserves angular momentum and holds where η varies [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005), sect. 3.2]
 // and with it D_i = Σ_j v_ij·∇_i W_ij: A_i D_i (W) is what compression takes up; and the heat of friction.
 //
@@ -55,11 +55,10 @@ auto r2_of_start(const auto& ij) {
     return ij.r2;
 }
 
-template <int D>
+template <int D, bool symmetric>
 struct forces {
   std::array<const double*, D> v;  // m/s
   const double *A, *V, *eta;       // Pa m^2D, m^D, Pa s
-  double a, b;                     // of the viscous stress
   double a0, a1;                   // 1, 1/m2
   std::array<double*, D> force;    // N
   double *compression, *heat;      // D_i; W
@@ -86,12 +85,16 @@ struct forces {
                           (ij(of_volume) * ij.F) * (a0 - sums.a1 * r2_of_start(ij));
     const auto v_ij = ij.difference(of_velocity);
     const auto along = foundation::dot(v_ij, ij.x_ij);
-    using R = decltype(along);
-    const R parallel = b != 0.0 ? R(b * friction * along / ij.r2) : R(0.0);
-    sums.force += (a * friction) * v_ij;
-    sums.force += (parallel - slope) * ij.x_ij;
     sums.compression += own_slope(ij) * along;
-    sums.heat -= a * friction * foundation::dot(v_ij, v_ij) + parallel * along;
+    if constexpr (symmetric) {
+      const auto parallel = (D + 2.0) * friction * along / ij.r2;
+      sums.force += (parallel - slope) * ij.x_ij;
+      sums.heat -= parallel * along;
+    } else {
+      sums.force += friction * v_ij;
+      sums.force -= slope * ij.x_ij;
+      sums.heat -= friction * foundation::dot(v_ij, v_ij);
+    }
   }
   void end(const auto& i, const auto& sums) const {
     for (std::size_t k = 0; k < D; ++k) i.set(force[k], sums.force[k], D - 1);

@@ -18,6 +18,14 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
              {.choices = {"eigenmode", "displaced", "coloured"},
               .meaning = "displaced by the growing mode, with its velocity or at rest; or a lattice whose materials "
                          "part at the wave"});
+  schema.add(group, "masses", o.masses,
+             {.choices = {"equal_spacing", "equal_mass"},
+              .meaning = "of the particles of both layers: on one lattice; or, of a coloured start that is flat, the "
+                         "denser layer on a finer lattice, to a whole number of rows and columns"});
+  schema.add(group, "shear", o.shear,
+             {.unit = "m/s",
+              .meaning = "of a coloured start: velocity along x of the upper layer less that of the lower, half of it "
+                         "each"});
   if (!o.by_program)
     schema.add(
         group, "rows", o.scheme.rows,
@@ -66,6 +74,33 @@ theory::two_layers layers(const options& o, const parameters& p, bool compressib
 }
 
 }  // namespace
+
+// The lighter layer has the box's lattice. The denser one has, of equal masses, so many more columns and rows.
+void find_lattices(const namelist::schema& schema, const options& o, parameters& p) {
+  const auto& d = o.domain;
+  const bool equal = o.masses == "equal_mass";
+  if (equal && (o.start != "coloured" || o.amplitude != 0.0))
+    schema.fail("rti", "masses", "'equal_mass' is of a flat contact: start = 'coloured' with amplitude = 0");
+  if (equal && o.temperature_law == "enthalpy")
+    schema.fail("rti", "masses", "'equal_mass' is not for temperature_law 'enthalpy'");
+  if (o.shear != 0.0 && (o.start != "coloured" || !d.periodic[0]))
+    schema.fail("rti", "shear", "needs start = 'coloured', and sides across x that are one: periodic_x = .true.");
+  const double ratio =
+      1.0 + p.density_difference / p.base->at(p.interface * (1.0 - 1e-12)).density;  // upper over lower
+  for (const std::size_t n : {0, 1}) {
+    auto& layer = p.layers[n];
+    const double denser = equal ? std::max(1.0, n == 1 ? ratio : 1.0 / ratio) : 1.0;
+    const double finer = std::pow(denser, 1.0 / static_cast<double>(d.dimension));
+    layer.low = n == 0 ? 0.0 : p.interface;
+    layer.volume = 1.0;
+    for (std::size_t a = 0; a < d.axes(); ++a) {
+      const double length = a != 1 ? d.length[a] : n == 0 ? p.interface : d.length[1] - p.interface;
+      layer.number[a] = std::llround(length / p.dx * finer);
+      layer.spacing[a] = length / static_cast<double>(layer.number[a]);
+      layer.volume *= layer.spacing[a];
+    }
+  }
+}
 
 void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   const auto& d = o.domain;

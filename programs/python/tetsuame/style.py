@@ -17,9 +17,9 @@ CYCLE = (BLUE, ORANGE, GREEN, PINK, VERMILION, SKY, INK)  # of runs that have no
 
 # The programs, in the order of table 1. C and E often coincide, so E's line is dashed and its marker open.
 COLOUR = {"A": ORANGE, "B": PINK, "C": BLUE, "D": VERMILION, "E": SKY, "F": GREEN,
-          "Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
+          "F2": "#33BBAA", "Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
 MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
-DASHED = {"E"}
+DASHED = {"E", "F2"}
 
 # The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
 SCHEME = {"ssph": ("SSPH", ORANGE), "disph": ("DISPH", SKY), "gsph": ("GSPH", VERMILION), "gdisph": ("Godunov DISPH", BLUE),

@@ -7,7 +7,7 @@ The pieces, in the order in which a run passes through them:
     cases     what is run on what
     runner    runs the cases, several at a time, and tells divergence from a crash
     outcomes  what a program left: summary, residuals, snapshots
-    hydrostatic (with note, table, prose), convection, shock, rti   the comparisons, with their figures
+    letters (with note, table, prose) and the subjects of study.SUBJECTS   the comparisons, with their figures
     orders    orders of convergence, and their figure
     parts     what all command lines and pages have
 """

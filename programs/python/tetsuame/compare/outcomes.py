@@ -50,10 +50,14 @@ class Outcome:
         return table(self.folder / "history.csv")
 
     @functools.cached_property
+    def snapshots(self) -> list[Snapshot]:
+        """The states on disk, by time."""
+        return [Snapshot(name) for name in sorted(self.folder.glob("snapshot_*.h5"))]
+
+    @property
     def snapshot(self) -> Snapshot | None:
         """The last state on disk; None if there is none."""
-        names = sorted(self.folder.glob("snapshot_*.h5"))
-        return Snapshot(names[-1]) if names else None
+        return self.snapshots[-1] if self.snapshots else None
 
     def resolved(self, key: str) -> str:
         """The first word of a value of resolved.nml."""
@@ -83,6 +87,14 @@ def residuals(folder: Path) -> list[Residuals]:
     for step, evaluation, *row in zip(*(columns.get(name, ()) for name in ("step", "evaluation", "iteration", "residual"))):
         groups.setdefault((int(step), int(evaluation)), []).append(row)
     return [Residuals(*map(np.array, zip(*rows))) for rows in groups.values()]
+
+
+def passes(folder: Path) -> list[float]:
+    """Residuals of all passes one after another. A start that has settled is computed once more by the time stepping: that is left out."""
+    of_evaluations = residuals(folder)
+    if len(of_evaluations) > 1 and list(of_evaluations[0].residual) == list(of_evaluations[1].residual):
+        of_evaluations = of_evaluations[1:]
+    return [float(value) for one in of_evaluations for value in one.residual]
 
 
 def representatives(outcomes: list[Outcome], file: str) -> list[Outcome]:

@@ -27,7 +27,8 @@ def beside_the_note(outcomes: list[Outcome]) -> list[str]:
             "the first disturbance, and from what a program takes for the end of an iteration and of a step. These programs "
             "count as converged a residual below the tolerance that did not grow in the last pass, stop in the pass in which a pressure is "
             "not positive, and count the forces at the end of a step to that step, where others have them at the beginning of "
-            "the next. The note tells neither its tolerance nor how it counts, so that its step and iteration cannot be set up again.")
+            "the next. The note tells neither its tolerance nor how it counts; <code>./run compare hydrostatic</code> shows with which of these its "
+            "step and iteration come out.")
     return text
 
 

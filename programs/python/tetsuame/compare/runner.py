@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from ..reading import beside, last_line
@@ -20,14 +20,17 @@ CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 def run_all(cases: list[tuple[Run, argparse.Namespace]]) -> list[Outcome]:
     """The outcomes in the order of the cases, each with what was given on the command line (of study.options).
-    The long ones start first, so that none is left alone at the end."""
+    Those that others start from come first; then the long ones, so that none is left alone at the end."""
     work = [expected(case, given) for case, given in cases]
     jobs = cases[0][1].jobs
     progress = Progress(work, jobs)
+    starts = {id(case.start) for case, _ in cases}
     with ThreadPoolExecutor(jobs) as pool:
-        futures = {}
-        for index in sorted(range(len(cases)), key=lambda i: -work[i]):
-            futures[pool.submit(run_one, *cases[index], progress)] = index
+        futures, of_run = {}, {}
+        for index in sorted(range(len(cases)), key=lambda i: (id(cases[i][0]) not in starts, -work[i])):
+            case, given = cases[index]
+            future = of_run[id(case)] = pool.submit(run_one, case, given, progress, of_run.get(id(case.start)))
+            futures[future] = index
         for future in as_completed(futures):
             progress.finished(future.result(), futures[future])
     progress.end()
@@ -35,20 +38,27 @@ def run_all(cases: list[tuple[Run, argparse.Namespace]]) -> list[Outcome]:
 
 
 def expected(case: Run, given: argparse.Namespace) -> float:
-    """Seconds of the last time, else as its subject guesses."""
+    """Seconds of the last time, else as its subject guesses; next to nothing for what need not run again."""
+    record = beside(given.output.resolve() / "runs" / case.folder, ".json")
     try:
-        return json.loads(beside(given.output.resolve() / "runs" / case.folder, ".json").read_text())["seconds"]
+        if not given.fresh and recorded_status(record, fingerprint(given.binaries.resolve(), case)) is not None:
+            return 1e-3
+        return json.loads(record.read_text())["seconds"]
     except (OSError, ValueError, KeyError):
         return case.seconds
 
 
-def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outcome:
+def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: Future | None) -> Outcome:
+    """start: of the run whose last snapshot this one starts from."""
     folder = given.output.resolve() / "runs" / case.folder
+    begun = start.result() if start else None
+    if begun and (begun.kind != COMPLETED or begun.snapshot is None):
+        return Outcome(case, CRASHED, f"the run that it starts from, {begun.case.label}, left no end", folder, {}, False)
     program = given.binaries.resolve() / case.binary
     if not program.is_file():
         return Outcome(case, CRASHED, f"the program {program.name} is not there: ./run build", folder, {}, False)
 
-    mark = fingerprint(program, case)
+    mark = fingerprint(given.binaries.resolve(), case)
     record = beside(folder, ".json")
     if not given.fresh and (status := recorded_status(record, mark)) is not None:
         outcome = judge(case, folder, status, True)
@@ -60,7 +70,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress") -> Outco
     record.unlink(missing_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
     command = [str(program), str(case.input), "--output", str(folder)]
-    for setting in case.settings:
+    for setting in (*([f"initial.file={begun.snapshot.path}"] if begun else []), *case.settings):
         command += ["--set", setting]
     progress.started(case)
     start = time.monotonic()
@@ -103,10 +113,11 @@ def judge(case: Run, folder: Path, status: int, reused: bool) -> Outcome:
     return Outcome(case, kind, reason, folder, summary, reused)
 
 
-def fingerprint(program: Path, case: Run) -> str:
+def fingerprint(binaries: Path, case: Run) -> str:
     """Changes with everything the result of a run depends on."""
     digest = hashlib.sha256()
-    for part in (program.read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode()):
+    start = [fingerprint(binaries, case.start).encode()] if case.start else []
+    for part in ((binaries / case.binary).read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode(), *start):
         digest.update(len(part).to_bytes(8, "little"))
         digest.update(part)
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""The comparisons: programs A to F, convection, shocks, metal over silicate. Each subject is a module with
+"""The comparisons: programs A to F, and the subjects below. Each subject is a module with
 
     NAME, TITLE, ABOUT                   of the command line and the page's head
     PROGRAMS                             that it runs
@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import convection, hydrostatic, orders, rti, runner, shock, table, time_stepping
+from . import continuity_of_y, convection, hydrostatic, letters, orders, precision, rti, runner, shock, table, time_stepping
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (convection, shock, rti, time_stepping)}
+SUBJECTS = {module.NAME: module for module in (hydrostatic, convection, shock, rti, continuity_of_y, precision, time_stepping)}
 ALL = "all"
 
 
@@ -88,7 +88,7 @@ def needed(arguments: list[str]) -> list[str]:
     names = SUBJECTS if "--all" in arguments else [name for name in arguments[:1] if name in SUBJECTS]
     modules = [SUBJECTS[name] for name in names]
     if "--all" in arguments or not modules:
-        modules.append(hydrostatic)
+        modules.append(letters)
     return sorted({program for module in modules for program in module.PROGRAMS})
 
 
@@ -101,7 +101,7 @@ class Comparison:
 
     def __init__(self, name: str, arguments: list[str]):
         """name: '': programs A to F on the note's inputs"""
-        self.name, self.arguments, self.subject = name, arguments, SUBJECTS.get(name, hydrostatic)
+        self.name, self.arguments, self.subject = name, arguments, SUBJECTS.get(name, letters)
         self.parser = parser = options(name, self.subject)
         self.given = given = parser.parse_args(arguments)
         if given.jobs < 1:
