@@ -54,7 +54,7 @@ class AllOfThem(Folders, unittest.TestCase):
         done = self.done
         self.assertEqual(done.returncode, 0, done.stderr)
         rows = self.rows()
-        self.assertEqual(len(rows), 6 + 4 + 6)  # the cures of A and B run on 12, not on the column
+        self.assertEqual(len(rows), 6 + 4 + 4 + 6 + 4)  # C to F adaptive; the cures of A and B run on 12, not on the column
         diverged = rows["12", "A", ""]
         self.assertEqual((diverged["outcome"], diverged["step"], diverged["iteration"]), ("diverged", "2", "2"))
         self.assertIn("particle 7", diverged["reason"])

@@ -10,10 +10,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 import inside
-from tetsuame.compare import continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study
+from tetsuame.compare import continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study, time_stepping
+from tetsuame.compare.cases import Run
+from tetsuame.compare.outcomes import Outcome
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
@@ -188,6 +191,42 @@ class AtRest(unittest.TestCase):
             before = runner.fingerprint(Path(folder), run)
             (Path(folder) / "disph_a").write_text("another")
             self.assertNotEqual(before, runner.fingerprint(Path(folder), run))
+
+
+class TimeStepping(unittest.TestCase):
+    def test_the_cheapest_has_the_fewest_right_hand_sides(self):
+        runs = [{"error": error, "right_hand_sides": sides} for error, sides in ((2e-3, 50), (9e-4, 300), (1e-5, 200), (None, 10))]
+        self.assertEqual(time_stepping.cheapest(runs, 1e-2)["right_hand_sides"], 50)
+        self.assertEqual(time_stepping.cheapest(runs, 1e-3)["right_hand_sides"], 200)
+        self.assertIsNone(time_stepping.cheapest(runs, 1e-6))
+
+    def test_equal_steps_end_at_the_end(self):
+        given = argparse.Namespace(quick=False, settings=[], cases=",".join(time_stepping.CASES))
+        runs = time_stepping.plan(given, ROOT, argparse.ArgumentParser())
+        self.assertEqual(len({run.folder + run.file for run in runs}), len(runs))
+        for run in runs:
+            settings = dict(setting.split("=", 1) for setting in run.settings)
+            if "time.dt" in settings and run.n:
+                self.assertAlmostEqual(float(settings["time.dt"]) * run.n, time_stepping.CASES[run.file].t_end, places=9)
+                self.assertNotEqual(run.variant, time_stepping.REFERENCE)
+
+    def test_distance_over_the_way(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            def made(name, *states):
+                folder = Path(scratch) / name
+                folder.mkdir()
+                for k, x in enumerate(states):
+                    with h5py.File(folder / f"snapshot_{k:04}.h5", "w") as file:
+                        file.create_group("Header").attrs.update(Time=float(k), Step=k, Dimension=2, BoxLengths=[1.0, 1.0, 1.0], Periodic=[1, 0, 0])
+                        file["PartType0/ParticleIDs"] = np.arange(2)
+                        file["PartType0/Coordinates"] = np.array([[x, 0.5, 0.0], [x + 0.5, 0.5, 0.0]]) % 1.0
+                case = Run("rti", Path("none"), "overturn", name, name, name, ())
+                return Outcome(case, "completed", "", folder, {}, False)
+            reference, other = made("reference", 0.3, 0.4), made("other", 0.3, 0.41)
+            self.assertAlmostEqual(time_stepping.distance(other, reference), 0.1, places=12)
+            across = made("across", 0.95, 1.05)  # through the periodic side
+            self.assertAlmostEqual(time_stepping.distance(across, across), 0.0)
+            self.assertAlmostEqual(time_stepping.distance(made("late", 0.95, 1.02), across), 0.3, places=12)
 
 
 class Pages(unittest.TestCase):

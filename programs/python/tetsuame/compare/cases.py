@@ -8,6 +8,7 @@ SHIPPED_INPUTS = ("11", "12", "13", "13_linear", "column")
 ITERATING = ("A", "B")  # the programs that find Y by the Hosono iteration
 
 CURES = ("newton", "anderson")  # of the iteration
+ADAPTIVE = "adaptive"  # steps from an error estimate in place of the note's
 
 
 @dataclass(frozen=True)
@@ -47,11 +48,16 @@ def of_size(binary: str, path: Path, variant: str, n: int, settings: tuple[str, 
 def plan(programs: tuple[str, ...], inputs: list[Path], settings: list[str]) -> list[Run]:
     """All runs, by input and program. Settings of the command line hold for every run and come
     last: one that chooses the solver leaves nothing for the extra runs to show, so they are dropped."""
-    solver_is_given = any(setting.partition("=")[0].strip().lower() == "hosono.solver" for setting in settings)
+    keys = {setting.partition("=")[0].strip().lower() for setting in settings}
+    solver_is_given, steps_are_given = "hosono.solver" in keys, "time.method" in keys
     cases = []
     for path in inputs:
         for program in programs:
-            variants = {"": ()} | (extra(program, short(path)) if program in ITERATING and not solver_is_given else {})
+            variants = {"": ()}
+            if program not in ITERATING and not steps_are_given:
+                variants[ADAPTIVE] = ("time.method=adaptive",)
+            elif program in ITERATING and not solver_is_given:
+                variants |= extra(program, short(path))
             cases += [of_letter(program, path, variant, (*own, *settings)) for variant, own in variants.items()]
     return cases
 
