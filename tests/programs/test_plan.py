@@ -228,12 +228,12 @@ class TwoLayers(Plan):
 
     def test_two_numbers_rule_it(self):
         """The note's box and one of 1 km: dynamic pressure over K and share of inertia; what is recommended keeps to the error."""
-        for L, viscosity, dynamic, gain in [(1.5e6, 1e14, 0.06, 100), (1e3, 1e10, 4e-5, 1000), (1e3, 1e8, 4e-5, 10)]:
+        for L, viscosity, dynamic, gain in [(1.5e6, 1e14, 0.06, 100), (1e3, 1e10, 4e-5, 1000), (1e3, 1e6, 4e-5, 20)]:
             with self.subTest(L=L, viscosity=viscosity):
                 said, text = self.of_box(L, viscosity)
                 self.assertAlmostEqual(said["numbers"]["dynamic_pressure"] / dynamic, 1, delta=0.01)
                 growth, k = said["numbers"]["growth_1_s"], 2 * math.pi / L
-                self.assertAlmostEqual(said["numbers"]["inertia_share_lower"] / (growth * 3000 / (viscosity * k**2)), 1, delta=0.08)
+                self.assertAlmostEqual(said["numbers"]["inertia_share_lower"] / (growth * 3000 / (viscosity * k**2)), 1, delta=0.12)
                 r = said["recommended"]
                 self.assertLessEqual(abs(r["growth_error"]), 0.01)
                 self.assertGreater(abs(r["growth_error_sound"]) + abs(r["growth_error_inertia"]), 0.0095)

@@ -202,7 +202,7 @@ class Slowed(Case):
     def growth(self, name, settings):
         """Errors of the growth rate: against the physical one, and against linear theory with what is slowed."""
         m = self.run_program("rti", name, settings).summary["metrics"]
-        self.assertLess(abs(m["energy_residual_max"]), 1e-4)
+        self.assertLess(abs(m["energy_residual_max"]), 1e-3 if "rti.volume" in settings else 1e-4)  # the density's diffusion takes energy
         return m["growth_rate"] / m["growth_rate_theory"] - 1, m["growth_rate"] / m["growth_rate_slowed"] - 1
 
     def test_growth(self):

@@ -22,14 +22,15 @@ struct recommended_slowing {
   slowing_options slowing;
   double error, error_of_sound, error_of_inertia;  // of the growth rate: both, each by itself
   double step, step_as_is;                         // s, explicit, on the input's lattice
+  double sound_as_is, viscous_as_is;               // s, what each by itself allows where nothing is slowed
 };
 
 // Each by itself as far as the tolerance goes, a common ξ.
 slowing_options widest_slowing(const options& o, const parameters& p, double tolerance);
 
-// The largest explicit step with errors of the growth rate by sound and by inertia, of whatever sign, that make no more
-// than `tolerance` together. A common ξ where viscosities are equal, else that by which both materials have the same
-// η/(ξ²ρ). fail_input where there is no growth rate.
+// The fewest evaluations, by steps of the input's method, with errors of the growth rate by sound and by inertia, of
+// whatever sign, that make no more than `tolerance` together. A common ξ where viscosities are equal, else that by
+// which both materials have the same η/(ξ²ρ). fail_input where there is no growth rate.
 recommended_slowing recommend_slowing(const options& o, const parameters& p, double tolerance);
 
 }  // namespace tetsuame::two_fluids

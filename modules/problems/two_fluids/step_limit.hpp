@@ -7,7 +7,8 @@
 namespace tetsuame::two_fluids {
 
 struct step_bounds {
-  integrators::step_limit step;  // s
+  integrators::step_limit step;  // s, of all together
+  double sound, viscous;         // s, of sound alone, of viscosity and the other diffusions
   double radius;                 // 1/s, of diffusion
   double fastest_sound;          // m/s, of pressure over mass: not slowed by inertia
 };
@@ -72,7 +73,7 @@ step_bounds bounds_of(const options& o, const parameters& p, const kernels::any<
                    : sound < viscous                     ? "sound"
                    : conduction < diffusive              ? "viscosity"
                                                          : "conduction";
-  return {{both, by}, 1.2 * diffusive / (dx * dx), most.pressure_sound};
+  return {{both, by}, sound, viscous, 1.2 * diffusive / (dx * dx), most.pressure_sound};
 }
 
 // With the viscous sum's weights, which it depends on.

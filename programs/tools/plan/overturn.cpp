@@ -50,6 +50,8 @@ void say_recommended(const options& o, const recommended_slowing& r, double tole
       {"dt", "/recommended/step_s", r.step, "s",
        fmt::format("explicit, with {} x {} particles", o.domain.particles[0], o.domain.particles[1])},
       {"dt as is", "/recommended/step_as_is_s", r.step_as_is, "s", "nothing slowed"},
+      {"", "/recommended/step_sound_as_is_s", r.sound_as_is, "s", "sound alone"},
+      {"", "/recommended/step_viscous_as_is_s", r.viscous_as_is, "s", "viscosity alone"},
       {"gain", "/recommended/gain", r.step / r.step_as_is, "", "fewer steps"}};
   rows.insert(rows.end(), rest.begin(), rest.end());
   a.add(fmt::format("Recommended: errors of the growth rate, added without their signs, of {}", number(tolerance)),

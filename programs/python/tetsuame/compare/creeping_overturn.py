@@ -4,8 +4,8 @@ With u = dpsi/dy, v = -dpsi/dx the curl of 0 = -grad p + eta lap(u, v) - rho g e
 
     eta lap lap psi = -g drho/dx,     psi = dpsi/dy = 0 on floor and lid (no slip), psi = d2psi/dx2 = 0 on the sides (free slip)
 
-so psi is a series of sines over x, whose coefficients solve (d2/dy2 - k^2)^2 psi_k = g k rho_k/eta, second order in the spacing of the rows. The liquids
-are markers, moved by steps of Runge and Kutta of second order. Lengths are in heights, times in eta/(Delta_rho g L).
+so psi is a series of sines over x, whose coefficients solve (d2/dy2 - k^2)^2 psi_k = g k rho_k/eta, second order in the spacing of the rows.
+The liquids are markers, moved by steps of Runge and Kutta of second order. Lengths are in heights, times in eta/(Delta_rho g L).
 """
 from dataclasses import dataclass
 
