@@ -129,13 +129,13 @@ discretisation discretise(const two_layers& flow, Index M) {
 
 struct local {  // what the equations need at a point
   double rho, beta, eta, lambda, g, k, growth;
-  bool inertia;
+  double inertia, softness;  // xi^2, 0: none; zeta^2
 };
 
 // Coefficients of (u, v, n) in the divergence: from continuity in the form
-// growth beta p' = beta rho g v - div, and n = -p' + 2 eta v' + lambda div.
+// growth zeta^2 beta p' = beta rho g v - div, and n = -p' + 2 eta v' + lambda div.
 Eigen::Vector4d divergence(const local& c) {
-  const double gb = c.growth * c.beta;
+  const double gb = c.growth * c.beta * c.softness;
   return Eigen::Vector4d(2.0 * c.eta * c.k * gb, c.beta * c.rho * c.g, 0.0, gb) / (1.0 + gb * (2.0 * c.eta + c.lambda));
 }
 
@@ -149,7 +149,7 @@ Eigen::Vector4d pressure(const local& c) {
 // dy/dy = A y
 Eigen::Matrix4d coefficients(const local& c) {
   const Eigen::Vector4d div = divergence(c), p = pressure(c);
-  const double mass = c.inertia ? c.growth * c.rho : 0.0;
+  const double mass = c.inertia * c.growth * c.rho;
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   A(U, S) = 1.0 / c.eta;
   A(U, V) = c.k;
@@ -165,12 +165,15 @@ Eigen::Matrix4d coefficients(const local& c) {
 
 local local_at(const two_layers& flow, const grid_layer& l, double rho, double beta, double k, double growth) {
   const double eta = l.properties->viscosity;
-  return {rho, beta, eta, l.properties->bulk_viscosity - 2.0 / 3.0 * eta, flow.gravity, k, growth, flow.inertia};
+  const double inertia = flow.inertia ? l.properties->inertia : 0.0;
+  return {rho,    beta,    eta,          l.properties->bulk_viscosity - 2.0 / 3.0 * eta, flow.gravity, k,
+          growth, inertia, flow.softness};
 }
 
 double stress_scale(const two_layers& flow, const discretisation& d, double k, double growth) {
   const double eta = std::max(flow.lower.viscosity, flow.upper.viscosity);
-  const double rho = std::max(d.lower.rho_at.maxCoeff(), d.upper.rho_at.maxCoeff());
+  const double rho =
+      std::max(flow.lower.inertia * d.lower.rho_at.maxCoeff(), flow.upper.inertia * d.upper.rho_at.maxCoeff());
   return eta * k + (flow.inertia ? growth * rho / k : 0.0);
 }
 
@@ -269,7 +272,7 @@ solution solve(const two_layers& flow, double k) {
     const double drive = d.density_jump * flow.gravity - flow.surface_tension * k * k;
     if (drive <= 0.0) return {std::move(d), 0.0};
     if (growth == 0.0) {
-      const double rho = d.upper.rho_at[0] + d.lower.rho_at[M];
+      const double rho = flow.upper.inertia * d.upper.rho_at[0] + flow.lower.inertia * d.lower.rho_at[M];
       const double eta = flow.lower.viscosity + flow.upper.viscosity;
       const double viscous = drive / (2.0 * eta * k);
       const double guess = flow.inertia ? std::min(std::sqrt(drive * k / rho), viscous) : viscous;

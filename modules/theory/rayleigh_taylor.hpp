@@ -31,6 +31,7 @@ struct layer {
   // Pa s, >= -viscosity/3: stress eta (grad v + grad v^T - 2/3 div v) + bulk_viscosity div v. At -viscosity/3
   // the force is eta lap v alone, as in modules/diffusion, and the stress traceless in two dimensions.
   double bulk_viscosity = 0.0;
+  double inertia = 1.0;  // xi^2, times which the density resists acceleration
 };
 
 struct two_layers {
@@ -40,6 +41,9 @@ struct two_layers {
   boundary floor = boundary::no_slip, lid = boundary::no_slip;
   double surface_tension = 0.0;  // N/m
   bool inertia = true;           // false: creeping flow
+  // zeta^2: the modulus is divided by it for what the pressure departs from that at rest by. The base state, its
+  // buoyancy and the weight of what is compressed are as they were.
+  double softness = 1.0;
 };
 
 // Growth rate, 1/s, at wave number k, 1/m. 0 where the interface is stable,

@@ -93,7 +93,7 @@ void add_shared(CLI::App& app, plan::shared_options& o) {
 }
 
 void add_relaxation(CLI::App& app, plan::relaxation_question& q) {
-  app.add_option("INPUT", q.input, "namelist file of a convection problem (default: the mantle, case 1a)")
+  app.add_option("INPUT", q.input, "namelist file of a convection problem (default: the mantle, case 1a), or of rti")
       ->type_name("INPUT.nml");
   tools::add_settings(app, q.set);
   app.add_flag("--describe", q.describe, "print every group and key that is read, and stop");
@@ -110,6 +110,10 @@ void add_relaxation(CLI::App& app, plan::relaxation_question& q) {
   app.add_option("--fraction", q.fraction, "of the largest stable steps")
       ->check(finite(1e-6, 10.0, false))
       ->capture_default_str();
+  add_positive(app, "--error", q.error, "of an input of rti: of the growth rate, that slowing may make")
+      ->capture_default_str();
+  app.add_option("--map", q.map, "of an input of rti: the error at N x N pairs of zeta and xi, into the file of --json")
+      ->check(CLI::Range(2, 200));
   add_shared(app, q.shared);
 }
 

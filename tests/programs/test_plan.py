@@ -218,6 +218,43 @@ class Relaxation(Plan):
         self.assertEqual(self.plan("relaxation", "all.nml")[0], self.plan("relaxation", "empty.nml")[0])
 
 
+class TwoLayers(Plan):
+    """Slowed sound and inertia of an input of rti, by the growth rate of linear theory."""
+
+    def of_box(self, L, viscosity, *more):
+        settings = [f"domain.length_x={L}", f"domain.length_y={L}", f"rti.wavelength={L}", f"rti.amplitude={5e-4 * L}",
+                    f"rti.viscosity_upper={viscosity}", f"rti.viscosity_lower={viscosity}"]
+        return self.plan("relaxation", INPUTS / "rti_linear.nml", *(word for one in settings for word in ("--set", one)), *more)
+
+    def test_two_numbers_rule_it(self):
+        """The note's box and one of 1 km: dynamic pressure over K and share of inertia; what is recommended keeps to the error."""
+        for L, viscosity, dynamic, gain in [(1.5e6, 1e14, 0.06, 100), (1e3, 1e10, 4e-5, 1000), (1e3, 1e6, 4e-5, 20)]:
+            with self.subTest(L=L, viscosity=viscosity):
+                said, text = self.of_box(L, viscosity)
+                self.assertAlmostEqual(said["numbers"]["dynamic_pressure"] / dynamic, 1, delta=0.01)
+                growth, k = said["numbers"]["growth_1_s"], 2 * math.pi / L
+                self.assertAlmostEqual(said["numbers"]["inertia_share_lower"] / (growth * 3000 / (viscosity * k**2)), 1, delta=0.12)
+                r = said["recommended"]
+                self.assertLessEqual(abs(r["growth_error"]), 0.01)
+                self.assertGreater(abs(r["growth_error_sound"]) + abs(r["growth_error_inertia"]), 0.0095)
+                self.assertGreater(r["gain"], gain)
+                self.assertIn("Recommended", text)
+
+    def test_unequal_viscosities(self):
+        """The stiffer one is made the heavier: both then have the same viscosity over inertia."""
+        r = self.of_box(1e5, 1e13, "--set", "rti.viscosity_lower=1e15")[0]["recommended"]
+        self.assertAlmostEqual(r["xi_lower"] ** 2 * 3000 / 1e15 / (r["xi_upper"] ** 2 * 7000 / 1e13), 1, delta=0.01)
+
+    def test_map(self):
+        said = self.of_box(1e4, 1e10, "--map", 4)[0]
+        zeta, xi, error = (said["map"][key] for key in ("zeta", "xi", "error"))
+        self.assertEqual((zeta[0], xi[0], error[0][0]), (1, 1, 0))
+        self.assertTrue(error[3][0] > 0.01 > -0.01 > error[0][3])
+
+    def test_refused(self):
+        self.assertEqual(self.call("plan", "relaxation", INPUTS / "rti_linear.nml", "--L", 1e3).status, BAD_INPUT)
+
+
 class Timestep(Plan):
     def test_the_note(self):
         found, said = self.plan("timestep")

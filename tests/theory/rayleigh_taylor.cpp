@@ -213,16 +213,20 @@ BOOST_AUTO_TEST_CASE(free_surface) {
 }
 
 // The compressible equations themselves at points inside the layers, with derivatives by finite differences of the
-// returned mode, about the closed form of the base state's density.
-BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
+// returned mode, about the closed form of the base state's density. With slowed sound and inertia too: zeta^2, xi^2 of
+// the lower and the upper layer.
+void check_the_equations(double softness, double heavy_lower, double heavy_upper) {
   const double K = 5e11, g = 10.0, b = 0.75e6;
   theory::two_layers flow = metal_over_silicate(6e11, K);
   flow.upper.viscosity = 2e12;
   flow.lower.bulk_viscosity = 3e11;
+  flow.softness = softness;
+  flow.lower.inertia = heavy_lower;
+  flow.upper.inertia = heavy_upper;
   const theory::mode m = theory::eigenmode(flow, k1);
   const double growth = m.growth_rate, k = m.k;
   const double p_middle = 1e5 + (K + 1e5) * std::expm1(7000.0 * g * b / K);
-  const auto check = [&](double y, double rho0, double top, double p_top, double eta, double lambda) {
+  const auto check = [&](double y, double rho0, double top, double p_top, double eta, double lambda, double heavy) {
     const double h = 3e-4 * b;
     const auto v = [&](double at) { return theory::at(m, at); };
     const theory::mode_values c = v(y), up = v(y + h), down = v(y - h), up2 = v(y + 2 * h), down2 = v(y - 2 * h);
@@ -235,21 +239,22 @@ BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
     const auto P = [](const theory::mode_values& q) { return q.pressure; };
     const double rho = rho0 * (1.0 + p_top / K) * std::exp(rho0 * g * (top - y) / K), sound2 = K / rho0,
                  density = c.pressure / sound2;
-    // growth rho' + v drho/dy + rho div = 0
+    // growth zeta^2 rho' + v drho/dy + rho div = 0
     const double div = first(V) + k * U(c);
-    BOOST_TEST(std::abs(growth * density - rho0 * g / K * rho * V(c) + rho * div) < 1e-6 * rho * std::abs(first(V)));
-    // growth rho (u, v) = -grad p' + rho' g + eta lap (u, v) + (eta + lambda) grad div
+    BOOST_TEST(std::abs(growth * softness * density - rho0 * g / K * rho * V(c) + rho * div) <
+               1e-6 * rho * std::abs(first(V)));
+    // growth xi^2 rho (u, v) = -grad p' + rho' g + eta lap (u, v) + (eta + lambda) grad div
     const double ddiv = second(V) + k * first(U);
     const double x =
-        -growth * rho * U(c) + k * c.pressure + eta * (second(U) - k * k * U(c)) - k * (eta + lambda) * div;
-    const double z =
-        -growth * rho * V(c) - first(P) - density * g + eta * (second(V) - k * k * V(c)) + (eta + lambda) * ddiv;
-    BOOST_TEST(std::abs(x) < 1e-5 * growth * rho * std::abs(V(c)));
-    BOOST_TEST(std::abs(z) < 1e-5 * growth * rho * std::abs(V(c)));
+        -growth * heavy * rho * U(c) + k * c.pressure + eta * (second(U) - k * k * U(c)) - k * (eta + lambda) * div;
+    const double z = -growth * heavy * rho * V(c) - first(P) - density * g + eta * (second(V) - k * k * V(c)) +
+                     (eta + lambda) * ddiv;
+    BOOST_TEST(std::abs(x) < 1e-5 * growth * heavy * rho * std::abs(V(c)));
+    BOOST_TEST(std::abs(z) < 1e-5 * growth * heavy * rho * std::abs(V(c)));
   };
   for (const double f : {0.2, 0.5, 0.9}) {
-    check(f * b, 7000.0, b, 1e5, 2e12, -2.0 / 3.0 * 2e12);
-    check(-f * b, 3000.0, 0.0, p_middle, 6e11, 3e11 - 2.0 / 3.0 * 6e11);
+    check(f * b, 7000.0, b, 1e5, 2e12, -2.0 / 3.0 * 2e12, heavy_upper);
+    check(-f * b, 3000.0, 0.0, p_middle, 6e11, 3e11 - 2.0 / 3.0 * 6e11, heavy_lower);
   }
   // Interface and walls.
   const theory::mode_values above = theory::at(m, 0.0), below = theory::at(m, -1e-9 * b);
@@ -261,4 +266,24 @@ BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
     BOOST_TEST(std::abs(theory::at(m, wall).displacement_y) < 1e-12);
   }
   BOOST_CHECK_THROW(theory::at(m, 1.001 * b), tetsuame::foundation::error);
+}
+
+BOOST_AUTO_TEST_CASE(mode_obeys_the_equations) {
+  check_the_equations(1.0, 1.0, 1.0);
+  check_the_equations(2.25, 4.0, 1.69);
+}
+
+// Softer, it grows faster; heavier, slower; both by little where dynamic pressure and inertia are small.
+BOOST_AUTO_TEST_CASE(slowed_growth) {
+  theory::two_layers flow = layers(3000.0, 7000.0, 500.0, 500.0, 1e13, 1e13, 5e11, 1e5);
+  const double k = 2.0 * pi / 1000.0, growth = theory::growth_rate(flow, k);
+  flow.softness = 100.0;  // of a dynamic pressure of 4e-5 K
+  const double softer = theory::growth_rate(flow, k);
+  BOOST_TEST(softer > growth * (1.0 + 1e-4));
+  BOOST_TEST(softer < growth * 1.01);
+  flow.softness = 1.0;
+  flow.lower.inertia = flow.upper.inertia = 1e-3 * 1e13 * k * k / (growth * 5000.0);  // a share of 1e-3
+  const double heavier = theory::growth_rate(flow, k);
+  BOOST_TEST(heavier < growth * (1.0 - 1e-4));
+  BOOST_TEST(heavier > growth * 0.998);
 }

@@ -21,7 +21,8 @@ struct box {
   std::unique_ptr<fluids<2>> f;
   std::vector<std::vector<double>> rates;
 
-  explicit box(const std::string& volume, const std::string& reference, const std::string& walls) {
+  box(const std::string& volume, const std::string& reference, const std::string& walls,
+      const std::string& slowed = "") {
     namelist::schema schema;
     two_fluids::declare(schema, problem_kind::rayleigh_taylor, o);
     schema.read(
@@ -30,7 +31,7 @@ struct box {
                                  volume +
                                  "' viscosity_upper = 1e9 viscosity_lower = 1e9 amplitude = 3e4 "
                                  "start = 'displaced' p_top = 1e10 reference_pressure = '" +
-                                 reference + "' /\n" + walls + "&time t_end = 1.0 /",
+                                 reference + "' " + slowed + " /\n" + walls + "&time t_end = 1.0 /",
                              "test.nml"));
     p = resolve(schema, problem_kind::rayleigh_taylor, o);
     f = std::make_unique<fluids<2>>(problem_kind::rayleigh_taylor, o, p);
@@ -70,15 +71,18 @@ struct box {
     evaluate();
     double U = 0.0;
     for (std::size_t i = 0; i < s.fluid; ++i)
-      U += s.m[i] * (elastic_energy(*f, i) + o.gravity * s.x[1][i]) + f->reference_pressure(s.x[1][i]) * s.dV[i];
+      U += s.m[i] * (slowed_energy(*f, i, elastic_energy(*f, i, s.rho[i])) + o.gravity * s.x[1][i]) +
+           f->reference_pressure(s.x[1][i]) * s.dV[i];
     return U;
   }
 };
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(forces_are_the_slope_of_the_potential) {
-  box b("number_density", "lightest", "");
+namespace {
+
+void check_slopes(const std::string& slowed, double xi2) {
+  box b("number_density", "lightest", "", slowed);
   auto& s = b.f->world.w.s;
   b.potential();
   const auto acceleration = b.rates;
@@ -106,11 +110,19 @@ BOOST_AUTO_TEST_CASE(forces_are_the_slope_of_the_potential) {
       s.x[a][i] = x - small;
       const double below = b.potential();
       s.x[a][i] = x;
-      BOOST_TEST(std::abs(acceleration[2 + a][i] + (above - below) / (2.0 * small * s.m[i])) < 1e-4 * largest);
+      BOOST_TEST(std::abs(acceleration[2 + a][i] + (above - below) / (2.0 * small * s.m[i] * xi2)) < 1e-4 * largest);
     }
   }
   BOOST_TEST(tried == 8);
 }
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(forces_are_the_slope_of_the_potential) { check_slopes("", 1.0); }
+
+// Stiffness is lost for the departure from the column at rest alone, and what lifts the volumes there is too much of
+// belongs to the same energy.
+BOOST_AUTO_TEST_CASE(slowed_forces_are_the_slope_of_the_potential) { check_slopes("zeta = 3.0 xi = 2.0", 4.0); }
 
 // Along x, where the box is periodic and the walls are mirrors, behind which the pressure is as inside.
 BOOST_AUTO_TEST_CASE(momentum_stays) {

@@ -77,20 +77,53 @@ void column::descend(const barotropic& b, double from, double to, double p, std:
   }
 }
 
-// Cubic in y with the slopes -ρ g at both nodes; ρ and T on the material's curve.
-place column::between(const barotropic& b, const std::vector<node>& nodes, double y) {
-  const double span = nodes.front().y - nodes.back().y, dy = span / static_cast<double>(nodes.size() - 1);
+namespace {
+
+double spacing(double from, double to, std::size_t nodes) { return (from - to) / static_cast<double>(nodes - 1); }
+
+std::size_t node_above(double from, double to, std::size_t nodes, double y) {
+  const double from_top = std::clamp((from - y) / spacing(from, to, nodes), 0.0, static_cast<double>(nodes - 1));
+  return std::min(static_cast<std::size_t>(from_top), nodes - 2);
+}
+
+}  // namespace
+
+column::cubic::cubic(const std::vector<node>& nodes, double y)
+    : high(nodes[node_above(nodes.front().y, nodes.back().y, nodes.size(), y)]),
+      low(*(&high + 1)),
+      dy(spacing(nodes.front().y, nodes.back().y, nodes.size())),
+      g_dy((low.state.pressure - high.state.pressure) / (0.5 * (low.state.density + high.state.density))) {
   const double from_top = std::clamp((nodes.front().y - y) / dy, 0.0, static_cast<double>(nodes.size() - 1));
-  const auto k = std::min(static_cast<std::size_t>(from_top), nodes.size() - 2);
-  const auto &high = nodes[k], &low = nodes[k + 1];
-  const double t = from_top - static_cast<double>(k), s = 1.0 - t;
-  const double g_dy = (low.state.pressure - high.state.pressure) / (0.5 * (low.state.density + high.state.density));
-  const double p = s * s * (1.0 + 2.0 * t) * high.state.pressure + t * t * (3.0 - 2.0 * t) * low.state.pressure +
-                   g_dy * (s * s * t * high.state.density - t * t * s * low.state.density);
+  t = from_top - static_cast<double>(&high - nodes.data());
+}
+
+double column::cubic::pressure() const {
+  const double s = 1.0 - t;
+  return s * s * (1.0 + 2.0 * t) * high.state.pressure + t * t * (3.0 - 2.0 * t) * low.state.pressure +
+         g_dy * (s * s * t * high.state.density - t * t * s * low.state.density);
+}
+
+double column::cubic::slope() const {
+  const double s = 1.0 - t,
+               by_t = 6.0 * s * t * (low.state.pressure - high.state.pressure) +
+                      g_dy * (s * (1.0 - 3.0 * t) * high.state.density - t * (2.0 - 3.0 * t) * low.state.density);
+  return -by_t / dy;
+}
+
+// ρ and T on the material's curve.
+place column::between(const barotropic& b, const std::vector<node>& nodes, double y) {
+  const cubic at(nodes, y);
   auto on = b;
-  on.pressure = high.state.pressure;
-  on.temperature = high.state.temperature;
-  return at_pressure(on, p);
+  on.pressure = at.high.state.pressure;
+  on.temperature = at.high.state.temperature;
+  return at_pressure(on, at.pressure());
+}
+
+column::pressure_at_rest column::pressure(double y) const {
+  const auto& nodes = !covering_.empty() && y >= cover_from_ ? covering_ : y >= interface_ ? above_ : below_;
+  const cubic at(nodes, y);
+  const double top = covering_.empty() ? above_.front().y : covering_.front().y;
+  return {at.pressure(), y >= top || y <= 0.0 ? 0.0 : at.slope()};
 }
 
 place column::at(double y) const {

@@ -35,6 +35,11 @@ class column {
          std::optional<double> cover_from = {});
 
   place at(double y) const;  // y == interface: of the layer above
+  struct pressure_at_rest {
+    double value, slope;  // Pa, Pa/m: one the exact derivative of the other
+  };
+  // The same pressure without the material's density there; beyond floor and top that of floor and top, with no slope.
+  pressure_at_rest pressure(double y) const;
   const barotropic& lower() const { return lower_; }
   const barotropic& upper() const { return upper_; }
 
@@ -44,6 +49,14 @@ class column {
     place state;
   };
   void descend(const barotropic& b, double from, double to, double p, std::vector<node>& nodes) const;
+  // Cubic between two nodes, with the slopes -ρ g at both.
+  struct cubic {
+    const node &high, &low;
+    double t, dy, g_dy;  // of the way from high to low; m, between the nodes; m²/s²
+    cubic(const std::vector<node>& nodes, double y);
+    double pressure() const;  // Pa
+    double slope() const;     // Pa/m
+  };
   static place between(const barotropic& b, const std::vector<node>& nodes, double y);
 
   barotropic lower_, upper_, cover_;

@@ -34,6 +34,11 @@ class fluids {
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
 
+  // Slowed sound and inertia (slowing.hpp).
+  const bool slows = o.slowing.zeta > 1.0;
+  const double stiffness = 1.0 / (o.slowing.zeta * o.slowing.zeta);  // 1/ζ²
+  const std::array<double, 2> xi2{o.slowing.xi_n(0) * o.slowing.xi_n(0), o.slowing.xi_n(1) * o.slowing.xi_n(1)};
+
   // What particles carry beside the usual, where the run has it.
   particles::array& dissipated = field(true, "Dissipated", "J/kg", role::integrated);  // heat of friction
   particles::array& rho_start = field(true, "StartDensity", "kg/m^3", role::constant);
@@ -51,7 +56,8 @@ class fluids {
 
   std::array<particles::array, D> force;
   particles::array stress, compression, heat, rho_rate, conducted;
-  particles::array melt, inertia;                     // melt fraction; ξ²
+  particles::array melt, inertia;                     // melt fraction; what ξ² has of the viscosity
+  particles::array lift;                              // N, of slowed sound
   particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
 
   particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
@@ -65,9 +71,10 @@ class fluids {
 
   // Those that an evaluation fills, with room for every particle.
   void make_room() {
-    std::vector<particles::array*> all{
-        &stress, &compression, &heat, &rho_rate,       &conducted, &melt,  &inertia, &partition,   &mobility,
-        &metal,  &gain,        &area, &squared_volume, &S,         &per_S, &count,   &count_slope, &follow_factor};
+    std::vector<particles::array*> all{&stress, &compression, &heat,        &rho_rate,       &conducted,
+                                       &melt,   &inertia,     &lift,        &partition,      &mobility,
+                                       &metal,  &gain,        &area,        &squared_volume, &S,
+                                       &per_S,  &count,       &count_slope, &follow_factor};
     for (auto* vectors : {&force, &tension_force, &colour_slope})
       for (auto& a : *vectors) all.push_back(&a);
     for (auto* a : all) a->resize(std::max(a->size(), world.w.s.total() + 1));
@@ -78,7 +85,9 @@ class fluids {
   bool is_drop() const { return kind == problem_kind::drop; }
   bool many() const { return is_drop() && p.places.size() > 1; }
   double number_of_drops() const { return static_cast<double>(p.places.size()); }
-  double inertia_of(std::size_t i) const { return enthalpy ? inertia[i] : 1.0; }
+  double inertia_of(std::size_t i) const {  // ξ²
+    return xi2[static_cast<std::size_t>(world.w.s.material[i])] * (enthalpy ? inertia[i] : 1.0);
+  }
   double latent(std::size_t i) const { return melts && !is_metal(i) ? o.melting.latent_heat : 0.0; }
   double speed2(std::size_t i) const {
     double v2 = 0.0;

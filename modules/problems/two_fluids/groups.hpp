@@ -48,6 +48,11 @@ void check_element(const namelist::schema& schema, const element_options& o);
 void find_heat(const namelist::schema& schema, problem_kind kind, options& o, parameters& p);
 void find_melt(const options& o, parameters& p);
 
+// slowing.cpp: slowed sound and inertia
+void declare(namelist::schema& schema, problem_kind kind, slowing_options& o);
+void check_slowing(const namelist::schema& schema, problem_kind kind, const options& o);
+void tell_slowing(const options& o, parameters& p);
+
 // waves.cpp: layers one over the other
 void declare_waves(namelist::schema& schema, const char* group, options& o);
 void find_lattices(const namelist::schema& schema, const options& o, parameters& p);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <liquid/sums.hpp>
 #include <optional>
+#include <two_fluids/slowing.hpp>
 #include <two_fluids/start.hpp>
 
 namespace tetsuame::two_fluids {
@@ -91,21 +92,31 @@ totals find_totals(const fluids<D>& f) {
   return {mass, volume, metal_mass, metal_volume};
 }
 
-// J/kg, ∫ p dρ/ρ² from the density at the start, at the particle's temperature: four Gauss points in ln ρ.
+// J/kg, ∫ p̂ dρ/ρ² from the density at the start to this one, at the particle's temperature: four Gauss points in ln ρ.
 template <int D>
-double elastic_energy(const fluids<D>& f, std::size_t i) {
+double elastic_energy(const fluids<D>& f, std::size_t i, double to) {
   const auto& s = f.world.w.s;
   const auto& material = f.world.w.materials[static_cast<std::size_t>(s.material[i])];
   constexpr std::array<double, 4> x{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
   constexpr std::array<double, 4> weight{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                          0.3478548451374538};
-  const double half = 0.5 * std::log(s.rho[i] / f.rho_start[i]);
+  const double half = 0.5 * std::log(to / f.rho_start[i]);
   double sum = 0.0;
   for (std::size_t k = 0; k < 4; ++k) {
     const double rho = f.rho_start[i] * std::exp(half * (1.0 + x[k]));
     sum += weight[k] * eos::pressure(material, rho, s.T[i]) / rho;
   }
   return half * sum;
+}
+
+// J/kg of slowed sound, of which elastic is the physical one: with it the part of the tangent at the column's pressure.
+template <int D>
+double slowed_energy(const fluids<D>& f, std::size_t i, double elastic) {
+  if (!f.slows || f.warms) return elastic;
+  const auto& s = f.world.w.s;
+  const double p_h = f.p.base->pressure(s.x[1][i]).value, rho_h = density_at_rest(f, i, p_h);
+  const double tangent = elastic_energy(f, i, rho_h) + p_h * (1.0 / rho_h - 1.0 / s.rho[i]);
+  return f.stiffness * elastic + (1.0 - f.stiffness) * tangent;
 }
 
 // J (2-D: J/m), of p_r over the box: what Σ p_r ΔV stands for.
@@ -142,7 +153,8 @@ energies find_energies(const fluids<D>& f) {
       liquid::exact_sums<6>(f.world, [&](std::size_t i, const auto& add) {
         const double V = s.m[i] / s.rho[i];
         add(0.5 * s.m[i] * f.inertia_of(i) * f.speed2(i), s.m[i] * f.o.gravity * s.x[1][i],
-            s.m[i] * (f.warms ? s.u[i] : elastic_energy(f, i)) + f.reference_pressure(s.x[1][i]) * V,
+            s.m[i] * (f.warms ? s.u[i] : slowed_energy(f, i, elastic_energy(f, i, s.rho[i]))) +
+                f.reference_pressure(s.x[1][i]) * V,
             s.m[i] * f.dissipated[i], s.m[i] * s.c_V[i] * (s.T[i] - f.T_start[i]),
             f.tense ? f.o.surface_tension * V * f.area[i] : 0.0);
         add(0.0, s.m[i] * walls::boundary_potential(f.world.walls.force, f.world.walls.sides, s, i));
@@ -171,8 +183,9 @@ void follow_motion(measures& m, const fluids<D>& f) {
   double fastest2 = 0.0, low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
   const auto [squares] = liquid::exact_sums<1>(f.world, [&](std::size_t i, const auto& add) {
     const double v2 = f.speed2(i), ratio = s.rho[i] / f.rho_start[i];
+    const double slow2 = f.xi2[static_cast<std::size_t>(s.material[i])] / f.stiffness;  // (ζξ)², of the input
     add(s.m[i] / s.rho[i] * v2);
-    fastest2 = std::max(fastest2, v2 / (s.c[i] * s.c[i]));
+    fastest2 = std::max(fastest2, slow2 * (v2 / (s.c[i] * s.c[i])));
     low = std::min(low, ratio);
     high = std::max(high, ratio);
     p_low = std::min(p_low, s.p_eos[i]);

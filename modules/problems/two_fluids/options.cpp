@@ -108,9 +108,11 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare_waves(schema, group, o);
   if (o.by_program)
     schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
-                             "normalise", "delta", "viscous_order", "stress", "rows"});
+                             "normalise", "delta", "viscous_order", "stress", "rows", "zeta", "xi",
+                             std::string("xi_") + names[0], std::string("xi_") + names[1]});
   else
     declare(schema, group, o.scheme);
+  if (!o.by_program) declare(schema, kind, o.slowing);
   declare(schema, o.melting);
   declare(schema, o.element);
   o.walls.slip = "free_slip";
@@ -141,6 +143,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   check_domain(schema, o, p);
   find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);
+  check_slowing(schema, kind, o);
   check_element(schema, o.element);
   find_elasticity(o, p);
   if (!o.common.start.file.empty() && (o.temperature_law == "enthalpy" || o.element.name != "none"))
@@ -154,6 +157,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     p.density_difference = p.base->at(p.interface).density - p.base->at(p.interface * (1.0 - 1e-12)).density;
     find_lattices(schema, o, p);
     find_waves(schema, o, p);
+    tell_slowing(o, p);
     warn_of_tension(o, p, p.interface);
     if (o.melting.curve != "none") schema.placed("melting", "curve", [&] { find_melt(o, p); });
   } else {
@@ -183,13 +187,15 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
     return fmt::format("{}\nmelt fraction {:.6g} of the lower material at t = {:.6g} s, by conduction at rest\n",
                        p.theory_about, *p.melt_conducted, *o.common.time.t_end);
   if (!p.growth) return p.theory_about + "\n";
+  const std::string slowed =
+      p.growth_slowed ? fmt::format("growth rate {:.9g} 1/s (with slowed sound and inertia)\n", *p.growth_slowed) : "";
   return fmt::format(
       "interface {:.9g} m above the floor, density above less below {:.6g} kg/m3 there\n"
       "wave number {:.9g} 1/m, {} floor, {} lid\n"
       "growth rate {:.9g} 1/s (as run: compressible, {} stress)\n"
-      "growth rate {:.9g} 1/s (incompressible)\n",
+      "growth rate {:.9g} 1/s (incompressible)\n{}",
       p.interface, p.density_difference, std::hypot(p.k_x, p.k_z), slips_of(o).floor, slips_of(o).lid, *p.growth,
-      p.symmetric_stress ? "symmetric" : "laplacian", *p.growth_incompressible);
+      p.symmetric_stress ? "symmetric" : "laplacian", *p.growth_incompressible, slowed);
 }
 
 }  // namespace tetsuame::two_fluids

@@ -36,6 +36,14 @@ struct scheme_options {
   std::int64_t viscous_order = 0;  // of the run: 2 or 4
 };
 
+// Sound and inertia, both as they are by default.
+struct slowing_options {
+  double zeta = 1.0, xi = 1.0;
+  std::array<std::optional<double>, 2> xi_of{};  // lower, upper; outside, drop
+  double xi_n(std::size_t n) const { return xi_of[n].value_or(xi); }
+  bool any() const { return zeta > 1.0 || xi_n(0) > 1.0 || xi_n(1) > 1.0; }
+};
+
 // Of the lower (outer) material, where temperature_law is 'enthalpy'.
 struct melting_options {
   std::string curve = "none";
@@ -89,6 +97,7 @@ struct options {
   std::optional<double> measure_from, measure_until;  // s, of several drops
 
   scheme_options scheme;
+  slowing_options slowing;
   // Where a program's own scheme takes its place: what it is told.
   bool by_program = false, remembers_density = true;
   volume::options liquid;
@@ -121,8 +130,9 @@ struct parameters {
   bool symmetric_stress;                              // viscous: with the transpose of the gradient (terms.hpp)
   double spurious_modulus;                            // largest |mu/p| of the start lattice
   double density_difference;  // kg/m3, at the interface (of a drop: where its velocity is measured)
-  // rti: of the run as it is, and with K infinite; nothing where the waves do not separate
-  std::optional<double> growth, growth_incompressible;
+  // rti: of the liquids as they are, of the run with its slowed sound and inertia, and with K infinite; nothing where
+  // the waves do not separate. The mode is the run's.
+  std::optional<double> growth, growth_slowed, growth_incompressible;
   std::optional<theory::mode> mode;
   std::optional<double> theory_fall;             // drop: m/s, downward
   std::vector<std::array<double, 3>> places;     // m, centres of the drops
@@ -141,6 +151,9 @@ double partition_coefficient(const element_options& o, double p, double T);
 double viscosity_by_melt(const melting_options& o, double T, double melt_fraction);
 
 void declare(namelist::schema& schema, problem_kind kind, options& o);
+// Linear theory of the layers over each other, at rest as the input has them; nothing slowed.
+theory::two_layers layers(const options& o, const parameters& p, bool compressible);
+theory::two_layers slowed_layers(const options& o, const parameters& p, const slowing_options& slowed);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
 double particles_at_start(const options& o, const parameters& p);
 // What --theory prints.

@@ -192,6 +192,7 @@ void tell_growth(json& j, const measures& m, const fluids<D>& f) {
   j["growth_rate"] = fit ? json(fit->rate) : json(nullptr);
   j["growth_rate_uncertainty"] = fit ? json(fit->uncertainty) : json(nullptr);
   j["growth_rate_theory"] = or_null(p.growth);
+  if (f.o.slowing.any()) j["growth_rate_slowed"] = or_null(p.growth_slowed);
   j["growth_rate_incompressible"] = or_null(p.growth_incompressible);
   j["mode_amplitude"] = m.mode;
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <diffusion/conduction.hpp>
+#include <two_fluids/slowing.hpp>
 #include <two_fluids/supports.hpp>
 #include <volume/smoothed.hpp>
 
@@ -92,6 +93,7 @@ void begin_volumes(fluids<D>& f) {
   {
     const foundation::stage timed(w.times, "equation of state");
     volume::equation_of_state(w, s.fluid);
+    slow_sound(f);
   }
   const foundation::stage timed(w.times, "halo");
   // A ghost's ρ is to have the bits of its source's: ρ itself, or what ΔV gives there too.
@@ -233,6 +235,13 @@ void sum_forces(fluids<D>& f, const pairs::stretch& rows) {
   sum(f, rows, all);
 }
 
+// The density's diffusion is δ h times the speed of sound, c/(ζξ), and its sum has 1/c of pressures that are softer by
+// ζ².
+template <int D>
+double diffusion_of_slowed(const fluids<D>& f) {
+  return f.o.slowing.zeta / std::min(f.o.slowing.xi_n(0), f.o.slowing.xi_n(1));
+}
+
 // Sums over the neighbours of these rows.
 template <int D>
 void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
@@ -246,8 +255,8 @@ void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
   if (f.carried) {
     const foundation::stage timed(w.times, "continuity");
     sum(f, rows,
-        density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity, f.o.scheme.delta * f.h,
-                        f.rho_rate.data()});
+        density_rate<D>{v, s.dV.data(), s.p_eos.data(), s.rho.data(), s.c.data(), f.o.gravity,
+                        f.o.scheme.delta * f.h * diffusion_of_slowed(f), f.rho_rate.data()});
   }
   if (f.o.conductivity > 0.0) {
     std::fill(f.conducted.begin() + static_cast<std::ptrdiff_t>(rows.first),
@@ -280,11 +289,13 @@ void combine(const fluids<D>& f, std::size_t i, const places_of_rates<D>& at, st
     rate[at.x + a][i] = s.v[a][i];
     double force = f.tense ? f.force[a][i] + f.tension_force[a][i] : f.force[a][i];
     if (a == 1) force -= f.reference_slope * s.dV[i];
+    if (a == 1 && f.slows) force += f.lift[i];
     rate[at.v + a][i] = (per_m * force + w.g[a]) / f.inertia_of(i);
   }
   walls::push_off(f.world.walls.force, f.world.walls.sides, s, i,
                   [&](std::size_t axis, double a) { rate[at.v + axis][i] += a / f.inertia_of(i); });
   rate[at.u][i] = per_m * s.p[i] * element_of_work(f, i) * compression;
+  if (f.slows) rate[at.u][i] -= per_m * f.lift[i] * s.v[1][i];
   rate[at.q][i] = per_m * f.heat[i];
   double dlnrho = compression * s.dV[i] / w.lattice_sum;
   if (f.carried) {

@@ -191,8 +191,8 @@ void displace(fluids<D>& f, std::size_t i) {
   const auto m = theory::at(*f.p.mode, x[1] - f.p.interface);
   const auto e = eos::evaluate((*f.p.material)[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i]);
   const double stiffness = f.warms ? s.rho[i] * e.sound_speed * e.sound_speed : e.K_T;
-  s.rho[i] *=
-      1.0 + f.o.amplitude * wave_at(f, x) * (m.pressure - s.rho[i] * f.o.gravity * m.displacement_y) / stiffness;
+  s.rho[i] *= 1.0 + f.o.amplitude * wave_at(f, x) *
+                        (m.pressure / f.stiffness - s.rho[i] * f.o.gravity * m.displacement_y) / stiffness;
 }
 
 // Equal masses: each layer's own lattice in the place of the box's, the lower one's particles numbered first.

@@ -8,7 +8,8 @@
 //   pressure: p̂, or Σ Y W over Σ ΔV W
 //   temperature: constant, or dT/dt = γ_th T dlnρ/dt + (friction + conduction)/(m c_V);
 //     or out of the heat content, dh/dt = (friction + conduction)/m, with which material 0 melts (melting/melting.hpp)
-//   variable inertia: ξ² = η/η_x where η is above η_x (docs/theory/relaxation.md), or else 1
+//   variable inertia: ξ² of the input, times η/η_x where η is above η_x (docs/theory/relaxation.md)
+//   slowed sound: slowing.hpp
 //
 // Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.

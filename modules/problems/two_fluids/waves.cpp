@@ -42,11 +42,23 @@ void declare_waves(namelist::schema& schema, const char* group, options& o) {
 
 namespace {
 
+// The growth rate and the mode of the run: with its slowed sound and inertia.
+void find_growth(const options& o, parameters& p, double k) {
+  p.mode = theory::eigenmode(layers(o, p, true), k);
+  p.growth = p.mode->growth_rate;
+  p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+  if (!o.slowing.any()) return;
+  p.mode = theory::eigenmode(slowed_layers(o, p, o.slowing), k);
+  p.growth_slowed = p.mode->growth_rate;
+}
+
 theory::boundary boundary_of(const std::string& name) {
   return name == "no_slip"     ? theory::boundary::no_slip
          : name == "free_slip" ? theory::boundary::free_slip
                                : theory::boundary::free_surface;
 }
+
+}  // namespace
 
 theory::two_layers layers(const options& o, const parameters& p, bool compressible) {
   theory::two_layers t;
@@ -73,7 +85,13 @@ theory::two_layers layers(const options& o, const parameters& p, bool compressib
   return t;
 }
 
-}  // namespace
+theory::two_layers slowed_layers(const options& o, const parameters& p, const slowing_options& slowed) {
+  auto flow = layers(o, p, true);
+  flow.softness = slowed.zeta * slowed.zeta;
+  flow.lower.inertia = slowed.xi_n(0) * slowed.xi_n(0);
+  flow.upper.inertia = slowed.xi_n(1) * slowed.xi_n(1);
+  return flow;
+}
 
 // The lighter layer has the box's lattice. The denser one has, of equal masses, so many more columns and rows.
 void find_lattices(const namelist::schema& schema, const options& o, parameters& p) {
@@ -140,9 +158,7 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
   }
   const double k = std::hypot(p.k_x, p.k_z);
   try {
-    p.mode = theory::eigenmode(layers(o, p, true), k);
-    p.growth = p.mode->growth_rate;
-    p.growth_incompressible = theory::growth_rate(layers(o, p, false), k);
+    find_growth(o, p, k);
   } catch (const foundation::error& e) {
     p.mode.reset();
     p.growth.reset();

@@ -262,15 +262,17 @@ void answer_relaxation(const relaxation_question& q) {
   if (q.describe) return schema.describe(std::cout);
   auto document = q.input.empty() ? namelist::document("the command line") : namelist::parse_file(q.input);
   for (const auto& argument : q.set) document.set(argument);
+  const auto is_of = [&](const char* name) {
+    return std::ranges::any_of(document.groups(), [&](const auto& g) { return g.name == name; });
+  };
+  if (is_of("rti")) return answer_overturn(q, document);
   schema.read(document);
   apply(q, o);
   fluid_layer f = layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
   const choice w = o.physics.relaxation;
   recommendation r = recommend(f, w);
   // With &convection, what the program will run with; without, the note's rules.
-  const auto& groups = document.groups();
-  const bool programs_own =
-      std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.name == "convection"; });
+  const bool programs_own = is_of("convection");
   if (programs_own) {
     const auto p = convection::resolve(schema, o);
     f = p.fluid;

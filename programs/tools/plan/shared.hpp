@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <namelist/document.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <relaxation/steps.hpp>
@@ -36,8 +37,15 @@ struct relaxation_question {
   double fraction = 0.1;
   std::optional<double> L, dT, rho, kappa, nu, g, alpha, c_p, K;
   std::optional<std::int64_t> n;
+  // Of two layers.
+  double error = 0.01;   // of the growth rate
+  std::int64_t map = 0;  // points along zeta and xi
+  bool convection_only() const {
+    return L || dT || rho || kappa || nu || g || alpha || c_p || K || n || shared.steps || shared.seconds;
+  }
 };
 void answer_relaxation(const relaxation_question& q);
+void answer_overturn(const relaxation_question& q, const namelist::document& document);  // of an input of rti
 
 struct timestep_question {
   shared_options shared{"euler", "program_c"};  // the note's method
