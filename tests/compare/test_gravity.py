@@ -6,7 +6,7 @@ import unittest.mock
 from pathlib import Path
 
 import numpy as np
-from tetsuame.compare import gravity_density, steady_flow, study
+from tetsuame.compare import gravity_density, slides_convection, steady_flow, study
 from tetsuame.compare.outcomes import COMPLETED, STOPPED, Outcome
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,21 +43,20 @@ class Written(unittest.TestCase):
 
 class SteadyFlow(unittest.TestCase):
     def test_known_steady_states(self):
-        mantle = steady_flow.solve(1e4, equations=gravity_density.equations(False))
+        mantle = steady_flow.solve(1e4)
         self.assertAlmostEqual(mantle.nusselt / 4.884409, 1.0, delta=3e-4)
         self.assertAlmostEqual(mantle.v_rms / 42.864947, 1.0, delta=1e-5)
-        air = steady_flow.solve(1e4, 0.71, True, equations=gravity_density.equations(True))
+        air = steady_flow.solve(1e4, 0.71, True)
         self.assertAlmostEqual(air.nusselt / 2.158076, 1.0, delta=1e-4)
 
     def test_weighed_pressure_slows_and_at_last_stops_the_flow(self):
-        equations = gravity_density.equations(False)
-        nusselt = [steady_flow.solve(1e4, weight=s, equations=equations).nusselt for s in (0.0, 6.4, 160.0)]
+        nusselt = [steady_flow.solve(1e4, weight=s).nusselt for s in (0.0, 6.4, 160.0)]
         self.assertAlmostEqual(nusselt[1], 4.534, delta=2e-3)
         self.assertAlmostEqual(nusselt[2], 1.0, delta=1e-6)
 
     def test_pressure_does_not_matter_where_nothing_weighs_it(self):
         # curl F = 0 of the solution, at places that are none of collocation.
-        flow = steady_flow.solve(1e4, equations=gravity_density.equations(False))
+        flow = steady_flow.solve(1e4)
         x = np.array([0.31, 0.62])
         psi = flow.bases["psi"]
         biharmonic = sum(weight * psi(x, i) @ flow.stream @ psi(x, 4 - i).T for i, weight in ((0, 1), (2, 2), (4, 1)))
@@ -116,6 +115,36 @@ class GravityDensity(Written):
     def test_inputs_are_those_of_the_note(self):
         for name, zeta in (("air_1e4", 10800), ("air_1e5", 4290), ("air_1e6", 1710), ("mantle_1a", 9.28), ("mantle_1b", 13.6), ("mantle_1c", 20)):
             self.assertIn(f"zeta = {zeta:g} ", (ROOT / f"inputs/note_{name}.nml").read_text())
+
+
+class SlidesConvection(Written):
+    def test_measures_by_hand_of_the_exact_flow(self):
+        flow = slides_convection.exact(1e4, 1.0)
+        found = slides_convection.by_hand(slides_convection.flow_bands(flow, 50), 50)
+        right = ("wall to first row, Δx/2", "first to second row, Δx", "1 + ⟨v T⟩, all")
+        wrong = ("wall to second row, taken as Δx", "1 + ⟨v T⟩, at mid-height")
+        for name in right:
+            self.assertAlmostEqual(found[name] / 2.164753, 1.0, delta=1e-3)
+        for name in wrong:
+            self.assertAlmostEqual(found[name], 3.2, delta=0.1)
+
+    def test_the_prandtl_number_makes_the_speeds(self):
+        causes = {name: values for name, *values in slides_convection.causes()[:2]}
+        printed = [tuple(round(speed, 3) for speed in values[1:]) for values in causes.values()]
+        self.assertEqual(printed, [(0.018, 0.019), (0.022, 0.022)])
+        self.assertEqual(slides_convection.fits(3.24, 0.0182, 0.0190), (True, True))
+        self.assertEqual(slides_convection.fits(2.16, 0.0215, 0.0225), (False, False))
+
+    def test_page(self):
+        runs = slides_convection.plan(given(True), ROOT, None)
+        self.assertLessEqual(sum(run.seconds for run in runs), 180.0)
+        t = np.linspace(0.0, 300.0, 50)
+        made = [self.outcome(run, {"time": t, "nusselt_volume": 2.16 + 0 * t, "u_max": 21.0 + 0 * t, "v_max": 22.0 + 0 * t}) for run in runs]
+        with unittest.mock.patch.object(slides_convection, "causes", lambda: [("one", 2.0, 0.018, 0.019)]):
+            page, lines = self.page(slides_convection, made)
+        self.assertEqual(page.count("data:image/png"), 1)
+        self.assertIn("3.245", page)
+        self.assertIn(f"{21.0 * slides_convection.SPEED:.4f}", lines[1])
 
 
 if __name__ == "__main__":

@@ -43,7 +43,6 @@ V_RMS = {"note_air_1e4": 14.2195, "note_air_1e5": 59.856, "note_air_1e6": 195.50
 FRACTION, PHI_XI = 0.1, 0.5  # of the note: the step's part of its bound; of xi
 PLACES = 10                  # of the line of what is foretold
 LOUD = 1.0                   # v_rms has risen by more: sound, not the flow
-ORDER = 14                   # of the collocation: changes by zeta are right to 1e-4
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -91,13 +90,8 @@ def zeta_of(one: dict) -> float:
 def foretold(name: str, q: float) -> tuple[float, float] | None:
     """Nu and v_rms of the steady equations at the weight q ρ₀gL/K₀. None: no steady flow was found"""
     kind = dict(prandtl=math.inf, no_slip=False) if name == "blankenbach_1a" else dict(prandtl=0.71, no_slip=True)
-    flow = steady_flow.solve(1e4, weight=weight(name, math.sqrt(q)), order=ORDER, equations=equations(kind["no_slip"]), **kind)
+    flow = steady_flow.solve(1e4, weight=weight(name, math.sqrt(q)), **kind)
     return (flow.nusselt, flow.v_rms) if flow.residual < 1e-6 else None
-
-
-@functools.cache
-def equations(no_slip: bool) -> steady_flow.Equations:
-    return steady_flow.Equations(no_slip, ORDER)
 
 
 def judged(_one: dict) -> dict[str, tuple[float, float]]:
@@ -146,7 +140,8 @@ def compared(one: dict, runs: list[dict]) -> dict:
     loud = measured["v_rms"] is not None and measured["v_rms"] > LOUD
     if loud:
         measured = dict.fromkeys(measured)
-    return {"said": "full of sound" if loud else one["outcome"], "zeta": zeta_of(one), "weight": weight(one["case"], zeta_of(one)), "measured": measured,
+    return {"said": "full of sound" if loud else one["outcome"],
+            "zeta": zeta_of(one), "weight": weight(one["case"], zeta_of(one)), "measured": measured,
             "foretold": {name: change(own and own[i], start[i]) for i, name in enumerate(("nusselt", "v_rms"))}}
 
 
@@ -158,7 +153,8 @@ def densities(measured: dict) -> list[tuple[dict, dict]]:
 def sections(_outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     both = densities(measured)
     stepped = [one for one in measured["runs"] if one["kind"] == STEPS]
-    columns = {"Case": lambda pair: pages.name(pair[0]["case"]), "Density of gravity": lambda pair: pages.name(pair[0]["kind"], LOOK[pair[0]["kind"]]),
+    columns = {"Case": lambda pair: pages.name(pair[0]["case"]),
+               "Density of gravity": lambda pair: pages.name(pair[0]["kind"], LOOK[pair[0]["kind"]]),
                "ζ": lambda pair: pages.number(f"{pair[1]['zeta']:g}"), "gL/c_ζ²": lambda pair: pages.number(said(pair[1]["weight"])),
                "Outcome": lambda pair: pages.cell(escape(pair[1]["said"]), state_class(pair[1]["said"])),
                "Nu": lambda pair: pages.number(said(pair[0]["nusselt"], "{:.4f}")),
@@ -167,12 +163,14 @@ def sections(_outcomes: list[Outcome], measured: dict, folder: Path) -> list[str
                "v_rms, change": lambda pair: error_cell(pair[1]["measured"]["v_rms"]),
                "foretold ": lambda pair: pages.number(percent(pair[1]["foretold"]["v_rms"])),
                "right-hand sides": lambda pair: pages.number(count(pair[0]["right_hand_sides"]))}
-    return [pages.paragraph("Conventional: buoyancy by the density that makes the slowed sound, ρ′ᴳ = ρ′ˢ, so that gravity weighs the pressure ζ² times as much as "
-                            "it should. Separated: by the true equation of state. Changes are from the least ζ of the separated density; what is foretold is "
-                            "a spectral solution of the steady equations with the conventional buoyancy in it."),
-            pages.section("Over ζ", pages.figure(over_zeta(both), folder / "over_zeta.png", "Nusselt number over that of the least ζ with separated density. "
-                                                 "Lines: foretold. ×: the run blew up, or filled with sound; dotted: gL/c_ζ² = 1, the note's (17), and 2π, where sound feeds itself."),
-                          pages.columns(both, columns, "wide", lambda pair: (pair[0]["case"], pair[0]["kind"])) + pages.error_key()),
+    return [pages.paragraph("Conventional: buoyancy by the density that makes the slowed sound, ρ′ᴳ = ρ′ˢ, so that gravity weighs the pressure ζ² "
+                            "times as much as it should. Separated: by the true equation of state. Changes are from the least ζ of the separated "
+                            "density; what is foretold is a spectral solution of the steady equations with the conventional buoyancy in it."),
+            pages.section("Over ζ", pages.figure(
+                over_zeta(both), folder / "over_zeta.png",
+                "Nusselt number over that of the least ζ with separated density. Lines: foretold. ×: the run blew up, or filled with sound; dotted: "
+                "gL/c_ζ² = 1, the note's (17), and 2π, where sound feeds itself."),
+                pages.columns(both, columns, "wide", lambda pair: (pair[0]["case"], pair[0]["kind"])) + pages.error_key()),
             pages.section("Steps", steps_table(stepped))]
 
 
@@ -191,7 +189,8 @@ def steps_table(stepped: list[dict]) -> str:
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
-    lines = [f"{'case':<16}{'density':<14}{'zeta':>7}{'gL/c²':>8}  {'outcome':<14}{'Nu':>9}{'change':>10}{'foretold':>10}{'v_rms':>10}{'foretold':>10}"]
+    lines = [f"{'case':<16}{'density':<14}{'zeta':>7}{'gL/c²':>8}  {'outcome':<14}{'Nu':>9}"
+             f"{'change':>10}{'foretold':>10}{'v_rms':>10}{'foretold':>10}"]
     for one, by in densities(measured):
         lines.append(f"{one['case']:<16}{one['kind']:<14}{by['zeta']:>7g}{by['weight']:>8.3g}  {by['said']:<14}{said(one['nusselt'], '{:.4f}'):>9}"
                      + "".join(f"{percent(by[of][name]):>10}" for name in ("nusselt", "v_rms") for of in ("measured", "foretold")))

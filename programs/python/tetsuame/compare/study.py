@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import convection, gravity_density, hydrostatic, orders, rti, runner, shock, table
+from . import convection, gravity_density, hydrostatic, orders, rti, runner, shock, slides_convection, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (convection, shock, rti, gravity_density)}
+SUBJECTS = {module.NAME: module for module in (convection, shock, rti, gravity_density, slides_convection)}
 ALL = "all"
 
 
