@@ -272,58 +272,59 @@ cuts<D> remap(const cuts<D>& now, const std::vector<double>& time, const balance
   return r.then;
 }
 
-// One group of cuts by relaxation. t: s, of each slab.
-void relax(double* cut, const double* t, std::size_t count, const balancer_options& o) {
-  const std::vector<double> old(cut, cut + count + 1);
-  const double length = old.back() - old.front();
-  const double base = o.floor * std::accumulate(t, t + count, 0.0) / length;
-  // Of the time as it was measured: the density stays where it is when cuts move.
-  const auto time_between = [&](double a, double b) {
-    double sum = base * (b - a);
-    auto m = static_cast<std::size_t>(
-        std::max<std::ptrdiff_t>(0, std::upper_bound(old.begin(), old.end(), a) - old.begin() - 2));
-    for (; m < count && old[m] <= b; ++m) {
-      const auto p = spread_over(old[m], old[m + 1], t[m], length);
-      sum += p.amount * std::max(0.0, std::min(p.b, b) - std::max(p.a, a)) / (p.b - p.a);
-    }
-    return sum;
+// omega of damped Jacobi iteration at which the shortest wave of error, whose factor is 1 - 2 omega, and the longest
+// that the next coarser level leaves over, 1 - omega, shrink alike: by 1/3 an update.
+constexpr double omega_of_levels = 2.0 / 3.0;
+
+// One level: neighbouring groups of `stride` slabs exchange time over the border between them. t: s, of each slab. With
+// f = T_i - T_(i-1) of the groups' means, a border that lets s pass changes f by -s (1/n_i + 1/n_(i-1)), n slabs in
+// each: Jacobi's step. The slabs of a group keep their parts of its time.
+void exchange(std::vector<double>& t, std::size_t stride, double omega) {
+  const std::size_t count = t.size(), groups = (count + stride - 1) / stride;
+  const auto first = [&](std::size_t i) {
+    return t.begin() + static_cast<std::ptrdiff_t>(std::min(i * stride, count));
   };
-  int coarsest = 0;
-  while (coarsest < o.levels && (std::size_t{2} << coarsest) < count) ++coarsest;
-  for (int l = coarsest; l >= 0; --l) {
-    const std::size_t stride = std::size_t{1} << l, groups = (count + stride - 1) / stride;
-    const auto border = [&](std::size_t i) { return std::min(i * stride, count); };
-    std::vector<double> time(groups), density(groups), next(cut, cut + count + 1);
-    for (std::size_t i = 0; i < groups; ++i) {
-      const double a = cut[border(i)], b = cut[border(i + 1)];
-      const auto slabs = static_cast<double>(border(i + 1) - border(i));
-      time[i] = time_between(a, b) / slabs;  // the last group may have fewer slabs
-      density[i] = time[i] / std::max(b - a, narrowest * length);
-    }
-    // A cut gives to one group what it takes from the other: time per slab changes by density per slab. Order is kept,
-    // and the cuts within a group move along.
-    for (std::size_t i = 1; i <= groups; ++i) {
-      const std::size_t b = border(i), a = border(i - 1);
-      const double slope = i < groups ? density[i] + density[i - 1] : 0.0;
-      if (slope > 0.0) next[b] += o.relaxation * (time[i] - time[i - 1]) / slope;
-      next[b] = std::clamp(next[b], next[a], old.back());
-      const double was = cut[b] - cut[a], is = next[b] - next[a];
-      for (std::size_t n = a + 1; n < b; ++n)
-        next[n] = next[a] +
-                  (was > 0.0 ? (cut[n] - cut[a]) / was : static_cast<double>(n - a) / static_cast<double>(b - a)) * is;
-    }
-    std::copy(next.begin(), next.end(), cut);
+  std::vector<double> was(groups), slabs(groups), is;
+  for (std::size_t i = 0; i < groups; ++i) {
+    was[i] = std::accumulate(first(i), first(i + 1), 0.0);
+    slabs[i] = static_cast<double>(first(i + 1) - first(i));
   }
-  keep_apart(cut, static_cast<int>(count), o.minimum_width);
+  is = was;
+  for (std::size_t i = 1; i < groups; ++i) {
+    const double f = was[i] / slabs[i] - was[i - 1] / slabs[i - 1];
+    const double passes = omega * f / (1.0 / slabs[i] + 1.0 / slabs[i - 1]);
+    is[i - 1] += passes;
+    is[i] -= passes;
+  }
+  for (std::size_t i = 0; i < groups; ++i)
+    for (auto slab = first(i); slab != first(i + 1); ++slab)
+      *slab = was[i] > 0.0 ? *slab * std::max(0.0, is[i]) / was[i] : std::max(0.0, is[i]) / slabs[i];
 }
 
 template <int D>
-cuts<D> level_relaxation(const cuts<D>& now, const std::vector<double>& time, const balancer_options& o) {
+cuts<D> level_relaxation(const cuts<D>& now, const std::vector<double>& time, const balancer_options& o,
+                         const extents<D>& where) {
   cuts<D> then = now;
+  const present<D> at(now, time, where);
   const auto level = level_sums(now, time);
   for (std::size_t a = 0; a < D; ++a) {
     const auto count = static_cast<std::size_t>(now.counts[a]);
-    for (std::size_t g = 0; g < now.groups(a); ++g) relax(then.group(a, g), level[a].data() + g * count, count, o);
+    for (std::size_t g = 0; g < now.groups(a); ++g) {
+      std::vector<double> wanted(count);
+      std::vector<piece> pieces;
+      for (std::size_t m = 0; m < count; ++m) {
+        const auto& slab = at.contents[a][g * count + m];
+        wanted[m] = level[a][g * count + m];
+        pieces.push_back(spread_over(slab.lower, slab.upper, wanted[m], now.group(a, g)[count] - now.group(a, g)[0]));
+      }
+      if (std::all_of(wanted.begin(), wanted.end(), [](double t) { return t == 0.0; })) continue;
+      std::size_t coarsest = 0;
+      while (coarsest < static_cast<std::size_t>(o.levels) && (std::size_t{2} << coarsest) < count) ++coarsest;
+      for (std::size_t l = coarsest + 1; l-- > 0;)
+        exchange(wanted, std::size_t{1} << l, o.relaxation * omega_of_levels);
+      place(pieces, wanted, o.floor, then.group(a, g));
+      keep_apart(then.group(a, g), now.counts[a], o.minimum_width);
+    }
   }
   return then;
 }
@@ -363,9 +364,11 @@ void declare(namelist::schema& schema, balancer_options& o) {
   };
   add("method", o.method,
       {.choices = {"remap", "level_relaxation"},
-       .meaning = "all cuts at once by the density of cost, or a quasi-Newton step from coarse to fine"});
+       .meaning = "all cuts at once by the density of cost, or a damped quasi-Newton step from coarse to fine"});
   add("relaxation", o.relaxation,
-      namelist::up_to(1.0, "part of the imbalance that one update removes; omega of level_relaxation"));
+      namelist::up_to(1.0,
+                      "part of its full step that a method takes: all of the imbalance by remap; omega = 2/3 by "
+                      "level_relaxation"));
   add("minimum_width", o.minimum_width, {.unit = "m", .minimum = 0.0, .meaning = "of every slab"});
   add("floor", o.floor,
       namelist::between(1e-12, 1.0, "least density of cost, in parts of the mean: places cuts where nothing is"));
@@ -386,7 +389,7 @@ cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, co
     if (!(t > 0.0) || !std::isfinite(t)) t = 0.0;
   if (std::all_of(time.begin(), time.end(), [](double t) { return t == 0.0; })) return now;
   if (o.method == "remap") return remap(now, time, o, where);
-  if (o.method == "level_relaxation") return level_relaxation(now, time, o);
+  if (o.method == "level_relaxation") return level_relaxation(now, time, o, where);
   foundation::fail_input("unknown method of the balancer: " + o.method);
 }
 

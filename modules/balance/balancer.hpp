@@ -17,7 +17,7 @@ namespace tetsuame::balance {
 
 struct balancer_options {
   std::string method = "remap";
-  double relaxation = 1.0;     // share of the imbalance to remove (remap); omega (level_relaxation)
+  double relaxation = 1.0;     // part of a method's full step
   double minimum_width = 0.0;  // m, of every slab along every axis
   // Density of cost everywhere at least this part of its mean: it decides where cuts stand in empty space.
   double floor = 1e-4;
