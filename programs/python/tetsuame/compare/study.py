@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import convection, gravity_density, hydrostatic, orders, rti, runner, shock, slides_convection, table
+from . import convection, gravity_density, hydrostatic, orders, relaxation_map, rti, runner, shock, slides_convection, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (convection, shock, rti, gravity_density, slides_convection)}
+SUBJECTS = {module.NAME: module for module in (convection, shock, rti, gravity_density, relaxation_map, slides_convection)}
 ALL = "all"
 
 
