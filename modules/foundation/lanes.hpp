@@ -155,25 +155,6 @@ template <class R>
   return select(a < b, a, b);
 }
 
-// A product in single numbers as it is rounded: what is added to it is not fused with it, so that a b + c d has the
-// same bits as c d + a b, and what two particles do to each other cancels. Doubles go as they are.
-template <class R>
-[[gnu::always_inline]] inline R rounded(const R& product) {
-#if __has_builtin(__builtin_assoc_barrier)
-#if defined(__AVX512F__)
-  if constexpr (is_single<R, 16>)
-    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<__m512>(product.all()))));
-#elif defined(__AVX__)
-  if constexpr (is_single<R, 8>)
-    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<__m256>(product.all()))));
-#elif defined(__aarch64__)
-  if constexpr (is_single<R, 4>)
-    return R(typename R::lanes_type(__builtin_assoc_barrier(static_cast<float32x4_t>(product.all()))));
-#endif
-#endif
-  return product;
-}
-
 // Values from `a` on in the lanes whose bit is set, 0 in others; nothing else is read, or written.
 template <class R>
 [[gnu::always_inline]] inline R load_where(std::uint32_t bits, const double* a) {

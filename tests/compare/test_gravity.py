@@ -6,7 +6,7 @@ import unittest.mock
 from pathlib import Path
 
 import numpy as np
-from tetsuame.compare import gravity_density, slides_convection, steady_flow, study
+from tetsuame.compare import gravity_density, relaxation_map, slides_convection, steady_flow, study
 from tetsuame.compare.outcomes import COMPLETED, STOPPED, Outcome
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -115,6 +115,50 @@ class GravityDensity(Written):
     def test_inputs_are_those_of_the_note(self):
         for name, zeta in (("air_1e4", 10800), ("air_1e5", 4290), ("air_1e6", 1710), ("mantle_1a", 9.28), ("mantle_1b", 13.6), ("mantle_1c", 20)):
             self.assertIn(f"zeta = {zeta:g} ", (ROOT / f"inputs/note_{name}.nml").read_text())
+
+
+class RelaxationMap(Written):
+    def test_the_notes_factors_give_table_4(self):
+        zeta, xi = relaxation_map.slowing("blankenbach_1a", 0.1, 0.5)
+        self.assertAlmostEqual(zeta, 9.28, delta=0.01)
+        self.assertAlmostEqual(xi / 1.16e11, 1.0, delta=2e-3)
+        steps = float(relaxation_map.steps("blankenbach_1a", 100, 0.1, 0.5)) / 1e4**(2 / 3)  # in L/V
+        self.assertAlmostEqual(steps, 8e5, delta=1.0)  # (107)
+
+    def test_foretold(self):
+        self.assertAlmostEqual(relaxation_map.foretold("blankenbach_1a", relaxation_map.WAY, 1e-8, 1e-4), 0.0, delta=1e-6)
+        self.assertAlmostEqual(relaxation_map.foretold("blankenbach_1a", relaxation_map.STEADY, 1.0, 4.0), -0.00199, delta=5e-5)
+        inertia = relaxation_map.foretold("blankenbach_1a", relaxation_map.WAY, 1e-6, 0.5)
+        self.assertAlmostEqual(inertia, 0.00687, delta=2e-5)  # the quadratic equation for σ
+        self.assertLess(relaxation_map.foretold("blankenbach_1a", relaxation_map.WAY, 0.1, 0.5), -0.01)  # pressure settles late
+        self.assertAlmostEqual(relaxation_map.unrelaxed("blankenbach_1a"), 0.012975, delta=2e-5)
+
+    def test_first_maximum(self):
+        t = np.linspace(0.0, 1.0, 400)
+        self.assertAlmostEqual(relaxation_map.first_maximum(t, 1.0 - (t - 0.4321)**2), 0.4321, delta=1e-6)
+        self.assertIsNone(relaxation_map.first_maximum(t, t))
+
+    def test_page(self):
+        runs = relaxation_map.plan(given(True), ROOT, None)
+        self.assertLessEqual(sum(run.seconds for run in runs), 180.0)
+        for run in relaxation_map.plan(given(False), ROOT, None):  # the program takes no zeta below 1
+            self.assertGreaterEqual(float(next(s for s in run.settings if "zeta" in s).partition("=")[2]), 1.0)
+        t = np.linspace(0.0, 2e16, 300)
+        late = {0.25: 1.0, 0.5: 1.005, 2.0: 1.1}
+        outcomes = []
+        for run in runs:
+            aim, _, phi_xi = run.variant.split(", ")
+            peak = 0.01e18 * late.get(float(phi_xi), 1.0)
+            columns = {"time": t, "nusselt_volume": 4.8 + 0 * t, "v_rms": 50.0 - 20.0 * ((t - peak) / 1e16)**2}
+            outcomes.append(self.outcome(run, None if run.variant == f"{relaxation_map.WAY}, 1, 2" else columns))
+        found = {(one["aim"], one["phi_zeta"], one["phi_xi"]): error for one, error, _ in
+                 relaxation_map.compared(self.measured(relaxation_map, outcomes)["runs"])}
+        base = relaxation_map.foretold("blankenbach_1a", relaxation_map.WAY, 0.1, 0.25)
+        self.assertAlmostEqual(found[relaxation_map.WAY, 0.1, 0.5], 1.005 * (1.0 + base) - 1.0, delta=1e-4)
+        self.assertIsNone(found[relaxation_map.WAY, 1.0, 2.0])
+        page, lines = self.page(relaxation_map, outcomes)
+        self.assertEqual(page.count("data:image/png"), 1)
+        self.assertEqual(len(lines), 1 + len(runs))
 
 
 class SlidesConvection(Written):

@@ -28,10 +28,10 @@ AIR = ("relaxation.xi=1", "convection.pressure_diffusion=1", "time.cfl=0.4", "in
 # Input -> its settings, n, and by density the zetas; with --quick.
 DENSITIES = {
     "blankenbach_1a": (STEADY, 24, {SEPARATED: (1, 2, 3, 4, 5, 7, 10, 14, 20), CONVENTIONAL: (2, 3, 4, 5, 7, 10, 14, 20)}),
-    "air_1e4": (AIR, 16, {SEPARATED: (1400, 4440, 10800), CONVENTIONAL: (500, 700, 1000, 1400, 4440, 10800)})}
+    "air_1e4": (AIR, 16, {SEPARATED: (1400, 4440, 10800), CONVENTIONAL: (500, 700, 900, 1400, 4440, 10800)})}
 QUICK = {
     "blankenbach_1a": (STEADY, 16, {SEPARATED: (2, 5, 20), CONVENTIONAL: (3, 4, 5)}),
-    "air_1e4": (AIR, 16, {SEPARATED: (4440, 10800), CONVENTIONAL: (1000, 4440)})}
+    "air_1e4": (AIR, 16, {SEPARATED: (4440, 10800), CONVENTIONAL: (900, 4440)})}
 # Evaluations that a run takes are at its zeta so many times as many; seconds of one core at zeta 1 (1a), 1000 (air), by n.
 COST = {("blankenbach_1a", 24): 19.0, ("blankenbach_1a", 16): 6.0, ("air_1e4", 16): 32.0}
 
