@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .. import ROOT, pages
 from ..reading import beside
-from . import continuity_of_y, convection, hydrostatic, letters, orders, precision, rti, runner, shock, table
+from . import balance_study, continuity_of_y, convection, hydrostatic, letters, orders, precision, rti, runner, shock, table
 from .outcomes import COMPLETED, CRASHED, Outcome
 
-SUBJECTS = {module.NAME: module for module in (hydrostatic, convection, shock, rti, continuity_of_y, precision)}
+SUBJECTS = {module.NAME: module for module in (hydrostatic, convection, shock, rti, continuity_of_y, precision, balance_study)}
 ALL = "all"
 
 
