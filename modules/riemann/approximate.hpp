@@ -16,11 +16,10 @@ struct contact {
 //   m_K^2 = rho_K [gamma P_K + (gamma+1)/2 max(p_est - p_K, 0)],   P = p + p_inf
 // p_est the greater of acoustics and of two shocks into cold gas with its densities' harmonic mean (derived here),
 //   p_est = (gamma+1)/4 (u_l - u_r)^2 rho_l rho_r/(rho_l + rho_r),
-// exact where the densities are equal and never too large else. p is the same to the bit from either side. Not below
-// -min(p_inf), where a vacuum opens.
+// exact where the densities are equal and never too large else. Not below -min(p_inf), where a vacuum opens.
 template <class R>
 contact<R> hllc_contact(const side<R>& l, const side<R>& r, const R& c_l, const R& c_r) {
-  using detail::sqrt, foundation::greater, foundation::lesser, foundation::rounded;
+  using detail::sqrt, foundation::greater, foundation::lesser;
   const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
   const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
   const R meeting = greater(R(0.0), closing);

@@ -15,7 +15,7 @@
 
 namespace tetsuame::schemes {
 
-using foundation::greater, foundation::lesser, foundation::rounded, foundation::select;
+using foundation::greater, foundation::lesser, foundation::select;
 using pairs::of_pressure, pairs::of_velocity, pairs::of_volume, pairs::of_weight, pairs::vec;
 
 // The name by which terms read a field.

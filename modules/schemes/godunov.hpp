@@ -104,7 +104,6 @@ struct gsph : godunov<D, Kernel> {
     const auto F = slopes_of<D>(this->unit, ij);
     const auto star = this->star_of(ij);
     const auto mmP = ij.own(of_mass) * ij(of_mass) * star.p;
-    using R = std::remove_cvref_t<decltype(ij.r)>;
     const auto both = mmP * (ij.own(of_slope) * F.i + ij(of_slope) * F.j);
     const auto own = foundation::dot(ij.own(of_velocity), ij.x_ij);
     sum.force -= both * ij.x_ij;

@@ -14,7 +14,8 @@ import h5py
 import numpy as np
 
 import inside
-from tetsuame.compare import continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study, time_stepping
+from tetsuame.compare import (balance_study, continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study,
+                              time_stepping)
 from tetsuame.compare.cases import Run
 from tetsuame.compare.outcomes import Outcome
 from test_compare import Balance
@@ -130,6 +131,34 @@ class Parts(unittest.TestCase):
         self.assertEqual(continuity_of_y.verdict(measured), ["at rest, equal masses: held by E; not by C 1 %, F 2 %; stopped: SSPH"])
         measured["runs"] += [one(form, 1e-5) | {"masses": "equal_spacing", "case": "rest_equal_spacing"} for form in ("C", "E")]
         self.assertRegex(continuity_of_y.conclusion(measured), "both kinds of masses are held by E; equal spacing alone by C[.]")
+
+    def test_balance(self):
+        def given(**own):
+            return argparse.Namespace(**{"cases": None, "partitioners": "rcb", "quick": True, "settings": []} | own)
+        runs = balance_study.plan(given(), ROOT, argparse.ArgumentParser())
+        self.assertEqual([(one.file, one.variant) for one in runs], [
+            ("bowl_2e5", "remap"), ("bowl_2e5", "level_relaxation"), ("blast", "particles"), ("blast", "remap"), ("blast", "level_relaxation")])
+        self.assertIs(runs[3].start, runs[2])
+        self.assertEqual(runs[3].start_key, "distribution.file")
+        self.assertIn("compare.methods='rcb'", runs[0].settings)
+        without = balance_study.plan(given(partitioners="none"), ROOT, argparse.ArgumentParser())
+        self.assertTrue(all("compare.methods='none'" in one.settings for one in without if one.binary == "balance"))
+        # By theory: 1 - omega on every level and |1 - 2 omega| of the saw-tooth; without levels the longest wave stays.
+        for count in (2, 8, 22, 64):
+            self.assertAlmostEqual(balance_study.factor(count, 2.0 / 3.0), 1.0 / 3.0, places=6)
+        self.assertAlmostEqual(balance_study.factor(22, 0.6, 0), 1.0 - 0.6 * (1.0 - math.cos(math.pi / 22)), places=9)
+
+    def test_page_of_balance(self):
+        def one(case, spread):
+            method = {"start": spread[0], "end": spread[-1], "updates_to_5_percent": None, "moved": 0.5, "run_time": 2.0, "spread": spread}
+            return {"case": case, "variant": "level_relaxation", "run_time_equal_counts": 3.0, "methods": {"level_relaxation": method}}
+        measured = {"runs": [one("bowl_2e5", [1.8, 0.3, 0.04]), one("blast", [0.5, 0.2, 0.1])]}
+        self.assertEqual(balance_study.verdict(measured), "At its default relaxation the quasi-Newton step comes below 5 % in 1 of 2 cases; not in: "
+                         "Sedov's blast in 3-D, 4096 particles, 8 ranks.")
+        with tempfile.TemporaryDirectory() as folder:
+            page = "".join(balance_study.sections([], measured, Path(folder)))
+            self.assertTrue((Path(folder) / "spread.png").is_file())
+        self.assertIn("180 %", page)
 
     def test_causes_in_few_words(self):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")

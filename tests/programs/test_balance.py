@@ -79,8 +79,8 @@ class Balance(Runs):
 
     def test_method_of_the_report(self):
         result = self.balance(settings={**FEW, "balancer.method": "level_relaxation", "schedule.move": "always",
-                                        "schedule.updates": 20}, ranks=36)
-        self.assertLess(result.summary["metrics"]["spread_final"], 0.05)
+                                        "schedule.updates": 20})
+        self.assertLess(result.summary["metrics"]["spread_final"], 0.1)  # on 484 ranks, a row is some per cent
 
     def test_three_dimensions(self):
         settings = {**FEW, "distribution.dimension": 3, "distribution.particles": 200000}

@@ -70,7 +70,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
     record.unlink(missing_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
     command = [str(program), str(case.input), "--output", str(folder)]
-    for setting in (*([f"initial.file={begun.snapshot.path}"] if begun else []), *case.settings):
+    for setting in (*([f"{case.start_key}={begun.snapshot.path}"] if begun else []), *case.settings):
         command += ["--set", setting]
     progress.started(case)
     start = time.monotonic()
