@@ -40,7 +40,7 @@ def stiffness(runs: list[dict], errors):
         return None
     box = BOXES["1 km"]
     dynamic = (DENSITIES[0] - DENSITIES[1]) * GRAVITY * box.L
-    figure, axes = style.panels(len(FALLS), 3, 3.0, sharey=True)
+    figure, axes = style.panels(2, 2, 3.0, sharey=True)  # the third fall comes after the end where the liquid is stiff
     kernels = sorted({found[1] for one in runs if (found := re.match(r"h = ([\d.]+)", one["variant"]))})
     for k, (ax, fall) in enumerate(zip(axes, FALLS)):
         for index, width in enumerate(kernels):

@@ -153,7 +153,7 @@ def stiffness_runs(tool: Tool, given: argparse.Namespace, n: int) -> list[Run]:
     """The same box with sound slowed less and more: what it does to the overturn, with two kernels."""
     box = BOXES["1 km"]
     values = {2.5: (10, 30, 60), 3.5: (10, 60)} if not given.quick else {3.5: (60,)}
-    return [tool.run(STIFFNESS, f"h = {width:g} Δx, ζ = {zeta}", n, overturn(box, n, zeta, box.xi, width), 600 / zeta**0.8, tool.note)
+    return [tool.run(STIFFNESS, f"h = {width:g} Δx, ζ = {zeta}", n, overturn(box, n, zeta, box.xi, width), 100 / zeta**0.8, tool.note)
             for width, of in values.items() for zeta in of]
 
 
@@ -163,7 +163,7 @@ def overturn_runs(tool: Tool, given: argparse.Namespace, n: int) -> list[Run]:
         for xi in (box.xi, 2 * box.xi) if box.zeta == 1.0 else (box.xi,):  # the note's box is its own reference, of xi to 0
             if not given.quick or box.name in ("1 km", "note's box"):
                 variant = box.name if xi == box.xi else f"{box.name}, twice ξ"
-                runs.append(tool.run(OVERTURN, variant, n, overturn(box, n, box.zeta, xi), 18, tool.note))
+                runs.append(tool.run(OVERTURN, variant, n, overturn(box, n, box.zeta, xi), 9, tool.note))
     return runs
 
 
@@ -186,12 +186,12 @@ def stiff_runs(tool: Tool, n: int) -> list[Run]:
     runs = []
     for viscosity in (1e16, 1e18):
         box = Box(note.name, note.L, viscosity, 1.0, note.xi * viscosity / note.viscosity)
-        runs.append(tool.run(STIFF, f"η = {viscosity:.0e}", n, overturn(box, n, box.zeta, box.xi), 18, tool.note))
+        runs.append(tool.run(STIFF, f"η = {viscosity:.0e}", n, overturn(box, n, box.zeta, box.xi), 9, tool.note))
     box = Box(note.name, note.L, 1e18, 1.0, 1.0)
     settings = waves(box, 1, n, 0.02) | {"rti.viscosity_upper": 1e17}
     answer = tool.ask(settings)
     more = slowed(answer) | {"kernel.h_over_dx": 3.5} | for_growth(answer, 7.0)
-    runs.append(tool.run(STIFF, "η = 1e17 over 1e18", n, settings | more, 30, tool.note))
+    runs.append(tool.run(STIFF, "η = 1e17 over 1e18", n, settings | more, 9, tool.note))
     return runs
 
 
