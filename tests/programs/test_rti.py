@@ -196,7 +196,7 @@ class RayleighTaylor(Case):
 
 
 class Slowed(Case):
-    """Slowed sound and inertia [docs/theory/core_formation.md]."""
+    """Slowed sound and inertia [docs/theory/slowed_layers.md]."""
 
     STIFF = {**size(24), **viscosity(1e11), "time.method": "rkl2", "output.interval": 0, "domain.length_x": 1e4, "domain.length_y": 1e4,
              "rti.wavelength": 1e4, "rti.amplitude": 5, "time.t_end": 15000}

@@ -24,14 +24,6 @@ step_bounds bounds_of(options o, const parameters& p, const slowing_options& slo
   return bounds_of<D>(o, p, kernel, p.dx, weights);
 }
 
-// s, of the flow for one evaluation: an explicit step; stabilised methods take steps of sound, with as many stages as
-// the root of such a step over one of viscosity.
-double time_per_evaluation(const options& o, const step_bounds& b) {
-  const auto& method = o.common.time.method;
-  const bool stabilised = method == "rkl2" || method == "rkc2";
-  return stabilised && b.viscous < b.sound ? std::sqrt(b.sound * b.viscous) : b.step.dt;
-}
-
 // The largest factor of 1 … most at which `error`, which rises from 0 at 1, is within the tolerance. Sought from below:
 // far beyond it boundary layers are too thin for the theory.
 template <class F>
@@ -112,7 +104,6 @@ recommended_slowing recommend_slowing(const options& o, const parameters& p, dou
   recommended_slowing r{};
   const auto as_is = bounds({});
   r.step_as_is = r.step = as_is.step.dt;
-  double most = time_per_evaluation(o, as_is);
   r.sound_as_is = as_is.sound;
   r.viscous_as_is = as_is.viscous;
   constexpr int parts = 20;
@@ -120,10 +111,9 @@ recommended_slowing recommend_slowing(const options& o, const parameters& p, dou
   for (int part = 0; part <= parts; ++part) {
     const double of_sound = static_cast<double>(part) / parts;
     const auto s = slowed_by(o, p, 1.0 + of_sound * (zeta2 - 1.0), 1.0 + (1.0 - of_sound) * (xi2 - 1.0));
-    const auto here = bounds(s);
-    if (time_per_evaluation(o, here) <= most * 1.001) continue;
-    most = time_per_evaluation(o, here);
-    r.step = here.step.dt;
+    const double dt = bounds(s).step.dt;
+    if (dt <= r.step * 1.001) continue;
+    r.step = dt;
     r.slowing = s;
     share = of_sound;
   }

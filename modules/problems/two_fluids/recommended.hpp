@@ -1,5 +1,5 @@
 // How far sound and inertia of two layers may be slowed: by linear theory, whose growth rate with both is known
-// (docs/theory/core_formation.md#slowed-sound-and-inertia).
+// (docs/theory/slowed_layers.md).
 #pragma once
 
 #include <two_fluids/options.hpp>
@@ -28,9 +28,9 @@ struct recommended_slowing {
 // Each by itself as far as the tolerance goes, a common ξ.
 slowing_options widest_slowing(const options& o, const parameters& p, double tolerance);
 
-// The fewest evaluations, by steps of the input's method, with errors of the growth rate by sound and by inertia, of
-// whatever sign, that make no more than `tolerance` together. A common ξ where viscosities are equal, else that by
-// which both materials have the same η/(ξ²ρ). fail_input where there is no growth rate.
+// The longest step of the input's method (stabilised ones take steps of sound) with errors of the growth rate by sound
+// and by inertia, of whatever sign, that make no more than `tolerance` together. A common ξ where viscosities are
+// equal, else that by which both materials have the same η/(ξ²ρ). fail_input where there is no growth rate.
 recommended_slowing recommend_slowing(const options& o, const parameters& p, double tolerance);
 
 }  // namespace tetsuame::two_fluids

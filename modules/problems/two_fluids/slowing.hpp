@@ -1,4 +1,4 @@
-// Slowed sound and heavier inertia (docs/theory/core_formation.md#slowed-sound-and-inertia):
+// Slowed sound and heavier inertia (docs/theory/slowed_layers.md):
 //
 //   p = p_h + (p̂ - p_h)/ζ²,   p_h(y): the column at rest (column.hpp)
 //   ξ² m dv/dt = -∇ terms + viscosity + m g + (1 - 1/ζ²) ∇p_h (V - V_h),   V_h = m/ρ_h: the volume at p_h

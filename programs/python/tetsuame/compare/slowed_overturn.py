@@ -104,8 +104,8 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     parts.append(pages.section(
         "What may be slowed where",
         pages.figure(figures.maps(maps, points), folder / "maps.png",
-                     "Error of the growth rate over ζ and ξ, by linear theory: lines of 0.1, 1 (broad) and 10 %, broken where growth is too slow. "
-                     "Crosses: particles ran there. Dotted: the notes' rules, 1 % = ζ² Δρ g L/2K and 1 % = ξ² γρ/(ηk²)."),
+                     "Error of the growth rate over ζ and ξ, by linear theory: lines of 0.1, 1 (broad) and 10 %, red where growth is too fast, blue and "
+                     "broken where it is too slow. Crosses: particles ran there, and were off by so many per cent. Dotted: the notes' rules, 1 % = ζ² Δρ g L/2K and 1 % = ξ² γρ/(ηk²)."),
         map_table(of(runs, MAP))))
     parts.append(pages.section(
         "Too stiff a liquid locks",
@@ -150,7 +150,7 @@ def box_table(maps: dict) -> str:
         **{f"{sign} of 1 %": lambda name, axis=axis: pages.number(said(border(maps[name], axis))) for sign, axis in (("ζ", "zeta"), ("ξ", "xi"))},
         "ζ": recommended("zeta"), "ξ": recommended("xi"), "steps cut by": recommended("gain", "{:.0f}")}) + pages.small(
             f"ζ of 1 %, ξ of 1 %: where each by itself puts the growth rate off by 1 %. ζ, ξ: as plan relaxation recommends them for "
-            f"{100 * BY_RULE:g} % by both (rkl2, n = 24, one wave).")
+            f"{100 * BY_RULE:g} % by both (explicit steps, n = 24, one wave).")
 
 
 def steps_cut(one: dict, maps: dict) -> str:

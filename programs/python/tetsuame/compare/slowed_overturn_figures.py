@@ -15,13 +15,12 @@ def maps(answers: dict, points: list[dict]):
     figure, axes = style.panels(len(answers), 4, 3.4, "ξ")
     for ax, (name, answer) in zip(axes, answers.items()):
         zeta, xi, error = (np.array(answer["map"][key]) for key in ("zeta", "xi", "error"))
-        ax.set(xscale="log", yscale="log", title=f"{name}, η = {BOXES[name].viscosity:.0e} Pa s", xlabel="ζ", xlim=(1, zeta[-1]), ylim=(1, xi[-1]))
+        ax.set(xscale="log", yscale="log", title=name, xlabel="ζ", xlim=(1, zeta[-1]), ylim=(1, xi[-1]))
         levels = [-0.1, -0.01, -0.001, 0.001, 0.01, 0.1]
         broad = [2.6 if abs(level) == 0.01 else 0.9 for level in levels]
         colours = [style.VERMILION if level > 0 else style.BLUE for level in levels]
-        lines = ax.contour(zeta, xi, error.T, levels, colors=colours, linewidths=broad,
-                           linestyles=["--" if level < 0 else "-" for level in levels])
-        ax.clabel(lines, fmt=lambda level: f"{100 * level:+g} %", fontsize=7)
+        ax.contour(zeta, xi, error.T, levels, colors=colours, linewidths=broad,
+                   linestyles=["--" if level < 0 else "-" for level in levels])
         numbers = answer["numbers"]
         rules = (0.01 / numbers["dynamic_pressure"], 0.01 / max(numbers["inertia_share_lower"], numbers["inertia_share_upper"]))
         for square, draw in zip(rules, (ax.axvline, ax.axhline)):
@@ -41,7 +40,7 @@ def stiffness(runs: list[dict], errors):
         return None
     box = BOXES["1 km"]
     dynamic = (DENSITIES[0] - DENSITIES[1]) * GRAVITY * box.L
-    figure, axes = style.panels(len(FALLS), 3, 3.0, sharey=True)
+    figure, axes = style.panels(2, 2, 3.0, sharey=True)  # the third fall comes after the end where the liquid is stiff
     kernels = sorted({found[1] for one in runs if (found := re.match(r"h = ([\d.]+)", one["variant"]))})
     for k, (ax, fall) in enumerate(zip(axes, FALLS)):
         for index, width in enumerate(kernels):
