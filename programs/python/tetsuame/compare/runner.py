@@ -1,5 +1,6 @@
 """Runs the cases, several at a time, and tells a calculation that failed from a program that did."""
 import argparse
+import functools
 import hashlib
 import json
 import os
@@ -117,10 +118,16 @@ def fingerprint(binaries: Path, case: Run) -> str:
     """Changes with everything the result of a run depends on."""
     digest = hashlib.sha256()
     start = [fingerprint(binaries, case.start).encode()] if case.start else []
-    for part in ((binaries / case.binary).read_bytes(), case.input.read_bytes(), "\0".join(case.settings).encode(), *start):
+    for part in (*programs(binaries, case.binary), case.input.read_bytes(), "\0".join(case.settings).encode(), *start):
         digest.update(len(part).to_bytes(8, "little"))
         digest.update(part)
     return digest.hexdigest()
+
+
+@functools.cache
+def programs(binaries: Path, name: str) -> list[bytes]:
+    """Digests of a program: of its launcher, and of what that chooses from, each in a folder for a kind of processor."""
+    return [hashlib.sha256(path.read_bytes()).digest() for path in (binaries / name, *sorted(binaries.glob(f"*/{name}")))]
 
 
 def recorded_status(record: Path, mark: str) -> int | None:
