@@ -127,7 +127,7 @@ def fingerprint(binaries: Path, case: Run) -> str:
 @functools.cache
 def programs(binaries: Path, name: str) -> list[bytes]:
     """Digests of a program: of its launcher, and of what that chooses from, each in a folder for a kind of processor."""
-    return [hashlib.sha256(path.read_bytes()).digest() for path in (binaries / name, *sorted(binaries.glob(f"*/{name}")))]
+    return [hashlib.sha256(path.read_bytes()).digest() for path in (binaries / name, *sorted(binaries.glob(f"avx*/{name}")))]
 
 
 def recorded_status(record: Path, mark: str) -> int | None:
