@@ -11,11 +11,11 @@ from running import Case
 SHEARED = ("hydrostatic_13_linear",
            {"domain.particles_x": 16, "domain.length_x": 80e3, "domain.particles_y": 96, "domain.length_y": 480e3,
             "time.dt": 0.2, "time.steps": 36, "expert.velocity_top": 2000, "expert.velocity_bottom": -2000,
-            "material.viscosity": 2e11, "output.interval": 0, "domain.ranks_x": 1, "walls.marker_radius": 2.5, "balancer.interval": 6})
+            "material.viscosity": 2e11, "output.interval": 0, "domain.ranks_x": 1, "walls.marker_radius": 3.0, "balancer.interval": 6})
 
 # Slow enough for the first lists to last: cuts move under lists that stay.
-SLOW = (SHEARED[0], {**SHEARED[1], "expert.velocity_top": 25, "expert.velocity_bottom": -25, "time.steps": 90, "domain.particles_y": 72, "domain.length_y": 360e3,
-                     "balancer.interval": 10, "hosono.solver": "newton"})
+SLOW = (SHEARED[0], {**SHEARED[1], "expert.velocity_top": 15, "expert.velocity_bottom": -15, "time.steps": 130, "domain.particles_y": 72, "domain.length_y": 360e3,
+                     "balancer.interval": 15, "hosono.solver": "newton"})
 
 
 class LoadBalance(Case):
@@ -56,7 +56,7 @@ class LoadBalance(Case):
         self.assert_told(moved)
         spreads = self.spreads(moved)
         self.assertGreater(spreads[0], 0.2)
-        self.assertLess(spreads[-1], 0.4 * spreads[0])
+        self.assertLess(spreads[-1], 0.5 * spreads[0])  # a row of the lattice is 0.04 of a rank, 0.08 of the spread
         # Counted, not measured: the same decisions in every run.
         again = self.run_case(SHEARED, "counted", 4)
         self.assertEqual((again.directory / "balance.csv").read_text(), (moved.directory / "balance.csv").read_text())
@@ -65,7 +65,7 @@ class LoadBalance(Case):
         for program in ["disph_c", "disph_a"]:
             with self.subTest(program):
                 alone, fixed = (self.run_case(SLOW, "off", ranks, program) for ranks in (None, 3))
-                self.assertEqual(fixed.summary["rhs_evaluations"], 91, "new lists: the case is not what it should be")
+                self.assertEqual(fixed.summary["rhs_evaluations"], 131, "new lists: the case is not what it should be")
                 moved = self.run_case(SLOW, "counted", 3, program)
                 self.assert_told(moved)
                 self.assertEqual(moved.summary["state_hash"], alone.summary["state_hash"])

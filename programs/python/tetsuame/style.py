@@ -25,6 +25,14 @@ DASHED = {"E", "F2"}
 SCHEME = {"ssph": ("SSPH", ORANGE), "disph": ("DISPH", SKY), "gsph": ("GSPH", VERMILION), "gdisph": ("Godunov DISPH", BLUE),
           "remix": ("REMIX", GREEN)}
 
+# Methods of time integration, by the notes' and ARKODE's names.
+METHOD = {"euler": INK, "order_2": ORANGE, "order_3": PINK, "order_4": VERMILION, "order_5": "#8C8200", "ssp_rk3": SKY, "rk4": BLUE,
+          "rkc2": "#882255", "rkl2": "#AA4499"}
+ADAPTIVE = {2: "#66A61E", 3: GREEN, 5: "#00553B"}  # by order
+
+DENSE, LIGHT = "#d62020", "#2040d0"  # two liquids or gases in contact, as Saitoh and Makino drew them
+OUTSIDE = "#f3d9c6"  # of a region that is recommended
+
 # The stages of a step, in its order.
 STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#CC3311", "pressure": "#66A5CC",
          "densities": "#99C7DB", "corrections": "#7FA889", "gradient": "#4477AA", "gradients": "#66A5CC", "forces": "#4477AA",

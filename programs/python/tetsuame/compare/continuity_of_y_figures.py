@@ -6,7 +6,7 @@ from .outcomes import COMPLETED, Outcome
 
 NEAR = 4.0  # spacings of the box's lattice: a little more than the kernel reaches
 FRAME = 0.3  # of p/p at rest - 1
-RED, BLUE = "#d62020", "#2040d0"
+RED, BLUE = style.DENSE, style.LIGHT
 SNAPSHOTS = (0.1, 0.3, 0.5, 1.0, 8.0)  # s, those of their figure
 EQUAL_MASS, EQUAL_SPACING = "shock.masses=equal_mass", "shock.masses=equal_spacing"
 # Rows, from the top.

@@ -222,7 +222,7 @@ def draw_map(ax, case: str, aim: str, own) -> None:
             continue
         within = abs(error) <= ALLOWED
         ax.text(*place, f"{100 * error:+.2f}".replace("-", "−"), ha="center", va="center", fontsize=8, color="white" if within else style.INK,
-                bbox={"boxstyle": "round,pad=0.25", "facecolor": style.GREEN if within else "#f3d9c6", "edgecolor": "none"})
+                bbox={"boxstyle": "round,pad=0.25", "facecolor": style.GREEN if within else style.OUTSIDE, "edgecolor": "none"})
     ax.set(xscale="log", yscale="log", xlim=low, ylim=high, xlabel="φ_ζ", title=f"{case}, n = {own[0][0]['n']}: {aim}")
     ax.grid(visible=False)
 

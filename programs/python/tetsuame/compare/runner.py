@@ -124,10 +124,14 @@ def fingerprint(binaries: Path, case: Run) -> str:
     return digest.hexdigest()
 
 
-@functools.cache
 def programs(binaries: Path, name: str) -> list[bytes]:
     """Digests of a program: of its launcher, and of what that chooses from, each in a folder for a kind of processor."""
-    return [hashlib.sha256(path.read_bytes()).digest() for path in (binaries / name, *sorted(binaries.glob(f"avx*/{name}")))]
+    return [content(path, path.stat().st_mtime_ns) for path in (binaries / name, *sorted(binaries.glob(f"avx*/{name}")))]
+
+
+@functools.cache
+def content(path: Path, _changed: int) -> bytes:
+    return hashlib.sha256(path.read_bytes()).digest()
 
 
 def recorded_status(record: Path, mark: str) -> int | None:

@@ -59,8 +59,6 @@ STABILISED = ("rkc2", "rkl2")
 RTOL = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 ADAPTIVE_ORDERS = (2, 3, 5)
 PARTS, QUICK_PARTS = (1, 2, 4, 8), (1, 4)  # of Case.step
-COLOUR = {"euler": style.INK, "order_2": style.ORANGE, "order_3": style.PINK, "order_4": style.VERMILION, "order_5": "#8C8200",
-          "ssp_rk3": style.SKY, "rk4": style.BLUE, "rkc2": "#882255", "rkl2": "#AA4499", OWN: style.ALARM}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -167,9 +165,9 @@ def work(measured: dict, names: list[str]):
 
 
 def colour(method: str) -> str:
-    if method in COLOUR:
-        return COLOUR[method]
-    return {2: "#66A61E", 3: style.GREEN, 5: "#00553B"}[int(method[-1])]
+    if method == OWN:
+        return style.ALARM
+    return style.METHOD.get(method) or style.ADAPTIVE[int(method[-1])]
 
 
 def cheapest(runs: list[dict], target: float) -> dict | None:
