@@ -74,7 +74,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
     for setting in (*([f"{case.start_key}={begun.snapshot.path}"] if begun else []), *case.settings):
         command += ["--set", setting]
     progress.started(case)
-    start = time.monotonic()
+    clock = time.monotonic()
     with open(beside(folder, ".log"), "w") as log:
         try:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -84,7 +84,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
             return Outcome(case, CRASHED, f"did not end within {given.time_limit:g} s", folder, {}, False)
         except OSError as error:
             return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
-    record.write_text(json.dumps({"fingerprint": mark, "status": status, "seconds": round(time.monotonic() - start, 2)}))
+    record.write_text(json.dumps({"fingerprint": mark, "status": status, "seconds": round(time.monotonic() - clock, 2)}))
     return judge(case, folder, status, False)
 
 

@@ -1,0 +1,145 @@
+// Which wall particles the fluid reads, and lists of the fluid near their markers.
+#pragma once
+
+#include <algorithm>
+#include <cells/grid.hpp>
+#include <limits>
+#include <walls/turned.hpp>
+#include <walls/wall_set.hpp>
+
+namespace tetsuame::walls::detail {
+
+// m, how far a wall particle is from fluid that is nowhere nearer to its walls than so far.
+template <int D>
+double least_distance(const particles::particles<D>& s, const wall_set<D>& set, std::size_t r,
+                      const std::vector<double>& nearest) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < set.sides.size(); ++k) {
+    if ((set.mirrored[r] >> k & 1U) == 0) continue;
+    const double along = nearest[k] - set.sides[k].distance(s.x[set.sides[k].axis][s.first_wall() + r]);
+    sum += along * along;
+  }
+  return std::sqrt(sum);
+}
+
+// Of each wall particle of this rank: whether fluid, owned or ghost, may be nearer to it than `reach`. What is as near
+// to the wall particle is as near to its marker, and so among this rank's ghosts at least. Those whom a lattice would
+// come near count as read, without a search.
+template <int D>
+std::vector<char> find_read(const particles::particles<D>& s, const wall_set<D>& set, const cells::grid<D>& grid,
+                            double reach, double dx) {
+  std::vector<double> nearest;  // m, fluid to each side, from within
+  const std::vector<double> lattice(set.sides.size(), dx);
+  for (const auto& wall : set.sides) {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < s.first_wall(); ++i) least = std::min(least, wall.distance(s.x[wall.axis][i]));
+    nearest.push_back(std::max(0.0, least));
+  }
+  std::vector<char> read(s.walls, 0);
+  foundation::for_all(s.walls, [&](std::size_t r) {
+    read[r] = least_distance(s, set, r, lattice) < reach ? 1 : 0;
+    if (read[r] != 0 || least_distance(s, set, r, nearest) > reach * (1.0 + 1e-9)) return;
+    const auto x = cells::position<D>(s.x, s.first_wall() + r);
+    cells::for_each_near<D>(grid, x, x, reach, [&](std::uint32_t k, std::uint64_t near) {
+      for (; near != 0; near &= near - 1)
+        if (grid.members[k + static_cast<std::uint32_t>(std::countr_zero(near))] < s.first_wall()) read[r] = 1;
+    });
+  });
+  return read;
+}
+
+// `listed`: all that some marker sees; from then on the list counts in it. Rows were filled up with `null`.
+inline void count_in_listed(marker_rows& rows, std::size_t null) {
+  constexpr std::uint32_t unseen = 0xffffffff;
+  std::vector<std::uint32_t> place(null + 1, unseen);
+  place[null] = 0;
+  for (const std::uint32_t j : rows.near.all) place[j] = 0;
+  rows.listed.clear();
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] == 0) {
+      place[i] = static_cast<std::uint32_t>(rows.listed.size());
+      rows.listed.push_back(static_cast<std::uint32_t>(i));
+    }
+  for (std::uint32_t& j : rows.near.all) j = place[j];
+}
+
+// The owned fluid that one of these markers, on whichever rank, may see until it has moved so far (m).
+template <int D>
+pairs::chosen choose_near_wall(const pairs::workspace<D>& w, const wall_set<D>& set,
+                               const std::vector<std::uint32_t>& markers, double moved) {
+  const auto& s = w.s;
+  double depth = 0.0;
+  for (const std::uint32_t r : markers)
+    for (std::size_t k = 0; k < set.sides.size(); ++k)
+      if ((set.mirrored[r] >> k & 1U) != 0)
+        depth = std::max(depth, set.sides[k].distance(set.marker[set.sides[k].axis][r]));
+  depth = w.d.ranks.maximum(depth) + set.reach + moved;
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for (const auto& wall : set.sides)
+      if (wall.distance(s.x[wall.axis][i]) < depth) {
+        near.push_back(i);
+        break;
+      }
+  return pairs::choose(w.list, std::move(near), s.total());
+}
+
+// Lists of the fluid near some markers, valid until it has moved so far (m), and of what fluid that may be. Collective.
+template <int D>
+void list_fluid(const pairs::workspace<D>& w, const wall_set<D>& set, const cells::grid<D>& grid, double moved,
+                marker_rows& rows) {
+  const auto& s = w.s;
+  cells::make_list_of_points<D>(
+      rows.near, grid, rows.of.size(), set.reach + moved, static_cast<std::uint32_t>(s.null()),
+      [&](std::size_t k) { return cells::position<D>(set.marker, rows.of[k]); },
+      [&](std::uint32_t j) { return j < s.first_wall(); });
+  count_in_listed(rows, s.null());
+  rows.coefficients.assign(rows.of.size() * terms(polynomial_order(set.how.interpolation), D), 0.0);
+  rows.near_wall = choose_near_wall(w, set, rows.of, moved);
+}
+
+// With new lists of the fluid: which wall particles these read, and what fluid is near their markers. Collective.
+template <int D>
+void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
+  const auto& s = w.s;
+  set.reach = radius_factor(set.how) * w.support();
+  set.pressure_step.assign(s.walls, 0.0);
+  set.weight_step.assign(s.walls, 0.0);
+  set.mass.assign(s.walls, 0.0);
+  set.steps_due = false;
+  for (const auto& wall : set.sides) set.f[wall.axis].assign(s.total() + 1, 0.0);
+  // Repulsion acts on all fluid near a wall, whichever of the markers are read.
+  const bool all = set.how.treatment == "repulsion";
+  // Lists end when some fluid has moved half the skin. Markers and wall particles do not move.
+  const double moved = 0.5 * skin;
+  const auto is_read = all ? std::vector<char>(s.walls, 1) : find_read(s, set, grid, w.support() + moved, w.dx);
+  set.unread.reset();
+  set.read.of.clear();
+  for (std::size_t r = 0; r < s.walls; ++r)
+    if (is_read[r] != 0) set.read.of.push_back(static_cast<std::uint32_t>(r));
+  list_fluid(w, set, grid, moved, set.read);
+}
+
+// The other markers, for this evaluation alone. Collective.
+template <int D>
+void find_unread(const pairs::workspace<D>& w, wall_set<D>& set) {
+  const auto& s = w.s;
+  set.unread.emplace();
+  std::size_t next = 0;
+  for (std::uint32_t r = 0; r < s.walls; ++r)
+    if (next < set.read.of.size() && set.read.of[next] == r)
+      ++next;
+    else
+      set.unread->of.push_back(r);
+  const auto grid = cells::make_grid<D>(s.x, s.id, s.first_wall(), cells::cell_edge(w.dx));
+  list_fluid(w, set, grid, 0.0, *set.unread);
+}
+
+// f(marker_rows) for those of this evaluation.
+template <int D, class F>
+void for_all_rows(wall_set<D>& set, F&& f) {
+  f(set.read);
+  if (set.unread) f(*set.unread);
+}
+
+}  // namespace tetsuame::walls::detail
