@@ -91,9 +91,19 @@ class Submit(Case):
         self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
         return process.wait(timeout=LIMIT_S)
 
-    def long_settings(self, seconds):
-        tried = self.run_program("disph_f", self.name, {**self.settings, "time.steps": 100}).summary
-        return {**self.settings, "time.steps": max(100, int(100 * seconds / tried["stepping_seconds"])), "time.dt": 2e-3}
+    def endless_settings(self):
+        return {**self.settings, "time.steps": 1_000_000, "time.dt": 2e-3}
+
+    def long_run(self, seconds):
+        """Settings of a run that took at least this long, and its summary. A few steps, measured on a busy machine, would
+        foretell too long a run."""
+        steps = 1000
+        while True:
+            settings = {**self.settings, "time.steps": steps, "time.dt": 2e-3}
+            whole = self.run_program("disph_f", self.name, settings, f"whole_{steps}").summary
+            if whole["stepping_seconds"] >= seconds:
+                return settings, whole
+            steps *= 2
 
 
 class Refused(Submit):
@@ -228,8 +238,7 @@ class Chains(Submit):
     def test_until_complete(self):
         """The same state as an uninterrupted run, the ranks started by the script's own command where that needs no
         scheduler. How Slurm goes on: test_slurm.py."""
-        settings = self.long_settings(0.6)
-        whole = self.run_program("disph_f", self.name, settings, "whole").summary
+        settings, whole = self.long_run(1.5)
         for scheduler, ranks, more in [("pjm", 1, ["--launcher", "env"]), ("pbs", 1, []), ("nqsv", 1, [])]:
             with self.subTest(scheduler):
                 self.queue.unlink(missing_ok=True)
@@ -237,7 +246,7 @@ class Chains(Submit):
                 self.accepted("--submit", *more, scheduler=scheduler, ranks=ranks, settings=settings)
                 self.assertEqual(self.queued(), [str(self.out / "job.sh")])
                 script = (self.out / "job.sh").read_text()
-                self.limit(max(0.25, 0.4 * whole["stepping_seconds"]))
+                self.limit(0.2 * whole["stepping_seconds"])
                 # mpirun waits after each job that is to be continued: with it only the first has a limit.
                 after_first = None if more else lambda: (self.out / "job.sh").write_text(script)
                 statuses = self.chain(scheduler, most=60, after_first=after_first)
@@ -302,7 +311,7 @@ class Chains(Submit):
         self.assertEqual(self.job("pbs"), COMPLETED, self.log())
 
     def test_too_many_jobs(self):
-        self.accepted("--submit", "--max-jobs", 2, "--launcher", "env", scheduler="pbs", settings=self.long_settings(5))
+        self.accepted("--submit", "--max-jobs", 2, "--launcher", "env", scheduler="pbs", settings=self.endless_settings())
         self.limit(0.2)
         self.assertEqual(self.chain("pbs"), [INTERRUPTED, 1])
         self.assertIn("2 jobs were not enough", self.log())
@@ -319,7 +328,7 @@ class Chains(Submit):
 
     def test_signals(self):
         """USR1: on with the next job. TERM, and without a scheduler INT and HUP: checkpoint, and no further job."""
-        settings = self.long_settings(20)
+        settings = self.endless_settings()
         for number, queued, outcome in [(signal.SIGUSR1, 1, "interrupted"), (signal.SIGTERM, 0, "stopped"),
                                         (signal.SIGINT, 0, "stopped"), (signal.SIGHUP, 0, "stopped")]:
             with self.subTest(number.name):
@@ -335,7 +344,7 @@ class Chains(Submit):
     def test_mpirun_is_ended(self):
         """TERM to shell and mpirun, as a scheduler sends it: the ranks have their time, and the chain knows why it ended,
         whatever mpirun returns."""
-        self.accepted("--launcher", f"{MPIEXEC} --bind-to none -n 2", scheduler="pbs", ranks=2, settings=self.long_settings(60))
+        self.accepted("--launcher", f"{MPIEXEC} --bind-to none -n 2", scheduler="pbs", ranks=2, settings=self.endless_settings())
         process = self.start_stepping("pbs")
         os.killpg(process.pid, signal.SIGTERM)  # shell and mpirun; the ranks are in groups of their own
         self.assertEqual(process.wait(timeout=LIMIT_S), INTERRUPTED, self.log())
@@ -353,7 +362,7 @@ class Chains(Submit):
             self.assertEqual((self.here / "seconds").read_text(), f"{seconds}\n")
 
     def test_next_cannot_be_submitted(self):
-        self.accepted("--launcher", "env", scheduler="pjm", settings={**self.long_settings(4), "run.wall_clock_limit": 1})
+        self.accepted("--launcher", "env", scheduler="pjm", settings={**self.endless_settings(), "run.wall_clock_limit": 1})
         (self.bin / "pjsub").unlink()
         self.assertEqual(self.job("pjm"), INTERRUPTED)
         self.assertIn(f"on the login node: pjsub {self.out}/job.sh", self.log())
