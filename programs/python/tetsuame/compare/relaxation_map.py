@@ -76,7 +76,7 @@ def run(root: Path, name: str, n: int, aim: str, phi_zeta: float, phi_xi: float,
                 f"initial.perturbation={PERTURBATION}",
                 f"time.t_end={end * 1e18:g}", f"output.history_interval={max(1, round(steps / 1000))}", *method, smoothing, *given.settings)
     return of_size("convection", root / "inputs" / f"{name}.nml", f"{aim}, {phi_zeta:g}, {phi_xi:g}", n, settings,
-                   seconds=4e-7 * n * n * evaluations + 0.5)
+                   seconds=2.5e-7 * n * n * evaluations + 0.5)
 
 
 def judged(_one: dict) -> dict[str, tuple[float, float]]:
