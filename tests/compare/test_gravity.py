@@ -157,6 +157,11 @@ class RelaxationMap(Written):
         self.assertLess(abs(found["overshoot"]), 2e-4)  # both cancel
         self.assertAlmostEqual(found["height"], height * 0.12**2, delta=1e-4)
 
+    def test_a_swing_that_dies_is_taken_out(self):
+        t = np.linspace(0.0, 1.0, 801)
+        swing = 10.0 * np.exp(-3.0 * t) * np.cos(33.0 * t)
+        self.assertAlmostEqual(relaxation_map.without_swings(t, 4.0 + swing), 4.0, delta=0.01)
+
     def test_first_maximum(self):
         t = np.linspace(0.0, 1.0, 400)
         np.testing.assert_allclose(relaxation_map.first_maximum(t, 1.0 - (t - 0.4321)**2), (0.4321, 1.0), rtol=1e-9)
