@@ -109,7 +109,7 @@ def contact(n, source, settings, stopped):
     fields = {"Coordinates": np.column_stack([x, y, 0 * x]), "Velocities": np.column_stack([0 * x + 3.0, 0 * x + 4.0, 0 * x]),
               "Pressure": rest * (1 + near / n), "DensityReference": density}
     groups = {"domain": {"length_x": wide, "length_y": 4 * wide, "particles_x": n},
-              "rti": {"gravity": gravity, "p_top": 1e10, "shear": float(settings.get("rti.shear", 0.0))}}
+              "rti": {"gravity": gravity, "p_top": 1e10}, "expert": {"shear": float(settings.get("rti.shear", 0.0))}}
     return None, {"v_rms": 5.0}, fields, {"time": [0.0, 50.0], "v_rms": [0.0, 5.0]}, groups
 
 

@@ -53,7 +53,7 @@ class Slowed(unittest.TestCase):
 
     def test_steps_cut(self):
         """By zeta xi where sound binds, by xi squared where viscosity does."""
-        steps = {"recommended": {"step_sound_as_is_s": 1.0, "step_viscous_as_is_s": 1e9}}
+        steps = {"recommended": {"step_sound_as_is_s": 1.0, "step_viscous_as_is_s": None}}
         one = {"zeta": 3.0, "xi_lower": 5.0, "xi_upper": 7.0}
         self.assertAlmostEqual(slowed.gain(steps, one), 15, places=6)
         self.assertAlmostEqual(slowed.gain({"recommended": {"step_sound_as_is_s": 1e9, "step_viscous_as_is_s": 1.0}}, one), 25, places=6)

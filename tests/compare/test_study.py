@@ -180,6 +180,12 @@ class Frame(unittest.TestCase):
         for subject in study.SUBJECTS:
             self.assertLessEqual(set(study.needed([subject])), set(every), subject)
 
+    def test_help_names_every_comparison(self):
+        said = inside.call("compare", "--help").stdout
+        for subject in study.SUBJECTS:
+            self.assertRegex(said, rf"(?m)^  {subject} ")
+        self.assertIn("--all", said)
+
     def test_time_that_remains(self):
         progress = runner.Progress([10.0, 0.0, 20.0, 30.0], 2)
         self.assertEqual(progress.remaining(), "")

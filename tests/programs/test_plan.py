@@ -240,6 +240,15 @@ class TwoLayers(Plan):
                 self.assertGreater(r["gain"], gain)
                 self.assertIn("Recommended", text)
 
+    def test_a_stabilised_method_has_no_step_of_viscosity(self):
+        """Its stages take viscosity: what bounds its steps is sound, at any viscosity."""
+        for method, bound in (("rk4", True), ("rkl2", False), ("rkc2", False)):
+            said, text = self.of_box(1e4, 1e16, "--set", f"time.method={method}")
+            r = said["recommended"]
+            self.assertEqual(r["step_viscous_as_is_s"] is not None, bound)
+            self.assertEqual("taken by stages" in text, not bound)
+            self.assertEqual(r["step_as_is_s"] < 0.5 * r["step_sound_as_is_s"], bound)
+
     def test_unequal_viscosities(self):
         """The stiffer one is made the heavier: both then have the same viscosity over inertia."""
         r = self.of_box(1e5, 1e13, "--set", "rti.viscosity_lower=1e15")[0]["recommended"]

@@ -43,15 +43,20 @@ void say_recommended(const options& o, const recommended_slowing& r, double tole
   } else {
     rows.push_back({"xi", "/recommended/xi", z.xi});
   }
+  // A stabilised method takes viscosity by its stages: its steps are bound by sound.
+  const auto& method = o.common.time.method;
+  const bool by_stages = method == "rkl2" || method == "rkc2";
+  const json viscous = by_stages ? json(nullptr) : json(r.viscous_as_is);
   const std::vector<quantity> rest{
       {"error", "/recommended/growth_error", r.error, "", "of the growth rate, with both"},
       {"", "/recommended/growth_error_sound", r.error_of_sound, "", "by sound alone"},
       {"", "/recommended/growth_error_inertia", r.error_of_inertia, "", "by inertia alone"},
       {"dt", "/recommended/step_s", r.step, "s",
-       fmt::format("explicit, with {} x {} particles", o.domain.particles[0], o.domain.particles[1])},
+       fmt::format("of {}, with {} x {} particles", method, o.domain.particles[0], o.domain.particles[1])},
       {"dt as is", "/recommended/step_as_is_s", r.step_as_is, "s", "nothing slowed"},
       {"", "/recommended/step_sound_as_is_s", r.sound_as_is, "s", "sound alone"},
-      {"", "/recommended/step_viscous_as_is_s", r.viscous_as_is, "s", "viscosity alone"},
+      {"", "/recommended/step_viscous_as_is_s", viscous, by_stages ? "" : "s",
+       by_stages ? "viscosity: taken by stages" : "viscosity alone"},
       {"gain", "/recommended/gain", r.step / r.step_as_is, "", "fewer steps"}};
   rows.insert(rows.end(), rest.begin(), rest.end());
   a.add(fmt::format("Recommended: errors of the growth rate, added without their signs, of {}", number(tolerance)),

@@ -36,6 +36,8 @@ CASES = {
     "bowl_2e5": Case("bowl, 2e5 particles, 484 ranks", "balance_bowl", ("distribution.particles=200000",)),
     "bowl_2e6": Case("bowl, 2e6 particles, 484 ranks", "balance_bowl", (), 12.0, quick=False),
     "slow_half": Case("half of 256 ranks 10 % slower, 1e6 particles", "balance_slow_half", (), 6.0, quick=False),
+    "slow_bowl": Case("bowl, 2e6 particles, half of 484 ranks twice as slow", "balance_bowl",
+                      ("machine.slow_fraction=0.5", "machine.slow_factor=2"), 12.0, quick=False),
     "blast": Case("Sedov's blast in 3-D, 4096 particles, 8 ranks", "balance_bowl", (*EQUAL_CELLS, "machine.ranks=8"),
                   1.0, ("shock", "sedov_octant", ("domain.particles_x=16",), 20.0)),
     "free_surface": Case("the poster's free surface, 2304 particles, 8 ranks", "balance_bowl", (*EQUAL_CELLS, "machine.ranks=8"),

@@ -49,7 +49,7 @@ def course(outcome: Outcome) -> dict[str, np.ndarray]:
         return {}
     at_rest = pressure_at_rest(outcome, states[0])
     spacing = outcome.setting("domain.length_x") / outcome.setting("domain.particles_x")
-    sheared = outcome.setting("rti.shear") != 0.0
+    sheared = outcome.setting("expert.shear") != 0.0
     found = {name: [] for name in ("time", "pressure_near", "pressure_elsewhere", "speed_near", "speed_elsewhere")}
     for state in states:
         y, v = state["Coordinates"][:, 1], state["Velocities"]

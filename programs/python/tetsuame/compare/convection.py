@@ -40,7 +40,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
     particles = sizes(given, parser, 8, (16, 24, 32), (16, 20, 24))
     inputs = find_inputs(given.inputs or ",".join(QUICK if given.quick else INPUTS), root, parser, known=tuple(references.STEADY))
     return [of_size("convection", path, "", n, (f"domain.particles_x={round(n * aspect(path))}", f"domain.particles_y={n}",
-                                            *given.settings)) for path in inputs for n in particles]
+                                            *given.settings), seconds=5.0 * (n / 32)**2) for path in inputs for n in particles]
 
 
 def aspect(path: Path) -> float:

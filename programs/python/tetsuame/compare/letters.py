@@ -13,8 +13,7 @@ from .parts import chosen, find_inputs, state_class
 from .table import agreement, agreement_in_place, cell, entry_of, error, files, labels, note_says, place, said
 
 TITLE = "Programs A to F on hydrostatic states"
-ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html. " \
-        "Other comparisons: ./run compare hydrostatic, convection, shock, rti (each with --help)."
+ABOUT = "Run the programs A to F on the note's inputs; write a table, figures and report.html."
 PROGRAMS = tuple(f"disph_{program.lower()}" for program in LETTERS)
 terminal = table.terminal
 INTRODUCTION = "Six ways to find the volumes and the pressure gradient in DISPH, on states in which nothing should " \

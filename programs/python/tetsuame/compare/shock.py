@@ -26,6 +26,7 @@ class Test:
     n: tuple[int, ...]
     quick: tuple[int, ...]
     about: str
+    seconds: float = 1.0         # that one run with the most particles takes, roughly; with REMIX REMIX_COSTS times as many
     settings: tuple[str, ...] = ()
     refined: bool = False        # no exact solution: the last n again with gsph and twice the particles is the reference
 
@@ -35,16 +36,17 @@ TESTS = {
     "strong": Test("strong", (100, 200, 400), (100, 200), "a pressure jump of 10⁵"),
     "vacuum": Test("vacuum", (140, 280, 560), (70, 140), "two streams that part and leave almost nothing between them"),
     "melts": Test("melts_shock", (100, 200, 400), (50, 100), "liquid iron beside liquid silicate, a shock into the silicate"),
-    "blasts": Test("blasts", (200, 400), (100,), "two blasts that meet; no exact solution", refined=True),
-    "square": Test("square", (16, 32), (16, 24), "a dense square in pressure balance, particles on one lattice, t = 2", ("time.t_end=2",)),
-    "square_equal_mass": Test("square", (16, 32), (16,), "the same of equal masses: two lattices meet, t = 1",
+    "blasts": Test("blasts", (200, 400), (100,), "two blasts that meet; no exact solution", 3.5, refined=True),
+    "square": Test("square", (16, 32), (16, 24), "a dense square in pressure balance, particles on one lattice, t = 2", 2.0, ("time.t_end=2",)),
+    "square_equal_mass": Test("square", (16, 32), (16,), "the same of equal masses: two lattices meet, t = 1", 2.0,
                               ("time.t_end=1", "shock.masses=equal_mass")),
-    "explosion_2d": Test("sedov", (24, 48), (16, 24), "Sedov's explosion in the plane, gas of pressure 10⁻³ ahead, t = 0.1",
+    "explosion_2d": Test("sedov", (24, 48), (16, 24), "Sedov's explosion in the plane, gas of pressure 10⁻³ ahead, t = 0.1", 2.5,
                          ("domain.dimension=2", "time.t_end=0.1", "shock.p_l=1e-3")),
-    "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is"),
-    "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory"),
+    "gresho": Test("gresho", (16, 32), (16, 24), "Gresho's vortex, which should stay as it is", 1.5),
+    "kelvin_helmholtz": Test("kelvin_helmholtz", (48, 96), (40,), "growth of a wave on a shear layer, against linear theory", 14.0),
 }
 PROGRAMS = ("shock",)
+REMIX_COSTS = 3.0
 OVER = "Errors of ρ, v and p are coloured by their part of the exact field's largest value."
 WIDE = max(len(name) for name, _ in SCHEME.values()) + 2  # of a column on the terminal
 # Of each L1 error its sign, and the field.
@@ -71,7 +73,8 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
 
         def run(scheme, n, variant):
             settings = (f"domain.particles_x={n}", f"shock.scheme={scheme}", *test.settings, *given.settings)
-            return of_size("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name)
+            seconds = test.seconds * (n / test.n[-1])**2.5 * (REMIX_COSTS if scheme == "remix" else 1.0)
+            return of_size("shock", root / "inputs" / f"{test.input}.nml", variant, n, settings, name, seconds)
 
         runs += [run(scheme, n, scheme) for n in counts for scheme in schemes]
         if test.refined:

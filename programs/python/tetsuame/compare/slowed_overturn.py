@@ -52,10 +52,10 @@ def judged(_one: dict) -> dict[str, tuple[float, float]]:
 
 
 def gain(answer: dict, one: dict) -> float | None:
-    """Of the explicit step, by what is slowed."""
+    """Of the step, by what is slowed. A stabilised method's is not bound by viscosity."""
     if not answer:
         return None
-    sound, viscous = (answer["recommended"][f"step_{key}_as_is_s"] for key in ("sound", "viscous"))
+    sound, viscous = (answer["recommended"][f"step_{key}_as_is_s"] or math.inf for key in ("sound", "viscous"))
     xi = min(one["xi_lower"], one["xi_upper"])
     return (sound**-2 + viscous**-2) ** 0.5 / ((sound * one["zeta"] * xi) ** -2 + (viscous * xi**2) ** -2) ** 0.5
 

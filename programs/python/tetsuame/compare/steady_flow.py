@@ -162,38 +162,3 @@ def towards(eq: Equations, rayleigh: float, weight: float) -> tuple[np.ndarray, 
         if np.abs(step).max() < 1e-4 * np.abs(b).max():
             break
     return slaved @ b, b
-
-
-def first_overshoot(rayleigh: float, perturbation: float) -> tuple[float, float]:
-    """Without inertia and incompressible, from conduction with perturbation cos(pi x) sin(pi y): when v_rms has its first maximum (L²/kappa),
-    and the maximum. Fourth-order Runge-Kutta steps."""
-    eq = equations(False)
-    points = 0.5 - 0.5 * np.cos(np.pi * (np.arange(eq.order) + 0.5) / eq.order)
-    nodes, weights = quadrature(2 * eq.order)
-    psi = eq.bases["psi"]
-    both = np.vstack([np.kron(psi(nodes), psi(nodes, 1)), np.kron(psi(nodes, 1), psi(nodes))])
-    both *= np.sqrt(np.tile(np.kron(weights, weights), 2))[:, None]
-    slaved, invert = eq.slaved(rayleigh, 0.0), np.linalg.inv(eq.heat)
-    dt = min(5.0 / eq.order**4, 0.2 / rayleigh)  # diffusion between the points at the walls; the flow there
-    spread, u, v, speeds = invert @ eq.T_lap, eq.u @ slaved, eq.v @ slaved, both @ slaved
-
-    def rate(b: np.ndarray) -> np.ndarray:
-        return spread @ b - invert @ ((u @ b) * (eq.T_x @ b) + (v @ b) * (eq.T_y @ b - 1.0))
-
-    b = np.linalg.solve(eq.heat, perturbation * np.outer(np.cos(np.pi * points), np.sin(np.pi * points)).ravel())
-    found = [float(np.linalg.norm(speeds @ b))]
-    while len(found) < 3 or found[-1] > found[-2]:
-        first = rate(b)
-        second = rate(b + 0.5 * dt * first)
-        third = rate(b + 0.5 * dt * second)
-        b = b + dt / 6.0 * (first + 2.0 * second + 2.0 * third + rate(b + dt * third))
-        found.append(float(np.linalg.norm(speeds @ b)))
-        if not math.isfinite(found[-1]):
-            return math.nan, math.nan
-    return vertex(dt * np.arange(len(found) - 3, len(found)), np.array(found[-3:]))
-
-
-def vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """Of the parabola through three points."""
-    a, b, c = np.polyfit(x - x[1], y, 2)
-    return float(x[1] - b / (2.0 * a)), float(c - b * b / (4.0 * a))

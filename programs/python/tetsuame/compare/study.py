@@ -25,18 +25,27 @@ from .outcomes import COMPLETED, CRASHED, Outcome
 SUBJECTS = {module.NAME: module for module in (
     hydrostatic, convection, shock, rti, continuity_of_y, slowed_overturn, gravity_density, relaxation_map, slides_convection,
     time_stepping, balance_study, precision)}
-ALL = "all"
 
 
 def options(name: str, subject) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=f"./run compare {name}".strip(), description=subject.ABOUT,
-                                     epilog="Exit status: 0 when every run ended as a calculation does (a divergence is a result), "
+    parser = argparse.ArgumentParser(prog=f"./run compare {name}".strip(), description=subject.ABOUT if name else about_all(subject),
+                                     formatter_class=argparse.HelpFormatter if name else argparse.RawDescriptionHelpFormatter,
+                                     epilog="Exit status: 0 when every run ended as a calculation does (a divergence is a result),\n"
                                             "1 when a program crashed, 2 for a mistake on this command line.")
     subject.add_options(parser)
     if name:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
+    else:
+        parser.add_argument("--all", action="store_true", help="this and all other comparisons, their runs in one queue (with --quick: smaller)")
     common_options(parser, f"output/compare/{name}".rstrip("/"))
     return parser
+
+
+def about_all(subject) -> str:
+    """Of programs A to F, and the names of the other comparisons."""
+    width = max(map(len, SUBJECTS)) + 2
+    others = [f"  {name:<{width}}{module.TITLE}" for name, module in SUBJECTS.items()]
+    return "\n".join([subject.ABOUT, "", "Other comparisons, ./run compare NAME (each with --help); all of them: ./run compare --all", *others])
 
 
 def common_options(parser: argparse.ArgumentParser, output: str) -> None:
