@@ -26,7 +26,7 @@ template <int D>
 void make_materials(world<D>& g) {
   if (!g.any_eos) return;
   for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
-    const eos::caloric& m = g.materials.emplace_back(eos_of(side->eos));
+    const eos::caloric& m = g.materials.emplace_back(eos_of(*side));
     g.stiffening.push_back(m.stiffening(side->rho, m.internal_energy(side->rho, *side->temperature)));
   }
 }
@@ -147,9 +147,9 @@ void settle(world<D>& g) {
   if (!g.weighs_volume) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
   sum_densities(g, g.w.fluid());
+  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
   begin_found(g);
   end_found(g);
-  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
 }
 
 }  // namespace tetsuame::gas
