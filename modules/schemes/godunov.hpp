@@ -11,7 +11,7 @@
 // two terms: DISPH without viscosity where gas is sheared and not compressed. Weight, z: as in viscous.hpp.
 // or, where pressures differ, without the terms of varying supports and with one volume of the pair ('fading'; derived
 // here). With P = p + p_inf, z of common.hpp and the mean Y of 1/q_i and 1/q_j:
-//   m_i dv_i/dt = -Σ_j Y² P*_ij [U_i (U_j + φ z_i) ∇W_ij(h_i) + U_j (U_i + φ z_j) ∇W_ij(h_j)]
+//   m_i dv_i/dt = -Σ_j P*_ij {U_i (U_j + φ z_i) [φ/q_i² + (1 - φ) Y²] ∇W_ij(h_i) + the same of j}
 //   φ = max[0, 1 - fading |p_i - p_j|/(P_i + P_j)]
 // and the first term's part of the power.
 //
@@ -149,9 +149,12 @@ struct gdisph_of_contacts : godunov<D, Kernel> {
     const R p_i = ij.own(of_pressure), p_j = ij(of_pressure);
     const R size = p_i + ij.own(of_stiffness) + p_j + ij(of_stiffness);
     const R terms = greater(R(0.0), R(1.0 - fading * abs(p_i - p_j) / size));
-    const R Y = 0.5 * (ij.own(of_slope) + ij(of_slope)), Y2 = Y * Y;
-    const auto from_i = Y2 * U_i * (U_j + terms * ij.own(of_correction)) * F.i * (P + rest * p_i);
-    const auto from_j = Y2 * U_j * (U_i + terms * ij(of_correction)) * F.j * (P + rest * p_j);
+    const R per_q_i = ij.own(of_slope), per_q_j = ij(of_slope), Y = 0.5 * (per_q_i + per_q_j);
+    const R shared = (1.0 - terms) * Y * Y;
+    const auto from_i =
+        (terms * per_q_i * per_q_i + shared) * U_i * (U_j + terms * ij.own(of_correction)) * F.i * (P + rest * p_i);
+    const auto from_j =
+        (terms * per_q_j * per_q_j + shared) * U_j * (U_i + terms * ij(of_correction)) * F.j * (P + rest * p_j);
     sum.force -= (from_i + from_j) * ij.x_ij;
     sum.power += from_i * star.closing * ij.r;
     this->signal(sum, ij, F, star);

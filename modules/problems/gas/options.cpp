@@ -107,6 +107,9 @@ void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "perturbation", s.perturbation,
              {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
   schema.add("shock", "waves", s.waves, between(1, 1000, "kelvin_helmholtz, rayleigh_taylor: of that sine"));
+  schema.add("shock", "tension", s.tension,
+             {.meaning = "equations of state: pressures below zero are as they say; F: they are zero, as in a material "
+                         "that parts, and sound is not below a tenth of that at the start"});
   schema.add("shock", "radius", s.radius, positive("m", "impact: of each of the two bodies"));
   schema.add("shock", "core", s.core, up_to(1.0, "impact: radius of the cores, of the left material, over that"));
   schema.add("shock", "gravity", s.gravity,

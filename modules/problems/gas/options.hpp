@@ -36,6 +36,7 @@ struct shock_options {
   double layer = 0.025, perturbation = 0.01;  // m, m/s
   std::int64_t waves = 2;                     // along x
   double radius = 1.0, core = 0.5;            // m; of the radius
+  bool tension = true;                        // equations of state: pressures below 0
   std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;

@@ -74,12 +74,12 @@ void find_pressure(world<D>& g, std::size_t i, double k) {
              : g.weighs_volume ? s.m[i] * g.y[i] / (k * g.weight[i])
                                : g.y[i];
   if (g.any_eos) {
-    const eos::caloric_state now = g.caloric_of(i).at(s.rho[i], s.u[i]);
+    const eos::caloric_state now = g.state_of(i);
     s.p[i] = now.p;
     s.T[i] = now.T;
     s.c[i] = now.c;
-    // The stiffened gas with K_S and K_S' (riemann/exact.hpp)
-    g.stiffness[i] = s.rho[i] * now.c * now.c / g.gamma[i] - now.p;
+    // The stiffened gas with K_S and K_S' (riemann/exact.hpp); where vapour is softer than that, a gas
+    g.stiffness[i] = std::max(s.rho[i] * now.c * now.c / g.gamma[i] - now.p, 0.0);
     return;
   }
   s.p[i] = (g.gamma[i] - 1.0) * (g.weighs_energy ? g.y[i] : s.rho[i] * s.u[i]) - g.gamma[i] * g.stiffness[i];
