@@ -9,6 +9,11 @@
 //   dU_i/dt     =  Σ_j U_i U_j P*_ij  f_i/q_i² v_ij·∇W_ij(h_i)
 // or, weighted by the mean B of the two ends' Balsara factors, with (1 - B) P_i + B P* and (1 - B) P_j + B P* in the
 // two terms: DISPH without viscosity where gas is sheared and not compressed. Weight, z: as in viscous.hpp.
+// or, where pressures differ, without the terms of varying supports and with one volume of the pair ('fading'; derived
+// here). With P = p + p_inf, z of common.hpp and the mean Y of 1/q_i and 1/q_j:
+//   m_i dv_i/dt = -Σ_j P*_ij {U_i (U_j + φ z_i) [φ/q_i² + (1 - φ) Y²] ∇W_ij(h_i) + the same of j}
+//   φ = max[0, 1 - fading |p_i - p_j|/(P_i + P_j)]
+// and the first term's part of the power.
 //
 // The Riemann problem is that along e from j (left) to i (right). First order: the particles' own states, as slopes are
 // zero. Second order: p, ρ and v·e are carried half the way to the middle along limited slopes; with Δ = a_i - a_j and
@@ -123,6 +128,33 @@ struct gdisph : godunov<D, Kernel> {
     const auto U_i = ij.own(of_weight), U_j = ij(of_weight);
     const auto from_i = U_i * ij.own(of_slope) * (U_j + ij.own(of_correction)) * F.i * (P + rest * ij.own(of_pressure));
     const auto from_j = U_j * ij(of_slope) * (U_i + ij(of_correction)) * F.j * (P + rest * ij(of_pressure));
+    sum.force -= (from_i + from_j) * ij.x_ij;
+    sum.power += from_i * star.closing * ij.r;
+    this->signal(sum, ij, F, star);
+  }
+};
+
+// weight = U; slope = 1/q; dissipation = B
+template <int D, class Kernel>
+struct gdisph_of_contacts : godunov<D, Kernel> {
+  double fading;
+
+  auto reads() const { return this->read_with(of_weight, of_slope, of_correction, of_per_support, of_dissipation); }
+  void add(auto& sum, const auto& ij) const {
+    using R = std::remove_cvref_t<decltype(ij.r)>;
+    const auto F = slopes_of<D>(this->unit, ij);
+    const auto star = this->star_of(ij);
+    const auto B = 0.5 * (ij.own(of_dissipation) + ij(of_dissipation)), rest = 1.0 - B, P = B * star.p;
+    const auto U_i = ij.own(of_weight), U_j = ij(of_weight);
+    const R p_i = ij.own(of_pressure), p_j = ij(of_pressure);
+    const R size = p_i + ij.own(of_stiffness) + p_j + ij(of_stiffness);
+    const R terms = greater(R(0.0), R(1.0 - fading * abs(p_i - p_j) / size));
+    const R per_q_i = ij.own(of_slope), per_q_j = ij(of_slope), Y = 0.5 * (per_q_i + per_q_j);
+    const R shared = (1.0 - terms) * Y * Y;
+    const auto from_i =
+        (terms * per_q_i * per_q_i + shared) * U_i * (U_j + terms * ij.own(of_correction)) * F.i * (P + rest * p_i);
+    const auto from_j =
+        (terms * per_q_j * per_q_j + shared) * U_j * (U_i + terms * ij(of_correction)) * F.j * (P + rest * p_j);
     sum.force -= (from_i + from_j) * ij.x_ij;
     sum.power += from_i * star.closing * ij.r;
     this->signal(sum, ij, F, star);

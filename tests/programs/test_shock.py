@@ -216,6 +216,31 @@ class Shock(Case):
                             for terms in ("none", "number"))
             self.assertLess(none, number)
 
+    def test_terms_that_fade(self):
+        """Terms that fade where pressures jump: Sod's tube better than by Godunov SPH, and the square of equal masses holds."""
+        tube = {"domain.particles_x": 200}
+        gsph, fading = (self.summary("sod", {**tube, **own})["errors"]["density_l1"]
+                        for own in ({"shock.scheme": "gsph"}, {"shock.support_terms": "fading"}))
+        self.assertLess(fading, gsph)
+        m = self.summary("square", {"domain.particles_x": 24, "shock.masses": "equal_mass", "time.t_end": 1,
+                                    "shock.support_terms": "fading"})["metrics"]
+        self.assertLess(abs(m["square_area_change"]), 0.01)
+
+    def test_iron_over_silicate(self):
+        """Liquids with equations of state under gravity: the contact grows as the linear theory of these compressible layers says."""
+        s = self.summary("iron_over_silicate", {"domain.particles_x": 24, "domain.particles_y": 24, "time.t_end": 140})
+        m = s["metrics"]
+        self.assertAlmostEqual(m["growth_rate_theory"] / m["growth_rate_sharp"], 1, delta=0.1)
+        self.assertAlmostEqual(m["growth_rate"] / m["growth_rate_theory"], 1, delta=0.2)
+        self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
+
+    def test_impact(self):
+        """Two bodies in empty space: momentum to rounding, and in the middle the pressure of mantles that meet in one dimension."""
+        s = self.summary("impact_2d", {"domain.particles_x": 40, "domain.particles_y": 40, "time.t_end": 2, **DOUBLE})
+        self.assertLess(s["conservation"]["momentum"], 1e-13)
+        # Granite's Hugoniot, p = rho0 U u with U = 3.68 km/s + 1.24 u [Melosh (1989), table AII.2], at u = 5 km/s, to a tenth.
+        self.assertAlmostEqual(s["metrics"]["p_star"] / (2680 * (3.68e3 + 1.24 * 5e3) * 5e3), 1, delta=0.1)
+
     def test_ranks_and_restart(self):
         settings = {"domain.dimension": 2, "domain.particles_x": 64, "domain.particles_y": 16, "domain.periodic_y": "T",
                     "kernel.skin": 0.5, "time.t_end": 0.04}
@@ -229,11 +254,15 @@ class Shock(Case):
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
                                  ("shock.gravity", 1, "rayleigh_taylor"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
                                  ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov"),
+                                 ("shock.test", "'impact'", "equations of state"), ("shock.tillotson_l", "'iron'", "tillotson"),
                                  ("shock.coarser", 5, "400 particles"), ("shock.coarser", 6, "halved")]:
             with self.subTest(key):
                 result = self.run_program("shock", "sod", {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
+        for name, settings, word in [("sod", {"shock.scheme": "'disph'", "shock.support_terms": "'fading'"}, "gdisph"),
+                                     ("iron_over_silicate", {"shock.p_r": 2e10}, "p_l"), ("impact_2d", {"shock.radius": 3e5}, "hold")]:
+            self.assertIn(word, self.run_program("shock", name, settings, expect=BAD_INPUT).stderr)
         result = self.run_program("shock", "square", {"shock.coarser": 1}, expect=BAD_INPUT)
         self.assertIn("no exact solution", result.stderr)
 

@@ -15,9 +15,10 @@ const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follo
 void declare_case(namelist::schema& schema, shock_options& s) {
   schema.add(
       "shock", "test", s.test,
-      {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts"},
-       .meaning = "what is at the start; left and right are inside and outside of a square or band. square: pairs are "
-                  "in double precision unless &kernel precision is given"});
+      {.choices = {"riemann", "square", "sedov", "kelvin_helmholtz", "rayleigh_taylor", "gresho", "noh", "blasts",
+                   "impact"},
+       .meaning = "what is at the start; left and right are inside and outside of a square or band, core and mantle of "
+                  "bodies that meet. square: pairs are in double precision unless &kernel precision is given"});
   schema.add(
       "shock", "scheme", s.scheme,
       {.choices = {"ssph", "disph", "gsph", "gdisph", "remix"},
@@ -31,12 +32,18 @@ void declare_weights(namelist::schema& schema, shock_options& s) {
              {.choices = {"energy", "volume"},
               .meaning = "disph, gdisph, what is smoothed: m u; or the volume at the start, for any equation of state, "
                          "with densities as given at the start"});
-  schema.add("shock", "support_terms", s.support_terms,
-             {.choices = {"weight", "number", "none"},
-              .expert = true,
-              .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
-                         "density [S4], or the number density, as it does [Hopkins 2013]; ssph has the first for both. "
-                         "none: no such terms, in any of the three, as in gsph"});
+  schema.add(
+      "shock", "support_terms", s.support_terms,
+      {.choices = {"weight", "number", "none", "fading"},
+       .expert = true,
+       .meaning = "disph, gdisph, the forces' terms of a support that varies: as if it followed the weight's "
+                  "density [S4], or the number density, as it does [Hopkins 2013]; ssph has the first for both. "
+                  "none: no such terms, in any of the three, as in gsph. fading (gdisph): as 'number' where pressures "
+                  "are equal and as 'none' where they jump, with one volume of the pair"});
+  schema.add("shock", "fading", s.fading,
+             for_expert(between(0.0, 1e6,
+                                "support_terms = 'fading': the terms are gone where the pressures of a pair differ by "
+                                "this part of their sum, inverted")));
   schema.add(
       "shock", "density", s.density,
       {.choices = {"weight", "mass"},
@@ -73,8 +80,11 @@ void declare_states(namelist::schema& schema, shock_options& s) {
   for (const auto& [name, where, of] : ends) {
     schema.add("shock", "eos_" + name, of.eos,
                {.choices = equations,
-                .meaning = "riemann, square: equation of state" + where +
+                .meaning = "riemann, square, rayleigh_taylor, impact: equation of state" + where +
                            ", with its own parameters; '': the gas of gamma and p_infinity"});
+    schema.add("shock", "tillotson_" + name, of.tillotson,
+               {.choices = {"", "iron", "granite", "basalt"},
+                .meaning = "of the equation of state 'tillotson'" + where + ": its material; '': iron"});
     schema.add("shock", "temperature_" + name, of.temperature,
                positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
   }
@@ -97,6 +107,11 @@ void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "perturbation", s.perturbation,
              {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
   schema.add("shock", "waves", s.waves, between(1, 1000, "kelvin_helmholtz, rayleigh_taylor: of that sine"));
+  schema.add("shock", "tension", s.tension,
+             {.meaning = "equations of state: pressures below zero are as they say; F: they are zero, as in a material "
+                         "that parts, and sound is not below a tenth of that at the start"});
+  schema.add("shock", "radius", s.radius, positive("m", "impact: of each of the two bodies"));
+  schema.add("shock", "core", s.core, up_to(1.0, "impact: radius of the cores, of the left material, over that"));
   schema.add("shock", "gravity", s.gravity,
              {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
 }
@@ -142,9 +157,10 @@ void declare(namelist::schema& schema, options& o) {
       {.single_pairs = true, .kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
 }
 
-eos::any eos_of(const std::string& name) {
+eos::any eos_of(const side_options& side) {
   eos::material_options m;
-  m.name = name;
+  m.name = side.eos;
+  m.tillotson = side.tillotson;
   return eos::make(m);
 }
 
@@ -176,14 +192,17 @@ void resolve_box(const namelist::schema& schema, options& o) {
 void resolve_material(const namelist::schema& schema, const std::string& test, const std::string& end,
                       side_options& side) {
   const auto fail = [&](const char* key, const std::string& why) { schema.fail("shock", key + end, why); };
+  if (!side.tillotson.empty() && side.eos != "tillotson") fail("tillotson_", "needs eos_" + end + " = 'tillotson'");
   if (side.temperature && side.eos.empty()) fail("temperature_", "a temperature needs an equation of state");
   if (side.eos.empty()) return;
-  if (test != "riemann" && test != "square") fail("eos_", "the test '" + test + "' is of an ideal gas");
+  const std::array<std::string_view, 4> tests{"riemann", "square", "rayleigh_taylor", "impact"};
+  if (std::find(tests.begin(), tests.end(), test) == tests.end())
+    fail("eos_", "the test '" + test + "' is of an ideal gas");
   if (!side.temperature) fail("eos_", "an equation of state needs temperature_" + end);
   if (side.gamma) fail("gamma_", "is of a gas, and there is an equation of state");
   if (side.p_infinity != 0.0) fail("p_infinity_", "is of a gas, and there is an equation of state");
   const double follows =
-      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(side.eos), side.p, *side.temperature); });
+      schema.placed("shock", "eos_" + end, [&] { return eos::density(eos_of(side), side.p, *side.temperature); });
   if (schema.given("shock", "rho_" + end) && std::abs(side.rho / follows - 1.0) > 1e-9)
     fail("rho_",
          fmt::format("of '{}' at this pressure and temperature the density is {:.10g} kg/m^3", side.eos, follows));
@@ -192,6 +211,10 @@ void resolve_material(const namelist::schema& schema, const std::string& test, c
 
 void resolve_materials(const namelist::schema& schema, options& o) {
   auto& s = o.shock;
+  if (s.test == "impact" || (s.test == "rayleigh_taylor" && o.any_eos())) {
+    if (!schema.given("shock", "p_r")) s.r.p = s.l.p;
+    if (s.r.p != s.l.p) schema.fail("shock", "p_r", "where the materials touch both have the pressure p_l");
+  }
   resolve_material(schema, s.test, "l", s.l);
   resolve_material(schema, s.test, "r", s.r);
   if (s.l.eos.empty() != s.r.eos.empty())
@@ -220,6 +243,14 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("shock", "gravity", "gravity is for the test 'rayleigh_taylor', which needs it");
   if (test == "rayleigh_taylor" && o.domain.periodic[1])
     schema.fail("domain", "periodic_y", "the test 'rayleigh_taylor' has walls below and above");
+  if (o.terms_fade() && s.scheme != "gdisph")
+    schema.fail("shock", "support_terms", "'fading' is of the scheme 'gdisph'");
+  if (test == "impact") {
+    if (!o.any_eos()) schema.fail("shock", "eos_l", "the test 'impact' is of materials with equations of state");
+    for (std::size_t a = 0; a < o.domain.axes(); ++a)
+      if (o.domain.length[a] < (a == 0 ? 4.0 : 2.0) * s.radius)
+        schema.fail("shock", "radius", "the box does not hold the two bodies side by side");
+  }
   if (s.corner)
     for (std::size_t a = 0; a < o.domain.axes(); ++a)
       if (test != "sedov" || o.domain.periodic[a])

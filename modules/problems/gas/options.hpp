@@ -18,12 +18,14 @@ struct side_options {
   std::optional<double> gamma = {};        // none: that of all
   double p_infinity = 0.0;                 // Pa; stiffened gas
   std::string eos = "";                    // empty: the gas of gamma and p_infinity
+  std::string tillotson = "";              // of 'tillotson', its material; empty: iron
   std::optional<double> temperature = {};  // K
 };
 
 struct shock_options {
   std::string test = "riemann", scheme = "gdisph", masses = "equal_mass", density = "weight";
   std::string weight = "energy", support_terms = "number";
+  double fading = 20.0;  // of the terms of varying supports
   side_options l{1.0, 0.0, 1.0}, r{0.125, 0.0, 0.1};
   double gamma = 1.4;
   std::int64_t coarser = 0;                   // runs at 1/2, 1/4, … of the resolution before this one
@@ -33,6 +35,8 @@ struct shock_options {
   double gravity = 0.0;                       // m/s2, towards -y
   double layer = 0.025, perturbation = 0.01;  // m, m/s
   std::int64_t waves = 2;                     // along x
+  double radius = 1.0, core = 0.5;            // m; of the radius
+  bool tension = true;                        // equations of state: pressures below 0
   std::string solver = "hllc", reconstruction = "second", limiter = "minmod", star_pressure = "full";
   double alpha = 1.0, alpha_min = 0.1;
   bool switch_of_alpha = true, balsara = true;
@@ -47,12 +51,13 @@ struct options {
   bool weighs_energy() const { return density_independent() && shock.weight == "energy"; }
   bool weighs_volume() const { return density_independent() && shock.weight == "volume"; }
   bool godunov() const { return shock.scheme == "gsph" || shock.scheme == "gdisph"; }
+  bool terms_fade() const { return shock.support_terms == "fading"; }
   bool evolves_density() const { return shock.scheme == "remix"; }
   bool any_eos() const { return !shock.l.eos.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
 };
 
-eos::any eos_of(const std::string& name);  // with its own parameters
+eos::any eos_of(const side_options& side);  // with its own parameters
 
 void declare(namelist::schema& schema, options& o);
 void resolve(const namelist::schema& schema, options& o);

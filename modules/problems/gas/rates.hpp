@@ -74,12 +74,12 @@ void find_pressure(world<D>& g, std::size_t i, double k) {
              : g.weighs_volume ? s.m[i] * g.y[i] / (k * g.weight[i])
                                : g.y[i];
   if (g.any_eos) {
-    const eos::caloric_state now = g.caloric_of(i).at(s.rho[i], s.u[i]);
+    const eos::caloric_state now = g.state_of(i);
     s.p[i] = now.p;
     s.T[i] = now.T;
     s.c[i] = now.c;
-    // The stiffened gas with K_S and K_S' (riemann/exact.hpp)
-    g.stiffness[i] = s.rho[i] * now.c * now.c / g.gamma[i] - now.p;
+    // The stiffened gas with K_S and K_S' (riemann/exact.hpp); where vapour is softer than that, a gas
+    g.stiffness[i] = std::max(s.rho[i] * now.c * now.c / g.gamma[i] - now.p, 0.0);
     return;
   }
   s.p[i] = (g.gamma[i] - 1.0) * (g.weighs_energy ? g.y[i] : s.rho[i] * s.u[i]) - g.gamma[i] * g.stiffness[i];
@@ -110,7 +110,7 @@ void begin_found(world<D>& g) {
   auto& s = g.w.s;
   const auto& o = g.o;
   check_sums(g);
-  const bool with_z = o.density_independent() && o.shock.support_terms == "number";
+  const bool with_z = o.density_independent() && (o.shock.support_terms == "number" || o.terms_fade());
   const bool with_f = !with_z && o.shock.scheme != "gsph" && o.shock.support_terms != "none";
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double k = g.weighs_volume ? g.start_sum[i] : 1.0;
@@ -118,7 +118,8 @@ void begin_found(world<D>& g) {
     g.number_volume[i] = 1.0 / g.number[i];
     s.dV[i] = g.evolves_density ? s.m[i] / s.rho[i] : g.number_volume[i];
     g.per_S[i] = 1.0 / g.S[i];
-    g.slope[i] = (with_f ? g.f[i] : 1.0) * (g.godunov ? 1.0 : s.p[i]) * k / (g.y[i] * g.y[i]);
+    g.slope[i] = o.terms_fade() ? std::sqrt(k) / g.y[i]
+                                : (with_f ? g.f[i] : 1.0) * (g.godunov ? 1.0 : s.p[i]) * k / (g.y[i] * g.y[i]);
     g.correction[i] = with_z ? g.z[i] : 0.0;
     g.dissipation[i] = dissipation_of(g, i);
   });
@@ -162,6 +163,7 @@ void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
   if (q.scheme == "ssph") return sum(g, rows, schemes::ssph<D, Kernel>{unit, all});
   if (q.scheme == "disph") return sum(g, rows, schemes::disph<D, Kernel>{unit, all});
   if (q.scheme == "gsph") return sum(g, rows, schemes::gsph<D, Kernel>{unit, all, theta, exact});
+  if (g.o.terms_fade()) return sum(g, rows, schemes::gdisph_of_contacts<D, Kernel>{unit, all, theta, exact, q.fading});
   if (q.scheme == "gdisph") return sum(g, rows, schemes::gdisph<D, Kernel>{unit, all, theta, exact});
   sum(g, rows, schemes::remix<D, Kernel>{unit, all, g.support_over_dx});
 }

@@ -3,22 +3,29 @@
 #include <exact/instability.hpp>
 #include <exact/sedov.hpp>
 #include <foundation/exact_sum.hpp>
-#include <gas/setups.hpp>
+#include <gas/setup_parts.hpp>
 #include <memory>
 #include <numbers>
 #include <riemann/general.hpp>
 
 namespace tetsuame::gas {
 
-namespace {
-
-// An even lattice of about this spacing.
 block lattice(const options& o, const point& low, const point& high, double spacing) {
   block b{low, high, {1, 1, 1}};
   for (std::size_t a = 0; a < o.domain.axes(); ++a)
     b.n[a] = std::max<std::int64_t>(1, std::llround((high[a] - low[a]) / spacing));
   return b;
 }
+
+block whole_box(const options& o) { return lattice(o, {}, o.domain.length, o.domain.dx()); }
+
+double distance(const point& a, const point& b) {
+  double r2 = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) r2 += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(r2);
+}
+
+namespace {
 
 // The spacing with which gas of density rho has particles of the mass they have on the start lattice at rho_lattice.
 double spacing_of(const options& o, double rho, double rho_lattice) {
@@ -61,8 +68,8 @@ setup tube_of_materials(const options& o) {
     eos::caloric l, r;
     riemann::general_tube tube;
     explicit materials(const shock_options& q)
-        : l(eos_of(q.l.eos)),
-          r(eos_of(q.r.eos)),
+        : l(eos_of(q.l)),
+          r(eos_of(q.r)),
           tube({&l, q.l.rho, q.l.u, *q.l.temperature}, {&r, q.r.rho, q.r.u, *q.r.temperature}) {}
   };
   const auto both = std::make_shared<const materials>(o.shock);
@@ -82,17 +89,11 @@ setup tube_of_materials(const options& o) {
                      {"temperature_star_r", both->r.temperature(r.rho, r.u)}});
 }
 
-double distance(const point& a, const point& b) {
-  double r2 = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) r2 += (a[k] - b[k]) * (a[k] - b[k]);
-  return std::sqrt(r2);
-}
 point middle_of(const options& o) {
   point c{};
   for (std::size_t k = 0; k < 3; ++k) c[k] = 0.5 * o.domain.length[k];
   return c;
 }
-block whole_box(const options& o) { return lattice(o, {}, o.domain.length, o.domain.dx()); }
 
 // A square (cube) of half the box's edge, denser than what is around it, in pressure balance: [S4] has densities 4 and
 // 1, pressure 2.5, gamma 5/3.
@@ -349,19 +350,33 @@ std::optional<double> measured_growth(const samples& all, double expected) {
   return line.n > 2.0 ? std::optional(line.slope()) : std::nullopt;
 }
 
-// What a test of a growing wave tells: the rate of theory and its own, of the wave near the layers at these heights.
+}  // namespace
+
 void compare_growth(double growth, double k, std::vector<double> heights, setup& t) {
   t.known = {{"growth_rate_theory", growth}};
   t.traces = {wave_amplitude(k, std::move(heights))};
   t.measures = [=](const view&, const samples& all) { return numbers{{"growth_rate", measured_growth(all, growth)}}; };
 }
 
+double wave_number(const options& o) {
+  return 2.0 * std::numbers::pi * static_cast<double>(o.shock.waves) / o.domain.length[0];
+}
+
+interface_wave::motion interface_wave::at(const point& x) const {
+  const double d = x[1] - 0.5 * H, left = k * (0.5 * H - std::abs(d)), size = speed / std::sinh(0.5 * k * H);
+  const double v = size * std::cos(k * x[0]) * std::sinh(left);
+  const double u = std::copysign(size, d) * std::sin(k * x[0]) * std::cosh(left);
+  return {u, v, growth > 0.0 ? v / growth : 0.0};
+}
+
+namespace {
+
 // A band of gas that flows the other way, with smooth layers [C. P. McNally, W. Lyra, J.-C. Passy, Astrophys. J. Suppl.
 // 201, 18 (2012)], and the linear theory of just these layers (exact/instability.hpp). The sine along x is the same at
 // both layers, so at the planes of symmetry between them the wave's pressure is zero.
 setup kelvin_helmholtz(const options& o) {
   const auto& s = o.shock;
-  const double H = o.domain.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.domain.length[0];
+  const double H = o.domain.length[1], k = wave_number(o);
   const auto profile = [=](double y, double inner, double outer) {
     const double mean = 0.5 * (inner + outer), jump = 0.5 * (inner - outer), d = 0.25 * H - std::abs(y - 0.5 * H);
     return mean + (d > 0.0 ? jump * (1.0 - std::exp(-d / s.layer)) : -jump * (1.0 - std::exp(d / s.layer)));
@@ -390,12 +405,11 @@ setup kelvin_helmholtz(const options& o) {
 }
 
 // Heavy gas over light gas between walls [T. Abel, MNRAS 413, 271 (2011), whose layer this is], rho_r over rho_l, in
-// hydrostatic balance with p_l in the middle, against the linear theory of just this layer. The start is the growing
-// wave of an incompressible sharp interface: displacement η and velocity σ η, η = (perturbation/σ) cos kx S(d),
-// S = sinh k(H/2 - |d|)/sinh kH/2, with the σ of the theory.
+// hydrostatic balance with p_l in the middle, against the linear theory of just this layer, whose growth rate the start
+// has.
 setup rayleigh_taylor(const options& o) {
   const auto& s = o.shock;
-  const double H = o.domain.length[1], k = 2.0 * std::numbers::pi * static_cast<double>(s.waves) / o.domain.length[0];
+  const double H = o.domain.length[1], k = wave_number(o);
   const auto profile = [=](double y) {
     const double d = 2.0 * (y - 0.5 * H) / s.layer, jump = s.r.rho - s.l.rho;
     // ln(1 + e^d) without overflow
@@ -407,12 +421,9 @@ setup rayleigh_taylor(const options& o) {
   const double growth = k * exact::fastest_mode(layers, k).imag();
   setup t;
   t.blocks = {whole_box(o)};
-  t.start = [=](const point& x) {
-    const double d = x[1] - 0.5 * H, left = k * (0.5 * H - std::abs(d)), size = s.perturbation / std::sinh(0.5 * k * H);
-    const double v = size * std::cos(k * x[0]) * std::sinh(left);
-    const double u = std::copysign(size, d) * std::sin(k * x[0]) * std::cosh(left);
-    const double eta = growth > 0.0 ? v / growth : 0.0;
-    return state{profile(x[1] - eta).rho, profile(x[1]).p, {u, v, 0.0}, d - eta > 0.0};
+  t.start = [=, wave = interface_wave{k, H, s.perturbation, growth}](const point& x) {
+    const auto [u, v, eta] = wave.at(x);
+    return state{profile(x[1] - eta).rho, profile(x[1]).p, {u, v, 0.0}, x[1] - 0.5 * H - eta > 0.0};
   };
   compare_growth(growth, k, {0.5 * H}, t);
   t.known.emplace_back("growth_rate_sharp",
@@ -430,7 +441,8 @@ setup make_setup(const options& o) {
   if (test == "gresho") return gresho(o);
   if (test == "blasts") return blasts(o);
   if (test == "kelvin_helmholtz") return kelvin_helmholtz(o);
-  if (test == "rayleigh_taylor") return rayleigh_taylor(o);
+  if (test == "rayleigh_taylor") return o.any_eos() ? overturn(o) : rayleigh_taylor(o);
+  if (test == "impact") return impact(o);
   return o.any_eos() ? tube_of_materials(o) : tube_of_gases(o);
 }
 

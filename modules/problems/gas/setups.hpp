@@ -55,6 +55,7 @@ struct setup {
   std::vector<block> blocks;
   std::int32_t material_l = 0;  // of the gas on the left or inside, with its gamma and p_infinity
   std::function<state(const point&)> start;
+  std::function<point(const point&)> moved = {};              // where its particle is put; none: there
   std::function<state(const point&, double t)> exact = {};    // none: no errors
   std::function<bool(const point&, double t)> measured = {};  // where errors are; none: everywhere
   numbers known = {};                                         // of the exact solution, for summary.json

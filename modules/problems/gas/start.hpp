@@ -26,8 +26,10 @@ template <int D>
 void make_materials(world<D>& g) {
   if (!g.any_eos) return;
   for (const auto* side : {&g.o.shock.l, &g.o.shock.r}) {
-    const eos::caloric& m = g.materials.emplace_back(eos_of(side->eos));
-    g.stiffening.push_back(m.stiffening(side->rho, m.internal_energy(side->rho, *side->temperature)));
+    const eos::caloric& m = g.materials.emplace_back(eos_of(*side));
+    const double u = m.internal_energy(side->rho, *side->temperature);
+    g.stiffening.push_back(m.stiffening(side->rho, u));
+    g.start_sound.push_back(m.at(side->rho, u).c);
   }
 }
 
@@ -85,7 +87,7 @@ void place_particles(world<D>& g) {
   auto& s = g.w.s;
   struct start {
     std::int64_t id;
-    point x;
+    point x, put;
     double volume;
   };
   std::vector<start> mine;
@@ -97,9 +99,10 @@ void place_particles(world<D>& g) {
     for (const double v : now.v) v2 += v * v;
     fastest = std::max(fastest, v2);
     densest = std::max(densest, now.rho);
+    const point put = g.test.moved ? g.test.moved(x) : x;
     std::array<double, D> place;
-    std::copy_n(x.begin(), D, place.begin());
-    if (g.w.d.within(g.w.d.cell(), place)) mine.push_back({id, x, volume});
+    std::copy_n(put.begin(), D, place.begin());
+    if (g.w.d.within(g.w.d.cell(), place)) mine.push_back({id, x, put, volume});
     ++id;
   });
   g.fluid_total = id;
@@ -117,7 +120,7 @@ void place_particles(world<D>& g) {
     g.start_volume[i] = p.volume;
     g.start_sum[i] = 1.0;
     for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = p.x[a];
+      s.x[a][i] = p.put[a];
       s.v[a][i] = now.v[a];
     }
     g.support[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
@@ -147,9 +150,9 @@ void settle(world<D>& g) {
   if (!g.weighs_volume) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
   sum_densities(g, g.w.fluid());
+  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
   begin_found(g);
   end_found(g);
-  std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
 }
 
 }  // namespace tetsuame::gas

@@ -27,6 +27,7 @@ struct world : run::state<D>, schemes::arrays<D> {
   const bool part_of_star = o.shock.star_pressure == "balsara";
   std::vector<eos::caloric> materials = {};                 // left, right; none: gases
   std::vector<double> stiffening = {};                      // K_S' of each
+  std::vector<double> start_sound = {};                     // m/s, of each
   kernel_choice<D> unit = kernels::quintic_spline<D>(1.0);  // support 1
   double support_over_dx = 0.0, support_over_h = 0.0;
   double speed_scale = 0.0, density_scale = 0.0;
@@ -60,10 +61,21 @@ struct world : run::state<D>, schemes::arrays<D> {
     for (std::size_t a = 0; a < D; ++a) x[a] = w.s.x[a][i];
     return x;
   }
-  const eos::caloric& caloric_of(std::size_t i) const { return materials[w.s.material[i] == test.material_l ? 0 : 1]; }
+  std::size_t side_of(std::size_t i) const { return w.s.material[i] == test.material_l ? 0 : 1; }
+  const eos::caloric& caloric_of(std::size_t i) const { return materials[side_of(i)]; }
+  // By its equation of state; without tension p is not below 0, and sound, which an expanded solid may lack, not below
+  // a tenth of that at the start.
+  eos::caloric_state state_of(std::size_t i) const {
+    eos::caloric_state now = caloric_of(i).at(w.s.rho[i], w.s.u[i]);
+    if (o.shock.tension || !std::isfinite(now.p)) return now;
+    const double slowest = 0.1 * start_sound[side_of(i)];
+    now.p = std::max(now.p, 0.0);
+    if (!(now.c > slowest)) now.c = slowest;
+    return now;
+  }
   // c² = γ (p + p_inf)/ρ = γ (γ - 1)(u - p_inf/ρ)
   double sound_speed(std::size_t i) const {
-    if (any_eos) return caloric_of(i).at(w.s.rho[i], w.s.u[i]).c;
+    if (any_eos) return state_of(i).c;
     const double p_infinity = this->stiffness[i], adiabatic = this->gamma[i];
     const double thermal = p_infinity > 0.0 ? w.s.u[i] - p_infinity / w.s.rho[i] : w.s.u[i];
     return std::sqrt(adiabatic * (adiabatic - 1.0) * std::max(thermal, 0.0));
