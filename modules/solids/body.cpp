@@ -9,28 +9,55 @@ namespace tetsuame::solids {
 
 namespace {
 
-// The point nearest to x on all of these surfaces, from a start: on the planes that touch them at the last guess it is
-// p' = x − Σ λ_k n_k with n_k·(p' − p) = −φ_k. `part`: of the step along the surfaces.
+template <int D>
+using vector = Eigen::Matrix<double, D, 1>;
+template <int D>
+vector<D> of_point(const point<D>& a) {
+  return vector<D>(a.c.data());
+}
+
+// The normals of several surfaces at a place, one in a row, and the distances from them.
+template <int D>
+struct tangent {
+  Eigen::Matrix<double, Eigen::Dynamic, D, 0, D, D> normals;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, D, 1> distances;
+
+  tangent(const faces<D>& all, std::span<const std::size_t> of, const point<D>& p)
+      : normals(static_cast<Eigen::Index>(of.size()), D), distances(static_cast<Eigen::Index>(of.size())) {
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const auto a = all[of[k]].at(p);
+      distances[static_cast<Eigen::Index>(k)] = a.distance;
+      normals.row(static_cast<Eigen::Index>(k)) = of_point<D>(a.normal).transpose();
+    }
+  }
+};
+
+// The point nearest to x on all of these surfaces, from a start. On the planes that touch them at the last guess p it
+// is p' = x − Σ λ_k n_k with n_k·(p' − p) = −φ_k: a step −Nᵀ(N Nᵀ)⁻¹ φ onto the surfaces, and one along them towards x,
+// whose length is that of a secant [J. Barzilai and J. M. Borwein, IMA J. Numer. Anal. 8, 141 (1988)] as the surfaces
+// are curved.
 template <int D>
 std::optional<point<D>> meet(const faces<D>& all, std::span<const std::size_t> of, const point<D>& x, point<D> p,
-                             double small, double part) {
-  const auto n = static_cast<Eigen::Index>(of.size());
-  Eigen::Matrix<double, Eigen::Dynamic, D, 0, D, D> normals(n, D);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, D, 1> distances(n);
+                             double small) {
+  double part = 1.0;
+  vector<D> last_along, last_step;
   for (int iteration = 0; iteration < 200; ++iteration) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const auto a = all[of[static_cast<std::size_t>(k)]].at(p);
-      distances[k] = a.distance;
-      for (int c = 0; c < D; ++c) normals(k, c) = a.normal[static_cast<std::size_t>(c)];
-    }
-    Eigen::Matrix<double, D, 1> wanted;
-    for (int c = 0; c < D; ++c) wanted[c] = part * (x[static_cast<std::size_t>(c)] - p[static_cast<std::size_t>(c)]);
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, D, D> gram = normals * normals.transpose();
+    const tangent<D> here(all, of, p);
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, D, D> gram = here.normals * here.normals.transpose();
     if (!(gram.determinant() > 1e-10)) return {};  // they touch, or are parallel
-    const Eigen::Matrix<double, D, 1> step =
-        wanted - normals.transpose() * gram.ldlt().solve(distances + normals * wanted);
-    for (int c = 0; c < D; ++c) p[static_cast<std::size_t>(c)] += step[c];
-    if (step.norm() < part * small && distances.cwiseAbs().maxCoeff() < small) return p;
+    const auto inverse = gram.ldlt();
+    const vector<D> wanted = of_point<D>(x - p);
+    const vector<D> along = wanted - here.normals.transpose() * inverse.solve(here.normals * wanted);
+    if (iteration > 0) {
+      const double change = last_step.dot(last_along - along);
+      part = change > 0.0 ? std::clamp(last_step.squaredNorm() / change, 0.1, 1e4) : std::min(2.0 * part, 1e4);
+    }
+    const vector<D> onto = -(here.normals.transpose() * inverse.solve(here.distances));
+    const vector<D> step = onto + part * along;
+    for (int k = 0; k < D; ++k) p[static_cast<std::size_t>(k)] += step[k];
+    if (step.norm() < small && here.distances.cwiseAbs().maxCoeff() < small) return p;
+    last_along = along;
+    last_step = step;
   }
   return {};
 }
@@ -59,17 +86,33 @@ body<D>::body(std::string name, std::vector<piece<D>> pieces) : name_(std::move(
 template <int D>
 template <class Distance>
 double body<D>::combine(Distance&& of_face) const {
-  double whole = std::numeric_limits<double>::infinity();  // nothing is solid
+  constexpr double nothing = std::numeric_limits<double>::infinity();
+  double all = nothing, whole = nothing;
   std::size_t k = 0;
   for (const auto& p : pieces_) {
-    double inside = -std::numeric_limits<double>::infinity();
+    double inside = -nothing;
     for (std::size_t f = 0; f < p.bounds.size(); ++f) inside = std::max(inside, of_face(k++));
     if (p.outside) inside = -inside;
+    if (p.how == operation::begin) {
+      all = std::min(all, whole);
+      whole = inside;
+    }
     if (p.how == operation::unite) whole = std::min(whole, inside);
     if (p.how == operation::subtract) whole = std::max(whole, -inside);
     if (p.how == operation::intersect) whole = std::max(whole, inside);
   }
-  return whole;
+  return std::min(all, whole);
+}
+
+template <int D>
+body<D> joined(const std::vector<body<D>>& bodies) {
+  std::vector<piece<D>> pieces;
+  for (const auto& b : bodies)
+    for (std::size_t p = 0; p < b.pieces().size(); ++p) {
+      pieces.push_back(b.pieces()[p]);
+      if (p == 0) pieces.back().how = operation::begin;
+    }
+  return {"all", std::move(pieces)};
 }
 
 template <int D>
@@ -83,55 +126,66 @@ struct body<D>::search {
   const body& of;
   const point<D>& x;
   double best;  // m
-  point<D> nearest = foundation::zero<double, D>(), normal = foundation::zero<double, D>();
+  point<D> nearest = foundation::zero<double, D>();
   bool found = false;
 
   // Both signs of the level about p, along all sums and differences of the normals of the faces that meet there.
-  bool on_surface(std::span<const std::size_t> meeting, const point<D>& p, const point<D>& first) const {
+  bool on_surface(std::span<const std::size_t> meeting, const point<D>& p) const {
     const double step = 100.0 * of.small_;
     bool solid = false, fluid = false;
     for (std::size_t signs = 0; signs < std::size_t{1} << meeting.size(); ++signs) {
       auto y = p;
       for (std::size_t k = 0; k < meeting.size(); ++k)
-        y += ((signs >> k & 1U) != 0 ? -step : step) * (meeting.size() == 1 ? first : of.all_[meeting[k]].at(p).normal);
+        y += ((signs >> k & 1U) != 0 ? -step : step) * of.all_[meeting[k]].at(p).normal;
       (of.solid(y) ? solid : fluid) = true;
     }
     return solid && fluid;
   }
 
-  void offer(std::span<const std::size_t> meeting, const point<D>& p, const point<D>& first) {
+  void offer(std::span<const std::size_t> meeting, const point<D>& p) {
     const double distance = norm<D>(x - p);
-    if (!(distance < best) || !on_surface(meeting, p, first)) return;
+    if (!(distance < best) || !on_surface(meeting, p)) return;
     best = distance;
     nearest = p;
-    normal = first;
     found = true;
   }
 
   void offer_meeting(std::span<const std::size_t> meeting) {
-    for (const double part : {1.0, 0.4}) {
-      bool converged = false;
-      // From x, and from its nearest points on each of the faces: a line may meet a sphere twice.
-      for (std::size_t start = 0; start <= meeting.size(); ++start) {
-        auto p = x;
-        if (start > 0) {
-          const auto a = of.all_[meeting[start - 1]].at(x);
-          p -= a.distance * a.normal;
-        }
-        const auto met = meet<D>(of.all_, meeting, x, p, of.small_, part);
-        if (!met) continue;
-        converged = true;
-        offer(meeting, *met, of.all_[meeting[0]].at(*met).normal);
+    // From x, and from its nearest points on each of the faces: a line may meet a sphere twice.
+    for (std::size_t start = 0; start <= meeting.size(); ++start) {
+      auto p = x;
+      if (start > 0) {
+        const auto a = of.all_[meeting[start - 1]].at(x);
+        p -= a.distance * a.normal;
       }
-      if (converged) return;
+      if (const auto met = meet<D>(of.all_, meeting, x, p, of.small_)) offer(meeting, *met);
     }
   }
 };
 
 template <int D>
+point<D> body<D>::into_fluid(const point<D>& p) const {
+  const double step = 100.0 * small_;
+  std::vector<point<D>> normals;
+  for (const auto& face : all_)
+    if (const auto a = face.at(p); std::abs(a.distance) < step && normals.size() < 8) normals.push_back(a.normal);
+  auto sum = foundation::zero<double, D>();
+  for (std::size_t signs = 0; signs < std::size_t{1} << normals.size(); ++signs) {
+    auto along = foundation::zero<double, D>();
+    for (std::size_t k = 0; k < normals.size(); ++k) along += (signs >> k & 1U) != 0 ? -1.0 * normals[k] : normals[k];
+    const double length = norm<D>(along);
+    if (length > 1e-6 && !solid(p + (10.0 * step / length) * along)) sum += (1.0 / length) * along;
+  }
+  const double length = norm<D>(sum);
+  return length > 1e-6 ? (1.0 / length) * sum : foundation::zero<double, D>();
+}
+
+template <int D>
 foot<D> body<D>::at(const point<D>& x, double reach) const {
   std::vector<at_surface<D>> near(all_.size());
   for (std::size_t k = 0; k < all_.size(); ++k) near[k] = all_[k].at(x);
+  const double bound = combine([&](std::size_t k) { return near[k].distance; });
+  if (std::abs(bound) >= reach) return {bound, {}, x, false};
   std::vector<std::size_t> order(all_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -141,7 +195,7 @@ foot<D> body<D>::at(const point<D>& x, double reach) const {
   search s{*this, x, reach};
   for (std::size_t i = 0; i < order.size() && std::abs(near[order[i]].distance) < s.best; ++i) {
     const auto& a = near[order[i]];
-    s.offer(std::span(&order[i], 1), x - a.distance * a.normal, a.normal);
+    s.offer(std::span(&order[i], 1), x - a.distance * a.normal);
     for (std::size_t j = 0; j < i; ++j) {
       s.offer_meeting(std::array{order[j], order[i]});
       if constexpr (D == 3)
@@ -149,18 +203,18 @@ foot<D> body<D>::at(const point<D>& x, double reach) const {
     }
   }
 
-  const double bound = combine([&](std::size_t k) { return near[k].distance; });
   const double sign = bound < 0.0 ? -1.0 : 1.0;
-  if (!s.found) return {sign * std::max(std::abs(bound), std::min(reach, std::abs(bound))), {}, x, false};
+  if (!s.found)
+    return {sign * (reach < std::numeric_limits<double>::infinity() ? reach : std::abs(bound)), {}, x, false};
   const double distance = sign * s.best;
-  // On the surface itself the normal is that of a face there.
-  auto normal = s.normal;
-  if (s.best > 100.0 * small_) normal = (1.0 / distance) * (x - s.nearest);
+  const auto normal = s.best > 100.0 * small_ ? (1.0 / distance) * (x - s.nearest) : into_fluid(s.nearest);
   return {distance, normal, s.nearest, true};
 }
 
 template class body<2>;
 template class body<3>;
+template body<2> joined(const std::vector<body<2>>&);
+template body<3> joined(const std::vector<body<3>>&);
 template double level<2>(const piece<2>&, const point<2>&);
 template double level<3>(const piece<3>&, const point<3>&);
 

@@ -22,7 +22,12 @@
 
 namespace tetsuame::solids {
 
-enum class operation : std::uint8_t { unite, subtract, intersect };
+enum class operation : std::uint8_t {
+  unite,
+  subtract,
+  intersect,
+  begin,  // what follows is a whole by itself, united with all before it
+};
 
 template <int D>
 struct piece {
@@ -55,6 +60,10 @@ class body {
   // reach: m, beyond which no surface is looked for.
   foot<D> at(const point<D>& x, double reach = std::numeric_limits<double>::infinity()) const;
 
+  // From a place of the surface, the mean direction in which the fluid is: at a corner that of its middle. Of length
+  // one, or zero where there is none.
+  point<D> into_fluid(const point<D>& p) const;
+
  private:
   struct search;
   template <class Distance>
@@ -65,6 +74,10 @@ class body {
   faces<D> all_;          // of all pieces, one after the other
   double small_ = 1e-12;  // m: what counts as nothing beside the body's size
 };
+
+// All of them as one body at rest, whose surface is where the fluid is: not that between bodies that touch.
+template <int D>
+body<D> joined(const std::vector<body<D>>& bodies);
 
 // Of a piece alone.
 template <int D>

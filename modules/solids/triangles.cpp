@@ -118,9 +118,11 @@ void expect_one_orientation(const triangles& of, const std::map<edge, std::vecto
 
 void expect_closed(const triangles& of, const std::string& name) {
   if (of.corners.empty()) fail_input(name + ": holds no triangles");
+  constexpr double farthest = 1e12;  // beyond which volumes might overflow
   for (const auto& p : of.points)
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
-      fail_input(name + ": a corner is no finite number");
+    for (const double x : p)
+      if (!(std::abs(x) <= farthest))
+        fail_input(fmt::format("{}: a corner is at {} (expected: at most 1e12)", name, x));
   expect_areas(of, name);
   const auto all = edges(of);
   expect_two_at_each(of, all, name);

@@ -30,13 +30,14 @@ void for_each_place(const lattice<D>& box, F&& f) {
   }
 }
 
+// Whose surface a place lies on, or is the nearest to.
 template <int D>
-std::size_t nearest_body(const std::vector<body<D>>& bodies, const point<D>& x) {
+std::size_t nearest_surface(const std::vector<body<D>>& bodies, const point<D>& x) {
   std::size_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (const double l = bodies[b].level(x); l < least) {
-      least = l;
+    if (const double away = std::abs(bodies[b].level(x)); away < least) {
+      least = away;
       nearest = b;
     }
   return nearest;
@@ -45,11 +46,11 @@ std::size_t nearest_body(const std::vector<body<D>>& bodies, const point<D>& x) 
 // m, from a place of the surface along a direction, to where what is there ends, fluid (sign +1) or solid (−1); at most
 // `reach`. As far as the level says that nothing ends, step by step [J. C. Hart, Visual Comput. 12, 527 (1996)].
 template <int D>
-double way(const std::vector<body<D>>& bodies, const point<D>& from, const point<D>& along, double sign, double reach) {
+double way(const body<D>& all, const point<D>& from, const point<D>& along, double sign, double reach) {
   const double least = 1e-3 * reach;
   double t = least;
   while (t < reach) {
-    const double free = sign * level(bodies, from + t * along);
+    const double free = sign * all.level(from + t * along);
     if (free < 0.0) return t;
     t += std::max(free, least);
   }
@@ -59,40 +60,36 @@ double way(const std::vector<body<D>>& bodies, const point<D>& from, const point
 }  // namespace
 
 template <int D>
-double level(const std::vector<body<D>>& bodies, const point<D>& x) {
-  double all = std::numeric_limits<double>::infinity();
-  for (const auto& b : bodies) all = std::min(all, b.level(x));
-  return all;
-}
-
-template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
                                            const std::function<bool(const point<D>&)>& keep) {
-  wall_particles<D> all;
+  wall_particles<D> w;
+  const auto all = joined(bodies);
   for_each_place(box, [&](std::int64_t n, const point<D>& x) {
-    const auto b = nearest_body(bodies, x);
-    if (bodies.empty() || !bodies[b].solid(x)) return;
-    const auto surface = bodies[b].at(x, depth);
+    const double bound = all.level(x);
+    if (bound >= 0.0 || bound <= -depth) return;
+    const auto surface = all.at(x, depth);
     if (!surface.found) return;
     const double below = -surface.distance;
-    // Where the surface lies in another body, there is no fluid.
-    if (level(bodies, surface.nearest + (1e-3 * box.spacing) * surface.normal) < 0.0) return;
     double height = below;
-    if (level(bodies, surface.nearest + below * surface.normal) < 0.0) {
-      height = 0.5 * way(bodies, surface.nearest, surface.normal, 1.0, below);
-      ++all.shortened;
+    auto marker = surface.nearest + below * surface.normal;
+    if (all.solid(marker)) {
+      // At the corner itself the way along ∇φ may begin in the other wall.
+      const bool free = !all.solid(surface.nearest + (1e-3 * below) * surface.normal);
+      const auto along = free ? surface.normal : all.into_fluid(surface.nearest);
+      height = 0.5 * way(all, surface.nearest, along, 1.0, below);
+      marker = surface.nearest + height * along;
+      ++w.shortened;
     }
-    const auto marker = surface.nearest + height * surface.normal;
     if (keep && !keep(marker)) return;
-    all.x.push_back(x);
-    all.marker.push_back(marker);
-    all.normal.push_back(surface.normal);
-    all.depth.push_back(below);
-    all.height.push_back(height);
-    all.body.push_back(static_cast<std::uint32_t>(b));
-    all.place.push_back(n);
+    w.x.push_back(x);
+    w.marker.push_back(marker);
+    w.normal.push_back(surface.normal);
+    w.depth.push_back(below);
+    w.height.push_back(height);
+    w.body.push_back(static_cast<std::uint32_t>(nearest_surface(bodies, surface.nearest)));
+    w.place.push_back(n);
   });
-  return all;
+  return w;
 }
 
 template <int D>
@@ -126,48 +123,45 @@ void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
 template <int D>
 void expect_thick(const std::vector<body<D>>& bodies, const lattice<D>& box, double reach) {
   constexpr double opposite = -0.866;  // cosine of 150°
+  const auto all = joined(bodies);
+  const auto name = [&](const point<D>& x) { return "body '" + bodies[nearest_surface(bodies, x)].name() + "'"; };
   for_each_place(box, [&](std::int64_t, const point<D>& x) {
-    for (const auto& b : bodies) {
-      const auto s = b.at(x, box.spacing);
-      if (!s.found) continue;
-      // A face that another body covers is no surface of the solids.
-      if (level(bodies, s.nearest + (1e-3 * reach) * s.normal) < 0.0) continue;
-      for (const double sign : {1.0, -1.0}) {
-        const auto along = sign * s.normal;
-        const double length = way(bodies, s.nearest, along, sign, reach);
-        if (length >= reach) continue;
-        const auto end = s.nearest + length * along;
-        const auto& other = bodies[nearest_body(bodies, end)];
-        const auto facing = other.at(end, 2.0 * reach);
-        if (!facing.found || foundation::dot(facing.normal, s.normal) > opposite) continue;
-        if (sign > 0.0)
-          fail_input(fmt::format(
-              "the gap between body '{}' and body '{}' at {} is {:.3g} m wide; the kernel reaches {:.3g} m: "
-              "use more particles, or close the gap",
-              b.name(), other.name(), place_text<D>(s.nearest), length, reach));
+    const auto s = all.at(x, box.spacing);
+    if (!s.found) return;
+    for (const double sign : {1.0, -1.0}) {
+      const auto along = sign * s.normal;
+      const double length = way(all, s.nearest, along, sign, reach);
+      if (length >= reach) continue;
+      const auto end = s.nearest + length * along;
+      const auto facing = all.at(end, 2.0 * reach);
+      if (!facing.found || foundation::dot(facing.normal, s.normal) > opposite) continue;
+      const auto at = place_text<D>(s.nearest);
+      if (sign > 0.0)
         fail_input(
-            fmt::format("body '{}' is {:.3g} m thick at {}; the kernel reaches {:.3g} m: use more particles, or a "
-                        "thicker wall",
-                        b.name(), length, place_text<D>(s.nearest), reach));
-      }
+            fmt::format("the gap between {} and {} at {} is {:.3g} m wide; the kernel reaches {:.3g} m: use more "
+                        "particles, or close the gap",
+                        name(s.nearest), name(facing.nearest), at, length, reach));
+      fail_input(
+          fmt::format("{} is {:.3g} m thick at {}; the kernel reaches {:.3g} m: use more particles, or a thicker wall",
+                      name(s.nearest), length, at, reach));
     }
   });
 }
 
 template <int D>
 void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>& particles) {
+  const auto all = joined(bodies);
   std::size_t wet = 0, first = 0;
   for (std::size_t i = 0; i < particles.size(); ++i)
-    if (level(bodies, particles[i]) < 0.0 && wet++ == 0) first = i;
+    if (all.solid(particles[i]) && wet++ == 0) first = i;
   if (wet == 0) return;
-  const auto& x = particles[first];
-  const auto& b = bodies[nearest_body(bodies, x)];
+  const auto surface = all.at(particles[first]);
   fail_input(fmt::format("{} particles of the fluid start inside a wall, the first at {}, {:.3g} m deep in body '{}'",
-                         wet, place_text<D>(x), -b.at(x).distance, b.name()));
+                         wet, place_text<D>(particles[first]), -surface.distance,
+                         bodies[nearest_surface(bodies, surface.nearest)].name()));
 }
 
 #define TETSUAME_INSTANTIATE(D)                                                                                  \
-  template double level<D>(const std::vector<body<D>>&, const point<D>&);                                        \
   template wall_particles<D> fill_with_wall_particles<D>(const std::vector<body<D>>&, const lattice<D>&, double, \
                                                          const std::function<bool(const point<D>&)>&);           \
   template void expect_in_box<D>(const std::vector<body<D>>&, const lattice<D>&);                                \

@@ -9,7 +9,8 @@
 //
 // At a plane this is what walls/wall_set.hpp has; in a corner of the fluid too, where the nearest point is the corner
 // and the image the one in both walls. Where the image lies in a wall again (an acute corner of the fluid), the marker
-// stands half way through the fluid along ∇φ: nearer to the surface than the wall particle is.
+// stands half way through the fluid along ∇φ, or from the corner itself along its middle: nearer to the surface than
+// the wall particle is.
 #pragma once
 
 #include <functional>
@@ -22,9 +23,9 @@ struct wall_particles {
   std::vector<point<D>> x, marker;    // m
   std::vector<point<D>> normal;       // into the fluid, at the nearest point of the surface
   std::vector<double> depth, height;  // m, of the particle below and of its marker above the surface
-  std::vector<std::uint32_t> body;
-  std::vector<std::int64_t> place;  // number on the lattice, the first axis the fastest: the same on any ranks
-  std::size_t shortened = 0;        // markers that are nearer to the surface than their particle
+  std::vector<std::uint32_t> body;    // whose surface is nearest
+  std::vector<std::int64_t> place;    // number on the lattice, the first axis the fastest: the same on any ranks
+  std::size_t shortened = 0;          // markers that are nearer to the surface than their particle
 };
 
 // The box that solids stand in, and the lattice in it.
@@ -33,10 +34,6 @@ struct lattice {
   point<D> length;       // m; the box is [0, length)
   double spacing = 1.0;  // m
 };
-
-// Signed distance of all bodies together, at rest.
-template <int D>
-double level(const std::vector<body<D>>& bodies, const point<D>& x);
 
 // depth: m, at most. keep: of the markers that are wanted, such as those in a rank's cell; empty: all.
 template <int D>

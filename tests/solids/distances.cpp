@@ -109,6 +109,9 @@ BOOST_AUTO_TEST_CASE(known_distances) {
   BOOST_TEST(bowl_of.at({{0.0, 0.0, -0.25}}).distance == 0.75, tt::tolerance(1e-12));
   BOOST_TEST(bowl_of.at({{0.0, 0.0, -1.2}}).distance == -0.2, tt::tolerance(1e-12));
   BOOST_TEST(bowl_of.at({{0.0, 0.0, 0.0}}).distance == 1.0, tt::tolerance(1e-12));
+  // On the surface itself normals point into the fluid, of a hollow too.
+  BOOST_TEST(norm<3>(bowl_of.at({{0.0, 0.0, -1.0}}).normal - unit<3>(2)) < 1e-9);
+  BOOST_TEST(norm<3>(bowl_of.at({{0.0, 0.0, -1.5}}).normal + unit<3>(2)) < 1e-9);
 }
 
 BOOST_AUTO_TEST_CASE(shapes_in_two_dimensions) {

@@ -5,18 +5,34 @@
 #include <cstdint>
 #include <cstdlib>
 #include <foundation/error.hpp>
-#include <solids/mesh.hpp>
+#include <solids/motion.hpp>
 
 using namespace tetsuame;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace {
+
+template <class Work>
+void expect_no_other_error(Work&& work) {
   try {
-    const auto read = solids::read_stl(std::string(reinterpret_cast<const char*>(data), size), "fuzzed.stl");
-    solids::expect_closed(read, "fuzzed.stl");
-    const solids::mesh surface(read, "fuzzed.stl");
-    if (!std::isfinite(surface.at({0.1, 0.2, 0.3}).distance)) std::abort();
+    work();
   } catch (const foundation::error& e) {
     if (e.status() != foundation::exit_status::bad_input) std::abort();
   }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  expect_no_other_error([&] {
+    const auto read = solids::read_stl(bytes, "fuzzed.stl");
+    solids::expect_closed(read, "fuzzed.stl");
+    const solids::mesh surface(read, "fuzzed.stl");
+    if (!std::isfinite(surface.at({0.1, 0.2, 0.3}).distance)) std::abort();
+  });
+  expect_no_other_error([&] {
+    const solids::prescribed<2> motion({{0.0, 0.0}}, {{1.0}}, solids::read_motion(bytes, "fuzzed.csv"));
+    motion.rate_at(0.5);
+  });
   return 0;
 }

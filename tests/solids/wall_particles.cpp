@@ -29,20 +29,25 @@ void expect_message(Work&& work, const std::string& part) {
 template <int D>
 void check_markers(const std::vector<body<D>>& bodies, const wall_particles<D>& w, double depth) {
   double difference = 0.0, aside = 0.0, deepest = 0.0;
-  std::size_t dry = 0, wet = 0, twice = 0;
+  std::size_t dry = 0, wet = 0, twice = 0, shorter = 0;
+  const auto b = joined(bodies);
   for (std::size_t r = 0; r < w.x.size(); ++r) {
-    const auto& b = bodies[w.body[r]];
     dry += b.solid(w.x[r]);
-    wet += level(bodies, w.marker[r]) >= 0.0;
-    const auto f = b.at(w.x[r]), m = b.at(w.marker[r]);
+    wet += !b.solid(w.marker[r]);
+    const auto f = b.at(w.x[r]);
     deepest = std::max(deepest, w.depth[r]);
-    difference = std::max({difference, std::abs(f.distance + w.depth[r]), std::abs(m.distance - w.height[r])});
-    aside = std::max(aside, norm<D>(w.marker[r] - w.x[r] - (w.depth[r] + w.height[r]) * w.normal[r]));
+    difference =
+        std::max({difference, std::abs(f.distance + w.depth[r]),
+                  std::abs(norm<D>(w.marker[r] - f.nearest) - w.height[r]), b.at(w.marker[r]).distance - w.height[r]});
+    shorter += w.height[r] < w.depth[r];
+    // Through the nearest point of the surface to the other side.
+    if (w.height[r] == w.depth[r]) aside = std::max(aside, norm<D>(w.marker[r] + w.x[r] - 2.0 * f.nearest));
     twice += r > 0 && w.place[r] <= w.place[r - 1];
   }
   BOOST_TEST(dry == w.x.size());
   BOOST_TEST(wet == w.x.size());
   BOOST_TEST(twice == 0U);
+  BOOST_TEST(shorter == w.shortened);
   BOOST_TEST(deepest <= depth);
   BOOST_TEST(difference < 1e-9);
   BOOST_TEST(aside < 1e-9);
@@ -115,7 +120,18 @@ BOOST_AUTO_TEST_CASE(bodies_that_touch) {
   const auto w = fill_with_wall_particles<2>(bodies, box, 0.15);
   check_markers(bodies, w, 0.15);
   expect_thick<2>(bodies, box, 0.15);
-  for (std::size_t r = 0; r < w.x.size(); ++r) BOOST_TEST(level(bodies, w.marker[r]) > 0.0);
+  // The floor below the box has particles as far as its edges are near, by the point of the edge, and no others.
+  const auto all = joined(bodies);
+  std::size_t below = 0;
+  for (std::size_t r = 0; r < w.x.size(); ++r)
+    if (w.x[r][1] < 0.3 && std::abs(w.x[r][0] - 1.0) < 0.25) {
+      ++below;
+      const auto foot = all.at(w.x[r]).nearest;
+      BOOST_TEST(std::abs(foot[1] - 0.3) < 1e-9);
+      BOOST_TEST(std::abs(std::abs(foot[0] - 1.0) - 0.25) < 1e-9);
+    }
+  BOOST_TEST(below == 2U * 8U);
+  BOOST_TEST(all.at({{1.0, 0.29}}).distance == -std::hypot(0.25, 0.01), tt::tolerance(1e-12));
 }
 
 BOOST_AUTO_TEST_CASE(too_thin) {
