@@ -13,6 +13,7 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/STL.h>
+#include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
@@ -85,11 +86,20 @@ mesh::place mesh::at(const std::array<double, 3>& x) const {
     const double per = sign / distance;
     return {sign * distance, {per * offset.x(), per * offset.y(), per * offset.z()}};
   }
-  // On the surface: the normal of the triangle there.
-  const auto h = halfedge(face, tree_->surface);
-  const auto& points = tree_->surface;
-  const auto n = CGAL::normal(points.point(source(h, points)), points.point(target(h, points)),
-                              points.point(target(next(h, points), points)));
+  // On the surface: the normal of the triangle there, on an edge with that of its neighbour, at a corner with all
+  // around.
+  const auto& surface = tree_->surface;
+  const double here = 1e-20 * size_ * size_;
+  auto n = processing::compute_face_normal(face, surface);
+  for (const auto h : CGAL::halfedges_around_face(halfedge(face, surface), surface)) {
+    const auto &from = surface.point(source(h, surface)), &to = surface.point(target(h, surface));
+    if (CGAL::squared_distance(nearest, to) < here) {
+      for (const auto around : CGAL::faces_around_target(h, surface))
+        n += processing::compute_face_normal(around, surface);
+    } else if (CGAL::squared_distance(nearest, kernel::Segment_3(from, to)) < here) {
+      n += processing::compute_face_normal(surface.face(opposite(h, surface)), surface);
+    }
+  }
   const double per = 1.0 / std::sqrt(n.squared_length());
   return {sign * distance, {per * n.x(), per * n.y(), per * n.z()}};
 }

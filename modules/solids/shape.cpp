@@ -92,7 +92,7 @@ faces<D> cone(double radius, double height) {
     for (const double side : {-1.0, 1.0})
       all.push_back(flat<D>(up<D>(height), point<D>{{side * height / slant, radius / slant}}));
   } else {
-    auto s = round<D>(surface<D>::form::cone, 0.0);
+    auto s = round<D>(surface<D>::form::cone, radius);
     s.place = up<D>(height);
     s.axis = -1.0 * unit<D>(D - 1);
     s.cosine = height / slant;

@@ -33,7 +33,7 @@ struct surface {
   form what = form::plane;
   point<D> place = foundation::zero<double, D>();  // m: a point of a plane or an axis, a centre, an apex
   point<D> axis = unit<D>(D - 1);                  // of a plane: its normal
-  double radius = 0.0;                             // m
+  double radius = 0.0;                             // m; of a cone: of its base, for its size alone
   double cosine = 1.0, sine = 0.0;                 // of a cone's half angle α
   bool turned = false;                             // the fluid is on the other side
   std::shared_ptr<const solids::mesh> triangles = {};
@@ -73,6 +73,7 @@ struct surface {
     const auto outward = direction(across, q);
     if (what == form::cylinder) return {q - radius, outward};
     const double apex = norm<D>(r);
+    if (apex < 1e-9 * radius) return {apex, -1.0 * axis};  // at the apex itself, the mean of all normals
     if (s * cosine + q * sine < 0.0 && apex > 0.0) return {apex, (1.0 / apex) * r};
     return {q * cosine - s * sine, cosine * outward - sine * axis};
   }
