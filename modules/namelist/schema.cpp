@@ -118,6 +118,16 @@ elements addressed(const context& c) {
   return e;
 }
 
+// Of an element that is not given, where that is no error.
+template <class T>
+T absent(const context&) {
+  return {};
+}
+template <>
+std::string absent(const context& c) {
+  return c.to.info.choices.empty() ? "" : c.to.info.choices.front();
+}
+
 template <class T>
 void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
   const elements e = addressed(c);
@@ -135,8 +145,8 @@ void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
     for (std::uint64_t k = 0; k < v.repeat; ++k, ++used) {
       const auto at = static_cast<std::size_t>(e.first + static_cast<std::int64_t>(used) * e.stride - 1);
       if (at >= to.size()) {
-        to.resize(at + 1);
-        filled.resize(at + 1, false);
+        to.resize(at + 1, absent<T>(c));
+        filled.resize(at + 1, c.to.info.sparse);
       }
       to[at] = content;
       filled[at] = true;

@@ -35,6 +35,8 @@ struct key_info {
   bool exclusive_minimum = false;
   std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
   std::size_t maximum_size = 4096;        // of an array; at least its default's size
+  // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no error.
+  bool sparse = false;
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;

@@ -18,7 +18,7 @@ struct options {
   bool flag = false;
   std::string s = "abc", method = "euler";
   std::optional<double> o, oi;
-  std::vector<double> ra{1.0, 2.0};
+  std::vector<double> ra{1.0, 2.0}, sparse;
   std::vector<std::int64_t> ia;
   std::vector<std::string> sa{"x"};
 };
@@ -36,6 +36,7 @@ namelist::schema schema_of(options& to) {
   result.add("lists", "o", to.o);
   result.add("lists", "oi", to.oi);
   result.add("lists", "ra", to.ra, {.maximum_size = 20});
+  result.add("lists", "sparse", to.sparse, {.maximum_size = 20, .sparse = true});
   result.add("lists", "ia", to.ia);
   result.add("lists", "sa", to.sa);
   return result;

@@ -100,6 +100,20 @@ BOOST_AUTO_TEST_CASE(a_list_may_be_filled_in_any_order) {
              per_element());
 }
 
+BOOST_AUTO_TEST_CASE(a_sparse_list_may_have_gaps) {
+  std::vector<double> lengths;
+  std::vector<std::string> shapes, names;
+  namelist::schema s;
+  s.group("bodies", "");
+  s.add("bodies", "length", lengths, {.sparse = true});
+  s.add("bodies", "shape", shapes, {.choices = {"box", "sphere"}, .sparse = true});
+  s.add("bodies", "name", names, {.sparse = true});
+  s.read(namelist::parse_text("&bodies length(3) = 2 length(1) = 1 shape(2) = 'sphere' name(2) = 'a' /", "f.nml"));
+  BOOST_TEST(lengths == (std::vector<double>{1.0, 0.0, 2.0}), per_element());
+  BOOST_TEST(shapes == (std::vector<std::string>{"box", "sphere"}), per_element());
+  BOOST_TEST(names == (std::vector<std::string>{"", "a"}), per_element());
+}
+
 BOOST_AUTO_TEST_CASE(overrides_win) {
   const options o = read("&time method='adaptive' /", {"time.method=Euler", "time.title=a.b", "lists.names(2)=/tmp",
                                                        "domain.length=3", "domain.periodic=f"});

@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+#include <math.h>  // isnan, which Boost 1.74 takes from there
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/interpolators/pchip.hpp>
+#include <cmath>
+#include <foundation/error.hpp>
+#include <namelist/text.hpp>
+#include <numbers>
+#include <solids/motion.hpp>
+#include <sstream>
+
+namespace tetsuame::solids {
+
+namespace {
+
+using foundation::fail_input;
+
+template <std::size_t N>
+using matrix = Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)>;
+
+template <int D>
+matrix<D> matrix_of(const std::array<foundation::vec<double, D>, D>& rows) {
+  matrix<D> m;
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) m(a, b) = rows[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  return m;
+}
+
+template <int D>
+std::array<foundation::vec<double, D>, D> rows_of(const matrix<D>& m) {
+  std::array<foundation::vec<double, D>, D> rows;
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) rows[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] = m(a, b);
+  return rows;
+}
+
+}  // namespace
+
+template <int D>
+rotation<D> rotation_by(const about<D>& a) {
+  if constexpr (D == 2) {
+    return {point<2>{{std::cos(a[0]), -std::sin(a[0])}}, point<2>{{std::sin(a[0]), std::cos(a[0])}}};
+  } else {
+    const Eigen::Vector3d v(a[0], a[1], a[2]);
+    const double angle = v.norm();
+    if (angle == 0.0) return no_rotation<3>();
+    return rows_of<3>(Eigen::AngleAxisd(angle, v / angle).toRotationMatrix());
+  }
+}
+
+motion_table read_motion(const std::string& text, const std::string& name) {
+  motion_table table;
+  std::istringstream in(text);
+  std::string line;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    const auto first = line.find_first_not_of(" \t");
+    if (first == std::string::npos || line[first] == '#' || namelist::is_letter(line[first])) continue;
+    std::array<double, 5> row{};
+    std::istringstream words(line);
+    std::string word;
+    std::size_t count = 0;
+    while (std::getline(words, word, ',')) {
+      const auto begin = word.find_first_not_of(" \t"), end = word.find_last_not_of(" \t");
+      const auto value =
+          begin == std::string::npos ? std::nullopt : namelist::to_real(word.substr(begin, end - begin + 1));
+      if (count == row.size() || !value || !std::isfinite(*value))
+        fail_input(fmt::format("{}:{}: expected five numbers (s, m, m, m, degrees) with commas between, found {}", name,
+                               number, namelist::quote(namelist::excerpt(line))));
+      row[count++] = *value;
+    }
+    if (count != row.size())
+      fail_input(fmt::format("{}:{}: expected five numbers (s, m, m, m, degrees), found {}", name, number, count));
+    if (!table.time.empty() && row[0] <= table.time.back())
+      fail_input(fmt::format("{}:{}: time {} s does not lie behind that of the row before", name, number, row[0]));
+    table.time.push_back(row[0]);
+    for (std::size_t k = 0; k < 3; ++k) table.shift[k].push_back(row[1 + k]);
+    table.angle.push_back(row[4]);
+  }
+  if (table.time.size() < 4)
+    fail_input(fmt::format("{}: holds {} rows; a motion takes at least four", name, table.time.size()));
+  return table;
+}
+
+// Displacement and angle as functions of time, with their derivatives.
+template <int D>
+struct prescribed<D>::course {
+  using cubic = boost::math::interpolators::pchip<std::vector<double>>;
+  harmonic swing;
+  double begin = 0.0, end = 0.0;  // s, of the table
+  std::vector<cubic> shift;       // of the table: along each axis
+  std::vector<cubic> angle;       // radians
+
+  explicit course(const harmonic& how) : swing(how) {}
+  explicit course(const motion_table& table) : begin(table.time.front()), end(table.time.back()) {
+    for (std::size_t k = 0; k < D; ++k) shift.emplace_back(std::vector(table.time), std::vector(table.shift[k]));
+    auto radians = table.angle;
+    for (double& a : radians) a *= std::numbers::pi / 180.0;
+    angle.emplace_back(std::vector(table.time), std::move(radians));
+  }
+
+  // f(value, derivative) of the amplitudes' common course.
+  std::array<double, 2> wave(double t) const {
+    const double w = 2.0 * std::numbers::pi / swing.period;
+    return {std::sin(w * t + swing.phase), w * std::cos(w * t + swing.phase)};
+  }
+  bool outside(double t) const { return t <= begin || t >= end; }
+  double value(const cubic& of, double t) const { return of(std::clamp(t, begin, end)); }
+  double derivative(const cubic& of, double t) const { return outside(t) ? 0.0 : of.prime(t); }
+};
+
+template <int D>
+prescribed<D>::prescribed(const point<D>& pivot, const about<D>& axis, const harmonic& how)
+    : pivot_(pivot), axis_(axis), move_(std::make_shared<const course>(how)) {}
+
+template <int D>
+prescribed<D>::prescribed(const point<D>& pivot, const about<D>& axis, const motion_table& table)
+    : pivot_(pivot), axis_(axis), move_(std::make_shared<const course>(table)) {}
+
+template <int D>
+pose<D> prescribed<D>::at(double t) const {
+  pose<D> p;
+  p.pivot = pivot_;
+  if (!move_) return p;
+  double angle = 0.0;
+  if (move_->shift.empty()) {
+    const double s = move_->wave(t)[0];
+    p.shift = s * move_->swing.shift;
+    angle = s * move_->swing.angle;
+  } else {
+    p.shift = point<D>::of([&](std::size_t k) { return move_->value(move_->shift[k], t); });
+    angle = move_->value(move_->angle.front(), t);
+  }
+  p.turned = rotation_by<D>(angle * axis_);
+  return p;
+}
+
+template <int D>
+rate<D> prescribed<D>::rate_at(double t) const {
+  rate<D> r{pivot_ + at(t).shift};
+  if (!move_) return r;
+  if (move_->shift.empty()) {
+    const double ds = move_->wave(t)[1];
+    r.velocity = ds * move_->swing.shift;
+    r.angular = (ds * move_->swing.angle) * axis_;
+  } else {
+    r.velocity = point<D>::of([&](std::size_t k) { return move_->derivative(move_->shift[k], t); });
+    r.angular = move_->derivative(move_->angle.front(), t) * axis_;
+  }
+  return r;
+}
+
+// ω = R I⁻¹ Rᵀ L
+template <int D>
+about<D> free_body<D>::angular_velocity(const rotation<D>& turned) const {
+  if constexpr (D == 2) {
+    return {{angular_momentum[0] / inertia[0][0]}};
+  } else {
+    const auto R = matrix_of<3>(turned);
+    const Eigen::Vector3d L(angular_momentum[0], angular_momentum[1], angular_momentum[2]);
+    const Eigen::Vector3d w = R * matrix_of<3>(inertia).ldlt().solve(R.transpose() * L);
+    return {{w[0], w[1], w[2]}};
+  }
+}
+
+template <int D>
+rate<D> free_body<D>::rate_now() const {
+  return {now.pivot + now.shift, (1.0 / mass) * momentum, angular_velocity(now.turned)};
+}
+
+template <int D>
+double free_body<D>::kinetic_energy() const {
+  return 0.5 * (foundation::dot(momentum, momentum) / mass) +
+         0.5 * foundation::dot(angular_momentum, angular_velocity(now.turned));
+}
+
+template <int D>
+void advance(free_body<D>& b, const point<D>& force, const about<D>& torque, double dt) {
+  const auto half_force = (0.5 * dt) * force;
+  const auto half_torque = (0.5 * dt) * torque;
+  b.momentum += half_force;
+  b.angular_momentum += half_torque;
+  b.now.shift += (dt / b.mass) * b.momentum;
+  // R' = exp(ω dt) R with ω of the orientation half way, exp(ω dt/2) R.
+  auto w = b.angular_velocity(b.now.turned);
+  const auto turned = [&](double step) {
+    const auto by = rotation_by<D>(step * w);
+    rotation<D> result;
+    for (std::size_t k = 0; k < D; ++k) result[k] = turn_back<D>(b.now.turned, by[k]);
+    return result;
+  };
+  for (int iteration = 0; iteration < 8; ++iteration) w = b.angular_velocity(turned(0.5 * dt));
+  b.now.turned = turned(dt);
+  b.momentum += half_force;
+  b.angular_momentum += half_torque;
+}
+
+template <int D>
+free_body<D> filled(const body<D>& of, double density, const point<D>& lower, const point<D>& upper, double spacing) {
+  std::array<std::int64_t, D> cells;
+  std::int64_t places = 1;
+  double volume = 1.0;  // of a cell
+  for (std::size_t k = 0; k < D; ++k) {
+    cells[k] = std::max<std::int64_t>(1, std::llround((upper[k] - lower[k]) / spacing));
+    places *= cells[k];
+    volume *= (upper[k] - lower[k]) / static_cast<double>(cells[k]);
+  }
+  const auto place = [&](std::int64_t n) {
+    return point<D>::of([&](std::size_t k) {
+      const auto along = n % cells[k];
+      n /= cells[k];
+      return lower[k] + (upper[k] - lower[k]) * (static_cast<double>(along) + 0.5) / static_cast<double>(cells[k]);
+    });
+  };
+  std::vector<point<D>> inside;
+  auto centre = foundation::zero<double, D>();
+  for (std::int64_t n = 0; n < places; ++n)
+    if (const auto x = place(n); of.solid(x)) {
+      inside.push_back(x);
+      centre += x;
+    }
+  if (inside.empty()) fail_input("body '" + of.name() + "' has no volume on a lattice of this spacing");
+  centre = (1.0 / static_cast<double>(inside.size())) * centre;
+  free_body<D> b;
+  const double mass = density * volume;
+  b.mass = mass * static_cast<double>(inside.size());
+  b.now.pivot = centre;
+  b.inertia = {};
+  for (const auto& x : inside) {
+    const auto r = x - centre;
+    if constexpr (D == 2) {
+      b.inertia[0][0] += mass * foundation::dot(r, r);
+    } else {
+      for (std::size_t a = 0; a < D; ++a)
+        for (std::size_t c = 0; c < D; ++c)
+          b.inertia[a][c] += mass * ((a == c ? foundation::dot(r, r) : 0.0) - r[a] * r[c]);
+    }
+  }
+  return b;
+}
+
+#define TETSUAME_INSTANTIATE(D)                                                      \
+  template rotation<D> rotation_by<D>(const about<D>&);                              \
+  template class prescribed<D>;                                                      \
+  template struct free_body<D>;                                                      \
+  template void advance<D>(free_body<D>&, const point<D>&, const about<D>&, double); \
+  template free_body<D> filled<D>(const body<D>&, double, const point<D>&, const point<D>&, double);
+TETSUAME_INSTANTIATE(2)
+TETSUAME_INSTANTIATE(3)
+#undef TETSUAME_INSTANTIATE
+
+}  // namespace tetsuame::solids

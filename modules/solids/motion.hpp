@@ -1,0 +1,128 @@
+// How bodies move: rigidly, as prescribed, or freely under forces.
+//
+//   x(t) = c + s(t) + R(t) (X − c),   v = ds/dt + ω × (x − c − s)
+//
+// with X where the point is in the body at rest, c the pivot, s its displacement, R a rotation about a fixed axis
+// through it. In two dimensions the axis stands on the plane.
+#pragma once
+
+#include <memory>
+#include <solids/body.hpp>
+
+namespace tetsuame::solids {
+
+// Angular velocity, torque, …: one number in two dimensions.
+template <int D>
+using about = point<D == 2 ? 1 : 3>;
+
+template <int D>
+point<D> cross(const about<D>& w, const point<D>& r) {
+  if constexpr (D == 2)
+    return {{-w[0] * r[1], w[0] * r[0]}};
+  else
+    return {{w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]}};
+}
+
+// r × F
+template <int D>
+about<D> moment(const point<D>& r, const point<D>& F) {
+  if constexpr (D == 2)
+    return {{r[0] * F[1] - r[1] * F[0]}};
+  else
+    return cross<3>(r, F);
+}
+
+// exp of the rotation vector a: |a| radians about its direction [O. Rodrigues (1840)].
+template <int D>
+rotation<D> rotation_by(const about<D>& a);
+
+template <int D>
+struct pose {
+  rotation<D> turned = no_rotation<D>();
+  point<D> pivot = foundation::zero<double, D>();  // m, of the body at rest
+  point<D> shift = foundation::zero<double, D>();  // m
+
+  point<D> to_space(const point<D>& X) const { return pivot + shift + turn<D>(turned, X - pivot); }
+  point<D> to_body(const point<D>& x) const { return pivot + turn_back<D>(turned, x - pivot - shift); }
+};
+
+template <int D>
+struct rate {
+  point<D> centre;                                                    // m, the pivot as it is now
+  point<D> velocity = foundation::zero<double, D>();                  // m/s, of it
+  about<D> angular = foundation::zero < double, D == 2 ? 1 : 3 > ();  // 1/s
+
+  point<D> at(const point<D>& x) const { return velocity + cross<D>(angular, x - centre); }
+};
+
+// The body where it is now.
+template <int D>
+foot<D> at(const body<D>& of, const pose<D>& now, const point<D>& x,
+           double reach = std::numeric_limits<double>::infinity()) {
+  auto f = of.at(now.to_body(x), reach);
+  f.normal = turn<D>(now.turned, f.normal);
+  f.nearest = now.to_space(f.nearest);
+  return f;
+}
+
+// Rows of a table: time (s), displacement (m), angle (degrees).
+struct motion_table {
+  std::vector<double> time;
+  std::array<std::vector<double>, 3> shift;
+  std::vector<double> angle;
+};
+// Of lines "t, x, y, z, angle" with at least four of them, times that increase; lines that begin with # or a letter are
+// passed over. Errors of status bad_input name the line.
+motion_table read_motion(const std::string& text, const std::string& name);
+
+// Prescribed: A sin(2π t/T + β) in displacement and angle, or by a table, between whose rows cubics without overshoot
+// run [F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984), by Boost]; before its first and after
+// its last row the body stands still.
+template <int D>
+class prescribed {
+ public:
+  struct harmonic {
+    double period = 1.0, phase = 0.0;                // s, radians
+    point<D> shift = foundation::zero<double, D>();  // m, amplitude
+    double angle = 0.0;                              // radians, amplitude
+  };
+  prescribed() = default;  // at rest
+  prescribed(const point<D>& pivot, const about<D>& axis, const harmonic& how);
+  prescribed(const point<D>& pivot, const about<D>& axis, const motion_table& table);
+
+  bool moves() const { return move_ != nullptr; }
+  pose<D> at(double t) const;
+  rate<D> rate_at(double t) const;
+
+ private:
+  struct course;
+  point<D> pivot_ = foundation::zero<double, D>();
+  about<D> axis_ = foundation::zero < double, D == 2 ? 1 : 3 > ();
+  std::shared_ptr<const course> move_;
+};
+
+// Moves under forces: momentum and angular momentum are what it holds, so that both change by exactly what acts.
+template <int D>
+struct free_body {
+  static constexpr std::size_t turns = D == 2 ? 1 : 3;
+  double mass = 1.0;                                  // kg (kg/m in two dimensions)
+  std::array<about<D>, turns> inertia;                // kg m2, about the centre of mass, of the body at rest
+  pose<D> now;                                        // its pivot is the centre of mass
+  point<D> momentum = foundation::zero<double, D>();  // kg m/s
+  about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the centre of mass
+
+  about<D> angular_velocity(const rotation<D>& turned) const;
+  rate<D> rate_now() const;
+  double kinetic_energy() const;  // J
+};
+
+// Force (N) and torque (N m) about the centre of mass, over a time step: these first, then half way through the step
+// the angular velocity that turns it (implicit midpoint rule). Second order with forces of the step's middle.
+template <int D>
+void advance(free_body<D>& b, const point<D>& force, const about<D>& torque, double dt);
+
+// Mass and inertia of a body of one density (kg/m3), over cells of a lattice, by whether their centres are in it.
+template <int D>
+free_body<D> filled(const body<D>& of, double density, const point<D>& lower, const point<D>& upper, double spacing);
+
+}  // namespace tetsuame::solids

@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+#include <solids/options.hpp>
+
+namespace tetsuame::solids {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+
+namelist::key_info list(std::size_t most, std::string unit, std::string meaning, double minimum = -1e300) {
+  return {.unit = std::move(unit),
+          .minimum = minimum,
+          .maximum = 1e300,
+          .maximum_size = most,
+          .sparse = true,
+          .meaning = std::move(meaning)};
+}
+namelist::key_info names(std::size_t most, std::vector<std::string> choices, std::string meaning) {
+  return {.choices = std::move(choices), .maximum_size = most, .sparse = true, .meaning = std::move(meaning)};
+}
+
+void declare_axes(namelist::schema& schema, const char* group, const std::string& name,
+                  std::array<std::vector<double>, 3>& to, const namelist::key_info& info) {
+  for (std::size_t k = 0; k < 3; ++k) schema.add(group, name + "_" + axes[k], to[k], info);
+}
+
+// Element n; of a shorter list what an element that is not given has.
+double of(const std::vector<double>& values, std::size_t n) { return n < values.size() ? values[n] : 0.0; }
+std::string of(const std::vector<std::string>& texts, std::size_t n, const char* otherwise) {
+  return n < texts.size() && !texts[n].empty() ? texts[n] : otherwise;
+}
+
+template <int D>
+point<D> vector_of(const std::array<std::vector<double>, 3>& components, std::size_t n) {
+  return point<D>::of([&](std::size_t k) { return of(components[k], n); });
+}
+
+std::string read_named(const namelist::schema& schema, const char* group, const std::string& name,
+                       const fs::path& path) {
+  std::error_code fault;
+  if (!fs::is_regular_file(path, fault)) schema.fail(group, "file", "there is no file " + name);
+  std::string content(static_cast<std::size_t>(fs::file_size(path, fault)), '\0');
+  std::ifstream in(path, std::ios::binary);
+  if (fault || !in.read(content.data(), static_cast<std::streamsize>(content.size())))
+    schema.fail(group, "file", name + " cannot be read");
+  return content;
+}
+
+// The pieces' lists, and what goes wrong with piece n of them.
+struct reader {
+  const namelist::schema& schema;
+  const options& o;
+  const fs::path& folder;
+
+  std::string body(std::size_t n) const { return of(o.body, n, "solid"); }
+
+  [[noreturn]] void fail(const std::string& key, std::size_t n, const std::string& message) const {
+    schema.fail("solids", key, fmt::format("piece {} ('{}' of body '{}'): {}", n + 1, o.shape[n], body(n), message));
+  }
+
+  // A length that the shape has, or has not.
+  double length(const std::string& key, const std::vector<double>& values, std::size_t n, bool has) const {
+    const double value = of(values, n);
+    if (has && !(value > 0.0)) fail(key, n, "expected a length above 0");
+    if (!has && value != 0.0) fail(key, n, "this shape has none");
+    return value;
+  }
+
+  template <int D>
+  void expect_dimensions(std::size_t n) const {
+    if constexpr (D == 2)
+      for (const auto& [key, values] : {std::pair{"centre_z", &o.centre[2]},
+                                        {"length_z", &o.length[2]},
+                                        {"angle_x", &o.angle[0]},
+                                        {"angle_y", &o.angle[1]}})
+        if (of(*values, n) != 0.0) fail(key, n, "there is none in two dimensions");
+  }
+
+  faces<3> from_file(std::size_t n, const rotation<3>& R, const point<3>& shift) const {
+    if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of an STL file");
+    const auto bytes = read_named(schema, "solids", o.file[n], folder / o.file[n]);
+    const double scale = of(o.scale, n) == 0.0 ? 1.0 : of(o.scale, n);
+    return schema.placed("solids", "file", [&] {
+      auto all = read_stl(bytes, o.file[n]);
+      expect_closed(all, o.file[n]);
+      for (auto& p : all.points) p = (shift + turn<3>(R, scale * point<3>{p})).c;
+      return triangulated(std::make_shared<const mesh>(all, o.file[n]));
+    });
+  }
+
+  template <int D>
+  faces<D> bounds(std::size_t n) const {
+    const std::string& shape = o.shape[n];
+    expect_dimensions<D>(n);
+    const bool tall = shape == "cylinder" || shape == "cone";
+    for (std::size_t k = 0; k < D; ++k) length(std::string("length_") + axes[k], o.length[k], n, shape == "box");
+    const double radius = length("radius", o.radius, n, tall || shape == "sphere" || shape == "bowl");
+    const double height = length("height", o.height, n, tall);
+    const double thickness = length("thickness", o.thickness, n, shape == "bowl");
+    if (shape != "file" && !of(o.file, n, "").empty()) fail("file", n, "this shape has none");
+    if (shape != "file" && of(o.scale, n) != 0.0) fail("scale", n, "this shape has none");
+    const auto R = turned_by<D>({of(o.angle[0], n), of(o.angle[1], n), of(o.angle[2], n)});
+    const auto centre = vector_of<D>(o.centre, n);
+    if (shape == "file") {
+      if constexpr (D == 3) return from_file(n, R, centre);
+      fail("shape", n, "surfaces of triangles take three dimensions");
+    }
+    faces<D> all;
+    if (shape == "plane") all = plane<D>();
+    if (shape == "box") all = box<D>(vector_of<D>(o.length, n));
+    if (shape == "sphere") all = sphere<D>(radius);
+    if (shape == "cylinder") all = cylinder<D>(radius, height);
+    if (shape == "cone") all = cone<D>(radius, height);
+    if (shape == "bowl") all = bowl<D>(radius, thickness);
+    return placed<D>(std::move(all), R, centre);
+  }
+
+  void expect_no_more_than_shapes() const {
+    const auto expect = [&](const std::string& key, std::size_t size) {
+      if (size > o.shape.size())
+        schema.fail("solids", key,
+                    fmt::format("has {} elements, and shape {}: every piece takes a shape", size, o.shape.size()));
+    };
+    for (const auto& [key, texts] :
+         {std::pair{"body", &o.body}, {"operation", &o.operation}, {"solid", &o.solid}, {"file", &o.file}})
+      expect(key, texts->size());
+    for (const auto& [key, values] :
+         {std::pair{"radius", &o.radius}, {"height", &o.height}, {"thickness", &o.thickness}, {"scale", &o.scale}})
+      expect(key, values->size());
+    for (std::size_t k = 0; k < 3; ++k) {
+      expect(std::string("centre_") + axes[k], o.centre[k].size());
+      expect(std::string("length_") + axes[k], o.length[k].size());
+      expect(std::string("angle_") + axes[k], o.angle[k].size());
+    }
+  }
+};
+
+// The motions' lists, and what goes wrong with motion n of them.
+struct motion_reader {
+  const namelist::schema& schema;
+  const motion_options& o;
+  const fs::path& folder;
+
+  [[noreturn]] void fail(const std::string& key, std::size_t n, const std::string& message) const {
+    schema.fail("motions", key, fmt::format("motion {} (of body '{}'): {}", n + 1, o.body[n], message));
+  }
+
+  template <int D>
+  about<D> axis(std::size_t n) const {
+    if constexpr (D == 2) {
+      return {{1.0}};
+    } else {
+      const auto a = vector_of<3>(o.axis, n);
+      const double length = norm<3>(a);
+      return length > 0.0 ? (1.0 / length) * a : unit<3>(2);
+    }
+  }
+
+  template <int D>
+  prescribed<D> motion(std::size_t n) const {
+    const auto pivot = vector_of<D>(o.pivot, n);
+    if (of(o.kind, n, "harmonic") == "table") {
+      if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of a table");
+      const auto text = read_named(schema, "motions", o.file[n], folder / o.file[n]);
+      return schema.placed("motions", "file",
+                           [&] { return prescribed<D>(pivot, axis<D>(n), read_motion(text, o.file[n])); });
+    }
+    if (!of(o.file, n, "").empty()) fail("file", n, "a harmonic motion has none");
+    if (!(of(o.period, n) > 0.0)) fail("period", n, "expected a time above 0");
+    constexpr double degree = std::numbers::pi / 180.0;
+    return {
+        pivot,
+        axis<D>(n),
+        {of(o.period, n), of(o.phase, n) * degree, vector_of<D>(o.amplitude, n), of(o.amplitude_angle, n) * degree}};
+  }
+};
+
+void declare_motions(namelist::schema& schema, motion_options& m) {
+  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
+    return list(most_motions, unit, meaning, minimum);
+  };
+  schema.group("motions", "how bodies of &solids move: an element of each list for each body that does");
+  schema.add("motions", "body", m.body, names(most_motions, {}, "which body"));
+  schema.add("motions", "kind", m.kind,
+             names(most_motions, {"harmonic", "table"}, "amplitudes times sin(2 pi t/period + phase), or by a file"));
+  schema.add("motions", "period", m.period, numbers("s", "of a harmonic motion", 0.0));
+  schema.add("motions", "phase", m.phase, numbers("degrees", "of a harmonic motion"));
+  declare_axes(schema, "motions", "amplitude", m.amplitude, numbers("m", "of a harmonic displacement"));
+  schema.add("motions", "amplitude_angle", m.amplitude_angle,
+             numbers("degrees", "of a harmonic rotation about the pivot"));
+  declare_axes(schema, "motions", "pivot", m.pivot, numbers("m", "a point that rotations leave where it is"));
+  declare_axes(schema, "motions", "axis", m.axis, numbers("", "direction of the axis of rotation; none: z"));
+  schema.add(
+      "motions", "file", m.file,
+      names(most_motions, {}, "of a table: lines of time (s), displacement (m, m, m), angle (degrees), with commas"));
+}
+
+}  // namespace
+
+void declare(namelist::schema& schema, options& o, motion_options& m) {
+  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
+    return list(most_pieces, unit, meaning, minimum);
+  };
+  schema.group("solids", "bodies in the box, made of pieces: an element of each list for each piece");
+  schema.add("solids", "body", o.body,
+             names(most_pieces, {}, "name of the body that the piece belongs to; none: 'solid'"));
+  schema.add("solids", "shape", o.shape,
+             names(most_pieces, {"plane", "box", "sphere", "cylinder", "cone", "bowl", "file"},
+                   "of the piece, upright before it is turned; plane: all below its centre; cone: centre of its base;"
+                   " bowl: lower half of a hollow sphere; in 2-D sections through the axis"));
+  schema.add("solids", "operation", o.operation,
+             names(most_pieces, {"union", "difference", "intersection"},
+                   "with the pieces of its body before it; difference: what it covers is taken away"));
+  schema.add("solids", "solid", o.solid, names(most_pieces, {"inside", "outside"}, "where the piece is solid"));
+  declare_axes(schema, "solids", "centre", o.centre,
+               numbers("m", "where the piece stands; of a file: where its origin is"));
+  declare_axes(schema, "solids", "angle", o.angle,
+               numbers("degrees", "turned by, about its centre: x first, then y, then z"));
+  declare_axes(schema, "solids", "length", o.length, numbers("m", "of a box", 0.0));
+  schema.add("solids", "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
+  schema.add("solids", "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
+  schema.add("solids", "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
+  schema.add("solids", "file", o.file,
+             names(most_pieces, {}, "an STL file: a closed surface, normals outwards (3-D only)"));
+  schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
+  declare_motions(schema, m);
+}
+
+template <int D>
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o, const fs::path& folder) {
+  const reader in{schema, o, folder};
+  in.expect_no_more_than_shapes();
+  std::vector<std::string> names;
+  std::vector<std::vector<piece<D>>> pieces;
+  for (std::size_t n = 0; n < o.shape.size(); ++n) {
+    const auto b = static_cast<std::size_t>(std::ranges::find(names, in.body(n)) - names.begin());
+    if (b == names.size()) {
+      names.push_back(in.body(n));
+      pieces.emplace_back();
+    }
+    const std::string how = of(o.operation, n, "union");
+    piece<D> p;
+    p.how = how == "union" ? operation::unite : how == "difference" ? operation::subtract : operation::intersect;
+    if (pieces[b].empty() && p.how != operation::unite) in.fail("operation", n, "the first piece of a body is united");
+    p.bounds = in.bounds<D>(n);
+    p.outside = of(o.solid, n, "inside") == "outside";
+    pieces[b].push_back(std::move(p));
+  }
+  std::vector<body<D>> all;
+  for (std::size_t b = 0; b < names.size(); ++b) all.emplace_back(names[b], std::move(pieces[b]));
+  return all;
+}
+
+template <int D>
+std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
+                                        const std::vector<body<D>>& bodies, const fs::path& folder) {
+  const motion_reader in{schema, o, folder};
+  std::vector<prescribed<D>> all(bodies.size());
+  for (std::size_t n = 0; n < o.body.size(); ++n) {
+    const auto of_name = std::ranges::find(bodies, o.body[n], [](const auto& b) { return b.name(); });
+    if (of_name == bodies.end()) in.fail("body", n, "&solids has no body of this name");
+    auto& motion = all[static_cast<std::size_t>(of_name - bodies.begin())];
+    if (motion.moves()) in.fail("body", n, "moves already");
+    motion = in.motion<D>(n);
+  }
+  return all;
+}
+
+template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&, const fs::path&);
+template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&, const fs::path&);
+template std::vector<prescribed<2>> make_motions<2>(const namelist::schema&, const motion_options&,
+                                                    const std::vector<body<2>>&, const fs::path&);
+template std::vector<prescribed<3>> make_motions<3>(const namelist::schema&, const motion_options&,
+                                                    const std::vector<body<3>>&, const fs::path&);
+
+}  // namespace tetsuame::solids

@@ -1,0 +1,45 @@
+// Solids and their motion as the input gives them. Group &solids holds a list for each property, with an element for
+// each piece; pieces of one name are one body, in their order. Group &motions holds lists with an element for each body
+// that moves.
+//
+//   &solids
+//     body(1) = 'tank'      shape(1) = 'box'     solid(1) = 'outside'
+//     centre_x(1) = 0.5     centre_y(1) = 0.5    length_x(1) = 0.8  length_y(1) = 0.6  angle_z(1) = 10
+//     body(2) = 'pillar'    shape(2) = 'sphere'  centre_x(2) = 0.5  centre_y(2) = 0.4  radius(2) = 0.05
+//   /
+#pragma once
+
+#include <filesystem>
+#include <namelist/schema.hpp>
+#include <solids/wall_particles.hpp>
+
+namespace tetsuame::solids {
+
+inline constexpr std::size_t most_pieces = 64, most_motions = 16;
+
+struct options {
+  std::vector<std::string> body, shape, operation, solid, file;
+  std::array<std::vector<double>, 3> centre, length, angle;
+  std::vector<double> radius, height, thickness, scale;
+};
+
+struct motion_options {
+  std::vector<std::string> body, kind, file;
+  std::vector<double> period, phase, amplitude_angle;
+  std::array<std::vector<double>, 3> amplitude, pivot, axis;
+};
+
+// Declares groups &solids and &motions.
+void declare(namelist::schema& schema, options& o, motion_options& m);
+
+// Files are looked for from `folder`. What cannot be is an error of status bad_input, at its key and with the number of
+// the piece. One body for each name, in the order in which names appear.
+template <int D>
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o,
+                                 const std::filesystem::path& folder = {});
+// Of each body; those that no motion names are at rest.
+template <int D>
+std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
+                                        const std::vector<body<D>>& bodies, const std::filesystem::path& folder = {});
+
+}  // namespace tetsuame::solids

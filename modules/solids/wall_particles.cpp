@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <foundation/error.hpp>
+#include <solids/wall_particles.hpp>
+
+namespace tetsuame::solids {
+
+namespace {
+
+using foundation::fail_input;
+
+// f(number, place) for every place of the lattice in the box.
+template <int D, class F>
+void for_each_place(const lattice<D>& box, F&& f) {
+  std::array<std::int64_t, D> cells;
+  std::int64_t places = 1;
+  for (std::size_t k = 0; k < D; ++k) {
+    cells[k] = std::llround(box.length[k] / box.spacing);
+    places *= cells[k];
+  }
+  for (std::int64_t n = 0; n < places; ++n) {
+    std::int64_t rest = n;
+    point<D> x;
+    for (std::size_t k = 0; k < D; ++k) {
+      x[k] = (static_cast<double>(rest % cells[k]) + 0.5) * box.spacing;
+      rest /= cells[k];
+    }
+    f(n, x);
+  }
+}
+
+// Whose surface a place lies on, or is the nearest to.
+template <int D>
+std::size_t nearest_surface(const std::vector<body<D>>& bodies, const point<D>& x) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const double away = std::abs(bodies[b].level(x)); away < least) {
+      least = away;
+      nearest = b;
+    }
+  return nearest;
+}
+
+// m, from a place of the surface along a direction, to where what is there ends, fluid (sign +1) or solid (−1); at most
+// `reach`. As far as the level says that nothing ends, step by step [J. C. Hart, Visual Comput. 12, 527 (1996)].
+template <int D>
+double way(const body<D>& all, const point<D>& from, const point<D>& along, double sign, double reach) {
+  const double least = 1e-3 * reach;
+  double t = least;
+  while (t < reach) {
+    const double free = sign * all.level(from + t * along);
+    if (free < 0.0) return t;
+    t += std::max(free, least);
+  }
+  return reach;
+}
+
+}  // namespace
+
+template <int D>
+wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
+                                           const std::function<bool(const point<D>&)>& keep) {
+  wall_particles<D> w;
+  const auto all = joined(bodies);
+  for_each_place(box, [&](std::int64_t n, const point<D>& x) {
+    const double bound = all.level(x);
+    if (bound >= 0.0 || bound <= -depth) return;
+    const auto surface = all.at(x, depth);
+    if (!surface.found) return;
+    const double below = -surface.distance;
+    double height = below;
+    auto marker = surface.nearest + below * surface.normal;
+    if (all.solid(marker)) {
+      // At the corner itself the way along ∇φ may begin in the other wall.
+      const bool free = !all.solid(surface.nearest + (1e-3 * below) * surface.normal);
+      const auto along = free ? surface.normal : all.into_fluid(surface.nearest);
+      height = 0.5 * way(all, surface.nearest, along, 1.0, below);
+      marker = surface.nearest + height * along;
+      ++w.shortened;
+    }
+    if (keep && !keep(marker)) return;
+    w.x.push_back(x);
+    w.marker.push_back(marker);
+    w.normal.push_back(surface.normal);
+    w.depth.push_back(below);
+    w.height.push_back(height);
+    w.body.push_back(static_cast<std::uint32_t>(nearest_surface(bodies, surface.nearest)));
+    w.place.push_back(n);
+  });
+  return w;
+}
+
+template <int D>
+void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
+  std::vector<std::vector<bool>> seen;
+  for (const auto& b : bodies) seen.emplace_back(b.pieces().size(), false);
+  std::vector<bool> body_seen(bodies.size(), false);
+  bool fluid = false;
+  for_each_place(box, [&](std::int64_t, const point<D>& x) {
+    bool solid = false;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const bool here = bodies[b].solid(x);
+      body_seen[b] = body_seen[b] || here;
+      solid = solid || here;
+      for (std::size_t p = 0; p < bodies[b].pieces().size(); ++p)
+        if (!seen[b][p]) seen[b][p] = level<D>(bodies[b].pieces()[p], x) < 0.0;
+    }
+    fluid = fluid || !solid;
+  });
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (std::size_t p = 0; p < seen[b].size(); ++p)
+      if (!seen[b][p])
+        fail_input(
+            fmt::format("piece {} of body '{}' lies outside the box, or is smaller than the spacing of the particles",
+                        p + 1, bodies[b].name()));
+    if (!body_seen[b]) fail_input(fmt::format("body '{}' has no solid in the box", bodies[b].name()));
+  }
+  if (!bodies.empty() && !fluid) fail_input("solids fill the whole box");
+}
+
+template <int D>
+void expect_thick(const std::vector<body<D>>& bodies, const lattice<D>& box, double reach) {
+  constexpr double opposite = -0.866;  // cosine of 150°
+  const auto all = joined(bodies);
+  const auto name = [&](const point<D>& x) { return "body '" + bodies[nearest_surface(bodies, x)].name() + "'"; };
+  for_each_place(box, [&](std::int64_t, const point<D>& x) {
+    const auto s = all.at(x, box.spacing);
+    if (!s.found) return;
+    for (const double sign : {1.0, -1.0}) {
+      const auto along = sign * s.normal;
+      const double length = way(all, s.nearest, along, sign, reach);
+      if (length >= reach) continue;
+      const auto end = s.nearest + length * along;
+      const auto facing = all.at(end, 2.0 * reach);
+      if (!facing.found || foundation::dot(facing.normal, s.normal) > opposite) continue;
+      const auto at = place_text<D>(s.nearest);
+      if (sign > 0.0)
+        fail_input(
+            fmt::format("the gap between {} and {} at {} is {:.3g} m wide; the kernel reaches {:.3g} m: use more "
+                        "particles, or close the gap",
+                        name(s.nearest), name(facing.nearest), at, length, reach));
+      fail_input(
+          fmt::format("{} is {:.3g} m thick at {}; the kernel reaches {:.3g} m: use more particles, or a thicker wall",
+                      name(s.nearest), length, at, reach));
+    }
+  });
+}
+
+template <int D>
+void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>& particles) {
+  const auto all = joined(bodies);
+  std::size_t wet = 0, first = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    if (all.solid(particles[i]) && wet++ == 0) first = i;
+  if (wet == 0) return;
+  const auto surface = all.at(particles[first]);
+  fail_input(fmt::format("{} particles of the fluid start inside a wall, the first at {}, {:.3g} m deep in body '{}'",
+                         wet, place_text<D>(particles[first]), -surface.distance,
+                         bodies[nearest_surface(bodies, surface.nearest)].name()));
+}
+
+#define TETSUAME_INSTANTIATE(D)                                                                                  \
+  template wall_particles<D> fill_with_wall_particles<D>(const std::vector<body<D>>&, const lattice<D>&, double, \
+                                                         const std::function<bool(const point<D>&)>&);           \
+  template void expect_in_box<D>(const std::vector<body<D>>&, const lattice<D>&);                                \
+  template void expect_thick<D>(const std::vector<body<D>>&, const lattice<D>&, double);                         \
+  template void expect_dry<D>(const std::vector<body<D>>&, const std::vector<point<D>>&);
+TETSUAME_INSTANTIATE(2)
+TETSUAME_INSTANTIATE(3)
+#undef TETSUAME_INSTANTIATE
+
+}  // namespace tetsuame::solids
