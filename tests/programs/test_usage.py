@@ -288,7 +288,7 @@ class Describe(Case):
                 self.assertEqual(checked.status, COMPLETED, checked)
 
     def test_at_most_sixty_keys_before_expert(self):
-        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock"]]
+        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock", "flow"]]
         asked += [("disph_c", INPUTS / f"{name}.nml") for name in ("rti_linear", "drop_cylinder", "conduction_plate", "pond_on_mantle")]
         for words in asked:
             with self.subTest(words=words):
