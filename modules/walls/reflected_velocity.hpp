@@ -1,20 +1,18 @@
-// The velocity of mirror images: across a wall odd, along it even where the fluid slips and odd where it does not.
+// The velocity of mirror images: across a wall odd; along it even, or odd at a wall where the fluid sticks.
 #pragma once
 
 #include <walls/mirror.hpp>
 
 namespace tetsuame::walls {
 
+// m/s, of the image r of a source with this velocity. sticks: at walls of no slip; else they count as slippery ones.
 template <int D>
-void reflect_velocities(const wall_set<D>& set, particles::particles<D>& s) {
-  foundation::for_all(set.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = set.source[r];
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = s.v[a][j];
-    for_each_mirror(set, r, [&](const side<D>& wall) {
-      for (std::size_t a = 0; a < D; ++a)
-        if (wall.no_slip || a == wall.axis) s.v[a][i] = -s.v[a][i];
-    });
+std::array<double, D> reflected_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D> v, bool sticks) {
+  for_each_mirror(set, r, [&](const side<D>& wall) {
+    for (std::size_t a = 0; a < D; ++a)
+      if (a == wall.axis || (sticks && wall.no_slip)) v[a] = -v[a];
   });
+  return v;
 }
 
 }  // namespace tetsuame::walls

@@ -74,6 +74,19 @@ std::string tank(const std::string& flow, const std::string& more = "") {
          " / &time t_end = 1.0 /";
 }
 
+// 1 in the continuum; what lattices lack along the axes they have across.
+double shear_of_lattice(const pairs::workspace<2>& w) {
+  double sum = 0.0;
+  for (int i = -4; i <= 4; ++i)
+    for (int j = -4; j <= 4; ++j) {
+      const double x = i * w.dx, y = j * w.dx, r = std::hypot(x, y);
+      if (r > 0.0)
+        sum -= 4.0 * w.dx * w.dx * std::get<kernels::wendland_c2<2>>(w.kernel).gradient_over_r(r) * x * x * y * y /
+               (r * r);
+    }
+  return sum;
+}
+
 double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
 
 }  // namespace
@@ -126,15 +139,16 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
   }
   std::array<particles::array, 2> force{particles::array(s.fluid), particles::array(s.fluid)};
   particles::array rate(s.fluid);
-  w.sum(w.fluid(), motion<2>{pairs::pointers<2>(s.v),
-                             s.p.data(),
-                             s.dV.data(),
-                             s.rho.data(),
-                             0.0,
-                             g,
-                             0.1 * 0.065 / 20.0,
-                             {force[0].data(), force[1].data()},
-                             rate.data()});
+  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
+                                    {},
+                                    s.p.data(),
+                                    s.dV.data(),
+                                    s.rho.data(),
+                                    0.0,
+                                    g,
+                                    0.1 * 0.065 / 20.0,
+                                    {force[0].data(), force[1].data()},
+                                    rate.data()});
   // Rounding of sums of some twenty terms of 1000 · 2 1/s.
   for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[i]) < 1e-9);
   // Expansion by 3 1/s along x and 1 1/s along y: ρ times the sums' own measure of these, -Σ V F x².
@@ -142,15 +156,16 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
     s.v[0][i] = 3.0 * s.x[0][i];
     s.v[1][i] = 1.0 * s.x[1][i];
   }
-  w.sum(w.fluid(), motion<2>{pairs::pointers<2>(s.v),
-                             s.p.data(),
-                             s.dV.data(),
-                             s.rho.data(),
-                             0.0,
-                             g,
-                             0.0,
-                             {force[0].data(), force[1].data()},
-                             rate.data()});
+  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
+                                    {},
+                                    s.p.data(),
+                                    s.dV.data(),
+                                    s.rho.data(),
+                                    0.0,
+                                    g,
+                                    0.0,
+                                    {force[0].data(), force[1].data()},
+                                    rate.data()});
   const auto& kernel = std::get<kernels::wendland_c2<2>>(w.kernel);
   for (std::size_t i = 0; i < s.fluid; i += 7) {
     double expected = 0.0;
@@ -205,6 +220,29 @@ BOOST_AUTO_TEST_CASE(energy_goes_where_it_should) {
   scene.p.kinematic_viscosity = 0.0;
   const auto perfect = scene.rates();
   BOOST_TEST(std::abs(power(perfect) + stored(perfect)) < 1e-12 * std::abs(stored(perfect)));
+}
+
+// Shear along a floor that the water sticks to: nothing is compressed, and the floor drags the lowest water, whose
+// images move against it. On a slippery floor the sheared water next to it is dragged by the water above alone, with
+// it.
+BOOST_AUTO_TEST_CASE(floor_of_no_slip) {
+  for (const bool sticks : {false, true}) {
+    scene<2> scene(
+        "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 periodic_x = T /"
+        "&flow high_y = 0.75 viscosity = 3.0 alpha = 0.0 delta = 0.0 /"
+        "&walls slip_bottom = '" +
+        std::string(sticks ? "no_slip" : "free_slip") + "' / &time t_end = 1.0 /");
+    auto& s = scene.particles();
+    for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = s.x[1][i];
+    const auto rate = scene.rates();
+    const double drag = scene.sum([&](std::size_t i) { return s.m[i] * rate[2][i]; });
+    // 3 Pa s times 1 1/s over 2 m, times the lattice's own -4 Σ V F x² y²/r².
+    if (sticks)
+      BOOST_TEST(drag == -6.0 * shear_of_lattice(scene.f->world.w), tt::tolerance(1e-3));
+    else
+      BOOST_TEST(std::abs(drag) < 1e-12 * 1500.0);
+    for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[4][i]) < 1e-9 * 1000.0);
+  }
 }
 
 // A block in a corner of a tank: its top row and its outermost column, and no other.

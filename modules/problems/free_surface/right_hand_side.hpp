@@ -32,19 +32,31 @@ void mirror(water<D>& f) {
   auto& s = f.world.w.s;
   const auto& walls = f.world.walls;
   walls::move_images(walls, s);
-  walls::reflect_velocities(walls, s);
   foundation::for_all(walls.source.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r, j = walls.source[r];
+    std::array<double, D> source;
+    for (std::size_t a = 0; a < D; ++a) source[a] = s.v[a][j];
+    const auto v = walls::reflected_velocity<D>(walls, r, source, false);
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+    if (f.sticks) {
+      const auto dragged = walls::reflected_velocity<D>(walls, r, source, true);
+      for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
+    }
     s.rho[i] = s.rho[j];
     s.dV[i] = s.dV[j];
     s.p[i] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
   });
 }
 
+// Of particles [first, last) that are no images: what follows from their own state.
 template <int D>
-void find_pressures(water<D>& f, std::size_t first, std::size_t last) {
+void find_own(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   find_pressures(f.p.water, first, last, s.rho.data(), s.m.data(), s.p.data(), s.dV.data());
+  if (f.sticks)
+    for (std::size_t a = 0; a < D; ++a)
+      std::copy(s.v[a].begin() + static_cast<std::ptrdiff_t>(first), s.v[a].begin() + static_cast<std::ptrdiff_t>(last),
+                f.viscous_velocity[a].begin() + static_cast<std::ptrdiff_t>(first));
 }
 
 template <int D>
@@ -53,26 +65,32 @@ void end_motion(water<D>& f) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
   w.end_fluid();
-  find_pressures(f, s.fluid, s.first_wall());
+  find_own(f, s.fluid, s.first_wall());
   mirror(f);
+}
+
+template <bool sticks, int D>
+void sum_over_neighbours_of(water<D>& f, const pairs::stretch& rows) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  motion<D, sticks> all{pairs::pointers<D>(s.v),
+                        pairs::pointers<D>(f.viscous_velocity),
+                        s.p.data(),
+                        s.dV.data(),
+                        s.rho.data(),
+                        f.o.flow.density * f.p.kinematic_viscosity,
+                        f.gravity(),
+                        f.o.flow.delta * f.p.smoothing_length / f.p.water.sound,
+                        {},
+                        f.density_rate.data()};
+  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
+  w.sum(rows, all);
 }
 
 template <int D>
 void sum_over_neighbours(water<D>& f, const pairs::stretch& rows) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "forces");
-  motion<D> all{pairs::pointers<D>(s.v),
-                s.p.data(),
-                s.dV.data(),
-                s.rho.data(),
-                f.o.flow.density * f.p.kinematic_viscosity,
-                f.gravity(),
-                f.o.flow.delta * f.p.smoothing_length / f.p.water.sound,
-                {},
-                f.density_rate.data()};
-  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-  w.sum(rows, all);
+  const foundation::stage timed(f.world.w.times, "forces");
+  f.sticks ? sum_over_neighbours_of<true>(f, rows) : sum_over_neighbours_of<false>(f, rows);
 }
 
 // Water that rises above an open top stays between the sides, which have no end, and falls back. What goes farther than
@@ -126,7 +144,7 @@ template <int D>
 void evaluate(water<D>& f, std::span<double* const> rate) {
   auto& w = f.world.w;
   begin_motion(f);
-  find_pressures(f, 0, w.s.fluid);
+  find_own(f, 0, w.s.fluid);
   sum_over_neighbours(f, w.interior());
   end_motion(f);
   sum_over_neighbours(f, w.at_border());

@@ -2,6 +2,7 @@
 // fills its cell of the lattice.
 #pragma once
 
+#include <algorithm>
 #include <free_surface/exact.hpp>
 #include <free_surface/water.hpp>
 #include <numbers>
@@ -89,6 +90,7 @@ void set_up(water<D>& f) {
   place_blocks(f);
   if (f.o.flow.start == "drop") cut_out_drop(f);
   f.world.w.g[1] = -f.gravity();
+  f.sticks = std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {

@@ -27,15 +27,18 @@ using pairs::real;
 
 inline constexpr schemes::field<struct density_tag> of_density;
 inline constexpr schemes::field<struct eigenvalue_tag> of_eigenvalue;
+inline constexpr schemes::field<struct viscous_velocity_tag> of_viscous_velocity;
 
-template <int D>
+// sticks: with walls of no slip, whose images have another velocity in the viscous sum than in continuity, to which
+// what moves along a wall is no compression.
+template <int D, bool sticks>
 struct motion {
-  std::array<const double*, D> v;  // m/s
-  const double *p, *V, *rho;       // Pa, m^D, kg/m3
-  double eta;                      // Pa s
-  double g, delta_h_per_c;         // m/s2; δ h/c0, s
-  std::array<double*, D> force;    // N, without gravity
-  double* rho_rate;                // kg/(m3 s)
+  std::array<const double*, D> v, v_viscous;  // m/s
+  const double *p, *V, *rho;                  // Pa, m^D, kg/m3
+  double eta;                                 // Pa s
+  double g, delta_h_per_c;                    // m/s2; δ h/c0, s
+  std::array<double*, D> force;               // N, without gravity
+  double* rho_rate;                           // kg/(m3 s)
 
   struct me {
     pairs::vec<real, D> force;
@@ -43,17 +46,24 @@ struct motion {
   };
   auto reads() const {
     using namespace pairs;
-    return std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, V, D), read(of_density, rho)};
+    const auto of_all =
+        std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, V, D), read(of_density, rho)};
+    if constexpr (sticks)
+      return std::tuple_cat(of_all, std::tuple{read(of_viscous_velocity, v_viscous)});
+    else
+      return of_all;
   }
   me begin(const pairs::cluster<real>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
     const auto VF = ij(of_volume) * ij.F;
     const auto closing = ij.along(of_velocity), per_r2 = ij.per_r * ij.per_r;
+    auto sheared = closing;
+    if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
     const auto p_i = ij.own(of_pressure), p_j = ij(of_pressure);
     a.divergence += VF * closing;
     a.diffusion += VF * (2.0 * (p_i - p_j) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
-    a.force += (VF * (2.0 * (D + 2.0) * eta * closing * per_r2 - (p_i + p_j))) * ij.x_ij;
+    a.force += (VF * (2.0 * (D + 2.0) * eta * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
     const auto V_i = i(V);

@@ -12,9 +12,12 @@ struct water {
   const parameters& p;
   run::state<D> world = {};
 
+  bool sticks = false;  // a wall is one of no slip
+
   // Filled by evaluations, with room for every particle.
-  std::array<particles::array, D> force = {};  // N, but for gravity
-  particles::array density_rate = {};          // kg/(m3 s)
+  std::array<particles::array, D> viscous_velocity = {};  // m/s, where a wall sticks: of images as they are dragged
+  std::array<particles::array, D> force = {};             // N, but for gravity
+  particles::array density_rate = {};                     // kg/(m3 s)
 
   // Filled by what looks at the surface (surface.hpp).
   std::array<particles::array, D> slope = {}, normal = {};          // 1/m; of length 1
@@ -26,6 +29,8 @@ struct water {
     std::vector<particles::array*> all{&density_rate, &eigenvalue, &least_near, &covered};
     for (auto* vectors : {&force, &slope, &normal})
       for (auto& a : *vectors) all.push_back(&a);
+    if (sticks)
+      for (auto& a : viscous_velocity) all.push_back(&a);
     for (auto* a : all) a->assign(world.w.s.total() + 1, 0.0);
   }
 
