@@ -49,7 +49,7 @@ CASES = {
               ("kelvin_helmholtz", {"domain.particles_x": 16, "domain.particles_y": 16}), ("iron_silicate", {"domain.particles_x": 40}),
               ("melts_shock", {"domain.particles_x": 40}), ("noh", {}), ("rayleigh_taylor", {})],
     "flow": [("still_water", {"domain.particles_x": 10, "domain.particles_y": 12}),
-             ("dam_break_front", {"gauges.front_file": "''", "gauges.front_column": "''"}),
+             ("dam_break_front", {"gauges.file": "''", "gauges.front_column": "''"}),
              ("standing_wave", {"domain.particles_x": 20, "domain.particles_y": 12}),
              ("elliptical_drop", {"domain.particles_x": 22, "domain.particles_y": 22})],
     "balance": [(name, {"distribution.particles": 2000, "machine.ranks": 8, **({} if ZOLTAN else {"compare.methods": "none"})}) for name in ("balance_bowl", "balance_blobs", "balance_slow_half")],

@@ -11,7 +11,7 @@ from running import BAD_INPUT, INPUTS, SLOW, Case
 SMALL = """&domain length_x = 1.61 length_y = 0.315 particles_x = 46 particles_y = 9 {box} /
 &flow high_x = 0.63 sound_factor = 15.0 /
 &gauges front = .true. height_x = 0.3 pressure_x = 1.61 pressure_y = 0.03 {places}
-  pressure_file = '{file}' pressure_columns = 'sensor3_30mm' time_unit = 0.179192 stress_unit = 3090.15
+  file = '{file}' pressure_columns = 'sensor3_30mm' time_unit = 0.179192 stress_unit = 3090.15
   arrival = 618.0 /
 &walls slip_top = 'free_surface' /
 &time t_end = 0.8 /
@@ -111,7 +111,7 @@ class Flow(Case):
         _, rows = first.rows("gauges.csv")
         with open(self.here / "own.csv", "w", newline="") as file:
             csv.writer(file).writerows([["t", "front", "height", "sensor3_30mm"], *(row[1:] for row in rows)])
-        own = self.small(file="own.csv", add="front_file = 'own.csv' front_column = 'front' height_file = 'own.csv' height_columns = 'height'")
+        own = self.small(file="own.csv", add="front_column = 'front' height_columns = 'height'")
         m = self.summary(own, {"time.t_end": 0.1, "gauges.time_unit": 1, "gauges.stress_unit": 1})["metrics"]
         self.assertLess(m["front_rms"], 1e-12)
         self.assertLess(m["height_1_mean_error"], 1e-12)
@@ -131,7 +131,7 @@ class Flow(Case):
                 ("dam_break_2d", {"gauges.height_x": "0.3, 2.0"}, ["&gauges height_x", "gauge 2 is outside"]),
                 ("dam_break_2d", {"gauges.height_z": "0.3"}, ["&gauges height_z", "expected 0"]),
                 ("dam_break_2d", {"gauges.pressure_columns": "'a', 'b', 'c', 'd'"}, ["&gauges pressure_columns", "no column 'a'"]),
-                ("dam_break_2d", {"gauges.pressure_file": "nowhere.csv"}, ["&gauges pressure_file", "cannot read", "nowhere.csv"]),
+                ("dam_break_2d", {"gauges.file": "nowhere.csv"}, ["&gauges file", "cannot read", "nowhere.csv"]),
                 ("dam_break_2d", {"domain.periodic_y": "T"}, ["&domain periodic_y", "floor"]),
                 ("dam_break_2d", {"flow.gravity": 0}, ["&flow sound_speed"]),
                 ("dam_break_2d", {"flow.gravity": 0, "flow.sound_speed": 10}, ["&walls slip_top", "gravity"]),

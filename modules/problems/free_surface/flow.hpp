@@ -96,7 +96,7 @@ class flow : public run::problem_in_a_box<D> {
       changed = true;
       base::complete_step(step);  // a drift ends at a wall
     }
-    if (!probes_.empty() && time_ >= next_reading_ * (1.0 - 1e-9)) read_gauges(step);
+    if (table_ && time_ >= next_reading_ * (1.0 - 1e-9)) read_gauges(step);
     return changed;
   }
 
@@ -233,7 +233,7 @@ class flow : public run::problem_in_a_box<D> {
   water<D> f_;
   const std::vector<probe<D>> probes_;
   readings read_;
-  output::history* table_ = nullptr;
+  output::history* table_ = nullptr;                          // none: no gauges, or nothing is written
   double time_ = 0.0, last_step_ = 0.0, next_reading_ = 0.0;  // s
   double kinetic_most_ = 0.0;                                 // J
   std::optional<energies> first_;

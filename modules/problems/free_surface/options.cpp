@@ -43,7 +43,10 @@ void declare_water(namelist::schema& schema, flow_options& o) {
   schema.add("flow", "amplitude", o.amplitude,
              {.unit = "m", .minimum = 0.0, .meaning = "standing_wave: that the surface will reach"});
   schema.add("flow", "strain_rate", o.strain_rate,
-             {.unit = "1/s", .minimum = 0.0, .meaning = "drop: its velocity is -strain_rate x, strain_rate y"});
+             {.unit = "1/s",
+              .minimum = 0.0,
+              .expert = true,
+              .meaning = "drop: its velocity is -strain_rate x, strain_rate y"});
 }
 
 void declare_liquid(namelist::schema& schema, flow_options& o) {
@@ -58,15 +61,16 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
               .minimum = 0.0,
               .exclusive_minimum = true,
               .stays_open = true,
+              .expert = true,
               .meaning = "of the water at zero pressure, some ten times its largest speed; not given: by "
                          "sound_factor"});
   schema.add("flow", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "of the water"});
-  schema.add("flow", "alpha", o.alpha, between(0.0, 1.0, "of the artificial viscosity"));
-  schema.add("flow", "delta", o.delta, between(0.0, 1.0, "of the density's diffusion"));
+  schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "of the artificial viscosity")));
+  schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "of the density's diffusion")));
   schema.add("flow", "shifting", o.shifting,
-             between(0.0, 10.0,
-                     "how fast particles that move drift to where there are fewer, not across the surface; "
-                     "0: they do not"));
+             for_expert(between(0.0, 10.0,
+                                "how fast particles that move drift to where there are fewer, not across the "
+                                "surface; 0: they do not")));
 }
 
 void declare_gauges(namelist::schema& schema, gauge_options& o) {
@@ -85,22 +89,28 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
                 .minimum = 0.0,
                 .meaning = std::string("points, of walls or of the water, whose pressure is read") +
                            (a == 2 ? " (3-D only)" : "")});
-  const std::string of_file = "measured curves, times in the first column; from the input's folder";
-  schema.add("gauges", "front_file", o.front_file, {.meaning = "front: " + of_file});
-  schema.add("gauges", "front_column", o.front_column, {.meaning = "its column there"});
-  schema.add("gauges", "height_file", o.height_file, {.meaning = "depths: " + of_file});
-  schema.add("gauges", "height_columns", o.height_columns, {.meaning = "their columns there, '' for none"});
-  schema.add("gauges", "pressure_file", o.pressure_file, {.meaning = "pressures: " + of_file});
-  schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "their columns there, '' for none"});
-  schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the files' times"));
-  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in their lengths"));
-  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in their pressures"));
+  schema.add("gauges", "file", o.file,
+             {.meaning = "measured curves, a table with the times in its first column; from the input's folder"});
+  schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
+  schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
+  schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
+  schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
+  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
+  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
   schema.add("gauges", "arrival", o.arrival,
              {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
   schema.add("gauges", "impulse_from", o.impulse_from,
-             {.unit = "s", .minimum = 0.0, .stays_open = true, .meaning = "impulses begin; not given: at the arrival"});
+             {.unit = "s",
+              .minimum = 0.0,
+              .stays_open = true,
+              .expert = true,
+              .meaning = "impulses begin; not given: at the arrival"});
   schema.add("gauges", "impulse_until", o.impulse_until,
-             {.unit = "s", .minimum = 0.0, .stays_open = true, .meaning = "impulses end; not given: with the run"});
+             {.unit = "s",
+              .minimum = 0.0,
+              .stays_open = true,
+              .expert = true,
+              .meaning = "impulses end; not given: with the run"});
 }
 
 // ---- blocks of water ------------------------------------------------------------------------
@@ -246,17 +256,12 @@ series column_of(const namelist::schema& schema, const std::string& key, const t
   return s;
 }
 
-std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& what,
-                              std::string& path, const std::vector<std::string>& names, std::size_t number,
-                              double unit) {
-  const std::string file_key = what + "_file", key = what + "_columns";
+std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key, const table& t,
+                              const std::vector<std::string>& names, std::size_t number, double unit) {
   std::vector<series> all(number);
-  if (path.empty() && !names.empty()) schema.fail("gauges", key, file_key + " must be given too");
-  if (path.empty()) return all;
+  if (names.empty()) return all;
   if (names.size() != number)
     schema.fail("gauges", key, fmt::format("expected {} names, one a gauge, found {}", number, names.size()));
-  complete_path(schema, file_key, path);
-  const auto t = schema.placed("gauges", file_key, [&] { return read_table(path); });
   for (std::size_t n = 0; n < number; ++n) all[n] = column_of(schema, key, t, names[n], o.gauges.time_unit, unit);
   return all;
 }
@@ -265,17 +270,20 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   auto& g = o.gauges;
   check_places(schema, o, "height_", g.height, {0, 2});
   check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
-  p.measured.height =
-      curves_of(schema, o, "height", g.height_file, g.height_columns, g.height[0].size(), g.length_unit);
-  p.measured.pressure =
-      curves_of(schema, o, "pressure", g.pressure_file, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
-  if (g.front_file.empty() != g.front_column.empty())
-    schema.fail("gauges", g.front_file.empty() ? "front_file" : "front_column", "must be given with the other");
-  if (g.front_file.empty()) return;
-  if (!g.front) schema.fail("gauges", "front_file", "front = .true. reads what this is compared with");
-  complete_path(schema, "front_file", g.front_file);
-  const auto t = schema.placed("gauges", "front_file", [&] { return read_table(g.front_file); });
+  p.measured.height.resize(g.height[0].size());
+  p.measured.pressure.resize(g.pressure[0].size());
+  const bool named = !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty();
+  if (named && g.file.empty()) schema.fail("gauges", "file", "columns are named, and no file");
+  if (!named && !g.file.empty()) schema.fail("gauges", "file", "none of its columns is named");
+  if (!named) return;
+  if (!g.front_column.empty() && !g.front)
+    schema.fail("gauges", "front_column", "front = .true. reads what this is compared with");
+  complete_path(schema, "file", g.file);
+  const auto t = schema.placed("gauges", "file", [&] { return read_table(g.file); });
   p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, g.length_unit);
+  p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, g.height[0].size(), g.length_unit);
+  p.measured.pressure =
+      curves_of(schema, o, "pressure_columns", t, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
 }
 
 }  // namespace

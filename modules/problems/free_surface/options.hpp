@@ -37,11 +37,11 @@ struct flow_options {
 struct gauge_options {
   double interval = 0.0;  // s; 0: every step
   bool front = false;
-  std::array<std::vector<double>, 3> height, pressure;  // m, places; heights have no y
-  std::string front_file, height_file, pressure_file;   // references; empty: none
-  std::string front_column = "";
+  std::array<std::vector<double>, 3> height, pressure;           // m, places; heights have no y
+  std::string file = "";                                         // of measured curves; empty: none
+  std::string front_column = "";                                 // there; empty: none
   std::vector<std::string> height_columns, pressure_columns;     // one a gauge; empty: none
-  double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;  // s, m, Pa: what is 1 in the files
+  double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;  // s, m, Pa: what is 1 in the file
   double arrival = 0.0;                                          // Pa
   std::optional<double> impulse_from = {}, impulse_until = {};   // s
 };
@@ -68,7 +68,7 @@ struct series {
   bool empty() const { return time.empty(); }
 };
 
-// Of the files, in SI units; empty where there is none.
+// Of the file, in SI units; empty where there is none.
 struct references {
   series front;
   std::vector<series> height, pressure;  // one a gauge
