@@ -32,6 +32,7 @@ constexpr std::array quantities{
     quantity{"ArtificialViscosity", "1", "coefficient alpha of the artificial viscosity"},
     quantity{"Concentration", "1", "of the element, amount for each mass"},
     quantity{"MeltFraction", "1", "liquid part of the lower material; 0 in the metal"},
+    quantity{"FreeSurface", "1", "1 on the free surface of water, 0 within"},
     quantity{"Displacement", "m", "position less start position", true},
     quantity{"DensityReference", "kg/m^3", "mass density of the exact solution here, or of the start at rest"},
     quantity{"PressureReference", "Pa", "pressure of the exact solution here"},

@@ -99,7 +99,7 @@ struct body_of_input : problem_of_input {
 
 // What the input names, for a program whose scheme runs several.
 std::unique_ptr<problem_of_input> named_by(const namelist::document& input, const liquid::program& scheme) {
-  for (const char* other : {"convection", "shock"})
+  for (const char* other : {"convection", "shock", "flow"})
     if (has(input, other))
       foundation::fail_input(std::string("the input is of program ") + other + ", whose problem " + scheme.name +
                              " cannot run: it takes boxes at rest, &rti, &drop and &conduction");

@@ -220,6 +220,8 @@ std::string program_of_group(const std::string& group) {
                                                         {"conduction", "conduction"},
                                                         {"rti", "rti"},
                                                         {"drop", "drop"},
+                                                        {"flow", "flow"},
+                                                        {"gauges", "flow"},
                                                         {"machine", "balance"},
                                                         {"distribution", "balance"}};
   const auto found = of.find(group);

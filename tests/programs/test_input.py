@@ -5,7 +5,8 @@ import unittest
 
 from running import BAD_INPUT, CALCULATION_FAILED, COMPLETED, INPUTS, Case
 
-MARCHES = {"rti": "rti_note", "drop": "drop_cylinder", "conduction": "conduction_plate", "convection": "air_1e4", "shock": "sod"}
+MARCHES = {"rti": "rti_note", "drop": "drop_cylinder", "conduction": "conduction_plate", "convection": "air_1e4", "shock": "sod",
+           "flow": "dam_break_front"}
 PERIODIC_COLUMN = {"domain.periodic_x": ".true.", "domain.length_x": 3e4, "domain.particles_x": 6}
 
 

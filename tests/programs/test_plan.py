@@ -55,9 +55,10 @@ class OfAnInput(Case):
         before = self.listing()
         for name, program, settings in [("hydrostatic_12", "disph_c", []), ("rti_linear", "rti", []), ("drop_cylinder", "drop", []),
                                         ("hydrostatic_13", "disph_a", ["--program", "disph_a", "--set", "hosono.solver=newton"]),
-                                        ("conduction_plate", "conduction", []), ("blankenbach_1a", "convection", []), ("sod", "shock", [])]:
+                                        ("conduction_plate", "conduction", []), ("blankenbach_1a", "convection", []), ("sod", "shock", []),
+                                        ("dam_break_front", "flow", [])]:
             with self.subTest(name):
-                small = self.SMALL if program != "shock" else self.SMALL[:2]
+                small = [] if program == "flow" else self.SMALL[:2] if program == "shock" else self.SMALL
                 result = self.call("plan", INPUTS / f"{name}.nml", *small, *settings)
                 said = self.figures(result)
                 self.assertTrue(result.stdout.startswith(program + " "), result.stdout)

@@ -118,7 +118,7 @@ class Refused(Case):
     def test_what_a_scheme_cannot_run(self):
         for program, name, settings, words in [
                 ("disph_c", "blankenbach_1a", {}, ["program convection", "disph_c"]),
-                ("disph_c", "sod", {}, ["program shock", "disph_c"]),
+                ("disph_c", "sod", {}, ["program shock", "disph_c"]), ("disph_c", "still_water", {}, ["program flow", "disph_c"]),
                 ("disph_c", "drop_surface_tension", {}, ["surface_tension", ".nml:"]),
                 ("disph_y", "pond_on_mantle", {}, ["temperature_law", "density", ".nml:"]),
                 ("disph_c", "rti_linear", {"walls.treatment": "frozen"}, ["treatment", "virtual_marker"]),

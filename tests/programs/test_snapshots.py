@@ -18,7 +18,8 @@ SQUARE = {"domain.particles_x": 16, "domain.particles_y": 16}
 RUNS = {
     "disph_a": ("hydrostatic_11", {**SQUARE, "smoothing.normalise": "T", "hosono.solver": "newton"}), "disph_c": ("hydrostatic_13", SQUARE), "disph_f": ("rti_linear", SQUARE),
     "rti": ("rti_linear", SQUARE), "drop": ("drop_cylinder", {"domain.particles_x": 30, "domain.particles_y": 30}),
-    "conduction": ("conduction_plate", SQUARE), "convection": ("blankenbach_1a", SQUARE), "shock": ("sod", {"domain.particles_x": 100})}
+    "conduction": ("conduction_plate", SQUARE), "convection": ("blankenbach_1a", SQUARE), "shock": ("sod", {"domain.particles_x": 100}),
+    "flow": ("still_water", {"domain.particles_x": 10, "domain.particles_y": 12, "flow.high_y": 1.2})}
 
 
 def units_of(dataset):

@@ -119,7 +119,7 @@ class Refused(Case):
         self.refuse_set("name=x", says=["--set name=x", "several groups", "kernel.name=x"], name="rti_note")
 
     def test_an_input_for_another_program(self):
-        for given_to, name, program in [("rti", "blankenbach_1a", "convection"), ("convection", "sod", "shock"), ("shock", "balance_bowl", "balance"),
+        for given_to, name, program in [("rti", "blankenbach_1a", "convection"), ("convection", "sod", "shock"), ("shock", "balance_bowl", "balance"), ("rti", "dam_break_2d", "flow"),
                                         ("drop", "rti_note", "rti")]:
             self.refuse(INPUTS / f"{name}.nml", program=given_to, says=[f"{name}.nml:", f"this input is for program {program}"])
 
@@ -288,7 +288,7 @@ class Describe(Case):
                 self.assertEqual(checked.status, COMPLETED, checked)
 
     def test_at_most_sixty_keys_before_expert(self):
-        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock"]]
+        asked = [(program,) for program in [*ALL, "rti", "drop", "conduction", "convection", "shock", "flow"]]
         asked += [("disph_c", INPUTS / f"{name}.nml") for name in ("rti_linear", "drop_cylinder", "conduction_plate", "pond_on_mantle")]
         for words in asked:
             with self.subTest(words=words):

@@ -1,0 +1,179 @@
+// What is measured of the water. Sums are of all ranks' particles, exact, so that they do not depend on these.
+#pragma once
+
+#include <free_surface/start.hpp>
+#include <operators/symmetric.hpp>
+
+namespace tetsuame::free_surface {
+
+// J; in two dimensions for each metre of depth, as masses are.
+struct energies {
+  double mass = 0.0;  // kg
+  double kinetic = 0.0, potential = 0.0, elastic = 0.0;
+  double mechanical() const { return kinetic + potential + elastic; }
+};
+
+template <int D>
+energies energies_of(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  foundation::exact_sum mass, kinetic, potential, elastic;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    mass.add(s.m[i]);
+    kinetic.add(0.5 * s.m[i] * f.speed2(i));
+    potential.add(s.m[i] * f.gravity() * s.x[1][i]);
+    elastic.add(s.m[i] * f.p.water.elastic_energy(s.rho[i]));
+  }
+  const auto& ranks = f.ranks();
+  return {ranks.exact(mass), ranks.exact(kinetic), ranks.exact(potential), ranks.exact(elastic)};
+}
+
+template <int D>
+double largest_compression(const water<D>& f) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i)
+    most = std::max(most, std::abs(f.world.w.s.rho[i] / f.o.flow.density - 1.0));
+  return f.ranks().maximum(most);
+}
+
+// m, the edge of the water's foremost particle.
+template <int D>
+double front_of(const water<D>& f) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.world.w.s.x[0][i]);
+  return f.ranks().maximum(most) + 0.5 * f.dx();
+}
+
+// The water's velocity along that of the start, 1 there.
+template <int D>
+double wave_of_now(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  const standing_wave wave = wave_of(f.o, f.p);
+  foundation::exact_sum along, all;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto u = wave.velocity(s.x[0][i], s.x[1][i]);
+    along.add(s.m[i] * (s.v[0][i] * u[0] + s.v[1][i] * u[1]));
+    all.add(s.m[i] * (u[0] * u[0] + u[1] * u[1]));
+  }
+  return f.ranks().exact(along) / f.ranks().exact(all);
+}
+
+// m, of an ellipse with the particles' second moments: a² = 4 <x²>.
+template <int D>
+semi_axes semi_axes_of(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  std::array<double, 2> axes{};
+  for (const std::size_t a : {0, 1}) {
+    foundation::exact_sum mass, first, second;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      mass.add(s.m[i]);
+      first.add(s.m[i] * s.x[a][i]);
+      second.add(s.m[i] * s.x[a][i] * s.x[a][i]);
+    }
+    const double m = f.ranks().exact(mass), mean = f.ranks().exact(first) / m;
+    axes[a] = 2.0 * std::sqrt(std::max(0.0, f.ranks().exact(second) / m - mean * mean));
+  }
+  return {axes[0], axes[1]};
+}
+
+// f(x, the sides it is seen in) of a particle and of its images in the walls nearer to it than `reach` (m), at most one
+// along each axis.
+template <int D, class F>
+void for_each_view(const water<D>& f, std::size_t i, double reach, F&& at) {
+  const auto& sides = f.world.walls.sides;
+  const point x = f.place(i);
+  std::uint32_t near = 0;
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    if (sides[k].distance(x[sides[k].axis]) < reach) near |= 1U << k;
+  for (std::uint32_t chosen = near;; chosen = (chosen - 1) & near) {
+    std::array<int, D> mirrors{};
+    point image = x;
+    for (std::size_t k = 0; k < sides.size(); ++k)
+      if ((chosen >> k & 1U) != 0) {
+        ++mirrors[sides[k].axis];
+        image[sides[k].axis] = 2.0 * sides[k].position - image[sides[k].axis];
+      }
+    if (std::ranges::all_of(mirrors, [](int m) { return m <= 1; })) at(image);
+    if (chosen == 0) return;
+  }
+}
+
+// m, the depth of the water above the place (x, z): its volume beneath a hat two spacings wide to either side.
+template <int D>
+double depth_at(const water<D>& f, const point& place) {
+  const auto& s = f.world.w.s;
+  const double width = 2.0 * f.dx();
+  foundation::exact_sum depth;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    for_each_view(f, i, width, [&](const point& x) {
+      double share = s.m[i] / s.rho[i];
+      for (std::size_t a = 0; a < D; a += 2) share *= std::max(0.0, 1.0 - std::abs(x[a] - place[a]) / width) / width;
+      if (x[1] == s.x[1][i]) depth.add(share);  // no images below the floor or above the lid
+    });
+  return f.ranks().exact(depth);
+}
+
+// Pa at a point, by moving least squares of first order over the water and its images; where there is too little water
+// for that its mean, and 0 without any.
+template <int D>
+double pressure_at(const water<D>& f, const point& place) {
+  constexpr std::size_t N = D + 1;
+  const auto& s = f.world.w.s;
+  const double support = f.world.w.support();
+  std::array<std::array<foundation::exact_sum, N>, N> moments;
+  std::array<foundation::exact_sum, N> right;
+  const auto add = [&](const point& x, double p, double V) {
+    std::array<double, N> basis{1.0};
+    double r2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      r2 += (x[a] - place[a]) * (x[a] - place[a]);
+      basis[a + 1] = (x[a] - place[a]) / support;
+    }
+    if (!(r2 < support * support)) return;
+    const double W = std::visit([&](const auto& k) { return k.value(std::sqrt(r2)); }, f.world.w.kernel);
+    for (std::size_t k = 0; k < N; ++k) {
+      right[k].add(V * W * basis[k] * p);
+      for (std::size_t l = 0; l <= k; ++l) moments[k][l].add(V * W * basis[k] * basis[l]);
+    }
+  };
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double p = f.p.water.pressure(s.rho[i]), V = s.m[i] / s.rho[i], weight = s.rho[i] * f.gravity();
+    for_each_view(f, i, support, [&](const point& x) { add(x, p + weight * (s.x[1][i] - x[1]), V); });
+  }
+  std::array<std::array<double, N>, N> A{};
+  std::array<double, N> b{};
+  for (std::size_t k = 0; k < N; ++k) {
+    b[k] = f.ranks().exact(right[k]);
+    for (std::size_t l = 0; l <= k; ++l) A[k][l] = f.ranks().exact(moments[k][l]);
+  }
+  constexpr double enough = 0.5;  // of a full neighbourhood
+  const double mean = A[0][0] > 0.0 ? b[0] / A[0][0] : 0.0;
+  if (!(A[0][0] > enough) || !operators::factorise(A)) return mean;
+  return operators::solve(A, b)[0];
+}
+
+// ---- still water --------------------------------------------------------------------------------------
+
+// Whether the water starts at rest under a level surface, wall to wall.
+inline bool is_still(const options& o, const parameters& p) {
+  if (o.flow.start != "rest" || p.blocks.size() != 1 || !(o.flow.gravity > 0.0)) return false;
+  const block& b = p.blocks.front();
+  for (std::size_t a = 0; a < o.domain.axes(); ++a)
+    if (b.low[a] > 0.0 || (a != 1 && b.high[a] < o.domain.length[a] * (1.0 - 1e-9))) return false;
+  return true;
+}
+
+// Of still water: the largest error of the pressure deeper than 2h, over that at the floor.
+template <int D>
+double hydrostatic_error(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  const double top = f.p.height, weight = f.o.flow.density * f.gravity();
+  double most = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double depth = top - s.x[1][i];
+    if (depth > 2.0 * f.p.smoothing_length)
+      most = std::max(most, std::abs(f.p.water.pressure(s.rho[i]) - weight * depth));
+  }
+  return f.ranks().maximum(most) / (weight * top);
+}
+
+}  // namespace tetsuame::free_surface

@@ -1,0 +1,92 @@
+// The input of water with a free surface:
+//   &domain   dimension, length_*, particles_*, periodic_*, ranks_x, jitter
+//   &flow     blocks of water, how they start, the liquid, gravity, shifting
+//   &gauges   what is measured on the way, and the files that it is held against
+//   &walls    slip and no slip; an open top
+//   &time, &kernel, &output, &run   run/options.hpp
+#pragma once
+
+#include <array>
+#include <domain/options.hpp>
+#include <free_surface/liquid.hpp>
+#include <optional>
+#include <run/options.hpp>
+#include <string>
+#include <vector>
+#include <walls/options.hpp>
+
+namespace tetsuame::free_surface {
+
+using point = std::array<double, 3>;  // m; z is 0 in two dimensions
+
+struct flow_options {
+  std::string start = "rest";
+  std::array<std::vector<double>, 3> low, high;  // m, of blocks of water; none: the box's edges
+  double gravity = 9.81;                         // m/s2, towards -y
+  double density = 1000.0;                       // kg/m3, at zero pressure
+  std::int64_t exponent = 7;
+  double sound_factor = 10.0;                // of sqrt(g H)
+  std::optional<double> sound_speed = {};    // m/s
+  double viscosity = 0.0;                    // Pa s
+  double alpha = 0.02, delta = 0.1;          // of artificial viscosity, of the density's diffusion
+  double shifting = 2.0;                     // 0: none
+  double wavelength = 0.0, amplitude = 0.0;  // m, of a standing wave
+  double strain_rate = 0.0;                  // 1/s, of a drop
+};
+
+struct gauge_options {
+  double interval = 0.0;  // s; 0: every step
+  bool front = false;
+  std::array<std::vector<double>, 3> height, pressure;           // m, places; heights have no y
+  std::string file = "";                                         // of measured curves; empty: none
+  std::string front_column = "";                                 // there; empty: none
+  std::vector<std::string> height_columns, pressure_columns;     // one a gauge; empty: none
+  double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;  // s, m, Pa: what is 1 in the file
+  double arrival = 0.0;                                          // Pa
+  std::optional<double> impulse_from = {}, impulse_until = {};   // s
+};
+
+struct options {
+  domain::options domain{.dimension = 2, .length = {1.0, 1.0, 1.0}, .particles = {50, 50, 50}};
+  flow_options flow;
+  gauge_options gauges;
+  walls::options walls;
+  run::common_options common;
+
+  bool open_top() const { return walls.sides[3].slip == "free_surface"; }
+};
+
+// m
+struct block {
+  point low{}, high{};
+  bool holds(const point& x) const;
+};
+
+// What was measured, over time (s).
+struct series {
+  std::vector<double> time, value;
+  bool empty() const { return time.empty(); }
+};
+
+// Of the file, in SI units; empty where there is none.
+struct references {
+  series front;
+  std::vector<series> height, pressure;  // one a gauge
+};
+
+// What follows from the input.
+struct parameters {
+  std::vector<block> blocks;
+  double height = 0.0;  // m, from the lowest to the highest water
+  liquid water;
+  double smoothing_length = 0.0;     // m
+  double kinematic_viscosity = 0.0;  // m2/s, physical and artificial
+  references measured;
+
+  double particles(const options& o) const;  // of the blocks' lattices
+};
+
+void declare(namelist::schema& schema, options& o);
+parameters resolve(const namelist::schema& schema, options& o);
+
+}  // namespace tetsuame::free_surface

@@ -1,0 +1,155 @@
+// One evaluation of the water, and what stands behind its walls:
+//   1. ghosts and images: places, velocities, densities
+//   2. pressure and volume of each density; those of images, with the weight of water up to them
+//   3. the sums over neighbours (terms.hpp)
+//   4. rates of x, v, ρ
+#pragma once
+
+#include <fmt/format.h>
+
+#include <free_surface/terms.hpp>
+#include <free_surface/water.hpp>
+#include <volume/shape.hpp>
+#include <walls/reflected_velocity.hpp>
+
+namespace tetsuame::free_surface {
+
+// Set out to the ghosts; there after end_motion().
+template <int D>
+void begin_motion(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  std::array<double*, D + 1> fields;
+  for (std::size_t a = 0; a < D; ++a) fields[a] = s.v[a].data();
+  fields[D] = s.rho.data();
+  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
+}
+
+// What stands behind walls: the image's water has its source's density, and a pressure that holds still water.
+template <int D>
+void mirror(water<D>& f) {
+  auto& s = f.world.w.s;
+  const auto& walls = f.world.walls;
+  walls::move_images(walls, s);
+  foundation::for_all(walls.source.size(), [&](std::size_t r) {
+    const std::size_t i = s.first_wall() + r, j = walls.source[r];
+    std::array<double, D> source;
+    for (std::size_t a = 0; a < D; ++a) source[a] = s.v[a][j];
+    const auto v = walls::reflected_velocity<D>(walls, r, source, false);
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+    if (f.sticks) {
+      const auto dragged = walls::reflected_velocity<D>(walls, r, source, true);
+      for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
+    }
+    s.rho[i] = s.rho[j];
+    s.dV[i] = s.dV[j];
+    s.p[i] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
+  });
+}
+
+// Of particles [first, last) that are no images: what follows from their own state.
+template <int D>
+void find_own(water<D>& f, std::size_t first, std::size_t last) {
+  auto& s = f.world.w.s;
+  find_pressures(f.p.water, first, last, s.rho.data(), s.m.data(), s.p.data(), s.dV.data());
+  if (f.sticks)
+    for (std::size_t a = 0; a < D; ++a)
+      std::copy(s.v[a].begin() + static_cast<std::ptrdiff_t>(first), s.v[a].begin() + static_cast<std::ptrdiff_t>(last),
+                f.viscous_velocity[a].begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+template <int D>
+void end_motion(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "halo");
+  w.end_fluid();
+  find_own(f, s.fluid, s.first_wall());
+  mirror(f);
+}
+
+template <bool sticks, int D>
+void sum_over_neighbours_of(water<D>& f, const pairs::stretch& rows) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  motion<D, sticks> all{pairs::pointers<D>(s.v),
+                        pairs::pointers<D>(f.viscous_velocity),
+                        s.p.data(),
+                        s.dV.data(),
+                        s.rho.data(),
+                        f.o.flow.density * f.p.kinematic_viscosity,
+                        f.gravity(),
+                        f.o.flow.delta * f.p.smoothing_length / f.p.water.sound,
+                        {},
+                        f.density_rate.data()};
+  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
+  w.sum(rows, all);
+}
+
+template <int D>
+void sum_over_neighbours(water<D>& f, const pairs::stretch& rows) {
+  const foundation::stage timed(f.world.w.times, "forces");
+  f.sticks ? sum_over_neighbours_of<true>(f, rows) : sum_over_neighbours_of<false>(f, rows);
+}
+
+// Water that rises above an open top stays between the sides, which have no end, and falls back. What goes farther than
+// this comes of a flow that has blown up.
+inline constexpr double farthest_above = 10.0;  // of the box's height
+
+template <int D>
+bool is_sound(const water<D>& f, std::size_t i, std::span<double* const> rate) {
+  const auto& s = f.world.w.s;
+  for (const double* r : rate)
+    if (!std::isfinite(r[i])) return false;
+  return s.rho[i] > 0.0 && s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1];
+}
+
+template <int D>
+void report_fault(water<D>& f, std::size_t i) {
+  auto& w = f.world.w;
+  const auto& s = w.s;
+  const char* what = !(s.rho[i] > 0.0) ? "the density is not above 0"
+                     : !(s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1])
+                         ? "it is more than ten heights of the box above its top"
+                         : "a rate is not finite";
+  w.first_fault.report(s.id[i], fmt::format("{}: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow has blown up, or the "
+                                            "step is too large",
+                                            what, volume::where_is(s, i), s.rho[i], s.p[i]));
+}
+
+// Of x, v, ρ.
+template <int D>
+void find_rates(water<D>& f, std::span<double* const> rate) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "rates");
+  bool sound = true;
+#pragma omp parallel for schedule(static) reduction(&& : sound) if (s.fluid > foundation::rows_worth_threads)
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    for (std::size_t a = 0; a < D; ++a) {
+      rate[a][i] = s.v[a][i];
+      rate[D + a][i] = f.force[a][i] / s.m[i] + w.g[a];
+    }
+    rate[2 * D][i] = f.density_rate[i];
+    sound = sound && is_sound(f, i, rate);
+  }
+  if (sound) return;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (!is_sound(f, i, rate)) report_fault(f, i);
+}
+
+// Collective.
+template <int D>
+void evaluate(water<D>& f, std::span<double* const> rate) {
+  auto& w = f.world.w;
+  begin_motion(f);
+  find_own(f, 0, w.s.fluid);
+  sum_over_neighbours(f, w.interior());
+  end_motion(f);
+  sum_over_neighbours(f, w.at_border());
+  find_rates(f, rate);
+  w.agree();
+}
+
+}  // namespace tetsuame::free_surface

@@ -1,0 +1,105 @@
+// The start: blocks of water on the box's lattice, each particle with the density of its pressure, and a mass that
+// fills its cell of the lattice.
+#pragma once
+
+#include <algorithm>
+#include <free_surface/exact.hpp>
+#include <free_surface/water.hpp>
+#include <numbers>
+
+namespace tetsuame::free_surface {
+
+// m, the top of the water above x: of its block, and of those that lie on it.
+inline double surface_above(const parameters& p, point x) {
+  double top = x[1];
+  for (bool found = true; found;) {
+    found = false;
+    for (const block& b : p.blocks) {
+      if (!b.holds(x)) continue;
+      top = x[1] = b.high[1];
+      found = true;
+      break;
+    }
+  }
+  return top;
+}
+
+inline standing_wave wave_of(const options& o, const parameters& p) {
+  return {2.0 * std::numbers::pi / o.flow.wavelength, p.height, o.flow.gravity, o.flow.amplitude};
+}
+
+// The circle within the block.
+struct circle {
+  double x, y, radius;  // m
+  double distance2(const point& at) const { return (at[0] - x) * (at[0] - x) + (at[1] - y) * (at[1] - y); }
+};
+inline circle drop_of(const parameters& p) {
+  const block& b = p.blocks.front();
+  return {0.5 * (b.low[0] + b.high[0]), 0.5 * (b.low[1] + b.high[1]), 0.5 * (b.high[0] - b.low[0])};
+}
+
+// Pa
+inline double start_pressure(const options& o, const parameters& p, const point& x) {
+  const auto& f = o.flow;
+  if (f.start != "drop") return f.density * f.gravity * (surface_above(p, x) - x[1]);
+  const circle c = drop_of(p);
+  return 0.5 * f.density * f.strain_rate * f.strain_rate * (c.radius * c.radius - c.distance2(x));
+}
+
+// m/s, along x and y
+inline std::array<double, 2> start_velocity(const options& o, const parameters& p, const point& x) {
+  if (o.flow.start == "standing_wave") return wave_of(o, p).velocity(x[0], x[1]);
+  if (o.flow.start != "drop") return {0.0, 0.0};
+  const circle c = drop_of(p);
+  return {-o.flow.strain_rate * (x[0] - c.x), o.flow.strain_rate * (x[1] - c.y)};
+}
+
+template <int D>
+void place_blocks(water<D>& f) {
+  std::vector<run::lattice_block<D>> lattices;
+  std::int64_t first_id = 0;
+  for (const block& b : f.p.blocks) {
+    run::lattice_block<D> lattice;
+    for (std::size_t a = 0; a < D; ++a) {
+      lattice.number[a] = std::llround((b.high[a] - b.low[a]) / f.dx());
+      lattice.corner[a] = b.low[a];
+      lattice.spacing[a] = f.dx();
+    }
+    lattice.first_id = first_id;
+    first_id += lattice.particles();
+    lattices.push_back(lattice);
+  }
+  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter);
+}
+
+// Of the block's particles those within the drop. IDs stay those of the block.
+template <int D>
+void cut_out_drop(water<D>& f) {
+  auto& s = f.world.w.s;
+  const circle c = drop_of(f.p);
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    if (c.distance2(f.place(i)) < c.radius * c.radius) kept.push_back(static_cast<std::uint32_t>(i));
+  particles::reorder(s, 0, std::span<const std::uint32_t>(kept));
+  particles::allocate(s, kept.size(), 0, 0, 0);
+}
+
+template <int D>
+void set_up(water<D>& f) {
+  run::set_up(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
+  place_blocks(f);
+  if (f.o.flow.start == "drop") cut_out_drop(f);
+  f.world.w.g[1] = -f.gravity();
+  f.sticks = std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
+  auto& s = f.world.w.s;
+  const double V = std::pow(f.dx(), D);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const point x = f.place(i);
+    s.rho[i] = f.p.water.density_at(start_pressure(f.o, f.p, x));
+    s.m[i] = s.rho[i] * V;
+    const auto v = start_velocity(f.o, f.p, x);
+    for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = v[a];
+  }
+}
+
+}  // namespace tetsuame::free_surface

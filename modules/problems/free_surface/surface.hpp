@@ -1,0 +1,105 @@
+// The free surface: where it is, and how particles drift to where there are fewer, after each step, without crossing
+// it.
+//
+//   δx_i = -A h |v_i| Δt Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij,   at most ½ |v_i| Δt
+//
+// the sum of P. N. Sun et al. [Comput. Methods Appl. Mech. Eng. 315, 25 (2017)] with the particle's own speed for their
+// largest one [A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, ibid. 265, 163 (2013)]: still water stays. Where λ is
+// below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
+// Comput. Phys. Commun. 224, 63 (2018)], and nothing where λ is below 0.4: a spray.
+//
+// A particle is on the surface [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)] where λ <= 0.2, or λ < 0.75 and
+// no neighbour lies in the cone about n (terms.hpp).
+#pragma once
+
+#include <free_surface/terms.hpp>
+#include <free_surface/water.hpp>
+#include <walls/mirror.hpp>
+
+namespace tetsuame::free_surface {
+
+inline constexpr double of_spray = 0.4, inside = 0.75, alone = 0.2;  // λ
+
+// To ghosts and images.
+template <int D>
+void hand_on(water<D>& f, double* values) {
+  auto& w = f.world.w;
+  w.exchange_fluid({values});
+  const auto& source = f.world.walls.source;
+  foundation::for_all(source.size(), [&](std::size_t r) { values[w.s.first_wall() + r] = values[source[r]]; });
+}
+
+// Places and volumes of ghosts and images, as of now.
+template <int D>
+void refresh_places(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.m[i] / s.rho[i]; });
+  const std::array<double*, 1> volumes{s.dV.data()};
+  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(volumes), &s.x);
+  walls::move_images(f.world.walls, s);
+  const auto& source = f.world.walls.source;
+  foundation::for_all(source.size(), [&](std::size_t r) { s.dV[s.first_wall() + r] = s.dV[source[r]]; });
+}
+
+template <std::size_t N>
+std::array<double*, N> places_of(std::array<particles::array, N>& a) {
+  std::array<double*, N> all;
+  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
+  return all;
+}
+
+// Collective. λ and what shifting goes by, the outward normal, the least λ about each particle.
+template <int D>
+void find_arrangement(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "surface");
+  refresh_places(f);
+  const double W = std::visit([&](const auto& k) { return k.value(w.dx); }, w.kernel);
+  w.sum(w.fluid(), arrangement<D>{s.dV.data(), 1.0 / W, f.eigenvalue.data(), places_of(f.slope)});
+  hand_on(f, f.eigenvalue.data());
+  f.eigenvalue[s.null()] = 1.0;
+  w.sum(w.fluid(), outward<D>{s.dV.data(), f.eigenvalue.data(), places_of(f.normal), f.least_near.data()});
+}
+
+// Collective, after a step of length dt (s).
+template <int D>
+void shift(water<D>& f, double dt) {
+  find_arrangement(f);
+  auto& s = f.world.w.s;
+  const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    if (f.eigenvalue[i] < of_spray) return;
+    const double speed = std::sqrt(f.speed2(i));
+    std::array<double, D> by;
+    double across = 0.0, length2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      by[a] = -size * speed * f.slope[a][i];
+      across += by[a] * f.normal[a][i];
+    }
+    const bool near = f.least_near[i] < inside;
+    for (std::size_t a = 0; a < D; ++a) {
+      if (near) by[a] -= across * f.normal[a][i];
+      length2 += by[a] * by[a];
+    }
+    const double most = 0.5 * speed * dt, length = std::sqrt(length2);
+    const double part = length > most ? most / length : 1.0;
+    for (std::size_t a = 0; a < D; ++a) s.x[a][i] += part * by[a];
+  });
+}
+
+// Collective. Of each of this rank's particles whether it is on the surface.
+template <int D>
+std::vector<bool> find_surface(water<D>& f) {
+  find_arrangement(f);
+  auto& w = f.world.w;
+  const auto n = pairs::pointers<D>(f.normal);
+  w.sum(w.fluid(), cone<D>{n, w.s.dV.data(), f.p.smoothing_length, f.covered.data()});
+  std::vector<bool> found(w.s.fluid);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    found[i] = f.eigenvalue[i] <= alone || (f.eigenvalue[i] < inside && f.covered[i] == 0.0);
+  return found;
+}
+
+}  // namespace tetsuame::free_surface

@@ -1,0 +1,165 @@
+// Sums over neighbours of weakly compressible water.
+//
+// Momentum, pressure and viscosity in one pass; momentum is exchanged pair by pair:
+//   m_i dv_i/dt = -Σ_j (p_i + p_j) V_i V_j ∇_i W_ij + 2 (D+2) Σ_j η V_i V_j (v_ij·x_ij)/|x_ij|² ∇_i W_ij + m_i g
+// with η = viscosity + α h c0 ρ0/(2 (D+2)), the artificial one of J. J. Monaghan [J. Comput. Phys. 110, 399 (1994)]
+// without its switch. Only this form of the viscous sum dissipates rightly at a free surface [A. Colagrossi, M.
+// Antuono, A. Souto-Iglesias, D. Le Touzé, Phys. Rev. E 84, 026705 (2011)].
+//
+// Density by continuity, with diffusion of what the pressure has beyond the hydrostatic one [G. Fourtakas et al.,
+// Comput. Fluids 190, 346 (2019)], so that still water stays:
+//   dρ_i/dt = ρ_i Σ_j V_j v_ij·∇_i W_ij + δ (h/c0) Σ_j 2 [p_i - p_j + ½ (ρ_i + ρ_j) g (y_i - y_j)] V_j F_ij
+//
+// The arrangement of particles [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)]: λ is the smallest eigenvalue of
+//   M_i = -Σ_j V_j F_ij x_ij x_ijᵀ
+// 1 inside, about a half at a plane surface, 0 for a particle by itself.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <free_surface/eigenvalue.hpp>
+#include <pairs/pairs.hpp>
+#include <schemes/common.hpp>
+
+namespace tetsuame::free_surface {
+
+using pairs::real;
+
+inline constexpr schemes::field<struct density_tag> of_density;
+inline constexpr schemes::field<struct eigenvalue_tag> of_eigenvalue;
+inline constexpr schemes::field<struct viscous_velocity_tag> of_viscous_velocity;
+
+// sticks: with walls of no slip, whose images have another velocity in the viscous sum than in continuity, to which
+// what moves along a wall is no compression.
+template <int D, bool sticks>
+struct motion {
+  std::array<const double*, D> v, v_viscous;  // m/s
+  const double *p, *V, *rho;                  // Pa, m^D, kg/m3
+  double eta;                                 // Pa s
+  double g, delta_h_per_c;                    // m/s2; δ h/c0, s
+  std::array<double*, D> force;               // N, without gravity
+  double* rho_rate;                           // kg/(m3 s)
+
+  struct me {
+    pairs::vec<real, D> force;
+    real divergence, diffusion;
+  };
+  auto reads() const {
+    using namespace pairs;
+    const auto of_all =
+        std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, V, D), read(of_density, rho)};
+    if constexpr (sticks)
+      return std::tuple_cat(of_all, std::tuple{read(of_viscous_velocity, v_viscous)});
+    else
+      return of_all;
+  }
+  me begin(const pairs::cluster<real>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
+  void add(auto& a, const auto& ij) const {
+    using namespace pairs;
+    const auto VF = ij(of_volume) * ij.F;
+    const auto closing = ij.along(of_velocity), per_r2 = ij.per_r * ij.per_r;
+    auto sheared = closing;
+    if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
+    const auto p_i = ij.own(of_pressure), p_j = ij(of_pressure);
+    a.divergence += VF * closing;
+    a.diffusion += VF * (2.0 * (p_i - p_j) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
+    a.force += (VF * (2.0 * (D + 2.0) * eta * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
+  }
+  void end(const auto& i, const auto& a) const {
+    const auto V_i = i(V);
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], V_i * a.force[k]);
+    i.set(rho_rate, i(rho) * a.divergence + delta_h_per_c * a.diffusion);
+  }
+};
+
+// λ, and the sum that shifting goes by [P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, Comput. Methods Appl. Mech.
+// Eng. 315, 25 (2017)]:  Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij
+template <int D>
+struct arrangement {
+  const double* V;               // m^D
+  double per_W;                  // m^D, 1/W(Δx)
+  double* eigenvalue;            // λ
+  std::array<double*, D> slope;  // 1/m
+
+  static constexpr std::size_t S = D * (D + 1) / 2;
+  struct me {
+    std::array<real, S> M;
+    pairs::vec<real, D> slope;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D)}; }
+  me begin(const pairs::cluster<real>&) const {
+    me a{{}, foundation::zero<real, D>()};
+    for (auto& m : a.M) m = real(0.0);
+    return a;
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto VF = ij(pairs::of_volume) * ij.F, w = ij.W * per_W, w2 = w * w;
+    std::size_t n = 0;
+    for (std::size_t p = 0; p < D; ++p)
+      for (std::size_t q = p; q < D; ++q) a.M[n++] -= VF * ij.x_ij[p] * ij.x_ij[q];
+    a.slope += (VF * (1.0 + 0.2 * w2 * w2)) * ij.x_ij;
+  }
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(slope[k], a.slope[k]);
+    i.each([&](std::size_t n, const auto& of) {
+      std::array<double, S> M;
+      for (std::size_t k = 0; k < S; ++k) M[k] = of(a.M[k]);
+      eigenvalue[n] = smallest_eigenvalue(M);
+    });
+  }
+};
+
+// Outwards is where λ falls: -Σ_j V_j (λ_j - λ_i) ∇_i W_ij; and the smallest λ within the kernel's reach.
+template <int D>
+struct outward {
+  const double *V, *eigenvalue;   // m^D, λ
+  std::array<double*, D> normal;  // of length 1, or 0 where there is none
+  double* least;
+
+  struct me {
+    pairs::vec<real, D> slope;
+    real least;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_eigenvalue, eigenvalue)}; }
+  me begin(const pairs::cluster<real>& i) const { return {foundation::zero<real, D>(), i(eigenvalue)}; }
+  void add(auto& a, const auto& ij) const {
+    const auto lambda = ij(of_eigenvalue);
+    a.slope += (ij(pairs::of_volume) * ij.F * ij.difference(of_eigenvalue)) * ij.x_ij;
+    a.least = foundation::select(ij.W > 0.0, foundation::lesser(a.least, lambda), a.least);
+  }
+  void end(const auto& i, const auto& a) const {
+    const auto squared = foundation::greater(foundation::dot(a.slope, a.slope), real(foundation::tiny<real>));
+    const auto per_length = foundation::both_roots(squared).inverse;
+    for (std::size_t k = 0; k < D; ++k) i.set(normal[k], per_length * a.slope[k]);
+    i.set(least, a.least);
+  }
+};
+
+// Whether a neighbour lies in the cone about the outward normal n, with T = x_i + h n: nearer than √2 h within 45° of
+// n, or farther within h of T. A particle without such a neighbour is on the surface.
+template <int D>
+struct cone {
+  std::array<const double*, D> normal;
+  const double* V;  // m^D
+  double h;         // m
+  double* covered;  // 1 or 0
+
+  struct me {
+    pairs::vec<real, D> normal;
+    real covered;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D)}; }
+  me begin(const pairs::cluster<real>& i) const {
+    return {pairs::vec<real, D>::of([&](std::size_t k) { return i(normal[k]); }), real(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto ahead = -foundation::dot(a.normal, ij.x_ij);  // m, of the neighbour
+    const auto near = foundation::select(ahead > std::sqrt(0.5) * ij.r, real(1.0), real(0.0));
+    const auto beyond = foundation::select(ij.r2 - 2.0 * h * ahead < 0.0, real(1.0), real(0.0));
+    const auto inside = foundation::select(ij.r2 < 2.0 * h * h, near, beyond);
+    a.covered = foundation::greater(a.covered, inside);
+  }
+  void end(const auto& i, const auto& a) const { i.set(covered, a.covered); }
+};
+
+}  // namespace tetsuame::free_surface

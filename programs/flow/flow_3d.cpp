@@ -1,0 +1,7 @@
+#include <free_surface/flow.hpp>
+#include <free_surface/make.hpp>
+#include <run/passes.hpp>
+
+std::unique_ptr<tetsuame::run::problem> tetsuame::free_surface::make_3d(const options& o, const parameters& p) {
+  return std::make_unique<flow<3>>(o, p);
+}

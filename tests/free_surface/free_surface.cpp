@@ -1,0 +1,363 @@
+// Water with a free surface: the liquid, the sums over neighbours, where the surface is, gauges, exact solutions.
+#include <mpi.h>
+
+#include <boost/test/unit_test.hpp>
+#include <free_surface/gauges.hpp>
+#include <free_surface/measures.hpp>
+#include <free_surface/reference.hpp>
+#include <free_surface/right_hand_side.hpp>
+#include <free_surface/surface.hpp>
+#include <fstream>
+#include <namelist/document.hpp>
+#include <run/passes.hpp>
+
+using namespace tetsuame;
+using namespace tetsuame::free_surface;
+namespace tt = boost::test_tools;
+
+namespace {
+
+struct mpi_environment {
+  mpi_environment() {
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  }
+  ~mpi_environment() { MPI_Finalize(); }
+};
+
+// An input, and what begins with it, with lists.
+template <int D>
+struct scene {
+  options o;
+  parameters p;
+  std::optional<water<D>> f;
+
+  explicit scene(const std::string& text) {
+    namelist::schema schema;
+    declare(schema, o);
+    schema.read(namelist::parse_text(text, "test.nml"));
+    p = resolve(schema, o);
+    f.emplace(o, p);
+    set_up(*f);
+    rebuild();
+  }
+  void rebuild() {
+    run::rebuild(f->world, false);
+    f->make_room();
+  }
+  particles::particles<D>& particles() { return f->world.w.s; }
+
+  // Rates of x, v and ρ.
+  std::vector<particles::array> rates() {
+    std::vector<particles::array> all(2 * D + 1, particles::array(particles().fluid, 0.0));
+    std::vector<double*> places;
+    for (auto& a : all) places.push_back(a.data());
+    evaluate(*f, std::span<double* const>(places));
+    return all;
+  }
+  template <class Value>
+  double sum(Value&& value) {
+    foundation::exact_sum all;
+    for (std::size_t i = 0; i < particles().fluid; ++i) all.add(value(i));
+    return f->ranks().exact(all);
+  }
+};
+
+// Twenty by ten spacings of 0.05 m, no gravity, free-slip walls far from the block in the middle.
+const std::string block_in_the_middle =
+    "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 jitter = 0.3 /"
+    "&flow low_x = 0.5 high_x = 1.5 low_y = 0.75 high_y = 1.25 gravity = 0.0 sound_speed = 20.0 viscosity = 3.0 /"
+    "&time t_end = 1.0 /";
+
+std::string tank(const std::string& flow, const std::string& more = "") {
+  return "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 " + more + "/ &flow " + flow +
+         " / &time t_end = 1.0 /";
+}
+
+// 1 in the continuum; what lattices lack along the axes they have across.
+double shear_of_lattice(const pairs::workspace<2>& w) {
+  double sum = 0.0;
+  for (int i = -4; i <= 4; ++i)
+    for (int j = -4; j <= 4; ++j) {
+      const double x = i * w.dx, y = j * w.dx, r = std::hypot(x, y);
+      if (r > 0.0)
+        sum -= 4.0 * w.dx * w.dx * std::get<kernels::wendland_c2<2>>(w.kernel).gradient_over_r(r) * x * x * y * y /
+               (r * r);
+    }
+  return sum;
+}
+
+double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
+
+}  // namespace
+
+BOOST_GLOBAL_FIXTURE(mpi_environment);
+
+// p/ρ² = de/dρ, and c² = dp/dρ, by central differences of second order.
+BOOST_AUTO_TEST_CASE(pressure_is_the_slope_of_energy) {
+  for (const std::int64_t exponent : {1, 7}) {
+    const liquid w{1000.0, 20.0, exponent};
+    BOOST_TEST(w.pressure(1000.0) == 0.0);
+    for (const double rho : {970.0, 1010.0, 1050.0}) {
+      const double d = 1e-2;
+      const double slope = (w.elastic_energy(rho + d) - w.elastic_energy(rho - d)) / (2.0 * d);
+      BOOST_TEST(slope == w.pressure(rho) / (rho * rho), tt::tolerance(1e-5));
+      BOOST_TEST(w.density_at(w.pressure(rho)) == rho, tt::tolerance(1e-12));
+    }
+    BOOST_TEST((w.pressure(1000.01) - w.pressure(999.99)) / 0.02 == 400.0, tt::tolerance(1e-8));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(eigenvalues) {
+  // Rotated by an angle t: of diag(0.3, 0.9), and of diag(0.2, 0.5, 0.8) about z and then x.
+  for (const double t : {0.0, 0.4, 1.1, 2.5}) {
+    const double c = std::cos(t), s = std::sin(t);
+    BOOST_TEST(smallest_eigenvalue(
+                   std::array{0.3 * c * c + 0.9 * s * s, (0.9 - 0.3) * s * c, 0.3 * s * s + 0.9 * c * c}) == 0.3,
+               tt::tolerance(1e-13));
+    const double xx = 0.2 * c * c + 0.5 * s * s, xy = 0.3 * s * c, yy = 0.2 * s * s + 0.5 * c * c;
+    BOOST_TEST(smallest_eigenvalue(std::array{xx, c * xy, s * xy, c * c * yy + s * s * 0.8, c * s * (yy - 0.8),
+                                              s * s * yy + c * c * 0.8}) == 0.2,
+               tt::tolerance(1e-13));
+  }
+  BOOST_TEST(smallest_eigenvalue(std::array{0.7, 0.0, 0.0, 0.7, 0.0, 0.7}) == 0.7, tt::tolerance(1e-14));
+}
+
+// On any arrangement, at its surface too, uniform and rotating motion compress nothing, and a pressure that is
+// hydrostatic diffuses nothing.
+BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
+  scene<2> scene(block_in_the_middle);
+  auto& s = scene.particles();
+  auto& w = scene.f->world.w;
+  const double g = 9.81;
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    s.v[0][i] = 0.3 - 2.0 * s.x[1][i];
+    s.v[1][i] = -0.1 + 2.0 * s.x[0][i];
+    s.rho[i] = 1000.0;
+    s.p[i] = 1000.0 * g * (3.0 - s.x[1][i]);
+    s.dV[i] = 0.0025;
+  }
+  std::array<particles::array, 2> force{particles::array(s.fluid), particles::array(s.fluid)};
+  particles::array rate(s.fluid);
+  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
+                                    {},
+                                    s.p.data(),
+                                    s.dV.data(),
+                                    s.rho.data(),
+                                    0.0,
+                                    g,
+                                    0.1 * 0.065 / 20.0,
+                                    {force[0].data(), force[1].data()},
+                                    rate.data()});
+  // Rounding of sums of some twenty terms of 1000 · 2 1/s.
+  for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[i]) < 1e-9);
+  // Expansion by 3 1/s along x and 1 1/s along y: ρ times the sums' own measure of these, -Σ V F x².
+  for (std::size_t i = 0; i < s.total(); ++i) {
+    s.v[0][i] = 3.0 * s.x[0][i];
+    s.v[1][i] = 1.0 * s.x[1][i];
+  }
+  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
+                                    {},
+                                    s.p.data(),
+                                    s.dV.data(),
+                                    s.rho.data(),
+                                    0.0,
+                                    g,
+                                    0.0,
+                                    {force[0].data(), force[1].data()},
+                                    rate.data()});
+  const auto& kernel = std::get<kernels::wendland_c2<2>>(w.kernel);
+  for (std::size_t i = 0; i < s.fluid; i += 7) {
+    double expected = 0.0;
+    for (std::size_t j = 0; j < s.total(); ++j) {
+      const double x = s.x[0][i] - s.x[0][j], y = s.x[1][i] - s.x[1][j];
+      if (i != j) expected += 2.5 * kernel.gradient_over_r(std::hypot(x, y)) * (3.0 * x * x + y * y);
+    }
+    BOOST_TEST(rate[i] == expected, tt::tolerance(1e-10));
+  }
+}
+
+// Without walls near, forces come in pairs along the line between two particles.
+BOOST_AUTO_TEST_CASE(momentum_is_exchanged_pair_by_pair) {
+  scene<2> scene(block_in_the_middle);
+  auto& s = scene.particles();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    s.v[0][i] = noise(s.id[i], 1);
+    s.v[1][i] = noise(s.id[i], 2);
+    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
+  }
+  const auto rate = scene.rates();
+  const auto scale = scene.sum([&](std::size_t i) { return s.m[i] * std::hypot(rate[2][i], rate[3][i]); });
+  BOOST_TEST(scale > 0.0);
+  // The two halves of a pair differ by the rounding of their products.
+  for (const std::size_t a : {2, 3})
+    BOOST_TEST(std::abs(scene.sum([&](std::size_t i) { return s.m[i] * rate[a][i]; })) < 1e-13 * scale);
+  const auto torque =
+      scene.sum([&](std::size_t i) { return s.m[i] * (s.x[0][i] * rate[3][i] - s.x[1][i] * rate[2][i]); });
+  BOOST_TEST(std::abs(torque) < 1e-12 * scale);
+}
+
+// Viscosity takes energy whatever moves; pressure and compression exchange it: what pressure takes from the motion is
+// what the densities' rates give to the elastic energy.
+BOOST_AUTO_TEST_CASE(energy_goes_where_it_should) {
+  scene<2> scene(block_in_the_middle);
+  auto& o = scene.o;
+  auto& s = scene.particles();
+  o.flow.delta = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    s.v[0][i] = noise(s.id[i], 1);
+    s.v[1][i] = noise(s.id[i], 2);
+    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
+  }
+  const auto power = [&](const auto& rate) {
+    return scene.sum([&](std::size_t i) { return s.m[i] * (s.v[0][i] * rate[2][i] + s.v[1][i] * rate[3][i]); });
+  };
+  const auto stored = [&](const auto& rate) {
+    return scene.sum([&](std::size_t i) { return s.m[i] * s.p[i] / (s.rho[i] * s.rho[i]) * rate[4][i]; });
+  };
+  const auto viscous = scene.rates();
+  BOOST_TEST(power(viscous) + stored(viscous) < 0.0);
+  scene.p.kinematic_viscosity = 0.0;
+  const auto perfect = scene.rates();
+  BOOST_TEST(std::abs(power(perfect) + stored(perfect)) < 1e-12 * std::abs(stored(perfect)));
+}
+
+// Shear along a floor that the water sticks to: nothing is compressed, and the floor drags the lowest water, whose
+// images move against it. On a slippery floor the sheared water next to it is dragged by the water above alone, with
+// it.
+BOOST_AUTO_TEST_CASE(floor_of_no_slip) {
+  for (const bool sticks : {false, true}) {
+    scene<2> scene(
+        "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 periodic_x = T /"
+        "&flow high_y = 0.75 viscosity = 3.0 alpha = 0.0 delta = 0.0 /"
+        "&walls slip_bottom = '" +
+        std::string(sticks ? "no_slip" : "free_slip") + "' / &time t_end = 1.0 /");
+    auto& s = scene.particles();
+    for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = s.x[1][i];
+    const auto rate = scene.rates();
+    const double drag = scene.sum([&](std::size_t i) { return s.m[i] * rate[2][i]; });
+    // 3 Pa s times 1 1/s over 2 m, times the lattice's own -4 Σ V F x² y²/r².
+    if (sticks)
+      BOOST_TEST(drag == -6.0 * shear_of_lattice(scene.f->world.w), tt::tolerance(1e-3));
+    else
+      BOOST_TEST(std::abs(drag) < 1e-12 * 1500.0);
+    for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[4][i]) < 1e-9 * 1000.0);
+  }
+}
+
+// A block in a corner of a tank: its top row and its outermost column, and no other.
+BOOST_AUTO_TEST_CASE(surface_of_a_block) {
+  scene<2> scene(tank("high_x = 1.0 high_y = 0.75"));
+  auto& s = scene.particles();
+  const auto found = find_surface(*scene.f);
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    BOOST_TEST(found[i] == (s.x[0][i] > 0.95 || s.x[1][i] > 0.7), "particle at " << s.x[0][i] << ", " << s.x[1][i]);
+}
+
+BOOST_AUTO_TEST_CASE(surface_in_three_dimensions) {
+  scene<3> scene(
+      "&domain dimension = 3 length_x = 0.6 length_y = 0.8 length_z = 0.5 particles_x = 12 particles_y = 16 "
+      "particles_z = "
+      "10 / &flow high_x = 0.45 high_y = 0.5 / &time t_end = 1.0 /");
+  auto& s = scene.particles();
+  const auto found = find_surface(*scene.f);
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    BOOST_TEST(found[i] == (s.x[0][i] > 0.4 || s.x[1][i] > 0.45),
+               "particle at " << s.x[0][i] << ", " << s.x[1][i] << ", " << s.x[2][i]);
+}
+
+// Particles that rest do not drift; of those that move, none across the surface, and disorder becomes less.
+BOOST_AUTO_TEST_CASE(shifting) {
+  const std::string jittered = "jitter = 0.2 ";
+  scene<2> still(tank("high_x = 1.0 high_y = 0.75", jittered));
+  auto& s = still.particles();
+  const auto before = s.x;
+  shift(*still.f, 0.01);
+  for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(s.x[0][i] == before[0][i]);
+
+  for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = 1.0;
+  const auto disorder = [&] {
+    find_arrangement(*still.f);
+    return still.sum([&](std::size_t i) {
+      const bool deep = still.f->least_near[i] >= inside;
+      return deep ? std::pow(still.f->slope[0][i], 2) + std::pow(still.f->slope[1][i], 2) : 0.0;
+    });
+  };
+  const double first = disorder();
+  for (int k = 0; k < 10; ++k) shift(*still.f, 0.002);
+  for (std::size_t i = 0; i < s.fluid; ++i)
+    BOOST_TEST(std::hypot(s.x[0][i] - before[0][i], s.x[1][i] - before[1][i]) <= 10.0 * 0.5 * 0.002 * (1.0 + 1e-12));
+  BOOST_TEST(disorder() < 0.5 * first);
+}
+
+// A least-squares fit is exact on the hydrostatic pressure, of water that is ρ g H/(2 c²) denser in the mean.
+BOOST_AUTO_TEST_CASE(gauges) {
+  scene<2> scene(tank("high_y = 1.5 sound_factor = 100.0"));
+  for (const point place : {point{0.0, 0.0, 0.0}, point{0.3, 0.0, 0.0}, point{2.0, 0.41, 0.0}, point{1.0, 0.77, 0.0}})
+    BOOST_TEST(pressure_at(*scene.f, place) == 9810.0 * (1.5 - place[1]), tt::tolerance(1e-4));
+  BOOST_TEST(pressure_at(*scene.f, {1.0, 1.9, 0.0}) == 0.0);
+  for (const double x : {0.0, 0.02, 0.7, 2.0})
+    BOOST_TEST(depth_at(*scene.f, {x, 0.0, 0.0}) == 1.5, tt::tolerance(1e-12));
+  BOOST_TEST(front_of(*scene.f) == 2.0, tt::tolerance(1e-12));
+}
+
+// Blocks upon each other hang together: one surface.
+BOOST_AUTO_TEST_CASE(hydrostatic_start) {
+  scene<2> scene(tank("low_y = 0.0, 0.5 high_x = 1.0, 0.5 high_y = 0.5, 1.0"));
+  auto& s = scene.particles();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double top = s.x[0][i] < 0.5 ? 1.0 : 0.5;
+    BOOST_TEST(scene.p.water.pressure(s.rho[i]) == 9810.0 * (top - s.x[1][i]), tt::tolerance(1e-10));
+  }
+  BOOST_TEST(scene.sum([](std::size_t) { return 1.0; }) == 300.0);
+}
+
+BOOST_AUTO_TEST_CASE(exact_solutions) {
+  const standing_wave wave{std::numbers::pi, 1.0, 9.81, 0.05};
+  BOOST_TEST(wave.period() == 1.13391748, tt::tolerance(1e-8));
+  // The published semi-axes have five digits.
+  for (const auto& [t, b] : {std::pair{0.0008, 1.0831}, std::pair{0.0038, 1.4392}, std::pair{0.0076, 1.9445}}) {
+    const auto axes = drawn_out(1.0, 100.0, t);
+    BOOST_TEST(axes.b == b, tt::tolerance(1e-3));
+    BOOST_TEST(axes.a * axes.b == 1.0, tt::tolerance(1e-9));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(curves) {
+  const series run{{0.0, 1.0, 2.0, 4.0}, {0.0, 2.0, 2.0, 6.0}};
+  BOOST_TEST(*value_at(run, 3.0) == 4.0);
+  BOOST_TEST(!value_at(run, 4.1));
+  BOOST_TEST(*first_above(run, 1.0) == 0.5);
+  BOOST_TEST(!first_above(run, 6.0));
+  BOOST_TEST(integral(run, 0.5, 3.0) == 0.75 + 2.0 + 3.0);
+  BOOST_TEST(*rms_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == std::sqrt(0.5));
+  BOOST_TEST(mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
+  series wave;
+  for (int k = 0; k < 4000; ++k) {
+    const double t = 0.002 * k;
+    wave.time.push_back(t);
+    wave.value.push_back(std::exp(-0.1 * t) * std::cos(5.0 * t));
+  }
+  const auto measured = measured_oscillation(wave);
+  BOOST_TEST(*measured.period == 0.4 * std::numbers::pi, tt::tolerance(1e-6));
+  BOOST_TEST(*measured.decay == 0.1, tt::tolerance(1e-4));
+}
+
+BOOST_AUTO_TEST_CASE(tables) {
+  const std::string path =
+      TETSUAME_BINARY_DIR "/tests/curves_" + std::to_string(domain::communicator::world().rank) + ".csv";
+  const auto read = [&](const std::string& text) {
+    std::ofstream(path) << text;
+    return read_table(path);
+  };
+  const auto t = read("# source\nt, a,b\n0.0,1, 2\n1e-1,-3,4\r\n");
+  BOOST_TEST(*t.place("b") == 2U);
+  BOOST_TEST(!t.place("c"));
+  BOOST_TEST(t.columns[1][1] == -3.0);
+  for (const auto& [text, says] :
+       {std::pair{"t,a\n0,1\n1\n", ":3: expected 2 numbers, found 1"},
+        std::pair{"t,a\n0,x\n1,2\n", ":2: expected a number, found 'x'"},
+        std::pair{"t,a\n1,1\n1,2\n", ":3: expected a later time"}, std::pair{"t,a\n1,1\n", "two lines"}})
+    BOOST_CHECK_EXCEPTION(read(text), foundation::error,
+                          [&](const auto& e) { return std::string(e.what()).find(says) != std::string::npos; });
+}

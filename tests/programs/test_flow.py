@@ -1,0 +1,162 @@
+"""Water with a free surface: waves, drops, dam breaks, gauges; ranks, restarts, bad input."""
+
+import csv
+import unittest
+
+import h5py
+
+from running import BAD_INPUT, INPUTS, SLOW, Case
+
+# A dam break of 18 by 9 particles in a tank no higher than the water, over whose open top it splashes; {deep}: in three dimensions.
+SMALL = """&domain length_x = 1.61 length_y = 0.315 particles_x = 46 particles_y = 9 {box} /
+&flow high_x = 0.63 sound_factor = 15.0 /
+&gauges front = .true. height_x = 0.3 pressure_x = 1.61 pressure_y = 0.03 {places}
+  file = '{file}' pressure_columns = 'sensor3_30mm' time_unit = 0.179192 stress_unit = 3090.15
+  arrival = 618.0 /
+&walls slip_top = 'free_surface' /
+&time t_end = 0.8 /
+"""
+FLAT = {"box": "", "places": ""}
+DEEP = {"box": "dimension = 3 length_z = 0.28 particles_z = 8", "places": "height_z = 0.1 pressure_z = 0.14"}
+MEASURED = INPUTS / "reference/lobovsky_pressure_300.csv"
+
+
+class Flow(Case):
+    def summary(self, name, settings=None, **how):
+        return self.run_program("flow", name, settings or {}, **how).summary
+
+    def small(self, form=FLAT, file=MEASURED, add=""):
+        """The input of the small dam break, with more beneath it."""
+        path = self.here / f"small_{len(list(self.here.iterdir()))}.nml"
+        path.write_text(SMALL.format(file=file, **form).replace("arrival = 618.0", f"arrival = 618.0 {add}"))
+        return path
+
+    def test_still_water(self):
+        """Ten particles deep for twenty times sqrt(H/g). The start is balanced but for the lattice sums' some per cent of g, near the
+        floor and the surface."""
+        s = self.summary("still_water", {"domain.particles_x": 10, "domain.particles_y": 12, "time.t_end": 6.4})
+        m = s["metrics"]
+        self.assertLess(m["kinetic_energy_over_mgh"], 1e-6)
+        self.assertLess(m["hydrostatic_error"], 0.02)
+        self.assertEqual(s["conservation"]["mass"], 0.0)
+        self.assertEqual(m["wall_crossings"], 0)
+        self.assertEqual(s["fluid_particles"], 100)
+
+    def test_standing_wave(self):
+        """Sixteen particles deep: the sums smooth the wave by some (kS)^2/10 or 4 %, of which the period shows half."""
+        m = self.summary("standing_wave", {"domain.particles_x": 32, "domain.particles_y": 19, "domain.length_y": 19 / 16,
+                                           "time.t_end": 2.3, "output.interval": 0})["metrics"]
+        self.assertAlmostEqual(m["period_theory"], 1.13391748, delta=1e-8)
+        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.03)
+        self.assertLess(abs(m["energy_decay"] / m["energy_decay_theory"] - 1), 0.4)
+
+    def test_elliptical_drop(self):
+        """Ten particles a radius, to the first of the published times; the start's steps at the rim are half a spacing."""
+        result = self.run_program("flow", "elliptical_drop", {"domain.particles_x": 44, "domain.particles_y": 44, "time.t_end": 0.0038,
+                                                              "output.interval": 0})
+        s = result.summary
+        m = s["metrics"]
+        self.assertAlmostEqual(m["semi_axis_y_exact"], 1.4392, delta=1e-3)
+        self.assertLess(abs(m["semi_axis_y"] / m["semi_axis_y_exact"] - 1), 0.03)
+        self.assertLess(s["conservation"]["energy"], 0.0)
+        self.assertGreater(s["conservation"]["energy"], -0.05)
+        header, rows = result.rows("gauges.csv")
+        self.assertEqual(header, ["step [1]", "time [s]", "semi_axis_x [m]", "semi_axis_y [m]"])
+        self.assertEqual(len(rows), s["steps"] + 1)  # with the start
+
+    def test_dam_break(self):
+        """Over the open top and back, without a particle lost; the arrival of a coarse column's front, and its energy, which only falls."""
+        result = self.run_program("flow", self.small())
+        s = result.summary
+        self.assertEqual((s["fluid_particles"], s["conservation"]["mass"]), (162, 0.0))
+        m = s["metrics"]
+        self.assertLess(s["conservation"]["energy"], 0.0)
+        self.assertLess(abs(m["pressure_1_arrival"] / m["pressure_1_arrival_reference"] - 1), 0.15)
+        self.assertAlmostEqual(m["front_largest"], 1.61, delta=0.035)
+        with h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1]) as file:
+            self.assertGreater(file["PartType0/Coordinates"][:, 1].max(), 0.315)
+        header, rows = result.rows("gauges.csv")
+        self.assertEqual(header, ["step [1]", "time [s]", "front [m]", "height_1 [m]", "pressure_1 [Pa]"])
+        self.assertEqual(len(rows), s["steps"] + 1)  # with the start
+        first = [float(value) for value in rows[0]]
+        self.assertAlmostEqual(first[2], 0.63, delta=1e-9)
+        self.assertAlmostEqual(first[3], 0.315, delta=1e-9)
+        self.assertEqual(first[4], 0.0)
+
+    def test_interval_of_gauges(self):
+        _, rows = self.run_program("flow", self.small(add="interval = 0.01"), {"time.t_end": 0.1, "output.interval": 0.05}).rows("gauges.csv")
+        times = [float(row[1]) for row in rows]
+        self.assertEqual(len(times), 11)
+        for n, t in enumerate(times):
+            self.assertTrue(0.01 * n - 1e-9 <= t < 0.01 * n + 2e-3, times)
+
+    def test_ranks_and_restart(self):
+        for form, settings, steps in [(FLAT, {"time.steps": 60}, 25), (DEEP, {"time.steps": 12, "walls.slip": "no_slip"}, 5)]:
+            with self.subTest(**form):
+                self.assert_exact("flow", self.small(form), {**settings, "output.interval": 0}, steps, [(3, 1), (2, 2)])
+        settings = {"domain.particles_x": 44, "domain.particles_y": 44, "time.steps": 30, "output.interval": 0}
+        self.assert_exact("flow", "elliptical_drop", settings, 11, [(3, 1)])
+
+    def test_gauges_over_a_restart(self):
+        """The table of a run that was continued is that of one that was not."""
+        source = self.small()
+        whole = self.run_program("flow", source, {"time.steps": 40}, "whole").rows("gauges.csv")
+        self.run_program("flow", source, {"time.steps": 17, "run.checkpoint_interval": 17}, "part")
+        part = self.run_program("flow", source, {"time.steps": 40}, "part", ["--restart", "latest"]).rows("gauges.csv")
+        self.assertEqual(part, whole)
+
+    def test_compared_with_a_file(self):
+        """The run's own readings, as a file beside the input: no difference, whatever the place the program is started at."""
+        first = self.run_program("flow", self.small(), {"time.t_end": 0.1}, "first")
+        _, rows = first.rows("gauges.csv")
+        with open(self.here / "own.csv", "w", newline="") as file:
+            csv.writer(file).writerows([["t", "front", "height", "sensor3_30mm"], *(row[1:] for row in rows)])
+        own = self.small(file="own.csv", add="front_column = 'front' height_columns = 'height'")
+        m = self.summary(own, {"time.t_end": 0.1, "gauges.time_unit": 1, "gauges.stress_unit": 1})["metrics"]
+        self.assertLess(m["front_rms"], 1e-12)
+        self.assertLess(m["height_1_mean_error"], 1e-12)
+        self.assertEqual(m["pressure_1_largest"], m["pressure_1_largest_reference"])
+
+    def test_bad_input(self):
+        """Exit 2 with the place, and nothing is written."""
+        before = self.listing()
+        for name, settings, parts in [
+                ("dam_break_2d", {"flow.high_x": 1.62}, ["&flow high_x", "water outside the box", "1.62"]),
+                ("dam_break_2d", {"flow.high_x": 0.6012}, ["&flow high_x", "whole number of particle spacings"]),
+                ("dam_break_2d", {"flow.low_x": 0.6}, ["&flow high_x", "block 1"]),
+                ("dam_break_2d", {"flow.high_x": "0.6, 0.3"}, ["&flow high_y", "expected 2 numbers"]),
+                ("dam_break_2d", {"flow.high_x": "0.6, 0.3", "flow.high_y": "0.3, 0.3"}, ["blocks 1 and 2 of water overlap"]),
+                ("dam_break_2d", {"gauges.pressure_x": "1.61, 1.61, 1.7, 1.61"}, ["&gauges pressure_x", "gauge 3 is outside the box"]),
+                ("dam_break_2d", {"gauges.pressure_y": "0, 0, 0, 0, 0"}, ["&gauges pressure_y", "expected 4 numbers"]),
+                ("dam_break_2d", {"gauges.height_x": "0.3, 2.0"}, ["&gauges height_x", "gauge 2 is outside"]),
+                ("dam_break_2d", {"gauges.height_z": "0.3"}, ["&gauges height_z", "expected 0"]),
+                ("dam_break_2d", {"gauges.pressure_columns": "'a', 'b', 'c', 'd'"}, ["&gauges pressure_columns", "no column 'a'"]),
+                ("dam_break_2d", {"gauges.file": "nowhere.csv"}, ["&gauges file", "cannot read", "nowhere.csv"]),
+                ("dam_break_2d", {"domain.periodic_y": "T"}, ["&domain periodic_y", "floor"]),
+                ("dam_break_2d", {"flow.gravity": 0}, ["&flow sound_speed"]),
+                ("dam_break_2d", {"flow.gravity": 0, "flow.sound_speed": 10}, ["&walls slip_top", "gravity"]),
+                ("dam_break_2d", {"flow.amplitude": 0.1}, ["&flow amplitude", "standing_wave"]),
+                ("standing_wave", {"flow.wavelength": 1.5}, ["&flow wavelength", "half waves"]),
+                ("elliptical_drop", {"flow.strain_rate": 0}, ["&flow strain_rate"]),
+                ("elliptical_drop", {"flow.high_y": 3.0}, ["&flow start", "circle"])]:
+            with self.subTest(name, **settings):
+                self.assert_says(self.run_program("flow", name, settings, "bad", expect=BAD_INPUT), BAD_INPUT, *parts)
+                self.assertEqual(self.listing(), before)
+
+    @unittest.skipUnless(SLOW, "slow")
+    def test_published(self):
+        """At the resolutions of the shipped inputs."""
+        m = self.summary("standing_wave")["metrics"]
+        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.01)
+        self.assertLess(abs(m["energy_decay"] / m["energy_decay_theory"] - 1), 0.1)
+        result = self.run_program("flow", "elliptical_drop")
+        times = {0.0008: 1.0831, 0.0038: 1.4392, 0.0076: 1.9445}
+        _, rows = result.rows("gauges.csv")
+        for t, b in times.items():
+            nearest = min(rows, key=lambda row: abs(float(row[1]) - t))
+            self.assertLess(abs(float(nearest[3]) / b - 1), 0.01)
+        self.assertLess(self.summary("dam_break_front")["metrics"]["front_rms_over_height"], 0.03)
+
+
+if __name__ == "__main__":
+    unittest.main()
