@@ -178,6 +178,6 @@ def percent(value: float | None) -> str:
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
-    return [f"{CASES[one['case']].about:<52}{one['method']:<18}{percent(one['start']):>8} → {percent(one['end']):>8}"
+    return [f"{CASES[one['case']].about:<54}{one['method']:<18}{percent(one['start']):>8} → {percent(one['end']):>8}"
             f"{said(one['updates_to_5_percent'], '{:.0f}'):>5} updates to 5 %, {said(one['run_time']):>6} s"
             for one in lines(measured)] + [verdict(measured)]
