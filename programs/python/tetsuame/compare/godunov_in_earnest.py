@@ -30,7 +30,7 @@ REAL = {"gdisph": ("gdisph", FULL), "gdisph, balsara": ("gdisph", (*VOLUME, "sho
         "gdisph, fading, balsara": ("gdisph", (*VOLUME, "shock.star_pressure=balsara", "shock.support_terms=fading")),
         "disph": ("disph", VOLUME), "gsph": ("gsph", ()), "ssph": ("ssph", ()), "remix": ("remix", ())}
 SLOW = ("gdisph", "gdisph, balsara", "disph", "ssph", "gsph")
-GRAVITY = {"overturn": 10.0, "slow overturn": 0.1}  # m/s²
+GRAVITY = {"overturn": 10.0, "slow_overturn": 0.1}  # m/s²
 # The same layers in the program rti, which has a viscosity: the least that 24 particles bear, smaller as growth is slower.
 RTI, VISCOSITY = "rti", 1e9
 RTI_SETTINGS = ("domain.length_x=1e5", "domain.length_y=1e5", "domain.periodic_x=T", "rti.eos_upper=liquid_iron_isentrope",
@@ -118,7 +118,7 @@ def judged(one: dict) -> dict[str, tuple[float, float]]:
 
 
 def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
-    measures = {"tube": tube_row, "square": square_row, "sedov": sedov_row, "overturn": overturn_row, "slow overturn": overturn_row,
+    measures = {"tube": tube_row, "square": square_row, "sedov": sedov_row, "overturn": overturn_row, "slow_overturn": overturn_row,
                 "impact": impact_row}
     own = measures[outcome.case.file](outcome) if outcome.kind == COMPLETED else {}
     return own | {"time": outcome.number("time"), "momentum": outcome.number("conservation", "momentum"),
@@ -187,11 +187,11 @@ COLUMNS = {"tube": {"ρ, L1": ("density_l1", "{:.5f}"), "v, L1": ("velocity_l1",
                      "p, L1": ("pressure_l1", "{:.3f}"), "peak ρ (exact 4)": ("peak", "{:.2f}"), "scatter of v": ("scatter", "{:.3f}")},
            "overturn": {"growth rate": ("growth_error", "%"), "as by a viscosity of, Pa s": ("viscosity", "{:.1e}"),
                         "iron's centre passes the middle, s": ("overturn", "{:.1f}")},
-           "slow overturn": {"growth rate": ("growth_error", "%"), "as by a viscosity of, Pa s": ("viscosity", "{:.1e}")},
+           "slow_overturn": {"growth rate": ("growth_error", "%"), "as by a viscosity of, Pa s": ("viscosity", "{:.1e}")},
            "impact": {"p in the middle/p*": ("p_middle", "{:.3f}"), "|p| ahead/p*": ("p_untouched", "{:.1e}"),
                       "least p, Pa": ("p_min", "{:.2e}"), "asymmetry, spacings": ("asymmetry", "{:.1e}")}}
 HEADS = {"tube": "Sod's tube", "square": "The square of equal masses", "sedov": "Sedov's explosion over α", "overturn": "Iron over silicate",
-         "slow overturn": "The same, slow: a hundredth of gravity and pressure", "impact": "Impact of two bodies"}
+         "slow_overturn": "The same, slow: a hundredth of gravity and pressure", "impact": "Impact of two bodies"}
 
 
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
