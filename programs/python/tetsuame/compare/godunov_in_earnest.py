@@ -69,9 +69,9 @@ def tube_runs(inputs: Path, given) -> list[Run]:
 def square_runs(inputs: Path, given) -> list[Run]:
     n, end = (24, 4) if given.quick else (32, 8)
     common = (f"domain.particles_x={n}", "shock.masses=equal_mass", f"time.t_end={end}")
-    runs = [of(given, inputs / "square.nml", "square", f"gdisph, {name}", n, (*common, *settings), 5.0 if given.quick else 22.0)
+    runs = [of(given, inputs / "square.nml", "square", f"gdisph, {name}", n, (*common, *settings), 3.0 if given.quick else 15.0)
             for name, settings in terms(given).items()]
-    return runs + [of(given, inputs / "square.nml", "square", "disph", n, (*common, "shock.scheme=disph"), 3.0 if given.quick else 15.0)]
+    return runs + [of(given, inputs / "square.nml", "square", "disph", n, (*common, "shock.scheme=disph"), 3.0 if given.quick else 8.0)]
 
 
 def sedov_runs(inputs: Path, given) -> list[Run]:
@@ -92,12 +92,12 @@ def overturn_runs(inputs: Path, given) -> list[Run]:
     runs = []
     for case, gravity in GRAVITY.items():
         slow, size = case != "overturn", gravity / 10.0
-        n = 24 if given.quick or slow else 48
-        end = 240.0 if not slow else 1.4e3  # s: to the bottom; two growth times
+        n = 24 if given.quick or slow else 32
+        end = 400.0 if not slow else 1.4e3  # s: to the bottom; two growth times
         both = (f"domain.particles_x={n}", f"domain.particles_y={n}")
         common = (*both, f"shock.gravity={gravity:g}", f"shock.p_l={1e10 * size:g}", f"shock.perturbation={10.0 * size**0.5:g}",
                   f"time.t_end={end:g}")
-        runs += [of(given, inputs / "iron_over_silicate.nml", case, name, n, (*common, f"shock.scheme={scheme}", *own), 2.0 if n == 24 else 12.0)
+        runs += [of(given, inputs / "iron_over_silicate.nml", case, name, n, (*common, f"shock.scheme={scheme}", *own), 3.0 if n == 24 else 7.0)
                  for name, (scheme, own) in REAL.items() if not slow or name in SLOW]
         viscosity = VISCOSITY * size**0.5
         layers = (f"rti.gravity={gravity:g}", f"rti.p_top={(1e10 - 7800.0 * 10.0 * 5e4) * size:g}", f"rti.viscosity_upper={viscosity:g}",
@@ -107,9 +107,9 @@ def overturn_runs(inputs: Path, given) -> list[Run]:
 
 
 def impact_runs(inputs: Path, given) -> list[Run]:
-    n = 64 if given.quick else 128
+    n = 64 if given.quick else 96
     common = (f"domain.particles_x={n}", f"domain.particles_y={n}", "output.interval=2.5")
-    return [of(given, inputs / "impact_2d.nml", "impact", name, n, (*common, f"shock.scheme={scheme}", *own), 1.0 if given.quick else 6.0)
+    return [of(given, inputs / "impact_2d.nml", "impact", name, n, (*common, f"shock.scheme={scheme}", *own), 2.0 if given.quick else 6.0)
             for name, (scheme, own) in REAL.items()]
 
 
