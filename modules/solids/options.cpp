@@ -258,6 +258,15 @@ std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& 
 }
 
 template <int D>
+void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bodies, const lattice<D>& box,
+                  double reach) {
+  schema.placed("solids", "shape", [&] {
+    expect_in_box(bodies, box);
+    expect_thick(bodies, box, reach);
+  });
+}
+
+template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
                                         const std::vector<body<D>>& bodies, const fs::path& folder) {
   const motion_reader in{schema, o, folder};
@@ -274,6 +283,8 @@ std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const mo
 
 template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&, const fs::path&);
 template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&, const fs::path&);
+template void expect_sound<2>(const namelist::schema&, const std::vector<body<2>>&, const lattice<2>&, double);
+template void expect_sound<3>(const namelist::schema&, const std::vector<body<3>>&, const lattice<3>&, double);
 template std::vector<prescribed<2>> make_motions<2>(const namelist::schema&, const motion_options&,
                                                     const std::vector<body<2>>&, const fs::path&);
 template std::vector<prescribed<3>> make_motions<3>(const namelist::schema&, const motion_options&,

@@ -37,6 +37,10 @@ void declare(namelist::schema& schema, options& o, motion_options& m);
 template <int D>
 std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o,
                                  const std::filesystem::path& folder = {});
+// expect_in_box and expect_thick (wall_particles.hpp), placed at &solids.
+template <int D>
+void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bodies, const lattice<D>& box,
+                  double reach);
 // Of each body; those that no motion names are at rest.
 template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,

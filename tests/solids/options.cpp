@@ -122,6 +122,17 @@ BOOST_AUTO_TEST_CASE(what_cannot_be) {
                     "expected the name of a table");
 }
 
+BOOST_AUTO_TEST_CASE(bodies_that_do_not_fit) {
+  const input far("&solids\n shape = 'sphere' radius = 0.3 centre_x = 9 /");
+  BOOST_CHECK_EXCEPTION(
+      expect_sound<2>(far.schema, make_bodies<2>(far.schema, far.o), {{{1.0, 1.0}}, 0.1}, 0.2), foundation::error,
+      [](const foundation::error& e) {
+        return std::string(e.what()) ==
+               "case.nml:2: &solids shape: piece 1 of body 'solid' lies outside the box, or is smaller "
+               "than the spacing of the particles";
+      });
+}
+
 BOOST_AUTO_TEST_CASE(files_of_the_input) {
   const std::filesystem::path folder = TETSUAME_BINARY_DIR "/tests/solids_files";
   std::filesystem::create_directories(folder);

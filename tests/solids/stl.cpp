@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
+#include <filesystem>
 #include <foundation/error.hpp>
+#include <fstream>
 #include <random>
-#include <solids/mesh.hpp>
+#include <solids/options.hpp>
 
 #include "scene.hpp"
 
@@ -149,6 +151,31 @@ BOOST_AUTO_TEST_CASE(surfaces_that_cut_themselves, *boost::unit_test::preconditi
   for (const auto& c : other.corners) two.corners.push_back({c[0] + size, c[1] + size, c[2] + size});
   expect_closed(two, "two.stl");
   expect_message([&] { mesh(two, "two.stl"); }, "two.stl: the surface cuts through itself, first in triangles ");
+}
+
+// By the input: a cube of millimetres, turned by 45° about z and moved.
+BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal)) {
+  const std::filesystem::path folder = TETSUAME_BINARY_DIR "/tests/solids_stl_files";
+  std::filesystem::create_directories(folder);
+  auto flipped = cube();
+  std::swap(flipped.corners[4][0], flipped.corners[4][1]);
+  std::ofstream(folder / "cube.stl", std::ios::binary) << binary(cube());
+  std::ofstream(folder / "flipped.stl") << ascii(flipped);
+  const auto bodies_of = [&](const std::string& file) {
+    options o;
+    motion_options m;
+    namelist::schema schema;
+    declare(schema, o, m);
+    schema.read(namelist::parse_text(
+        "&solids shape = 'file' scale = 1d-3 angle_z = 45 centre_x = 2 file = '" + file + "' /", "case.nml"));
+    return make_bodies<3>(schema, o, folder);
+  };
+  const auto body = bodies_of("cube.stl").front();
+  // Its corner (1, 1, 0) comes to (2, √2/1000, 0).
+  BOOST_TEST(body.at({{2.0, 0.001 * std::sqrt(2.0) + 0.5, 0.0005}}).distance == 0.5, tt::tolerance(1e-9));
+  BOOST_TEST(body.at({{2.0, 0.0005 * std::sqrt(2.0), 0.0005}}).distance == -0.0005, tt::tolerance(1e-9));
+  expect_message([&] { bodies_of("flipped.stl"); },
+                 "case.nml:1: &solids file: flipped.stl: normals of 1 triangles point the other way");
 }
 
 // The fuzz entry over changed copies of small files: the same ones in every run.
