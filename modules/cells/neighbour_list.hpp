@@ -81,14 +81,15 @@ struct neighbour_list : list_of_rows<std::uint16_t> {
 
   // The row of the cluster that particle i is in.
   std::span<const std::uint16_t> row_of(std::size_t i) const { return row(i / width); }
-  // f(neighbour, lanes that have it) for each in the row of cluster r, the sequences side by side.
+  // f(neighbour, lanes that have it, its sequence) for each in the row of cluster r, the sequences side by side.
   template <class F>
   void for_each(std::size_t r, F&& f) const {
     constexpr std::uint32_t lanes_of_one = (1U << width) - 1U;
     const auto through = [&](auto n) {
       while (n.next())
         for (std::size_t k = 0; k < n.j.size(); ++k)
-          if (const std::uint32_t of_lanes = n.of_lanes >> k * width & lanes_of_one; of_lanes != 0) f(n.j[k], of_lanes);
+          if (const std::uint32_t of_lanes = n.of_lanes >> k * width & lanes_of_one; of_lanes != 0)
+            f(n.j[k], of_lanes, k);
     };
     at_once == 1 ? through(neighbours<1>(row(r))) : through(neighbours<2>(row(r)));
   }
@@ -307,11 +308,10 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
 }
 
 // Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`
-// to a multiple of the lanes.
+// to a multiple of so many.
 template <int D, class Centre, class Accept>
 void make_list_of_points(point_list& list, const grid<D>& g, std::size_t points, double reach, std::uint32_t null,
-                         const Centre& centre, const Accept& accept) {
-  using foundation::lanes;
+                         std::size_t multiple, const Centre& centre, const Accept& accept) {
   make_rows(list, points, [&](std::size_t r, row_store<std::uint32_t>& made) {
     const std::array<double, D> at = centre(r);
     const std::size_t before = made.size();
@@ -324,7 +324,7 @@ void make_list_of_points(point_list& list, const grid<D>& g, std::size_t points,
       }
       made.keep(out);
     });
-    const std::size_t pairs = made.size() - before, padding = (lanes - pairs % lanes) % lanes;
+    const std::size_t pairs = made.size() - before, padding = (multiple - pairs % multiple) % multiple;
     made.keep(std::fill_n(made.room(padding), padding, null));
     return pairs;
   });

@@ -222,6 +222,8 @@ template <class R>
 #endif
   return single(single::lanes_type([&](auto lane) { return a[(lane + lanes) % single::size()]; }));
 }
+// The sum of all lanes, in doubles.
+inline double sum(const single& a) { return sum(real(lower_half(a) + lower_half(halves_exchanged(a)))); }
 // *low in all lanes of the lower half, *high in those of the upper: loads, and no shuffle.
 [[gnu::always_inline]] inline single::lanes_type beside(const float* low, const float* high) {
 #if defined(__AVX512F__)

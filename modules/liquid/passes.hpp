@@ -13,22 +13,34 @@
   where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
                                                                                 const pairs::stretch&)
 
-// Walls and volumes, and the forces with a gradient, in D dimensions. where: extern, they are elsewhere; nothing: here.
+// What walls with markers do with the fluid about these, in D dimensions. where: extern, it is elsewhere; nothing:
+// here.
+#define TETSUAME_WALL_PASSES(where, D)                                                                        \
+  where template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, wall_set<D>&);         \
+  where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&);  \
+  where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
+                                                                        const volume::weight_sum<D, false>&); \
+  where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
+                                                                        const volume::weight_sum<D, true>&);  \
+  where template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, wall_set<D>&);            \
+  where template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, wall_set<D>&)
+
+// Volumes, and the forces with a gradient, in the same way.
 #define TETSUAME_LIQUID_PASSES(where, D)                                                                             \
-  where template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, wall_set<D>&);                \
-  where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&);         \
-  where template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, wall_set<D>&);                   \
-  where template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, wall_set<D>&);                 \
   where template void tetsuame::volume::equation_of_state(pairs::workspace<D>&, std::size_t, std::size_t);           \
   where template void tetsuame::volume::require_positive(pairs::workspace<D>&, const particles::array&, const char*, \
                                                          const char*);                                               \
   where template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);              \
   where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                   \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::remainder&);                 \
+  where template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&, const surroundings<D>&);           \
   where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                               \
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                               \
   where template void tetsuame::liquid::report_not_finite(run::state<D>&, const rates<D>&);                          \
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \
   TETSUAME_LIQUID_FORCES(where, D, pattern_2)
 
+TETSUAME_WALL_PASSES(extern, 2);
+TETSUAME_WALL_PASSES(extern, 3);
 TETSUAME_LIQUID_PASSES(extern, 2);
 TETSUAME_LIQUID_PASSES(extern, 3);

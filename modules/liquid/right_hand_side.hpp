@@ -5,7 +5,8 @@
 //
 //   1  halo       the fluid's state beyond the borders
 //   2  volume     ρ, ΔV as far as the walls need them
-//   3  walls      velocity, temperature, f = ν∇²v + g at the markers
+//   3  walls      velocity, temperature, f = ν∇²v + g at the markers; in the same pass over neighbours as f, p of the
+//                 fluid that these see, where it is smoothed from Y known beforehand
 //   4  volume     Y, p, ΔV = Y/p (the walls' Y on the way), material properties
 //   5  walls      pressure of the wall particles
 //   6  gradient   one pass: pressure force, continuity, viscosity, conduction
@@ -160,7 +161,6 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
     w.end_fluid();
     std::visit([&](auto t) { t.places(w, box.walls); }, box.treatment);
   };
-  const auto kinematics = [&] { std::visit([&](auto t) { t.kinematics(w, box.walls); }, box.treatment); };
   const auto wall_pressures = [&] { std::visit([&](auto t) { t.pressures(w, box.walls); }, box.treatment); };
 
   begin_halo<volume_module::carried>(box);
@@ -168,14 +168,15 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
     // Twice a rank sums over the rows that need no ghosts while these travel. Ranks agree on a fault once, at the end:
     // until then numbers may be not finite.
     in_stage("volume", [&] { how.ahead(w); });
-    in_stage("pressure", [&] { pressure::sum(w, around, w.interior()); });
+    in_stage("pressure", [&] { pressure::sum_apart(w, around, true); });
     in_stage("halo", arrive);
     in_stage("volume", [&] { how.with_ghosts(w); });
-    in_stage("walls", kinematics);
+    in_stage("walls", [&] { pressure::with_kinematics(w, around); });
     ++w.first_fault.stage;
     in_stage("pressure", [&] {
       around.weights(w);
-      pressure::sum(w, around, w.at_border());
+      pressure::sum_apart(w, around, false);
+      pressure::add_walls(w, around);
       pressure::begin(w);
     });
     begin_forces(box, out);
@@ -187,7 +188,7 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
     in_stage("halo", arrive);
     in_stage("volume", [&] { how.before_walls(w, around); });
     w.agree();
-    in_stage("walls", kinematics);
+    in_stage("walls", [&] { std::visit([&](auto t) { t.kinematics(w, box.walls); }, box.treatment); });
     in_stage("pressure", [&] { how.template determine<pressure>(w, around); });
     w.agree();
     in_stage("walls", wall_pressures);

@@ -17,12 +17,11 @@ constexpr std::size_t symmetric_place(std::size_t a, std::size_t b, std::size_t 
 }
 
 // A = L Lᵀ of a symmetric matrix (rows beyond the diagonal are not looked at), in place; false where it is not
-// positive definite to working accuracy. Of lanes a mask, one matrix a lane.
+// positive definite to the accuracy of its numbers, a share of the diagonal. Of lanes a mask, one matrix a lane.
 template <class Matrix>
-auto factorise(Matrix& A) {
+auto factorise(Matrix& A, double singular = 1e-10) {
   using std::sqrt;
   using number = typename Matrix::value_type::value_type;
-  constexpr double singular = 1e-10;  // of the diagonal
   constexpr std::size_t N = std::tuple_size_v<Matrix>;
   decltype(A[0][0] > A[0][0]) definite(true);
   for (std::size_t i = 0; i < N; ++i) {

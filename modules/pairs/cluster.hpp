@@ -124,6 +124,26 @@ struct chosen {
   const std::vector<std::size_t>& packed() const { return seen; }
 };
 
+// Those of a stretch that are not among some others.
+struct remainder {
+  stretch of;
+  std::vector<members> of_rows;
+
+  remainder() = default;
+  remainder(const stretch& rows, const chosen& others) : of(rows) {
+    auto other = others.of_rows.begin();
+    for (std::size_t r = 0; r < rows.clusters(); ++r) {
+      members m = rows.cluster(r);
+      while (other != others.of_rows.end() && other->first < m.first) ++other;
+      if (other != others.of_rows.end() && other->first == m.first) m.chosen &= ~other->chosen;
+      if (m.chosen != 0) of_rows.push_back(m);
+    }
+  }
+  std::size_t clusters() const { return of_rows.size(); }
+  const members& cluster(std::size_t r) const { return of_rows[r]; }
+  stretch::seen packed() const { return of.packed(); }
+};
+
 // Of `total` particles.
 inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows, std::size_t total) {
   std::vector<std::uint32_t> bits(list.rows(), 0);
@@ -135,7 +155,7 @@ inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t>
     const std::size_t first = r * lanes;
     c.of_rows.push_back({first, bits[r]});
     for (std::size_t i = first; i < std::min(total, first + lanes); ++i) needed[i] = 1;
-    list.for_each(r, [&](std::uint32_t j, std::uint32_t) { needed[j] = 1; });
+    list.for_each(r, [&](std::uint32_t j, auto...) { needed[j] = 1; });
   }
   for (std::size_t i = 0; i < total; ++i)
     if (needed[i] != 0) c.seen.push_back(i);

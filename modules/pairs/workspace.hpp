@@ -87,14 +87,19 @@ struct workspace {
   // The terms' sums over the neighbours of these rows, with the kernel and the precision the run chose.
   template <class Rows, class... Terms>
   void sum(const Rows& rows, const Terms&... terms) const {
+    sum_by(list, rows, terms...);
+  }
+  // Over those neighbours that a list of its own names.
+  template <class Rows, class... Terms>
+  void sum_by(const cells::neighbour_list& some, const Rows& rows, const Terms&... terms) const {
     std::visit(
         [&]<class Kernel>(const Kernel& k) {
           if constexpr ((takes<Terms, single> && ...))
             if (single_pairs()) {
               const unit<single> lengths(k.support());
-              return sum_in<D>(lengths, rows, list, x(), Kernel(k.support() * lengths.to(-1)), terms...);
+              return sum_in<D>(lengths, rows, some, x(), Kernel(k.support() * lengths.to(-1)), terms...);
             }
-          sum_over<D>(rows, list, x(), k, terms...);
+          sum_over<D>(rows, some, x(), k, terms...);
         },
         kernel);
   }

@@ -71,7 +71,7 @@ void end_layers_with_clusters(pairs::workspace<D>& w) {
   w.core = std::min(w.core, w.border);
   if (w.core == 0) return;
   for (std::size_t r = w.border / pairs::lanes; r < w.list.rows(); ++r)
-    w.list.for_each(r, [&](std::uint32_t j, std::uint32_t) { w.core = std::min<std::size_t>(w.core, j); });
+    w.list.for_each(r, [&](std::uint32_t j, auto...) { w.core = std::min<std::size_t>(w.core, j); });
 }
 
 // Positions of the fluid, and those that the lists were made from.

@@ -16,7 +16,8 @@ struct weight_sum {
   const double* dV;  // m^D, of the mean
   double self;       // 1/m^D, W(0)
   double scale;
-  double* p;  // Pa, set
+  double* p;               // Pa, set
+  double* norm = nullptr;  // Σ_j ΔV_j W_ij, set; null where nobody asks
 
   template <class R>
   struct me {
@@ -39,10 +40,38 @@ struct weight_sum {
   void end(const auto& i, const auto& a) const {
     const double own = self * i.lengths.to(D);
     const auto sum = a.sum + i(Y, D) * own;
-    if constexpr (mean)
-      i.set(p, sum / (a.norm + i(dV, D) * own));
-    else
+    if constexpr (mean) {
+      const auto all = a.norm + i(dV, D) * own;
+      i.set(p, sum / all);
+      if (norm != nullptr) i.set(norm, all);
+    } else {
       i.set(p, sum * scale);
+    }
+  }
+};
+
+// What wall particles add to either.
+template <int D, bool mean>
+struct weight_sum_of_walls {
+  const double* Y;     // J
+  const double* norm;  // of the mean
+  double* p;           // Pa, added to
+
+  template <class R>
+  struct me {
+    R sum;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_weight, Y, D)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const { a.sum += ij(pairs::of_weight) * ij.W; }
+  void end(const auto& i, const auto& a) const {
+    if constexpr (mean)
+      i.add(p, a.sum / i(norm));
+    else
+      i.add(p, a.sum);
   }
 };
 
@@ -77,8 +106,8 @@ void volumes_by_number(const pairs::workspace<D>& w, double scale, double* dV) {
 }
 
 // Σ_j Y_j W_ij of these rows, divided by Σ_j ΔV_j W_ij where `normalise`.
-template <int D>
-void smooth(pairs::workspace<D>& w, bool normalise, const pairs::stretch& rows) {
+template <int D, class Rows>
+void smooth(pairs::workspace<D>& w, bool normalise, const Rows& rows) {
   auto& s = w.s;
   if (normalise)
     w.sum(rows, weight_sum<D, true>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data()});
@@ -114,14 +143,64 @@ void find_pressure(pairs::workspace<D>& w, const surroundings<D>& around) {
   Pressure::end(w);
 }
 
+// The sums in three parts, where walls have markers: who is apart from these; with f = ν∇²v + g, which the walls' Y
+// need and which goes over the same neighbours, the others' sums over the fluid; what wall particles add to them.
+template <int D, bool mean>
+void smooth_with_acceleration(pairs::workspace<D>& w, const surroundings<D>& around, auto treatment) {
+  auto& s = w.s;
+  auto& set = around.walls;
+  if constexpr (mean) set.kernel_sum.resize(s.total() + 1);
+  const std::size_t first = s.first_wall();
+  foundation::for_all(s.total() - first, [&](std::size_t k) { s.Y[first + k] = 0.0; });
+  treatment.kinematics(w, set,
+                       weight_sum<D, mean>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data(),
+                                           mean ? set.kernel_sum.data() : nullptr});
+}
+
 struct smoothed {
   static constexpr const char* name = "smoothed";
 
-  // p of these rows; p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
+  // p of all rows.
   template <int D>
   static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
     smooth(w, around.smoothing.normalise, rows);
   }
+  // p of the rows that do not wait for the walls, of the interior or of the border; all where walls have no markers.
+  template <int D>
+  static void sum_apart(pairs::workspace<D>& w, const surroundings<D>& around, bool interior) {
+    std::visit(
+        [&]<class Treatment>(Treatment) {
+          if constexpr (Treatment::has_markers)
+            smooth(w, around.smoothing.normalise, interior ? around.walls.interior_apart : around.walls.border_apart);
+          else
+            smooth(w, around.smoothing.normalise, interior ? w.interior() : w.at_border());
+        },
+        around.treatment);
+  }
+  // Kinematics of the walls and, where these have markers, the other rows' sums over the fluid.
+  template <int D>
+  static void with_kinematics(pairs::workspace<D>& w, const surroundings<D>& around) {
+    std::visit(
+        [&]<class Treatment>(Treatment t) {
+          if constexpr (!Treatment::has_markers)
+            t.kinematics(w, around.walls);
+          else if (around.smoothing.normalise)
+            smooth_with_acceleration<D, true>(w, around, t);
+          else
+            smooth_with_acceleration<D, false>(w, around, t);
+        },
+        around.treatment);
+  }
+  // What wall particles with markers add, once their Y are known.
+  template <int D>
+  static void add_walls(pairs::workspace<D>& w, const surroundings<D>& around) {
+    if (around.walls.beside.rows.empty()) return;
+    if (around.smoothing.normalise)
+      add_walls<true>(w, around.walls);
+    else
+      add_walls<false>(w, around.walls);
+  }
+  // p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
   template <int D>
   static void begin(pairs::workspace<D>& w) {
     require_positive(w, w.s.p, "the smoothed pressure p");
@@ -133,6 +212,16 @@ struct smoothed {
     w.end_fluid();
     volumes_from_weights(w, w.s.fluid, w.s.first_wall());
   }
+
+ private:
+  template <bool mean, int D>
+  static void add_walls(pairs::workspace<D>& w, walls::wall_set<D>& set) {
+    auto& s = w.s;
+    std::swap(set.wall_neighbours.records, w.list.records);  // one scratch for all passes
+    w.sum_by(set.wall_neighbours, set.beside,
+             weight_sum_of_walls<D, mean>{s.Y.data(), set.kernel_sum.data(), s.p.data()});
+    std::swap(set.wall_neighbours.records, w.list.records);
+  }
 };
 
 struct non_smoothed {
@@ -141,6 +230,14 @@ struct non_smoothed {
   // The ghosts' p is known like the owned particles'.
   template <int D>
   static void sum(pairs::workspace<D>&, const surroundings<D>&, const pairs::stretch&) {}
+  template <int D>
+  static void sum_apart(pairs::workspace<D>&, const surroundings<D>&, bool) {}
+  template <int D>
+  static void with_kinematics(pairs::workspace<D>& w, const surroundings<D>& around) {
+    std::visit([&](auto t) { t.kinematics(w, around.walls); }, around.treatment);
+  }
+  template <int D>
+  static void add_walls(pairs::workspace<D>&, const surroundings<D>&) {}
   template <int D>
   static void begin(pairs::workspace<D>& w) {
     auto& s = w.s;

@@ -11,22 +11,18 @@
 #include <foundation/lanes.hpp>
 #include <foundation/vec.hpp>
 #include <operators/symmetric.hpp>
-#include <span>
 #include <string>
+#include <type_traits>
 
 namespace tetsuame::walls {
 
-using foundation::lanes, foundation::real, foundation::vec;
+using foundation::lanes, foundation::real, foundation::single, foundation::vec;
 
 // Number of terms of a polynomial of the order in D dimensions.
 constexpr std::size_t terms(int order, int D) {
   return order == 0   ? 1
          : order == 1 ? 1 + static_cast<std::size_t>(D)
                       : static_cast<std::size_t>((D + 1) * (D + 2) / 2);
-}
-
-inline int polynomial_order(const std::string& interpolation) {
-  return interpolation == "shepard" ? 0 : interpolation == "mls" ? 1 : 2;
 }
 
 // P to the given order at the offset e (in units of the marker's reach, so that the moments are of order one).
@@ -43,83 +39,95 @@ std::array<R, terms(Order, D)> polynomial(const vec<R, D>& e) {
   return P;
 }
 
-// Neighbours of a marker, one a lane.
-template <int D>
+// Neighbours of a marker, one a lane; R is `real`, or `single`, which holds twice as many.
+template <int D, class R = real>
 struct seen {
-  real weight;          // 1/m^D, W_mj; zero in a lane without a particle
-  vec<real, D> offset;  // (x_j - x_m)/reach
+  R weight;          // W_mj, times reach^D; zero in a lane without a particle
+  vec<R, D> offset;  // (x_j - x_m)/reach
 };
 
-namespace detail {
+// Σ_k W_mk P_k P_kᵀ of a marker, of each lane's particles: its lower half, row by row.
+template <int D, int Order, class R = real>
+struct moments {
+  static constexpr std::size_t N = terms(Order, D), size = N * (N + 1) / 2;
+  std::array<R, size> sums;
 
-// A c = (1, 0, …) of the order, or of the next lower one for which the particles suffice; c is zero where none does.
-template <int D, int Order, std::size_t N>
-void solve_first(const std::array<std::array<double, N>, N>& A, std::array<double, N>& c) {
-  constexpr std::size_t n = terms(Order, D);
-  std::array<std::array<double, n>, n> L;
-  for (std::size_t a = 0; a < n; ++a) std::copy_n(A[a].begin(), a + 1, L[a].begin());
-  if (operators::factorise(L)) {
-    const auto solution = operators::solve(L, {1.0});
-    std::copy(solution.begin(), solution.end(), c.begin());
-  } else if constexpr (Order > 0) {
-    solve_first<D, Order - 1>(A, c);
+  moments() {
+    for (R& sum : sums) sum = 0.0;
   }
-}
-
-// Of one order, so that the loops over terms have a fixed length.
-template <int D, int Order>
-void coefficients_of(std::span<const seen<D>> near, double* out) {
-  constexpr std::size_t N = terms(Order, D);
-  std::array<std::array<real, N>, N> moments;
-  for (std::size_t a = 0; a < N; ++a)
-    for (std::size_t b = 0; b <= a; ++b) moments[a][b] = real(0.0);
-  for (const auto& j : near) {
+  [[gnu::always_inline]] void add(const seen<D, R>& j) {
     const auto P = polynomial<D, Order>(j.offset);
     for (std::size_t a = 0; a < N; ++a) {
-      const real weighted = j.weight * P[a];
-      for (std::size_t b = 0; b <= a; ++b) moments[a][b] += weighted * P[b];
+      const R weighted = j.weight * P[a];
+      for (std::size_t b = 0; b <= a; ++b) sums[a * (a + 1) / 2 + b] += weighted * P[b];
     }
   }
-  std::array<std::array<double, N>, N> A;
-  for (std::size_t a = 0; a < N; ++a)
-    for (std::size_t b = 0; b <= a; ++b) A[a][b] = foundation::sum(moments[a][b]);
-  std::array<double, N> c{};
-  if (A[0][0] > 0.0) solve_first<D, Order>(A, c);
-  std::copy(c.begin(), c.end(), out);
-}
+};
 
+// The systems of as many markers as a register has lanes, one a lane.
 template <int D, int Order>
-[[gnu::always_inline]] inline real shape_function(const seen<D>& j, const double* c) {
+class systems {
+ public:
+  static constexpr std::size_t N = terms(Order, D);
+
+  systems() {
+    for (std::size_t a = 0; a < N; ++a)
+      for (std::size_t b = 0; b < N; ++b) A_[a][b].fill(a == b ? 1.0 : 0.0);
+  }
+  template <class R>
+  void put(std::size_t lane, const moments<D, Order, R>& of_marker) {
+    for (std::size_t a = 0; a < N; ++a)
+      for (std::size_t b = 0; b <= a; ++b) A_[a][b][lane] = foundation::sum(of_marker.sums[a * (a + 1) / 2 + b]);
+  }
+  // c of each marker, A c = (1, 0, …) of the order, or of the next lower one for which the particles suffice; c is zero
+  // where none does.
+  // singular: what of a diagonal is lost in the rounding of the moments.
+  std::array<std::array<double, N>, lanes> coefficients(double singular = 1e-10) const {
+    std::array<real, N> in_lanes;
+    for (real& c : in_lanes) c = 0.0;
+    solve<Order>(real::mask_type(true), singular, in_lanes);
+    std::array<std::array<double, N>, lanes> c;
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      for (std::size_t a = 0; a < N; ++a) c[lane][a] = in_lanes[a][lane];
+    return c;
+  }
+
+ private:
+  // Of the markers in these lanes, of no higher order than this.
+  template <int Highest>
+  void solve(const real::mask_type& open, double singular, std::array<real, N>& c) const {
+    constexpr std::size_t n = terms(Highest, D);
+    std::array<std::array<real, n>, n> L;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b <= a; ++b) L[a][b].copy_from(A_[a][b].data(), std::experimental::vector_aligned);
+    const auto solved = open && operators::factorise(L, singular);
+    std::array<real, n> first;
+    for (std::size_t a = 0; a < n; ++a) first[a] = a == 0 ? 1.0 : 0.0;
+    const auto solution = operators::solve(L, first);
+    for (std::size_t a = 0; a < n; ++a) c[a] = foundation::select(solved, solution[a], c[a]);
+    if constexpr (Highest > 0)
+      if (const auto rest = open && !solved; any_of(rest)) solve<Highest - 1>(rest, singular, c);
+  }
+
+  struct alignas(std::experimental::memory_alignment_v<real>) of_lanes : std::array<double, lanes> {};
+  std::array<std::array<of_lanes, N>, N> A_;
+};
+
+// φ_j of these neighbours, by their marker's coefficients.
+template <int D, int Order, class R>
+[[gnu::always_inline]] inline R shape_function(const seen<D, R>& j, const std::array<double, terms(Order, D)>& c) {
   const auto P = polynomial<D, Order>(j.offset);
-  real value(c[0]);
+  R value(c[0]);
   foundation::for_each_of<terms(Order, D) - 1>([&](std::size_t a) { value += P[a + 1] * c[a + 1]; });
   return j.weight * value;
 }
 
-template <int D, int Order>
-void shape_functions_of(std::span<const seen<D>> near, const double* c, double* phi) {
-  for (const auto& j : near) {
-    shape_function<D, Order>(j, c).copy_to(phi, std::experimental::element_aligned);
-    phi += lanes;
-  }
-}
-
-}  // namespace detail
-
-// c: out, terms(order, D) numbers. All zero where the marker sees no fluid.
-template <int D>
-void coefficients(std::span<const seen<D>> near, int order, double* c) {
-  if (order == 0) detail::coefficients_of<D, 0>(near, c);
-  if (order == 1) detail::coefficients_of<D, 1>(near, c);
-  if (order == 2) detail::coefficients_of<D, 2>(near, c);
-}
-
-// phi: out, one a lane.
-template <int D>
-void shape_functions(std::span<const seen<D>> near, int order, const double* c, double* phi) {
-  if (order == 0) detail::shape_functions_of<D, 0>(near, c, phi);
-  if (order == 1) detail::shape_functions_of<D, 1>(near, c, phi);
-  if (order == 2) detail::shape_functions_of<D, 2>(near, c, phi);
+// f(order as a constant).
+template <class F>
+void with_order(const std::string& interpolation, F&& f) {
+  if (interpolation == "shepard") f(std::integral_constant<int, 0>{});
+  if (interpolation == "mls") f(std::integral_constant<int, 1>{});
+  if (interpolation == "mls2") f(std::integral_constant<int, 2>{});
 }
 
 }  // namespace tetsuame::walls

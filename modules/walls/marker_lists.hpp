@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cells/grid.hpp>
+#include <cmath>
 #include <limits>
 #include <walls/turned.hpp>
 #include <walls/wall_set.hpp>
@@ -63,39 +65,97 @@ inline void count_in_listed(marker_rows& rows, std::size_t null) {
   for (std::uint32_t& j : rows.near.all) j = place[j];
 }
 
-// The owned fluid that one of these markers, on whichever rank, may see until it has moved so far (m).
+// m, the depth below a wall, or more where otherwise clusters would stand partly within it: these cost as much as whole
+// ones, and would be summed over once more for their other members. Cells have an edge of two spacings, and particles
+// of a row of cells are sorted along the last axis.
+template <int D>
+double to_whole_clusters(double depth, const side<D>& wall, double dx) {
+  const double length = dx * (wall.axis + 1 == D ? std::max(2.0, static_cast<double>(lanes >> (D - 1))) : 2.0);
+  const double end = wall.position + wall.inward * depth, cluster = std::floor(end / length) * length;
+  const double within = wall.inward > 0.0 ? end - cluster : cluster + length - end;
+  return within > 0.5 * dx ? depth + length - within : depth;
+}
+
+// The owned fluid that one of these markers, on whichever rank, may see until it has moved so far (m), and all that may
+// see a wall particle; without some that is known. Collective.
 template <int D>
 pairs::chosen choose_near_wall(const pairs::workspace<D>& w, const wall_set<D>& set,
-                               const std::vector<std::uint32_t>& markers, double moved) {
+                               const std::vector<std::uint32_t>& markers, double moved,
+                               const std::vector<std::size_t>& without) {
   const auto& s = w.s;
   double depth = 0.0;
   for (const std::uint32_t r : markers)
     for (std::size_t k = 0; k < set.sides.size(); ++k)
       if ((set.mirrored[r] >> k & 1U) != 0)
         depth = std::max(depth, set.sides[k].distance(set.marker[set.sides[k].axis][r]));
-  depth = w.d.ranks.maximum(depth) + set.reach + moved;
+  depth = std::max(w.d.ranks.maximum(depth) + set.reach, w.support()) + moved;
+  std::vector<double> depths;
+  for (const auto& wall : set.sides) depths.push_back(to_whole_clusters(depth, wall, w.dx));
   std::vector<std::size_t> near;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    for (const auto& wall : set.sides)
-      if (wall.distance(s.x[wall.axis][i]) < depth) {
+  auto known = without.begin();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    if (known != without.end() && *known == i) {
+      ++known;
+      continue;
+    }
+    for (std::size_t k = 0; k < depths.size(); ++k)
+      if (set.sides[k].distance(s.x[set.sides[k].axis][i]) < depths[k]) {
         near.push_back(i);
         break;
       }
+  }
   return pairs::choose(w.list, std::move(near), s.total());
 }
 
-// Lists of the fluid near some markers, valid until it has moved so far (m), and of what fluid that may be. Collective.
+// Lists of the fluid near some markers, valid until it has moved so far (m), and of what fluid that may be, without
+// some that is known. Collective.
 template <int D>
 void list_fluid(const pairs::workspace<D>& w, const wall_set<D>& set, const cells::grid<D>& grid, double moved,
-                marker_rows& rows) {
+                marker_rows& rows, const std::vector<std::size_t>& known = {}) {
   const auto& s = w.s;
   cells::make_list_of_points<D>(
       rows.near, grid, rows.of.size(), set.reach + moved, static_cast<std::uint32_t>(s.null()),
+      w.single_pairs() ? foundation::single::size() : lanes,
       [&](std::size_t k) { return cells::position<D>(set.marker, rows.of[k]); },
       [&](std::uint32_t j) { return j < s.first_wall(); });
   count_in_listed(rows, s.null());
-  rows.coefficients.assign(rows.of.size() * terms(polynomial_order(set.how.interpolation), D), 0.0);
-  rows.near_wall = choose_near_wall(w, set, rows.of, moved);
+  if (w.single_pairs())
+    rows.phi.singles.resize(rows.near.all.size());
+  else
+    rows.phi.doubles.resize(rows.near.all.size());
+  rows.scale.assign(rows.of.size(), 1.0);
+  rows.near_wall = choose_near_wall(w, set, rows.of, moved, known);
+}
+
+// Which wall particles the fluid near the walls has for neighbours, and what fluid stands apart.
+template <int D>
+void list_walls(const pairs::workspace<D>& w, wall_set<D>& set) {
+  const std::size_t first_wall = w.s.first_wall();
+  std::vector<char> near(w.list.rows(), 0);
+  for (const auto& m : set.read.near_wall.of_rows) near[m.first / lanes] = 1;
+  std::vector<std::uint32_t> beside(near.size(), 0);
+  set.wall_neighbours.at_once = w.list.at_once;
+  cells::make_rows(set.wall_neighbours, near.size(),
+                   [&, row = cells::row_of_clusters()](std::size_t r, auto& made) mutable {
+                     std::size_t pairs = 0;
+                     beside[r] = 0;
+                     if (near[r] != 0)
+                       w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, std::size_t sequence) {
+                         if (j < first_wall) return;
+                         row.add(sequence, j, of_lanes);
+                         beside[r] |= of_lanes;
+                         pairs += static_cast<std::size_t>(std::popcount(of_lanes));
+                       });
+                     row.write(w.list.at_once, made);
+                     return pairs;
+                   });
+  std::vector<std::size_t> rows;
+  for (std::size_t r = 0; r < beside.size(); ++r)
+    for (std::uint32_t left = beside[r]; left != 0; left &= left - 1)
+      rows.push_back(r * lanes + static_cast<std::size_t>(std::countr_zero(left)));
+  set.beside = pairs::choose(set.wall_neighbours, std::move(rows), w.s.total());
+  set.interior_apart = {w.interior(), set.read.near_wall};
+  set.border_apart = {w.at_border(), set.read.near_wall};
 }
 
 // With new lists of the fluid: which wall particles these read, and what fluid is near their markers. Collective.
@@ -118,6 +178,7 @@ void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid
   for (std::size_t r = 0; r < s.walls; ++r)
     if (is_read[r] != 0) set.read.of.push_back(static_cast<std::uint32_t>(r));
   list_fluid(w, set, grid, moved, set.read);
+  list_walls(w, set);
 }
 
 // The other markers, for this evaluation alone. Collective.
@@ -132,7 +193,7 @@ void find_unread(const pairs::workspace<D>& w, wall_set<D>& set) {
     else
       set.unread->of.push_back(r);
   const auto grid = cells::make_grid<D>(s.x, s.id, s.first_wall(), cells::cell_edge(w.dx));
-  list_fluid(w, set, grid, 0.0, *set.unread);
+  list_fluid(w, set, grid, 0.0, *set.unread, set.read.near_wall.rows);
 }
 
 // f(marker_rows) for those of this evaluation.

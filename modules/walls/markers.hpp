@@ -7,7 +7,6 @@
 #include <cells/grid.hpp>
 #include <diffusion/viscosity.hpp>
 #include <foundation/threads.hpp>
-#include <type_traits>
 #include <walls/interpolation.hpp>
 #include <walls/marker_lists.hpp>
 #include <walls/turned.hpp>
@@ -15,34 +14,49 @@
 
 namespace tetsuame::walls::detail {
 
-// What markers see, packed: fours of numbers a particle, in the first the position in units of the reach and as many
-// fields as have room beside it. Null stands for a field of zeros.
-template <int D>
-struct marker_records {
-  static constexpr std::size_t most = 2, room = 4 - D;  // fours; fields in the first
-  std::size_t size;                                     // numbers
-  const double* first;
+// How places stand in records, and what makes (x_j - x_m)/reach of them.
+template <class R>
+struct marker_places;
 
-  static constexpr std::size_t fours(std::size_t fields) { return fields > room ? 2 : 1; }
+template <>
+struct marker_places<real> {
+  using number = double;
+  using own_type = real;
+  double per_reach;  // 1/m
 
-  marker_records(const pairs::workspace<D>& w, const wall_set<D>& set, const marker_rows& rows,
-                 std::span<const double* const> fields)
-      : size(4 * fours(fields.size())) {
-    const std::size_t n = rows.listed.size(), numbers = size;
-    const double per_reach = 1.0 / set.reach;
-    auto& scratch = w.list.records.doubles;
-    if (scratch.size() < n * numbers) scratch.resize(n * numbers);
-    double* const all = scratch.data();
-    first = all;
-    foundation::for_all(n, [&](std::size_t k) {
-      const std::size_t j = rows.listed[k];
-      double* const record = all + k * numbers;
-      for (std::size_t a = 0; a < D; ++a) record[a] = w.s.x[a][j] * per_reach;
-      for (std::size_t f = 0; f + D < numbers; ++f)
-        record[D + f] = f < fields.size() && fields[f] != nullptr ? fields[f][j] : 0.0;
-    });
+  explicit marker_places(double reach) : per_reach(1.0 / reach) {}
+  number number_of(double x) const { return x * per_reach; }
+  own_type of_marker(double x) const { return x * per_reach; }
+  [[gnu::always_inline]] real offset(const real& x_j, const own_type& x_m) const { return x_j - x_m; }
+};
+
+// In steps, whose differences are exact, as those of pairs in single precision.
+template <>
+struct marker_places<single> {
+  using number = float;
+  using steps = pairs::positions<single>;
+  using own_type = steps::own_type;
+  steps place;
+  float step;  // of the reach
+
+  explicit marker_places(double reach)
+      : place(pairs::unit<single>(reach)), step(static_cast<float>(1.0 / (place.per_step * reach))) {}
+  number number_of(double x) const { return place.number_of(x); }
+  own_type of_marker(double x) const { return place.steps(x); }
+  [[gnu::always_inline]] single offset(const single& x_j, const own_type& x_m) const {
+    const auto apart =
+        pairs::stdx::static_simd_cast<pairs::stdx::native_simd<std::int32_t>>(std::bit_cast<own_type>(x_j.all()) - x_m);
+    return single(pairs::stdx::static_simd_cast<single::lanes_type>(apart) * step);
   }
 };
+
+// Room for so many numbers, behind others.
+template <class Number, int D>
+Number* scratch_of(const pairs::workspace<D>& w, std::size_t numbers, std::size_t behind = 0) {
+  auto& scratch = w.list.records.template of<Number>();
+  if (scratch.size() < behind + numbers) scratch.resize(behind + numbers);
+  return scratch.data() + behind;
+}
 
 // Fields of which there are sums, side by side in registers of their own.
 template <std::size_t N>
@@ -82,130 +96,141 @@ struct side_by_side {
   }
 };
 
-// The kernel stretched to the markers' reach, in units of that, and the marker of a row in the same.
-template <int D, class Kernel>
-struct marker_view {
-  const Kernel& kernel;
-  real nearest{kernel.smallest_r() * kernel.smallest_r()};
-  vec<real, D> x;
+// φ_j of a row in doubles that add up to one; where they are kept in single precision, in a thread's scratch.
+inline const double* shapes_of(const marker_rows& rows, std::size_t k, bool in_single, std::vector<double>& scratch) {
+  const std::size_t first = rows.near.start[k], n = rows.near.start[k + 1] - first;
+  if (!in_single) return rows.phi.doubles.data() + first;
+  scratch.resize(n);
+  const float* const phi = rows.phi.singles.data() + first;
+  for (std::size_t j = 0; j < n; ++j) scratch[j] = rows.scale[k] * static_cast<double>(phi[j]);
+  return scratch.data();
+}
 
-  marker_view(const wall_set<D>& set, std::size_t r, const Kernel& in_reaches)
-      : kernel(in_reaches), x(vec<real, D>::of([&](std::size_t a) { return set.marker[a][r] * (1.0 / set.reach); })) {}
+// What the search for shape functions needs of an evaluation.
+template <int D, class R>
+struct shape_search {
+  const wall_set<D>& set;
+  marker_rows& rows;
+  kernels::any<D> kernel;  // stretched to the markers' reach, in units of that
+  marker_places<R> places;
+  // Fours of numbers: the place, and of `single`, where the null particle may seem near, whether it is a particle.
+  const marker_places<R>::number* records;
 
-  // Particles whose records begin with these numbers.
-  [[gnu::always_inline]] seen<D> operator()(const std::array<real, 4>& record) const {
-    seen<D> j;
-    j.offset = vec<real, D>::of([&](std::size_t a) { return record[a] - x[a]; });
-    const real r2 = foundation::greater(foundation::dot(j.offset, j.offset), nearest);
-    j.weight = kernel.value(foundation::both_roots(r2).r);
-    return j;
+  // all: room for the records.
+  shape_search(const pairs::workspace<D>& w, const wall_set<D>& of, marker_rows& some, marker_places<R>::number* all)
+      : set(of), rows(some), kernel(w.kernel), places(of.reach), records(all) {
+    std::visit([]<class Kernel>(Kernel& k) { k = Kernel(1.0); }, kernel);
+    foundation::for_all(rows.listed.size(), [&](std::size_t k) {
+      const std::size_t j = rows.listed[k];
+      for (std::size_t a = 0; a < D; ++a) all[4 * k + a] = places.number_of(w.s.x[a][j]);
+      all[4 * k + 3] = j == w.s.null() ? 0 : 1;
+    });
   }
 };
 
-// f(order as a constant).
-template <class F>
-void with_order(const options& how, F&& f) {
-  const int order = polynomial_order(how.interpolation);
-  if (order == 0) f(std::integral_constant<int, 0>{});
-  if (order == 1) f(std::integral_constant<int, 1>{});
-  if (order == 2) f(std::integral_constant<int, 2>{});
-}
-
-// The fluid about a marker, one a lane. `flatten`: as in pairs::sum_row.
-template <int D, class Kernel>
-[[gnu::flatten]] void see(std::vector<seen<D>>& near, std::span<const std::uint32_t> row, const double* places,
-                          const marker_view<D, Kernel>& view) {
-  near.resize(row.size() / lanes);
-  const std::uint32_t* of_lane = row.data();
-  for (auto& j : near) {
-    j = view(turned(places, of_lane));
-    of_lane += lanes;
+// The fluid about marker r, one a lane, and its moments. `flatten`: as in pairs::sum_row.
+template <int D, class R, int Order, class Kernel>
+[[gnu::flatten]] moments<D, Order, R> see(const shape_search<D, R>& search, std::size_t r,
+                                          std::span<const std::uint32_t> row, seen<D, R>* near) {
+  const Kernel& kernel = std::get<Kernel>(search.kernel);
+  const R nearest(kernel.smallest_r() * kernel.smallest_r());
+  std::array<typename marker_places<R>::own_type, D> x;
+  for (std::size_t a = 0; a < D; ++a) x[a] = search.places.of_marker(search.set.marker[a][r]);
+  moments<D, Order, R> sums;
+  for (std::size_t k = 0; k < row.size(); k += R::size()) {
+    const auto record = turned(search.records, row.data() + k);
+    seen<D, R> j;
+    j.offset = vec<R, D>::of([&](std::size_t a) { return search.places.offset(record[a], x[a]); });
+    const R r2 = foundation::greater(foundation::dot(j.offset, j.offset), nearest);
+    j.weight = kernel.value(foundation::both_roots(r2).r);
+    if constexpr (std::is_same_v<R, single>) j.weight *= record[3];
+    sums.add(j);
+    *near++ = j;
   }
+  return sums;
 }
 
-// Σ_j φ_j f_j of the fields in the records, which are so many fours of numbers, by the coefficients c of φ.
-template <int D, int Order, std::size_t fours, class Kernel>
-[[gnu::flatten]] std::array<double, 4 * fours - D> interpolate(std::span<const std::uint32_t> row, const double* first,
-                                                               const double* c, const marker_view<D, Kernel>& view) {
-  constexpr std::size_t fields = 4 * fours - D;
-  std::array<real, fields> sums;
-  foundation::for_each_of<fields>([&](std::size_t f) { sums[f] = 0.0; });
-  for (std::size_t k = 0; k < row.size(); k += lanes) {
-    const auto record = turned<4 * fours>(first, row.data() + k);
-    const auto phi = detail::shape_function<D, Order>(view(record), c);
-    foundation::for_each_of<4 - D>([&](std::size_t f) { sums[f] += phi * record[D + f]; });
-    if constexpr (fours > 1) {
-      const auto more = turned<4 * fours>(first + 4, row.data() + k);
-      foundation::for_each_of<4>([&](std::size_t f) { sums[4 - D + f] += phi * more[f]; });
+// The shape functions of the markers [first, last), no more than a register of doubles has lanes: their systems are
+// solved side by side.
+template <int D, class R, int Order, class Kernel>
+void find_some(const shape_search<D, R>& search, std::size_t first, std::size_t last, std::vector<seen<D, R>>& near) {
+  auto& rows = search.rows;
+  const std::size_t begin = rows.near.start[first];
+  near.resize((rows.near.start[last] - begin) / R::size());
+  const auto of_row = [&](std::size_t k) { return near.data() + (rows.near.start[k] - begin) / R::size(); };
+  systems<D, Order> some;
+  for (std::size_t k = first; k < last; ++k)
+    some.put(k - first, see<D, R, Order, Kernel>(search, rows.of[k], rows.near.row(k), of_row(k)));
+  const auto c = some.coefficients(std::is_same_v<R, single> ? 3e-6 : 1e-10);
+  for (std::size_t k = first; k < last; ++k) {
+    auto* phi = rows.phi.template of<typename marker_places<R>::number>().data() + rows.near.start[k];
+    [[maybe_unused]] R total(0.0);
+    for (const seen<D, R>*j = of_row(k), *end = of_row(k + 1); j != end; ++j, phi += R::size()) {
+      const R value = shape_function<D, Order>(*j, c[k - first]);
+      if constexpr (std::is_same_v<R, single>) {
+        total += value;
+        value.all().copy_to(phi, pairs::stdx::element_aligned);
+      } else {
+        value.copy_to(phi, pairs::stdx::element_aligned);
+      }
+    }
+    if constexpr (std::is_same_v<R, single>) {
+      const double sum = foundation::sum(total);
+      rows.scale[k] = sum != 0.0 ? 1.0 / sum : 0.0;
     }
   }
-  std::array<double, fields> total;
-  for (std::size_t f = 0; f < fields; ++f) total[f] = foundation::sum(sums[f]);
-  return total;
 }
 
-// With the first sweep over the markers of an evaluation: finds the coefficients of the shape functions.
-// f(r, values) for the marker of each wall particle r, with the values of these fields at it, Σ_j φ_j f_j(x_m).
-template <int D, std::size_t N, class F>
+template <int D, class R>
+auto finder(const pairs::workspace<D>& w, const wall_set<D>& set) {
+  void (*some)(const shape_search<D, R>&, std::size_t, std::size_t, std::vector<seen<D, R>>&) = nullptr;
+  std::visit(
+      [&]<class Kernel>(const Kernel&) {
+        with_order(set.how.interpolation, [&](auto order) { some = &find_some<D, R, decltype(order)::value, Kernel>; });
+      },
+      w.kernel);
+  return some;
+}
+
+// The first sweep over the markers of an evaluation: finds the shape functions, and sums with them as long as they are
+// near: f(r, values) for the marker of each wall particle r, with the values of these fields at it, Σ_j φ_j f_j(x_m).
+template <int D, class R, std::size_t N, class F>
 void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_rows& rows,
-                 const std::array<const double*, N>& fields, F&& f) {
-  const std::size_t of_places = (rows.listed.size() * 4 + lanes - 1) / lanes * lanes;
-  auto& scratch = w.list.records.doubles;
-  const std::size_t needed = of_places + rows.listed.size() * side_by_side<N>::size;
-  if (scratch.size() < needed) scratch.resize(needed);
-  const marker_records<D> records(w, set, rows, {});
-  const side_by_side<N> values(rows, fields, scratch.data() + of_places);
-  const int order = polynomial_order(set.how.interpolation);
+                 const std::array<const double*, N>& fields, const F& f) {
+  using number = marker_places<R>::number;
+  const std::size_t listed = rows.listed.size(), of_places = (4 * listed + lanes - 1) / lanes * lanes;
+  const std::size_t before = std::is_same_v<R, single> ? 0 : of_places;  // of the doubles
+  const side_by_side<N> values(rows, fields, scratch_of<double>(w, listed * side_by_side<N>::size, before));
+  const shape_search<D, R> search(w, set, rows, scratch_of<number>(w, of_places));
+  const auto find = finder<D, R>(w, set);
   const std::size_t n = rows.near.rows();
-  std::visit(
-      [&]<class Kernel>(const Kernel&) {
-        const Kernel kernel(1.0);
 #pragma omp parallel if (n > foundation::rows_worth_threads)
-        {
-          std::vector<seen<D>> near;
-          std::vector<double> phi;
+  {
+    std::vector<seen<D, R>> near;
+    std::vector<double> scratch;
 #pragma omp for schedule(static)
-          for (std::size_t k = 0; k < n; ++k) {
-            const auto row = rows.near.row(k);
-            see(near, row, records.first, marker_view<D, Kernel>(set, rows.of[k], kernel));
-            double* const c = rows.coefficients.data() + k * terms(order, D);
-            coefficients<D>(near, order, c);
-            phi.resize(near.size() * lanes);
-            shape_functions<D>(near, order, c, phi.data());
-            f(rows.of[k], values.sum(row, phi.data()));
-          }
-        }
-      },
-      w.kernel);
+    for (std::size_t first = 0; first < n; first += lanes) {
+      const std::size_t last = std::min(n, first + lanes);
+      find(search, first, last, near);
+      for (std::size_t k = first; k < last; ++k)
+        f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
+    }
+  }
 }
 
-// The same in the sweeps that follow, which make the φ_j anew: kept, they would take as much memory as the fluid's own
-// lists.
-template <int D, class F>
-void for_each_marker(const pairs::workspace<D>& w, const wall_set<D>& set, const marker_rows& rows,
-                     std::span<const double* const> fields, F&& f) {
-  const marker_records<D> records(w, set, rows, fields);
+// The sweeps that follow, with the same functions.
+template <int D, std::size_t N, class F>
+void for_each_marker(const pairs::workspace<D>& w, const marker_rows& rows, const std::array<const double*, N>& fields,
+                     const F& f) {
+  const side_by_side<N> values(rows, fields, scratch_of<double>(w, rows.listed.size() * side_by_side<N>::size));
   const std::size_t n = rows.near.rows();
-  const auto sweep = [&](auto fours, auto order, const auto& view_of) {
-    constexpr int Order = decltype(order)::value;
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads)
+#pragma omp parallel if (n > foundation::rows_worth_threads)
+  {
+    std::vector<double> scratch;
+#pragma omp for schedule(static)
     for (std::size_t k = 0; k < n; ++k)
-      f(rows.of[k],
-        interpolate<D, Order, decltype(fours)::value>(
-            rows.near.row(k), records.first, rows.coefficients.data() + k * terms(Order, D), view_of(rows.of[k])));
-  };
-  std::visit(
-      [&]<class Kernel>(const Kernel&) {
-        const Kernel kernel(1.0);
-        const auto view_of = [&](std::size_t r) { return marker_view<D, Kernel>(set, r, kernel); };
-        with_order(set.how, [&](auto order) {
-          if (records.size == 4)
-            sweep(std::integral_constant<std::size_t, 1>{}, order, view_of);
-          else
-            sweep(std::integral_constant<std::size_t, 2>{}, order, view_of);
-        });
-      },
-      w.kernel);
+      f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
+  }
 }
 
 // The fluid at the markers, mirrored. Transport: viscosity and conductivity too; without, all particles share them.
@@ -221,7 +246,7 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   set.unread.reset();
   if (set.complete) find_unread(w, set);
   for_all_rows(set, [&](marker_rows& rows) {
-    find_shapes<D>(w, set, rows, arrays, [&](std::size_t r, const auto& values) {
+    const auto mirror = [&](std::size_t r, const auto& values) {
       const std::size_t i = s.first_wall() + r;
       std::array<double, D> v;
       std::copy_n(values.begin(), D, v.begin());
@@ -232,7 +257,9 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
       s.dV[i] = values[D + 2];
       set.mass[r] = values[D + 3];
       if constexpr (Transport) s.eta[i] = values[D + 4], s.k[i] = values[D + 5];
-    });
+    };
+    w.single_pairs() ? find_shapes<D, single>(w, set, rows, arrays, mirror)
+                     : find_shapes<D, real>(w, set, rows, arrays, mirror);
   });
   if constexpr (Transport)
     w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
@@ -254,84 +281,100 @@ std::vector<std::size_t> walled_axes(const wall_set<D>& set) {
   return axes;
 }
 
-// Σ of the viscous forces (N) on these rows, of N components.
-template <int D, std::size_t N>
+// Σ of the viscous forces (N) on these rows, of N components, and other terms' sums over the same neighbours.
+template <int D, std::size_t N, class... Beside>
 void viscous_forces(const pairs::workspace<D>& w, const pairs::chosen& rows, const std::array<const double*, N>& v,
-                    const std::array<double*, N>& force) {
+                    const std::array<double*, N>& force, const Beside&... beside) {
   using diffusion::viscous_sum;
   const auto& s = w.s;
   if (w.uniform_transport)
-    w.sum(rows, viscous_sum<D, double, N, false>{v, *w.uniform_transport, s.dV.data(), force});
+    w.sum(rows, viscous_sum<D, double, N, false>{v, *w.uniform_transport, s.dV.data(), force}, beside...);
   else
-    w.sum(rows, viscous_sum<D, const double*, N, false>{v, s.eta.data(), s.dV.data(), force});
+    w.sum(rows, viscous_sum<D, const double*, N, false>{v, s.eta.data(), s.dV.data(), force}, beside...);
 }
 
-// f = ν∇²v + g of the fluid near the walls, ghosts included, along axes that have walls. Along one alone it takes a
-// third less.
-template <int D>
-void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set) {
-  auto& s = w.s;
+// f = ν∇²v + g of these rows, along axes that have walls. Along one alone it takes a third less.
+template <int D, class... Beside>
+void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pairs::chosen& near,
+                      const Beside&... beside) {
+  const auto& s = w.s;
   const auto axes = walled_axes(set);
+  for (const std::size_t a : axes)
+    foundation::for_all(near.rows.size(), [&](std::size_t k) { set.f[a][near.rows[k]] = 0.0; });
+  // Where other sums share the pass, most of it is theirs.
+  const foundation::stage timed(w.times, sizeof...(Beside) > 0 ? "pressure" : "walls");
+  if (axes.size() == 1) {
+    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]].data()}, beside...);
+  } else {
+    // Along axes without walls nobody reads it.
+    std::array<double*, D> f;
+    particles::array unread(axes.size() < D ? s.total() + 1 : 0);
+    for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a].empty() ? unread.data() : set.f[a].data();
+    viscous_forces<D, D>(w, near, pairs::pointers<D>(s.v), f, beside...);
+  }
+  for (const std::size_t a : axes)
+    foundation::for_all(near.rows.size(), [&](std::size_t k) {
+      double& f = set.f[a][near.rows[k]];
+      f = f / s.m[near.rows[k]] + w.g[a];
+    });
+}
+
+// f of the fluid near the walls, ghosts included. Beside it, and over the same neighbours, other terms' sums of the
+// fluid that markers in use see.
+template <int D, class... Beside>
+void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
+  sum_acceleration(w, set, set.read.near_wall, beside...);
+  if (set.unread) sum_acceleration(w, set, set.unread->near_wall);
   std::vector<double*> wanted;
-  for (const std::size_t a : axes) wanted.push_back(set.f[a].data());
-  for_all_rows(set, [&](const marker_rows& of) {
-    const auto& rows = of.near_wall.rows;
-    for (double* f : wanted) foundation::for_all(rows.size(), [&](std::size_t k) { f[rows[k]] = 0.0; });
-    if (axes.size() == 1) {
-      viscous_forces<D, 1>(w, of.near_wall, {s.v[axes[0]].data()}, {wanted[0]});
-    } else {
-      // Along axes without walls nobody reads it.
-      std::array<double*, D> f;
-      particles::array unread(axes.size() < D ? s.total() + 1 : 0);
-      for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a].empty() ? unread.data() : set.f[a].data();
-      viscous_forces<D, D>(w, of.near_wall, pairs::pointers<D>(s.v), f);
-    }
-    for (std::size_t n = 0; n < axes.size(); ++n)
-      foundation::for_all(rows.size(), [&](std::size_t k) {
-        double& f = wanted[n][rows[k]];
-        f = f / s.m[rows[k]] + w.g[axes[n]];
-      });
-  });
+  for (const std::size_t a : walled_axes(set)) wanted.push_back(set.f[a].data());
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(wanted));
 }
 
 // put(i, values) for each wall particle i, with the values of these fields at its marker. Where the momentum balance's
 // steps are due, the same sweep makes them: a pressure and a weight that grow from marker to wall particle,
 // linear in the fluid's values. Both lie apart along axes that have walls.
-template <int D, class Put>
-void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, std::vector<const double*> fields, Put&& put) {
+template <int D, std::size_t N, class Put>
+void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& fields, Put&& put) {
   const auto& s = w.s;
-  const std::size_t n = fields.size();
-  const auto axes = set.steps_due ? walled_axes(set) : std::vector<std::size_t>{};
-  for (const std::size_t a : axes) fields.push_back(set.f[a].data());
-  for_all_rows(set, [&](const marker_rows& rows) {
-    for_each_marker<D>(w, set, rows, fields, [&](std::size_t r, const auto& values) {
-      const std::size_t i = s.first_wall() + r;
-      if (set.steps_due) {
-        double f_dx = 0.0;
-        for (std::size_t k = 0; k < axes.size(); ++k)
-          f_dx += values[n + k] * (s.x[axes[k]][i] - set.marker[axes[k]][r]);
-        set.pressure_step[r] = s.rho[i] * f_dx;
-        set.weight_step[r] = set.mass[r] * f_dx;
-      }
-      put(i, values);
+  const auto axes = walled_axes(set);
+  const auto sweep = [&]<std::size_t Axes>(std::integral_constant<std::size_t, Axes>) {
+    std::array<const double*, N + Axes> all;
+    std::copy(fields.begin(), fields.end(), all.begin());
+    for (std::size_t k = 0; k < Axes; ++k) all[N + k] = set.f[axes[k]].data();
+    for_all_rows(set, [&](const marker_rows& rows) {
+      for_each_marker(w, rows, all, [&](std::size_t r, const auto& values) {
+        const std::size_t i = s.first_wall() + r;
+        if constexpr (Axes > 0) {
+          double f_dx = 0.0;
+          for (std::size_t k = 0; k < Axes; ++k) f_dx += values[N + k] * (s.x[axes[k]][i] - set.marker[axes[k]][r]);
+          set.pressure_step[r] = s.rho[i] * f_dx;
+          set.weight_step[r] = set.mass[r] * f_dx;
+        }
+        put(i, values);
+      });
     });
-  });
+  };
+  const std::size_t due = set.steps_due ? axes.size() : 0;
+  if (due == 0) sweep(std::integral_constant<std::size_t, 0>{});
+  if (due == 1) sweep(std::integral_constant<std::size_t, 1>{});
+  if (due == 2) sweep(std::integral_constant<std::size_t, 2>{});
+  if constexpr (D == 3)
+    if (due == 3) sweep(std::integral_constant<std::size_t, 3>{});
   set.steps_due = false;
 }
 
 template <int D>
 void marker_weights(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  at_markers<D>(w, set, {s.Y.data()},
-                [&](std::size_t i, const auto& values) { s.Y[i] = values[0] + set.weight_step[i - s.first_wall()]; });
+  at_markers(w, set, std::array<const double*, 1>{s.Y.data()},
+             [&](std::size_t i, const auto& values) { s.Y[i] = values[0] + set.weight_step[i - s.first_wall()]; });
   w.exchange_walls({s.Y.data()});
 }
 
 template <int D>
 void marker_pressures(pairs::workspace<D>& w, wall_set<D>& set) {
   auto& s = w.s;
-  at_markers<D>(w, set, {s.p.data(), s.dV.data()}, [&](std::size_t i, const auto& values) {
+  at_markers(w, set, std::array<const double*, 2>{s.p.data(), s.dV.data()}, [&](std::size_t i, const auto& values) {
     s.p[i] = values[0] + set.pressure_step[i - s.first_wall()];
     s.dV[i] = values[1];
   });

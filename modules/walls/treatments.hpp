@@ -2,7 +2,8 @@
 // order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
 //
 //   places       of what stands behind the walls, where it moves with the fluid     (before the volumes are found)
-//   kinematics   v, T, η, k, ΔV of the wall particles
+//   kinematics   v, T, η, k, ΔV of the wall particles; with markers f = ν∇²v + g of the fluid that they see, and, when
+//                terms are handed over, their sums over the same neighbours in the same pass
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
 //   pressures    p and ΔV = Y/p of the wall particles from the fluid's
 //   push         what the wall adds to the forces directly: boundary_force.hpp; of repulsion
@@ -39,10 +40,10 @@ struct none : nothing {
 struct with_markers : nothing {
   static constexpr bool has_particles = true, has_markers = true;
 
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
+  template <int D, class... Beside>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
     detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set);
+    detail::nonpressure_acceleration(w, set, beside...);
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
@@ -57,9 +58,9 @@ struct with_markers : nothing {
 struct virtual_marker : with_markers {
   static constexpr const char* name = "virtual_marker";
 
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    with_markers::kinematics(w, set);
+  template <int D, class... Beside>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
+    with_markers::kinematics(w, set, beside...);
     set.steps_due = true;
   }
   template <int D>

@@ -15,8 +15,11 @@ struct marker_rows {
   std::vector<std::uint32_t> of;
   cells::point_list near;             // fluid within reach of each marker: places in `listed`
   std::vector<std::uint32_t> listed;  // local indices of all in `near`, ghosts and null particle included
-  particles::array coefficients;      // c of each one's shape functions, of an evaluation
-  pairs::chosen near_wall;            // owned fluid that some marker may see
+  // Shape functions of all in `near`, of an evaluation, in the precision of pairs; and by what those of a marker in
+  // single precision are multiplied, so that their sum is one.
+  cells::neighbour_list::scratch phi;
+  std::vector<double> scale;
+  pairs::chosen near_wall;  // owned fluid that some marker may see
 };
 
 template <int D>
@@ -36,6 +39,13 @@ struct wall_set {
   marker_rows read;
   std::optional<marker_rows> unread;
   bool complete = true;
+
+  // Of the owned fluid: who stands near wall particles, and which of these each has for neighbours; who is in no
+  // `read.near_wall`, in the rows that wait for no ghosts and in those at the border.
+  pairs::chosen beside;
+  cells::neighbour_list wall_neighbours;
+  pairs::remainder interior_apart, border_apart;
+  particles::array kernel_sum;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it
 
   // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J). Due: the next sweep
   // over the markers makes them.

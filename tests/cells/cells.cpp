@@ -95,7 +95,7 @@ void check_lists(const hydrostatic::scene<D>& scene) {
   for (std::size_t r = 0; r < w.list.rows(); ++r) {
     // Of each lane, one sequence after the other.
     std::vector<sequences> is(width);
-    w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) {
+    w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) {
       wrong += of_lanes == 0;
       const std::size_t sequence = w.list.at_once > 1 ? sequence_of<D>(cells::position<D>(s.x, j), edge) : 0;
       for (std::size_t lane = 0; lane < width; ++lane)
@@ -187,7 +187,7 @@ BOOST_AUTO_TEST_CASE(list_about_other_points) {
   // Reaches above and below the grid's own cells.
   for (const double reach : {0.8, 2.0, 7.0}) {
     const auto g = cells::make_grid<3>(x, id, n, 2.0);
-    cells::make_list_of_points<3>(list, g, rows, reach, n, centre, even);
+    cells::make_list_of_points<3>(list, g, rows, reach, n, foundation::lanes, centre, even);
     BOOST_REQUIRE(list.rows() == rows);
     for (std::size_t r = 0; r < rows; ++r) {
       std::vector<std::uint32_t> is, should;
@@ -233,7 +233,7 @@ BOOST_AUTO_TEST_CASE(entries_come_back) {
       for (std::size_t n = 0; n < first.size(); ++n)
         for (std::size_t k = 0; k < at_once; ++k)
           if (n < rows[r][k].size()) should.push_back(rows[r][k][n]);
-      list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes) { found.emplace_back(j, of_lanes); });
+      list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) { found.emplace_back(j, of_lanes); });
       BOOST_TEST((found == should));
     }
   }

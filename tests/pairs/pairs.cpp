@@ -220,7 +220,7 @@ BOOST_AUTO_TEST_CASE(rows_that_need_no_ghosts) {
   BOOST_TEST((w.core > 0) == (w.d.ranks.size > 1));
   BOOST_TEST(w.border % pairs::lanes == 0U);
   for (std::size_t r = 0; r < w.list.rows(); ++r)
-    w.list.for_each(r, [&](std::size_t j, std::uint32_t) {
+    w.list.for_each(r, [&](std::size_t j, auto...) {
       const std::size_t i = r * pairs::lanes;
       BOOST_TEST((i >= w.border || j < w.s.fluid));
       BOOST_TEST((i < w.border || j >= w.core));

@@ -19,11 +19,18 @@ void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing
     how.before_walls(w, around);
   }
   w.agree();
-  std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
-  if constexpr (volume::works_ahead<Volume>)
-    volume::find_pressure<Pressure>(w, around);
-  else
+  if constexpr (volume::works_ahead<Volume>) {
+    Pressure::sum_apart(w, around, true);
+    Pressure::with_kinematics(w, around);
+    around.weights(w);
+    Pressure::sum_apart(w, around, false);
+    Pressure::add_walls(w, around);
+    Pressure::begin(w);
+    Pressure::end(w);
+  } else {
+    std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
     how.template determine<Pressure>(w, around);
+  }
   w.agree();
   std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
 }

@@ -10,6 +10,8 @@ using namespace tetsuame::walls;
 
 namespace {
 
+constexpr std::size_t marker_lane = 1;  // beside others that see nothing
+
 template <int D>
 struct cloud {
   std::vector<std::array<double, D>> offsets;
@@ -30,9 +32,16 @@ struct cloud {
       for (std::size_t a = 0; a < D; ++a) near[k / lanes].offset[a][k % lanes] = offsets[k][a];
     }
     std::vector<double> values(near.size() * lanes, -1.0);
-    std::vector<double> c(terms(order, D));
-    coefficients<D>(near, order, c.data());
-    shape_functions<D>(near, order, c.data(), values.data());
+    with_order(std::array{"shepard", "mls", "mls2"}[static_cast<std::size_t>(order)], [&](auto constant) {
+      constexpr int Order = decltype(constant)::value;
+      moments<D, Order> sums;
+      for (const auto& j : near) sums.add(j);
+      systems<D, Order> some;
+      some.put(marker_lane, sums);
+      const auto c = some.coefficients()[marker_lane];
+      for (std::size_t k = 0; k < near.size(); ++k)
+        shape_function<D, Order>(near[k], c).copy_to(values.data() + k * lanes, std::experimental::element_aligned);
+    });
     values.resize(weights.size());
     return values;
   }

@@ -161,7 +161,7 @@ class rig {
   template <class F>
   void for_each_within(std::size_t i, double reach2, F&& f) const {
     const auto& w = world_.w;
-    w.list.for_each(i / pairs::lanes, [&](std::uint32_t j, std::uint32_t of_lanes) {
+    w.list.for_each(i / pairs::lanes, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) {
       double r2 = 0.0;
       for (const auto& x : w.s.x) r2 += (x[i] - x[j]) * (x[i] - x[j]);
       if ((of_lanes >> i % pairs::lanes & 1U) != 0 && r2 < reach2) f(j);

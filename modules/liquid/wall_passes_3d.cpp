@@ -1,0 +1,3 @@
+#include <liquid/passes.hpp>
+
+TETSUAME_WALL_PASSES(, 3);
