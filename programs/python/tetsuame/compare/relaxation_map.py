@@ -91,7 +91,8 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
     if outcome.kind != COMPLETED or not len(columns.get("time", ())):
         return found
     if aim == STEADY:
-        return found | {name: without_swings(columns["time"], columns[column]) for name, column in (("nusselt", "nusselt_volume"), ("v_rms", "v_rms"))}
+        return found | {name: without_swings(columns["time"], columns[column])
+                        for name, column in (("nusselt", "nusselt_volume"), ("v_rms", "v_rms"))}
     return found | dict(zip(("overshoot", "height"), first_maximum(columns["time"] / 1e18, columns["v_rms"])))
 
 
@@ -185,8 +186,8 @@ def sections(_outcomes: list[Outcome], measured: dict, folder: Path) -> list[str
                             "Errors: from the least relaxed run at the same n."),
             pages.section("The map", pages.figure(
                 maps(found), folder / "map.png",
-                "Error (%) of the steady Nusselt number (left); of time and height of the first maximum of v_rms (right). Grey: the note's Euler steps "
-                "in L²/κ at this n. Blue: the note's φ_ξ = 0.5 and Mach number 0.1. Dashed: foretold (left: 0.2 % by inertia; right: of the time, by "
+                "Error (%) of the steady Nusselt number (left); of time and height of the first maximum of v_rms (right). Grey: the note's Euler "
+                "steps in L²/κ at this n. Blue: the note's φ_ξ = 0.5 and Mach number 0.1. Dashed: foretold (left: 0.2 % by inertia; right: of the time, by "
                 "the law of small factors). Red: φ_ζ = φ_ξ. Green: within 0.2 %; shaded: recommended. ×: blew up.")),
             *(pages.section(f"{case}: {aim}", table(found, case, aim)) for case in RAYLEIGH for aim in (STEADY, WAY)
               if any((each.one["case"], each.one["aim"]) == (case, aim) for each in found))]
@@ -271,7 +272,8 @@ def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:
     lines = [f"{'case':<16}{'aim':<17}{'n':>4}{'phi_zeta':>9}{'phi_xi':>8}  {'outcome':<10}{'rhs':>11}  value, error (foretold)"]
     for each in compared(measured["runs"]):
         one = each.one
-        values = ", ".join(f"{said(one[name], '{:.6g}'):>11}{percent(each.measured[name]):>10} ({percent(known)})" for name, known in each.foretold.items())
+        values = ", ".join(f"{said(one[name], '{:.6g}'):>11}{percent(each.measured[name]):>10} ({percent(known)})"
+                           for name, known in each.foretold.items())
         lines.append(f"{one['case']:<16}{one['aim']:<17}{one['n']:>4}{one['phi_zeta']:>9g}{one['phi_xi']:>8g}  {one['outcome']:<10}"
                      f"{count(one['right_hand_sides']):>11}{values}")
     return lines
