@@ -55,6 +55,28 @@ class single {
   lanes_type v_;
 };
 
+// A single number as it is, rounded. Of a b + c d the compiler fuses one of the products with the sum, which is then
+// another one for who has c d + a b: the other end of a pair. Rounded both, the sum is the same. Doubles are passed on
+// as they are, fused or not.
+inline double rounded(double a) { return a; }
+[[gnu::always_inline]] inline real rounded(const real& a) { return a; }
+[[gnu::always_inline]] inline single rounded(const single& a) {
+  constexpr std::size_t bytes = sizeof(float) * single::size();
+  using bare [[gnu::vector_size(bytes)]] = float;
+  auto register_of_a = static_cast<bare>(a.all());
+  // No instruction, but what the compiler does not look into: __builtin_assoc_barrier takes registers apart.
+#if defined(__AVX512F__)
+  asm("" : "+v"(register_of_a));
+#elif defined(__SSE__)
+  asm("" : "+x"(register_of_a));
+#elif defined(__aarch64__)
+  asm("" : "+w"(register_of_a));
+#else
+  register_of_a = __builtin_assoc_barrier(register_of_a);
+#endif
+  return single(single::lanes_type(register_of_a));
+}
+
 // Lanes of the mask from a, others from b.
 template <class T, class Abi>
 [[gnu::always_inline]] inline stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& mask,
