@@ -61,20 +61,23 @@ class single {
 inline double rounded(double a) { return a; }
 [[gnu::always_inline]] inline real rounded(const real& a) { return a; }
 [[gnu::always_inline]] inline single rounded(const single& a) {
-  constexpr std::size_t bytes = sizeof(float) * single::size();
-  using bare [[gnu::vector_size(bytes)]] = float;
-  auto register_of_a = static_cast<bare>(a.all());
-  // No instruction, but what the compiler does not look into: __builtin_assoc_barrier takes registers apart.
+  // No instruction, but what the compiler does not look into: __builtin_assoc_barrier takes registers apart. Elsewhere
+  // nothing is fused.
 #if defined(__AVX512F__)
-  asm("" : "+v"(register_of_a));
-#elif defined(__SSE__)
-  asm("" : "+x"(register_of_a));
+  auto v = static_cast<__m512>(a.all());
+  asm("" : "+v"(v));
+  return single(single::lanes_type(v));
+#elif defined(__AVX__)
+  auto v = static_cast<__m256>(a.all());
+  asm("" : "+x"(v));
+  return single(single::lanes_type(v));
 #elif defined(__aarch64__)
-  asm("" : "+w"(register_of_a));
+  auto v = static_cast<float32x4_t>(a.all());
+  asm("" : "+w"(v));
+  return single(single::lanes_type(v));
 #else
-  register_of_a = __builtin_assoc_barrier(register_of_a);
+  return a;
 #endif
-  return single(single::lanes_type(register_of_a));
 }
 
 // Lanes of the mask from a, others from b.
