@@ -29,7 +29,7 @@ struct conduction {
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
     const auto factor =
-        harmonic(ij.own(of_conductivity), ij(of_conductivity)) * ij.own(of_volume) * (ij(of_volume) * ij.F);
+        of_both_ends(harmonic(ij.own(of_conductivity), ij(of_conductivity)), ij.own(of_volume), ij(of_volume), ij.F);
     a.sum += factor * ij.difference(of_temperature);
   }
   void end(const auto& i, const auto& a) const { i.add(heat, a.sum, D - 2); }

@@ -15,12 +15,24 @@ R harmonic(const R& a, const R& b) {
   return foundation::select(sum == 0.0, R(0.0), R(4.0 * a * b / sum));
 }
 
+// a ΔV_i ΔV_j F. In single numbers the two volumes come first, so that both ends of a pair round the product alike.
+template <class R>
+R of_both_ends(const R& a, const R& dV_i, const R& dV_j, const R& F) {
+  if constexpr (std::is_same_v<R, pairs::single>)
+    return (dV_i * dV_j) * (a * F);
+  else
+    return a * dV_i * (dV_j * F);
+}
+
 // Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair. Of N components of
 // the velocity; with the dissipation, which needs all of them, or without.
 template <int D, class Eta, std::size_t N = D, bool heats = true>
 struct viscous_sum {
   static constexpr bool uniform = std::is_same_v<Eta, double>;
   static_assert(N == D || !heats);
+  // For that reason 2 η is a factor of the whole sum there.
+  template <class R>
+  static constexpr bool eta_at_end = uniform&& std::is_same_v<R, pairs::single>;
 
   std::array<const double*, N> v;  // m/s
   Eta eta;                         // Pa s
@@ -30,7 +42,7 @@ struct viscous_sum {
 
   template <class R>
   struct me {
-    R factor;  // 2 η ΔV where η is uniform
+    R factor;  // 2 η ΔV where η is uniform; ΔV if 2 η comes at the end
     pairs::vec<R, static_cast<int>(N)> force;
     R dissipation;
   };
@@ -46,22 +58,40 @@ struct viscous_sum {
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
     me<R> a{R(0.0), foundation::zero<R, static_cast<int>(N)>(), R(0.0)};
-    if constexpr (uniform) a.factor = 2.0 * (eta * i.lengths.to(-1)) * i(dV, D);
+    if constexpr (eta_at_end<R>)
+      a.factor = i(dV, D);
+    else if constexpr (uniform)
+      a.factor = 2.0 * eta * i(dV, D);
     return a;
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
-    auto factor = a.factor;
-    if constexpr (!uniform) factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume);
-    factor *= ij(of_volume) * ij.F;
+    using R = std::remove_cvref_t<decltype(ij.F)>;
+    R factor;
+    if constexpr (eta_at_end<R>)
+      factor = a.factor * ij(of_volume) * ij.F;
+    else if constexpr (uniform)
+      factor = a.factor * (ij(of_volume) * ij.F);
+    else
+      factor = of_both_ends(harmonic(ij.own(of_viscosity), ij(of_viscosity)), ij.own(of_volume), ij(of_volume), ij.F);
     const auto v_ij = ij.difference(of_velocity);
     a.force += factor * v_ij;
     if constexpr (heats) a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < N; ++k) i.add(force[k], a.force[k], D - 1);
+    const double factor = factor_of(i);
+    for (std::size_t k = 0; k < N; ++k) i.add(force[k], factor * a.force[k], D - 1);
     if constexpr (heats)
-      if (heat != nullptr) i.add(heat, 0.5 * a.dissipation, D - 1);
+      if (heat != nullptr) i.add(heat, 0.5 * factor * a.dissipation, D - 1);
+  }
+
+ private:
+  template <class R>
+  double factor_of(const pairs::cluster<R>& i) const {
+    if constexpr (eta_at_end<R>)
+      return 2.0 * eta * i.lengths.to(-1);
+    else
+      return 1.0;
   }
 };
 

@@ -55,6 +55,31 @@ class single {
   lanes_type v_;
 };
 
+// A single number as it is, rounded. Of a b + c d the compiler fuses one of the products with the sum, which is then
+// another one for who has c d + a b: the other end of a pair. Rounded both, the sum is the same. Doubles are passed on
+// as they are, fused or not.
+inline double rounded(double a) { return a; }
+[[gnu::always_inline]] inline real rounded(const real& a) { return a; }
+[[gnu::always_inline]] inline single rounded(const single& a) {
+  // No instruction, but what the compiler does not look into: __builtin_assoc_barrier takes registers apart. Elsewhere
+  // nothing is fused.
+#if defined(__AVX512F__)
+  auto v = static_cast<__m512>(a.all());
+  asm("" : "+v"(v));
+  return single(single::lanes_type(v));
+#elif defined(__AVX__)
+  auto v = static_cast<__m256>(a.all());
+  asm("" : "+x"(v));
+  return single(single::lanes_type(v));
+#elif defined(__aarch64__)
+  auto v = static_cast<float32x4_t>(a.all());
+  asm("" : "+w"(v));
+  return single(single::lanes_type(v));
+#else
+  return a;
+#endif
+}
+
 // Lanes of the mask from a, others from b.
 template <class T, class Abi>
 [[gnu::always_inline]] inline stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& mask,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <gradient/sums.hpp>
+#include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
 
 namespace tetsuame::gradient {
@@ -25,9 +26,9 @@ struct pattern_1::term {
 
   template <class R>
   struct me {
-    R stress;                // J m^D, p ΔV² of particle i
-    pairs::vec<R, D> force;  // N, its sign reversed
-    R work;                  // W
+    R stress;                     // J m^D, p ΔV² of particle i
+    pairs::long_sum<R, D> force;  // N
+    R work;                       // W
   };
 
   auto reads() const {
@@ -36,17 +37,22 @@ struct pattern_1::term {
   }
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    return {R(i(p) * i(dV, D) * i(dV, D)), foundation::zero<R, D>(), R(0.0)};
+    const R Y = i(p) * i(dV, D);
+    return {R(Y * i(dV, D)), pairs::long_sum<R, D>(R(larger * Y)), R(0.0)};
   }
   void add(auto& a, const auto& ij) const {
     const auto dV_j = ij(pairs::of_volume);
-    const auto stress = a.stress + ij(pairs::of_pressure) * dV_j * dV_j;
+    const auto stress = a.stress + foundation::rounded(ij(pairs::of_pressure) * dV_j * dV_j);
     const auto slope = stress * ij.F;
-    a.force += slope * ij.x_ij;
+    a.force -= slope * ij.x_ij;
     a.work += slope * ij.along(pairs::of_velocity);
   }
+  static void join(auto& a, const auto& other) {
+    a.force.join();
+    a.work += other.work;
+  }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(out.force[k], -a.force[k], D - 1);
+    for (std::size_t k = 0; k < D; ++k) i.add_doubles(out.force[k], a.force[k], D - 1);
     i.add(out.power, 0.5 * a.work, D - 1);
   }
 };

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <gradient/sums.hpp>
+#include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
 
 namespace tetsuame::gradient {
@@ -24,9 +25,9 @@ struct pattern_2::term {
 
   template <class R>
   struct me {
-    R Y, dV;                 // J, m^D
-    pairs::vec<R, D> force;  // N, its sign reversed
-    R work;                  // W
+    R Y, dV;                      // J, m^D
+    pairs::long_sum<R, D> force;  // N
+    R work;                       // W
   };
 
   auto reads() const {
@@ -35,18 +36,23 @@ struct pattern_2::term {
   }
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    return {R(i(p) * i(dV, D)), i(dV, D), foundation::zero<R, D>(), R(0.0)};
+    const R Y = i(p) * i(dV, D);
+    return {Y, i(dV, D), pairs::long_sum<R, D>(R(larger * Y)), R(0.0)};
   }
   void add(auto& a, const auto& ij) const {
     const auto dV_j = ij(pairs::of_volume);
     const auto Y_j = ij(pairs::of_pressure) * dV_j;
-    const auto stress = a.dV * Y_j + a.Y * dV_j;
+    const auto stress = foundation::rounded(a.dV * Y_j) + foundation::rounded(a.Y * dV_j);
     const auto slope = stress * ij.F;
-    a.force += slope * ij.x_ij;
+    a.force -= slope * ij.x_ij;
     a.work += slope * ij.along(pairs::of_velocity);
   }
+  static void join(auto& a, const auto& other) {
+    a.force.join();
+    a.work += other.work;
+  }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.add(out.force[k], -a.force[k], D - 1);
+    for (std::size_t k = 0; k < D; ++k) i.add_doubles(out.force[k], a.force[k], D - 1);
     i.add(out.power, 0.5 * a.work, D - 1);
   }
 };

@@ -11,4 +11,8 @@ struct sums {
   double* power;                 // W, m_i Du_i/Dt
 };
 
+// What a long_sum begins with, over Y and a unit of length near the support: the pressure on one side of a particle is
+// some 3 Y/S, and a neighbour's may be twenty times as large.
+inline constexpr double larger = 64.0;
+
 }  // namespace tetsuame::gradient

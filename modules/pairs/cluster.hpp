@@ -70,9 +70,14 @@ struct cluster {
   void set(double* a, const R& value, int n = 0) const {
     foundation::store_where(chosen, a + first, in_doubles(value, n));
   }
-  void add(double* a, const R& value, int n = 0) const {
+  // Of what is in doubles, and these lengths, already.
+  void set_doubles(double* a, const real& value, int n = 0) const {
+    foundation::store_where(chosen, a + first, real(value * lengths.to(n)));
+  }
+  void add(double* a, const R& value, int n = 0) const { add_doubles(a, in_doubles(value, n)); }
+  void add_doubles(double* a, const real& value, int n = 0) const {
     foundation::store_where(chosen, a + first,
-                            real(foundation::load_where<real>(chosen, a + first) + in_doubles(value, n)));
+                            real(foundation::load_where<real>(chosen, a + first) + value * lengths.to(n)));
   }
   // f(particle, of) for every chosen one; of(value, n) is its lane's, n as above.
   template <class F>

@@ -19,9 +19,9 @@ struct contact {
 // exact where the densities are equal and never too large else. Not below -min(p_inf), where a vacuum opens.
 template <class R>
 contact<R> hllc_contact(const side<R>& l, const side<R>& r, const R& c_l, const R& c_r) {
-  using detail::sqrt, foundation::greater, foundation::lesser;
+  using detail::sqrt, foundation::greater, foundation::lesser, foundation::rounded;
   const R z_l = l.rho * c_l, z_r = r.rho * c_r, closing = l.u - r.u;
-  const R acoustic = (z_r * l.p + z_l * r.p + z_l * z_r * closing) / (z_l + z_r);
+  const R acoustic = (rounded(R(z_r * l.p)) + rounded(R(z_l * r.p)) + z_l * z_r * closing) / (z_l + z_r);
   const R meeting = greater(R(0.0), closing);
   const R cold = 0.125 * (l.gamma + r.gamma + 2.0) * meeting * meeting * (l.rho * r.rho) / (l.rho + r.rho) -
                  greater(r.p_infinity, l.p_infinity);
@@ -31,7 +31,7 @@ contact<R> hllc_contact(const side<R>& l, const side<R>& r, const R& c_l, const 
         R(s.rho * (s.gamma * (s.p + s.p_infinity) + 0.5 * (s.gamma + 1.0) * greater(R(0.0), R(estimate - s.p)))));
   };
   const R m_l = flux(l), m_r = flux(r), per_sum = 1.0 / (m_l + m_r);
-  const R p = (m_r * l.p + m_l * r.p + m_l * m_r * closing) * per_sum;
+  const R p = (rounded(R(m_r * l.p)) + rounded(R(m_l * r.p)) + m_l * m_r * closing) * per_sum;
   return {greater(R(0.0 - lesser(r.p_infinity, l.p_infinity)), p), (m_l * l.u + m_r * r.u + l.p - r.p) * per_sum};
 }
 

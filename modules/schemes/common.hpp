@@ -11,11 +11,12 @@
 #pragma once
 
 #include <cmath>
+#include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
 
 namespace tetsuame::schemes {
 
-using foundation::greater, foundation::lesser, foundation::select;
+using foundation::greater, foundation::lesser, foundation::rounded, foundation::select;
 using pairs::of_pressure, pairs::of_velocity, pairs::of_volume, pairs::of_weight, pairs::vec;
 
 // The name by which terms read a field.
@@ -151,7 +152,8 @@ struct two_slopes {
 template <int D, class Kernel>
 auto slopes_of(const Kernel& unit, const auto& ij) {
   const auto i = kernel_of_end<D>(unit, ij, ij.own(of_per_support)), j = kernel_of_end<D>(unit, ij, ij(of_per_support));
-  return two_slopes<std::remove_cvref_t<decltype(ij.r)>>{i.scale * i.F, j.scale * j.F};
+  using R = std::remove_cvref_t<decltype(ij.r)>;
+  return two_slopes<R>{rounded(R(i.scale * i.F)), rounded(R(j.scale * j.F))};
 }
 
 // The next S of S^D n = target by Newton's method, by at most a fifth at once.
@@ -229,8 +231,8 @@ struct density {
 
 template <int D, class R>
 struct sums {
-  vec<R, D> force;  // N
-  R power, signal;  // W, m/s
+  pairs::long_sum<R, D> force;  // N
+  R power, signal;              // W, m/s
 };
 
 // c_i + c_j - 3 min(w_ij, 0), where the neighbour is within the support of either.
@@ -245,16 +247,18 @@ struct forces {
   fields<D> g;
 
   template <class R>
-  sums<D, R> begin(const pairs::cluster<R>&) const {
-    return {foundation::zero<R, D>(), R(0.0), R(0.0)};
+  sums<D, R> begin(const pairs::cluster<R>& i) const {
+    // The pressure on one side of a particle is some 3 p V/S, and a neighbour's may be twenty times as large.
+    const R larger = 64.0 * i(g.s.p.data()) * i(g.s.dV.data(), D) * i(g.a.per_S.data(), -1);
+    return {pairs::long_sum<R, D>(larger), R(0.0), R(0.0)};
   }
   static void join(auto& sum, const auto& other) {
-    sum.force += other.force;
+    sum.force.join();
     sum.power += other.power;
     sum.signal = greater(sum.signal, other.signal);
   }
   void end(const auto& i, const auto& sum) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(g.a.force[k].data(), sum.force[k], D - 1);
+    for (std::size_t k = 0; k < D; ++k) i.set_doubles(g.a.force[k].data(), sum.force[k], D - 1);
     i.set(g.a.power.data(), sum.power, D - 1);
     i.set(g.a.signal.data(), sum.signal);
   }

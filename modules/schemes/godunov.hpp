@@ -109,7 +109,7 @@ struct gsph : godunov<D, Kernel> {
     const auto F = slopes_of<D>(this->unit, ij);
     const auto star = this->star_of(ij);
     const auto mmP = ij.own(of_mass) * ij(of_mass) * star.p;
-    const auto both = mmP * (ij.own(of_slope) * F.i + ij(of_slope) * F.j);
+    const auto both = mmP * (rounded(ij.own(of_slope) * F.i) + rounded(ij(of_slope) * F.j));
     const auto own = foundation::dot(ij.own(of_velocity), ij.x_ij);
     sum.force -= both * ij.x_ij;
     sum.power -= both * (star.u * ij.r - own);
@@ -128,7 +128,7 @@ struct gdisph : godunov<D, Kernel> {
     const auto U_i = ij.own(of_weight), U_j = ij(of_weight);
     const auto from_i = U_i * ij.own(of_slope) * (U_j + ij.own(of_correction)) * F.i * (P + rest * ij.own(of_pressure));
     const auto from_j = U_j * ij(of_slope) * (U_i + ij(of_correction)) * F.j * (P + rest * ij(of_pressure));
-    sum.force -= (from_i + from_j) * ij.x_ij;
+    sum.force -= (rounded(from_i) + rounded(from_j)) * ij.x_ij;
     sum.power += from_i * star.closing * ij.r;
     this->signal(sum, ij, F, star);
   }

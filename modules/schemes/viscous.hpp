@@ -36,7 +36,7 @@ void add_with_viscosity(auto& sum, const auto& ij, const two_slopes<R>& F, const
   const R v_x = ij.along(of_velocity), closing = lesser(R(v_x * ij.per_r), R(0.0));
   const R signal = ij.own(of_sound) + ij(of_sound) - 3.0 * closing;
   const R viscosity = viscous(ij, F, closing, signal);
-  sum.force -= (from_i + from_j + viscosity) * ij.x_ij;
+  sum.force -= (rounded(from_i) + rounded(from_j) + viscosity) * ij.x_ij;
   sum.power += (from_i + 0.5 * viscosity) * v_x;
   keep_signal(sum, F, signal);
 }

@@ -81,8 +81,9 @@ struct forces {
   void add(auto& sums, const auto& ij) const {
     using namespace pairs;
     const auto slope = slope_of(ij, ij.own(of_stress), ij(of_stress));
-    const auto friction = diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)) * ij.own(of_volume) *
-                          (ij(of_volume) * ij.F) * (a0 - sums.a1 * r2_of_start(ij));
+    const auto friction = diffusion::of_both_ends(diffusion::harmonic(ij.own(of_viscosity), ij(of_viscosity)),
+                                                  ij.own(of_volume), ij(of_volume), ij.F) *
+                          (a0 - sums.a1 * r2_of_start(ij));
     const auto v_ij = ij.difference(of_velocity);
     const auto along = foundation::dot(v_ij, ij.x_ij);
     sums.compression += own_slope(ij) * along;
@@ -158,9 +159,10 @@ struct element_exchange {
     const auto same = ij.own(of_material) == ij(of_material);
     const auto P_i = foundation::select(same, 1.0, ij.own(of_partition));
     const auto P_j = foundation::select(same, 1.0, ij(of_partition));
-    const auto K = diffusion::harmonic(ij.own(of_element) * P_i, ij(of_element) * P_j);
-    a.sum +=
-        K * ij.own(of_volume) * (ij(of_volume) * ij.F) * (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
+    const auto K =
+        diffusion::harmonic(foundation::rounded(ij.own(of_element) * P_i), foundation::rounded(ij(of_element) * P_j));
+    a.sum += diffusion::of_both_ends(K, ij.own(of_volume), ij(of_volume), ij.F) *
+             (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
   }
   void end(const auto& i, const auto& a) const { i.set(gain, a.sum, D - 2); }
 };

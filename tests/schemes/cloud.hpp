@@ -1,0 +1,107 @@
+// Particles without order: no box and no lists of a run, every particle lists all others.
+#pragma once
+
+#include <kernels/kernel.hpp>
+#include <particles/storage.hpp>
+#include <random>
+#include <schemes/gradients.hpp>
+#include <schemes/reproducing.hpp>
+
+namespace tetsuame {
+
+inline constexpr double adiabatic = 1.4;
+using array = particles::array;
+
+template <int D>
+struct cloud : particles::particles<D>, schemes::arrays<D> {
+  std::size_t n;
+  cells::neighbour_list list;
+
+  explicit cloud(std::size_t count_) : n(count_) {
+    particles::allocate(*this, n, 0, 0, 0);
+    const auto to_size = [&](auto&... all) { (all.assign(n + 1, 0.0), ...); };
+    to_size(this->S, this->per_S, this->weight, this->slope, this->correction, this->dissipation, this->stiffness,
+            this->kind, this->y, this->f, this->z, this->divergence, this->curl, this->number, this->mass_density,
+            this->count, this->count_slope, this->power, this->signal, this->density_rate);
+    for (auto& a : this->force) to_size(a);
+    for (auto& a : this->gradient) to_size(a);
+    for (auto& a : this->reproducing) to_size(a);
+    this->gamma.assign(n + 1, adiabatic);
+    see_all(1);
+  }
+  // Each sees all others, in so many sequences.
+  void see_all(std::size_t at_once) {
+    list.at_once = at_once;
+    cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t r, auto& made) {
+      cells::row_of_clusters row;
+      for (std::size_t j = 0; j < n; ++j)
+        row.add(j % at_once, static_cast<std::uint32_t>(j),
+                ((1U << pairs::lanes) - 1U) & ~(j / pairs::lanes == r ? 1U << j % pairs::lanes : 0U));
+      row.write(at_once, made);
+      return n * n;
+    });
+  }
+
+  schemes::fields<D> fields() { return {*this, *this}; }
+
+  void sum(const auto& term) {
+    pairs::sum_over<D>(pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(this->x), schemes::distances_only{1e-9},
+                       term);
+  }
+  void sum_single(const auto& term) {
+    pairs::sum_in<D>(pairs::unit<pairs::single>(1.0), pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(this->x),
+                     schemes::distances_only{1e-9}, term);
+  }
+  template <class Kernel>
+  void find_densities(const Kernel& unit) {
+    sum(schemes::density<D, Kernel>{unit, fields()});
+  }
+  template <class Kernel>
+  void find_gradients(const Kernel& unit) {
+    sum(schemes::gradients<D, Kernel>{unit, fields(), this->p});
+  }
+  template <class Kernel>
+  void find_corrections(const Kernel& unit) {
+    sum(schemes::reproducing<D, Kernel>{unit, fields()});
+  }
+};
+
+// `count` particles without order in a box of edge 1, with jumps of mass, energy and support by factors.
+template <int D>
+cloud<D> disorder(std::uint32_t seed, std::size_t count = 60) {
+  cloud<D> g(count);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (std::size_t i = 0; i < g.n; ++i) {
+    for (std::size_t a = 0; a < D; ++a) {
+      g.x[a][i] = uniform(random);
+      g.v[a][i] = 2.0 * uniform(random) - 1.0;
+    }
+    g.m[i] = uniform(random) < 0.5 ? 1.0 : 0.1 + uniform(random);
+    g.u[i] = 0.2 + 5.0 * uniform(random);
+    g.S[i] = 0.2 + 0.4 * uniform(random);
+  }
+  return g;
+}
+
+enum class weigh { mass, energy };
+
+// Densities, state, gradients as in a run (gas/flow.hpp).
+template <int D, class Kernel>
+void prepare(cloud<D>& g, const Kernel& unit, weigh by, bool own_pressure, bool number) {
+  for (std::size_t i = 0; i < g.n; ++i) g.weight[i] = by == weigh::energy ? g.m[i] * g.u[i] : g.m[i];
+  g.find_densities(unit);
+  for (std::size_t i = 0; i < g.n; ++i) {
+    g.rho[i] = by == weigh::energy ? g.y[i] / g.u[i] : g.y[i];
+    g.p[i] = (adiabatic - 1.0) * g.rho[i] * g.u[i];
+    g.c[i] = std::sqrt(adiabatic * g.p[i] / g.rho[i]);
+    g.slope[i] = (number ? 1.0 : g.f[i]) * (own_pressure ? g.p[i] : 1.0) / (g.y[i] * g.y[i]);
+    g.correction[i] = number ? g.z[i] : 0.0;
+    g.per_S[i] = 1.0 / g.S[i];
+    g.dissipation[i] = own_pressure ? 1.0 : 0.1 + 0.9 * static_cast<double>(i % 7) / 6.0;
+    g.dV[i] = 1.0 / g.number[i];
+  }
+  g.find_gradients(unit);
+}
+
+}  // namespace tetsuame
