@@ -222,6 +222,12 @@ class Shock(Case):
         gsph, fading = (self.summary("sod", {**tube, **own})["errors"]["density_l1"]
                         for own in ({"shock.scheme": "gsph"}, {"shock.support_terms": "fading"}))
         self.assertLess(fading, gsph)
+        # Nothing fades: the terms throughout. And forces between two particles are opposite whatever fades.
+        tube = {"domain.particles_x": 100, "domain.periodic_x": "T", "shock.support_terms": "fading", **DOUBLE}
+        whole = self.summary("sod", {**tube, "shock.fading": 0})
+        number = self.summary("sod", {**tube, "shock.support_terms": "number"})
+        self.assertAlmostEqual(whole["errors"]["density_l1"] / number["errors"]["density_l1"], 1, delta=1e-6)
+        self.assertLess(self.summary("sod", tube)["conservation"]["momentum"], 1e-13)
         m = self.summary("square", {"domain.particles_x": 24, "shock.masses": "equal_mass", "time.t_end": 1,
                                     "shock.support_terms": "fading"})["metrics"]
         self.assertLess(abs(m["square_area_change"]), 0.01)

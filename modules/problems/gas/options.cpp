@@ -211,7 +211,7 @@ void resolve_material(const namelist::schema& schema, const std::string& test, c
 
 void resolve_materials(const namelist::schema& schema, options& o) {
   auto& s = o.shock;
-  if (s.test == "impact" || (s.test == "rayleigh_taylor" && o.any_eos())) {
+  if (o.any_eos() && (s.test == "impact" || s.test == "rayleigh_taylor")) {
     if (!schema.given("shock", "p_r")) s.r.p = s.l.p;
     if (s.r.p != s.l.p) schema.fail("shock", "p_r", "where the materials touch both have the pressure p_l");
   }
