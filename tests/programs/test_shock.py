@@ -267,7 +267,8 @@ class Shock(Case):
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
         for name, settings, word in [("sod", {"shock.scheme": "'disph'", "shock.support_terms": "'fading'"}, "gdisph"),
-                                     ("iron_over_silicate", {"shock.p_r": 2e10}, "p_l"), ("impact_2d", {"shock.radius": 3e5}, "hold")]:
+                                     ("iron_over_silicate", {"shock.p_r": 2e10}, "p_l"), ("impact_2d", {"shock.radius": 3e5}, "hold"),
+                                     ("impact_2d", {"shock.radius": 1e3}, "two spacings")]:
             self.assertIn(word, self.run_program("shock", name, settings, expect=BAD_INPUT).stderr)
         result = self.run_program("shock", "square", {"shock.coarser": 1}, expect=BAD_INPUT)
         self.assertIn("no exact solution", result.stderr)

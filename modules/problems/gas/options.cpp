@@ -247,6 +247,7 @@ void check_test(const namelist::schema& schema, const options& o) {
     schema.fail("shock", "support_terms", "'fading' is of the scheme 'gdisph'");
   if (test == "impact") {
     if (!o.any_eos()) schema.fail("shock", "eos_l", "the test 'impact' is of materials with equations of state");
+    if (s.radius < 2.0 * o.domain.dx()) schema.fail("shock", "radius", "a body has a radius of two spacings at least");
     for (std::size_t a = 0; a < o.domain.axes(); ++a)
       if (o.domain.length[a] < (a == 0 ? 4.0 : 2.0) * s.radius)
         schema.fail("shock", "radius", "the box does not hold the two bodies side by side");

@@ -191,6 +191,13 @@ COLUMNS = {"tube": {"ρ, L1": ("density_l1", "{:.5f}"), "v, L1": ("velocity_l1",
            "slow_overturn": {"growth rate": ("growth_error", "%"), "as by a viscosity of, Pa s": ("viscosity", "{:.1e}")},
            "impact": {"p in the middle/p*": ("p_middle", "{:.3f}"), "its scatter": ("p_scatter", "{:.3f}"), "|p| ahead/p*": ("p_untouched", "{:.1e}"),
                       "least p, Pa": ("p_min", "{:.2e}"), "asymmetry, spacings": ("asymmetry", "{:.1e}")}}
+QUESTIONS = {
+    "tube": "Terms of varying supports as they are, without, and fading where pressures jump: may Godunov DISPH have at most GSPH's error?",
+    "square": "And does the square of equal masses, which the terms hold, still stay?",
+    "sedov": "Which α do SSPH and DISPH need where Godunov's schemes need none?",
+    "overturn": "Liquids with equations of state, without viscosity: growth against the linear theory of these compressible layers, and overturn.",
+    "slow_overturn": "Sound is ten times as fast beside the flow. What slows the growth more now goes with sound.",
+    "impact": "Granite with cores of iron, Tillotson's equation of state, empty space around."}
 HEADS = {"tube": "Sod's tube", "square": "The square of equal masses", "sedov": "Sedov's explosion over α", "overturn": "Iron over silicate",
          "slow_overturn": "The same, slow: a hundredth of gravity and pressure", "impact": "Impact of two bodies"}
 
@@ -202,8 +209,8 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
         if not runs:
             continue
         drawn = figures.draw(case, outcomes, measured["runs"])
-        parts.append(pages.section(head, pages.figure(drawn, folder / f"{case.replace(' ', '_')}.png", figures.CAPTIONS.get(case, "")),
-                                   table(runs, case)))
+        parts.append(pages.section(head, pages.paragraph(QUESTIONS[case]),
+                                   pages.figure(drawn, folder / f"{case}.png", figures.CAPTIONS.get(case, "")), table(runs, case)))
     return parts
 
 
