@@ -260,15 +260,15 @@ class Shock(Case):
                                  ("shock.p_r", -1, "p_r"), ("shock.p_infinity_l", 1, "weight"),
                                  ("shock.gravity", 1, "rayleigh_taylor"), ("shock.eos_l", "'liquid_iron'", "temperature_l"),
                                  ("shock.temperature_r", 300, "equation of state"), ("shock.corner", "T", "sedov"),
-                                 ("shock.test", "'impact'", "equations of state"), ("shock.tillotson_l", "'iron'", "tillotson"),
+                                 ("shock.test", "'impact'", "equations of state"), ("expert.tillotson_l", "'iron'", "tillotson"),
                                  ("shock.coarser", 5, "400 particles"), ("shock.coarser", 6, "halved")]:
             with self.subTest(key):
                 result = self.run_program("shock", "sod", {key: value}, expect=BAD_INPUT)
                 self.assertIn(word, result.stderr)
                 self.assertFalse(result.directory.exists())
         for name, settings, word in [("sod", {"shock.scheme": "'disph'", "shock.support_terms": "'fading'"}, "gdisph"),
-                                     ("iron_over_silicate", {"shock.p_r": 2e10}, "p_l"), ("impact_2d", {"shock.radius": 3e5}, "hold"),
-                                     ("impact_2d", {"shock.radius": 1e3}, "two spacings")]:
+                                     ("iron_over_silicate", {"shock.p_r": 2e10}, "p_l"), ("impact_2d", {"expert.radius": 3e5}, "hold"),
+                                     ("impact_2d", {"expert.radius": 1e3}, "two spacings")]:
             self.assertIn(word, self.run_program("shock", name, settings, expect=BAD_INPUT).stderr)
         result = self.run_program("shock", "square", {"shock.coarser": 1}, expect=BAD_INPUT)
         self.assertIn("no exact solution", result.stderr)

@@ -84,6 +84,7 @@ void declare_states(namelist::schema& schema, shock_options& s) {
                            ", with its own parameters; '': the gas of gamma and p_infinity"});
     schema.add("shock", "tillotson_" + name, of.tillotson,
                {.choices = {"", "iron", "granite", "basalt"},
+                .expert = true,
                 .meaning = "of the equation of state 'tillotson'" + where + ": its material; '': iron"});
     schema.add("shock", "temperature_" + name, of.temperature,
                positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
@@ -108,10 +109,12 @@ void declare_test(namelist::schema& schema, shock_options& s) {
              {.unit = "m/s", .meaning = "kelvin_helmholtz, rayleigh_taylor: velocity along y, a sine along x"});
   schema.add("shock", "waves", s.waves, between(1, 1000, "kelvin_helmholtz, rayleigh_taylor: of that sine"));
   schema.add("shock", "tension", s.tension,
-             {.meaning = "equations of state: pressures below zero are as they say; F: they are zero, as in a material "
+             {.expert = true,
+              .meaning = "equations of state: pressures below zero are as they say; F: they are zero, as in a material "
                          "that parts, and sound is not below a tenth of that at the start"});
-  schema.add("shock", "radius", s.radius, positive("m", "impact: of each of the two bodies"));
-  schema.add("shock", "core", s.core, up_to(1.0, "impact: radius of the cores, of the left material, over that"));
+  schema.add("shock", "radius", s.radius, for_expert(positive("m", "impact: of each of the two bodies")));
+  schema.add("shock", "core", s.core,
+             for_expert(up_to(1.0, "impact: radius of the cores, of the left material, over that")));
   schema.add("shock", "gravity", s.gravity,
              {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
 }

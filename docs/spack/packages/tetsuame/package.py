@@ -16,6 +16,7 @@ class Tetsuame(CMakePackage):
 
     variant("tests", default=False, description="Build what the tests need")
     variant("avx512", default=True, description="Programs for processors with AVX-512 beside those for AVX2", when="target=x86_64_v3:")
+    variant("stl", default=False, description="Walls from surfaces of triangles (CGAL, under the GPL)")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
@@ -30,6 +31,7 @@ class Tetsuame(CMakePackage):
     depends_on("nlohmann-json")
     depends_on("cli11")
     depends_on("eigen")
+    depends_on("cgal@5.5:", when="+stl")
     depends_on("python@3.9:", type="run")
     depends_on("py-numpy", type="run")
     depends_on("py-h5py", type="run")

@@ -169,7 +169,7 @@ def overturn_row(outcome: Outcome) -> dict:
 
 def impact_row(outcome: Outcome) -> dict:
     early, later = (next((s for s in outcome.snapshots if s.time > after), None) for after in (2.0, 4.5))
-    p_star, radius = outcome.number("metrics", "p_star"), outcome.setting("shock.radius")
+    p_star, radius = outcome.number("metrics", "p_star"), outcome.setting("expert.radius")
     found = {"p_min": float(outcome.history["pressure_min"].min()), "asymmetry": figures.asymmetry(outcome)}
     if later is None:
         return found

@@ -29,7 +29,7 @@ def radial(snapshot) -> dict[str, np.ndarray]:
 
 def asymmetry(outcome: Outcome) -> float:
     """Of the impact at the end: rms distance of a particle from the mirror image of that which began as its mirror image, in spacings."""
-    snapshot, n, radius = outcome.snapshot, outcome.case.n, outcome.setting("shock.radius")
+    snapshot, n, radius = outcome.snapshot, outcome.case.n, outcome.setting("expert.radius")
     edge = snapshot.lengths[0]
     at = (np.arange(n) + 0.5) * edge / n - 0.5 * edge
     held = np.hypot(np.abs(at)[None, :] - radius, at[:, None]) < radius  # [y, x]: particles are numbered along x first
