@@ -241,14 +241,15 @@ free_body<D> filled(const body<D>& of, double density, const point<D>& lower, co
   return b;
 }
 
-#define TETSUAME_INSTANTIATE(D)                                                      \
-  template rotation<D> rotation_by<D>(const about<D>&);                              \
-  template class prescribed<D>;                                                      \
-  template struct free_body<D>;                                                      \
-  template void advance<D>(free_body<D>&, const point<D>&, const about<D>&, double); \
-  template free_body<D> filled<D>(const body<D>&, double, const point<D>&, const point<D>&, double);
-TETSUAME_INSTANTIATE(2)
-TETSUAME_INSTANTIATE(3)
-#undef TETSUAME_INSTANTIATE
+template rotation<2> rotation_by<2>(const about<2>&);
+template class prescribed<2>;
+template struct free_body<2>;
+template void advance<2>(free_body<2>&, const point<2>&, const about<2>&, double);
+template free_body<2> filled<2>(const body<2>&, double, const point<2>&, const point<2>&, double);
+template rotation<3> rotation_by<3>(const about<3>&);
+template class prescribed<3>;
+template struct free_body<3>;
+template void advance<3>(free_body<3>&, const point<3>&, const about<3>&, double);
+template free_body<3> filled<3>(const body<3>&, double, const point<3>&, const point<3>&, double);
 
 }  // namespace tetsuame::solids

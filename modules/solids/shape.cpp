@@ -137,18 +137,23 @@ rotation<D> turned_by(const std::array<double, 3>& degrees) {
   }
 }
 
-#define TETSUAME_INSTANTIATE(D)                                               \
-  template std::string place_text<D>(const point<D>&);                        \
-  template faces<D> plane<D>();                                               \
-  template faces<D> box<D>(const point<D>&);                                  \
-  template faces<D> sphere<D>(double);                                        \
-  template faces<D> cylinder<D>(double, double);                              \
-  template faces<D> cone<D>(double, double);                                  \
-  template faces<D> bowl<D>(double, double);                                  \
-  template faces<D> placed<D>(faces<D>, const rotation<D>&, const point<D>&); \
-  template rotation<D> turned_by<D>(const std::array<double, 3>&);
-TETSUAME_INSTANTIATE(2)
-TETSUAME_INSTANTIATE(3)
-#undef TETSUAME_INSTANTIATE
+template std::string place_text<2>(const point<2>&);
+template faces<2> plane<2>();
+template faces<2> box<2>(const point<2>&);
+template faces<2> sphere<2>(double);
+template faces<2> cylinder<2>(double, double);
+template faces<2> cone<2>(double, double);
+template faces<2> bowl<2>(double, double);
+template faces<2> placed<2>(faces<2>, const rotation<2>&, const point<2>&);
+template rotation<2> turned_by<2>(const std::array<double, 3>&);
+template std::string place_text<3>(const point<3>&);
+template faces<3> plane<3>();
+template faces<3> box<3>(const point<3>&);
+template faces<3> sphere<3>(double);
+template faces<3> cylinder<3>(double, double);
+template faces<3> cone<3>(double, double);
+template faces<3> bowl<3>(double, double);
+template faces<3> placed<3>(faces<3>, const rotation<3>&, const point<3>&);
+template rotation<3> turned_by<3>(const std::array<double, 3>&);
 
 }  // namespace tetsuame::solids

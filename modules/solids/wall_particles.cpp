@@ -161,14 +161,15 @@ void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>&
                          bodies[nearest_surface(bodies, surface.nearest)].name()));
 }
 
-#define TETSUAME_INSTANTIATE(D)                                                                                  \
-  template wall_particles<D> fill_with_wall_particles<D>(const std::vector<body<D>>&, const lattice<D>&, double, \
-                                                         const std::function<bool(const point<D>&)>&);           \
-  template void expect_in_box<D>(const std::vector<body<D>>&, const lattice<D>&);                                \
-  template void expect_thick<D>(const std::vector<body<D>>&, const lattice<D>&, double);                         \
-  template void expect_dry<D>(const std::vector<body<D>>&, const std::vector<point<D>>&);
-TETSUAME_INSTANTIATE(2)
-TETSUAME_INSTANTIATE(3)
-#undef TETSUAME_INSTANTIATE
+template wall_particles<2> fill_with_wall_particles<2>(const std::vector<body<2>>&, const lattice<2>&, double,
+                                                       const std::function<bool(const point<2>&)>&);
+template void expect_in_box<2>(const std::vector<body<2>>&, const lattice<2>&);
+template void expect_thick<2>(const std::vector<body<2>>&, const lattice<2>&, double);
+template void expect_dry<2>(const std::vector<body<2>>&, const std::vector<point<2>>&);
+template wall_particles<3> fill_with_wall_particles<3>(const std::vector<body<3>>&, const lattice<3>&, double,
+                                                       const std::function<bool(const point<3>&)>&);
+template void expect_in_box<3>(const std::vector<body<3>>&, const lattice<3>&);
+template void expect_thick<3>(const std::vector<body<3>>&, const lattice<3>&, double);
+template void expect_dry<3>(const std::vector<body<3>>&, const std::vector<point<3>>&);
 
 }  // namespace tetsuame::solids
