@@ -32,14 +32,12 @@ void place_bodies(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_t
   }
 }
 
-// 1/m^D, of a place and a particle.
+// m, of a place and a particle.
 template <int D>
-double kernel_between(const pairs::workspace<D>& w, const std::array<double, D>& x, std::size_t j) {
+double distance_between(const pairs::workspace<D>& w, const std::array<double, D>& x, std::size_t j) {
   double r2 = 0.0;
   for (std::size_t a = 0; a < D; ++a) r2 += (x[a] - w.s.x[a][j]) * (x[a] - w.s.x[a][j]);
-  const double support = w.support();
-  if (!(r2 < support * support)) return 0.0;
-  return std::visit([&](const auto& k) { return k.value(std::sqrt(r2)); }, w.kernel);
+  return std::sqrt(r2);
 }
 
 // Lists of the fluid, and of its images, near the markers of this rank, until it has moved so far (m); and how much of
@@ -60,7 +58,9 @@ void list_bodies(const pairs::workspace<D>& w, wall_set<D>& set, const cells::gr
     cells::for_each_near<D>(grid, x, x, support, [&](std::uint32_t k, std::uint64_t near) {
       for (; near != 0; near &= near - 1) {
         const auto j = grid.members[k + static_cast<std::uint32_t>(std::countr_zero(near))];
-        if (!is_fluid(j)) bodies.room[r] -= volume * kernel_between<D>(w, x, j);
+        if (is_fluid(j)) continue;
+        if (const double away = distance_between<D>(w, x, j); away < support)
+          bodies.room[r] -= volume * std::visit([&](const auto& of) { return of.value(away); }, w.kernel);
       }
     });
   });
@@ -68,31 +68,70 @@ void list_bodies(const pairs::workspace<D>& w, wall_set<D>& set, const cells::gr
 
 // How much of a wall particle there is, by the part of its marker's neighbourhood that is filled, of what the bodies
 // leave: all of it from two thirds on, nothing up to one third. At a plane surface, where half is filled, these are
-// about half a spacing below and above it: the first row of markers in the fluid, and the first outside.
-inline double wetness(double filled) { return std::clamp(3.0 * filled - 1.0, 0.0, 1.0); }
+// about half a spacing below and above it: the first row of markers in the fluid, and the first outside. Spray fills
+// less; so at least the sum of hats about particles, 1 - r/Δx, whose integral is that of their own volume: pi/3 Δx^D,
+// in two and three dimensions.
+inline double wetness(double filled, double hats) { return std::clamp(std::max(3.0 * filled - 1.0, hats), 0.0, 1.0); }
 
-// Shepard's means, by volume, of the fluid at each marker: put(i, its place, wetness, means) for the wall particle i,
-// of what value(j, i) says of the fluid j, N numbers. All is zero where there is no fluid.
-template <std::size_t N, int D, class Value, class Put>
+// Of N values of the fluid about a marker, weighted by kernel and volume: means, and for the first `Linear` of them,
+// which vanish at the surface or do not change across it, straight lines in the distance from the surface.
+template <std::size_t N, std::size_t Linear>
+struct marker_sums {
+  double filled = 0.0, distance = 0.0, distance2 = 0.0;
+  std::array<double, N> first{};
+  std::array<double, Linear> slope{}, least{}, most{};
+
+  // distance: in spacings.
+  void add(double share, double d, const std::array<double, N>& value) {
+    filled += share;
+    distance += share * d;
+    distance2 += share * d * d;
+    for (std::size_t n = 0; n < N; ++n) first[n] += share * value[n];
+    for (std::size_t n = 0; n < Linear; ++n) {
+      slope[n] += share * d * value[n];
+      least[n] = std::min(least[n], value[n]);
+      most[n] = std::max(most[n], value[n]);
+    }
+  }
+  // At this distance: between the smallest and the largest of the values and 0. All are 0 without fluid.
+  std::array<double, N> at(double d) const {
+    if (!(filled > 0.0)) return {};
+    constexpr double slight = 0.01;  // spacings squared: fluid no deeper than a tenth has no slope
+    std::array<double, N> values;
+    for (std::size_t n = 0; n < N; ++n) values[n] = first[n] / filled;
+    const double mean = distance / filled, variance = distance2 / filled - mean * mean;
+    for (std::size_t n = 0; n < Linear; ++n) {
+      const double rise = (slope[n] / filled - mean * values[n]) / (std::max(variance, 0.0) + slight);
+      values[n] = std::clamp(values[n] + rise * (d - mean), least[n], most[n]);
+    }
+    return values;
+  }
+};
+
+// Of the fluid at each marker: put(i, its place, wetness, values) for the wall particle i, of what value(j, i) says of
+// the fluid j, N numbers.
+template <std::size_t N, std::size_t Linear, int D, class Value, class Put>
 void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value& value, const Put& put) {
   constexpr double least_room = 0.1;  // in a corner that bodies all but close
   const auto& s = w.s;
   const auto& bodies = set.bodies;
+  const double support = w.support();
+  const auto kernel = [&](double r) { return std::visit([&](const auto& k) { return k.value(r); }, w.kernel); };
   foundation::for_all(bodies.own.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r;
     const auto& of = bodies.places[bodies.own[r]];
-    double filled = 0.0;
-    std::array<double, N> means{};
+    double hats = 0.0;
+    marker_sums<N, Linear> sums;
     for (const std::uint32_t j : bodies.near.row(r)) {
-      const double share = kernel_between<D>(w, of.marker, j) * s.dV[j];
-      if (!(share > 0.0)) continue;
-      filled += share;
-      const auto of_j = value(j, i);
-      for (std::size_t n = 0; n < N; ++n) means[n] += share * of_j[n];
+      const double away = distance_between<D>(w, of.marker, j);
+      if (!(away < support)) continue;
+      double above = of.height;
+      for (std::size_t a = 0; a < D; ++a) above += (s.x[a][j] - of.marker[a]) * of.normal[a];
+      hats += std::max(0.0, 1.0 - away / w.dx);
+      sums.add(kernel(away) * s.dV[j], above / w.dx, value(j, i));
     }
-    if (filled > 0.0)
-      for (double& mean : means) mean /= filled;
-    put(i, of, wetness(filled / std::max(bodies.room[r], least_room)), means);
+    const double wet = wetness(sums.filled / std::max(bodies.room[r], least_room), hats);
+    put(i, of, wet, sums.at(of.height / w.dx));
   });
 }
 

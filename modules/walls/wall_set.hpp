@@ -26,6 +26,7 @@ struct marker_rows {
 template <int D>
 struct body_place {
   std::array<double, D> x, marker, normal;  // m, m, into the fluid
+  double height = 0.0;                      // m, of the marker above the surface
   double odd = 1.0;                         // what is odd about the wall: minus so much of the marker's value
   std::int64_t number = 0;                  // on the lattice
 };

@@ -65,19 +65,20 @@ void fill_bodies(water<D>& f) {
     values[D + 2] = s.dV[j];
     return values;
   };
-  walls::at_bodies<D + 3>(w, f.world.walls, water_at, [&](std::size_t i, const auto& of, double wet, const auto& mean) {
-    std::array<double, D> source;
-    for (std::size_t a = 0; a < D; ++a) source[a] = mean[a];
-    const auto v = walls::reflected_velocity<D>(of, source, false);
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    if (f.sticks) {
-      const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
-      for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
-    }
-    s.p[i] = mean[D];
-    s.rho[i] = mean[D + 1];
-    s.dV[i] = wet * mean[D + 2];
-  });
+  walls::at_bodies<D + 3, D>(
+      w, f.world.walls, water_at, [&](std::size_t i, const auto& of, double wet, const auto& mean) {
+        std::array<double, D> source;
+        for (std::size_t a = 0; a < D; ++a) source[a] = mean[a];
+        const auto v = walls::reflected_velocity<D>(of, source, false);
+        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+        if (f.sticks) {
+          const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
+          for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
+        }
+        s.p[i] = mean[D];
+        s.rho[i] = mean[D + 1];
+        s.dV[i] = wet * mean[D + 2];
+      });
   w.exchange_walls(s.v, {s.p.data(), s.rho.data(), s.dV.data()});
   if (f.sticks) w.exchange_walls(f.viscous_velocity, {});
 }

@@ -105,7 +105,7 @@ void set_up_bodies(water<D>& f) {
   // On the surface itself both are 0.
   const auto odd = [&](std::size_t n) { return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0; };
   for (std::size_t n = 0; n < made.x.size(); ++n)
-    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, odd(n), made.place[n]});
+    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], odd(n), made.place[n]});
 }
 
 // With new lists.

@@ -37,7 +37,7 @@ void behind_walls(const water<D>& f, double* values, const What& what) {
   const auto& walls = f.world.walls;
   to_images(f, values, 0, walls.images_of_fluid);
   if (!walls.bodies.any()) return;
-  walls::at_bodies<1>(
+  walls::at_bodies<1, 0>(
       w, walls, [&](std::size_t j, std::size_t) { return std::array{values[j]}; },
       [&](std::size_t i, const auto&, double wet, const auto& mean) { values[i] = what(wet, mean[0]); });
   w.exchange_walls({values});
