@@ -353,6 +353,17 @@ void check_gauges_dry(const namelist::schema& schema, const options& o, const st
   }
 }
 
+// Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
+template <int D>
+void check_lattice(const namelist::schema& schema, const options& o) {
+  constexpr double most = 1e8;
+  double places = 1.0;
+  for (std::size_t a = 0; a < D; ++a) places *= static_cast<double>(o.domain.particles[a]);
+  if (places > most)
+    schema.fail("domain", "particles_x",
+                fmt::format("the lattice has {:.3g} places in the box; with bodies at most {:.0e}", places, most));
+}
+
 template <int D>
 void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto& all = std::get<D - 2>(p.bodies);
@@ -363,6 +374,7 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
     return;
   }
   if (o.flow.start != "rest") schema.fail("flow", "start", "with bodies water starts at rest");
+  check_lattice<D>(schema, o);
   const auto box = lattice_of<D>(o);
   schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(all, box); });
   const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
