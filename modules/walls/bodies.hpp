@@ -1,5 +1,5 @@
 // Wall particles of bodies of any shape, in a box whose plane sides are mirrors; each has a marker in the fluid, from
-// whose neighbourhood it has its values (docs/theory/free_surface.md).
+// whose neighbourhood it has its values (docs/theory/water_and_bodies.md).
 //
 // A wall particle belongs to the rank whose cell holds its marker. Ranks whose fluid it may touch have it as a ghost,
 // and every rank makes the images, in the sides, of those that it has.
