@@ -81,7 +81,7 @@ class problem_in_a_box : public problem {
   double speed() override { return largest_speed(box); }
 
   bool complete_step(std::int64_t) override {
-    const std::int64_t crossings = walls::reflect(box.walls, box.w.s);
+    const std::int64_t crossings = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
     wall_crossings_ += crossings;
     return crossings > 0;
   }
@@ -146,7 +146,8 @@ class problem_in_a_box : public problem {
 
   // Of the run, for the metrics; a problem adds its own.
   void report_counts(summary& r) override {
-    r.wall_particles = box.mirrors() ? 0 : ranks().sum(static_cast<std::int64_t>(box.w.s.walls));
+    r.wall_particles =
+        box.mirrors() && !box.walls.bodies.any() ? 0 : ranks().sum(static_cast<std::int64_t>(box.w.s.walls));
     r.metrics["wall_crossings"] = ranks().sum(wall_crossings_);
     r.metrics["balance_decisions"] = balancer.decisions;
     r.metrics["balance_moves"] = balancer.moves;
@@ -162,6 +163,8 @@ class problem_in_a_box : public problem {
   virtual void make_lists(bool as_they_were) = 0;
   // Where particles stand behind the walls, those of this rank's cell when the cuts have moved.
   virtual void place_walls() {}
+  // As walls::reflect() for bodies; how many of this rank's particles.
+  virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
   // Cuts that are to move have done so, particles have not.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pairs/workspace.hpp>
+#include <walls/bodies.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::run {
@@ -43,11 +44,12 @@ struct list_lengths {
 };
 
 // Sorts the owned fluid, which is in the order of cells and IDs, into layers (workspace::border): within, those whose
-// neighbours may have ghosts or walls for neighbours, and those that may themselves.
+// neighbours may have ghosts or walls for neighbours, and those that may themselves. With bodies, which may be
+// anywhere, all wait.
 template <int D>
-void order_in_layers(pairs::workspace<D>& w, double reach, std::vector<std::uint32_t>& order) {
+void order_in_layers(pairs::workspace<D>& w, double reach, bool bodies, std::vector<std::uint32_t>& order) {
   w.core = w.border = 0;
-  if (w.d.ranks.size == 1) return;  // nothing is ever on its way
+  if (w.d.ranks.size == 1 || bodies) return;  // nothing is ever on its way
   auto cell = w.d.cell();
   const auto deeper_than = [&](double depth) {
     auto deep = cell;
@@ -81,18 +83,18 @@ void exchange_list_positions(particles::particles<D>& s) {
     std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
 }
 
-// Ghosts of the fluid, and what stands behind the walls: images, or particles that stay.
+// Ghosts of the fluid, and what stands behind the walls: particles that stay, images.
 template <int D>
 void surround(state<D>& box, double reach) {
   auto& w = box.w;
   auto& s = w.s;
   domain::make_halo<D>(w.d, s, 0, s.fluid, s.fluid, w.d.fluid_halo,
                        [&](std::size_t ghosts) { particles::allocate(s, s.fluid, ghosts, s.walls, 0); });
-  if (box.mirrors())
-    walls::make_images(box.walls, s, box.fluid_total, reach);
-  else
+  if (box.walls.bodies.any()) walls::place_bodies(w, box.walls, box.fluid_total);
+  if (!box.mirrors() || box.walls.bodies.any())
     domain::make_halo<D>(w.d, s, s.first_wall(), s.walls, s.first_wall() + s.walls, w.d.wall_halo,
                          [&](std::size_t ghosts) { particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, ghosts); });
+  if (box.mirrors()) walls::make_images(box.walls, s, box.fluid_total, reach);
 }
 
 // Hands particles to their ranks, sorts them by cell and ID, makes halos, what stands behind the walls, and lists. The
@@ -114,7 +116,7 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
   const list_lengths l = lengths();
   {
     std::vector<std::uint32_t> order = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge).members;
-    order_in_layers(w, l.reach, order);
+    order_in_layers(w, l.reach, box.walls.bodies.any(), order);
     particles::reorder(s, 0, std::span<const std::uint32_t>(order));
   }
   if (!as_they_were)
@@ -129,6 +131,8 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, box.walls, grid, box.skin);
       },
       box.treatment);
+  // Lists end when some fluid has moved half the skin.
+  if (box.walls.bodies.any()) walls::list_bodies(w, box.walls, grid, 0.5 * box.skin);
   if (as_they_were) exchange_list_positions(s);
 }
 

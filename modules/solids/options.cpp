@@ -204,6 +204,11 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o, motion_options& m) {
+  declare(schema, o);
+  declare_motions(schema, m);
+}
+
+void declare(namelist::schema& schema, options& o) {
   const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
     return list(most_pieces, unit, meaning, minimum);
   };
@@ -229,7 +234,6 @@ void declare(namelist::schema& schema, options& o, motion_options& m) {
   schema.add("solids", "file", o.file,
              names(most_pieces, {}, "an STL file: a closed surface, normals outwards (3-D only)"));
   schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
-  declare_motions(schema, m);
 }
 
 template <int D>

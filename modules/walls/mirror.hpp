@@ -28,21 +28,24 @@ void for_each_mirror(const wall_set<D>& set, std::size_t r, F&& f) {
 template <int D>
 void move_images(const wall_set<D>& set, particles::particles<D>& s) {
   foundation::for_all(set.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = set.source[r];
+    const std::size_t i = s.first_wall() + set.body_particles + r, j = set.source[r];
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] = s.x[a][j];
     for_each_mirror(set, r, [&](const side<D>& wall) { s.x[wall.axis][i] = 2.0 * wall.position - s.x[wall.axis][i]; });
   });
 }
 
-// Images of all fluid, ghosts included, nearer to a wall than `reach` (m). The block of walls must be empty. IDs follow
-// the fluid's: the same on any number of ranks.
+// Images of all fluid, ghosts included, nearer to a wall than `reach` (m), and of what bodies have in the block of
+// walls. IDs follow the fluid's, and those of bodies: the same on any number of ranks.
 template <int D>
 void make_images(wall_set<D>& set, particles::particles<D>& s, std::int64_t fluid_total, double reach) {
   set.source.clear();
   set.mirrored.clear();
   std::vector<std::int64_t> ids;
-  const std::size_t n = s.first_wall();
+  const std::size_t n = s.first_wall() + s.walls + s.wall_ghosts;
+  set.body_particles = s.walls + s.wall_ghosts;
+  set.images_of_fluid = 0;
   for (std::size_t i = 0; i < n; ++i) {
+    if (i == s.first_wall()) set.images_of_fluid = ids.size();
     // Of each axis: no mirror, or one of its walls that is near.
     std::uint32_t near = 0;
     for (std::size_t k = 0; k < set.sides.size(); ++k)
@@ -56,13 +59,20 @@ void make_images(wall_set<D>& set, particles::particles<D>& s, std::int64_t flui
       if (!once) continue;
       set.source.push_back(static_cast<std::uint32_t>(i));
       set.mirrored.push_back(chosen);
-      ids.push_back(s.id[i] + fluid_total * static_cast<std::int64_t>(chosen));
+      const std::int64_t apart = i < s.first_wall() ? fluid_total : set.bodies.numbers;
+      ids.push_back(s.id[i] + apart * static_cast<std::int64_t>(chosen));
     }
   }
-  particles::allocate(s, s.fluid, s.fluid_ghosts, ids.size(), 0);
+  if (set.body_particles == 0) {
+    set.images_of_fluid = ids.size();
+    particles::allocate(s, s.fluid, s.fluid_ghosts, ids.size(), 0);
+  } else {
+    particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, s.wall_ghosts + ids.size());
+  }
+  const std::size_t first = s.first_wall() + set.body_particles;
   for (std::size_t r = 0; r < ids.size(); ++r) {
-    s.id[s.first_wall() + r] = ids[r];
-    s.material[s.first_wall() + r] = s.material[set.source[r]];
+    s.id[first + r] = ids[r];
+    s.material[first + r] = s.material[set.source[r]];
   }
   move_images(set, s);
 }

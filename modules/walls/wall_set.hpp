@@ -22,13 +22,41 @@ struct marker_rows {
   pairs::chosen near_wall;  // owned fluid that some marker may see
 };
 
+// A wall particle of a body, which stands still, and its marker.
+template <int D>
+struct body_place {
+  std::array<double, D> x, marker, normal;  // m, m, into the fluid
+  double height = 0.0;                      // m, of the marker above the surface
+  double odd = 1.0;                         // what is odd about the wall: minus so much of the marker's value
+  std::int64_t number = 0;                  // on the lattice
+};
+
+// Bodies of any shape beside the sides (bodies.hpp).
+template <int D>
+struct body_walls {
+  std::vector<body_place<D>> places;  // of all ranks
+  std::int64_t numbers = 0;           // of the lattice
+  bool no_slip = false;
+
+  // Row r belongs to the wall particle first_wall() + r.
+  std::vector<std::uint32_t> own;  // of `places`, those of this rank
+  cells::point_list near;          // fluid, and its images, within reach of each marker
+  std::vector<double> room;        // the part of each marker's neighbourhood that bodies leave to the fluid
+
+  bool any() const { return !places.empty(); }
+};
+
 template <int D>
 struct wall_set {
   options how;
   std::vector<side<D>> sides;
   boundary_force force;  // of the virtual markers' walls
 
-  // Row r belongs to the wall particle first_wall() + r.
+  body_walls<D> bodies;
+  std::size_t body_particles = 0;   // of this rank and its ghosts; images stand behind these
+  std::size_t images_of_fluid = 0;  // the first of the images; the others are of bodies
+
+  // Row r belongs to the wall particle first_wall() + r, of images to first_wall() + body_particles + r.
   std::vector<std::uint32_t> mirrored;     // bit n: through sides[n]
   std::vector<std::uint32_t> source;       // of a mirror image: local index
   std::array<particles::array, D> marker;  // m, mirror image of a wall particle that stands still

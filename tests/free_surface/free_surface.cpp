@@ -361,3 +361,96 @@ BOOST_AUTO_TEST_CASE(tables) {
     BOOST_CHECK_EXCEPTION(read(text), foundation::error,
                           [&](const auto& e) { return std::string(e.what()).find(says) != std::string::npos; });
 }
+
+namespace {
+
+// A wedge on the floor, whose edge is well beneath the surface of the water, or above it.
+std::string wedge(const std::string& high, const std::string& more = "") {
+  return "&domain length_x = 2.0 length_y = 1.5 particles_x = 40 particles_y = 30 / &flow high_y = " + high +
+         " around_bodies = T / &solids body = 'wedge' shape = 'box' centre_x = 1.0 centre_y = -0.01 angle_z = 45.0"
+         " length_x = 0.7 length_y = 0.7 / &walls slip_top = 'free_surface' " +
+         more + " / &time t_end = 1.0 /";
+}
+
+}  // namespace
+
+// What stands in the wedge balances gravity as water would that filled it: near the wedge as elsewhere. Without the
+// weight of water from the marker to the wall particle some tenths of g would be left.
+BOOST_AUTO_TEST_CASE(still_water_on_a_body) {
+  scene<2> scene(wedge("1.0"));
+  const auto rate = scene.rates();
+  auto& s = scene.particles();
+  const auto& f = *scene.f;
+  double near = 0.0, largest_compression_rate = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto x = f.place(i);
+    BOOST_TEST(f.solid.level(of_solids<2>(x)) > 0.0);
+    largest_compression_rate = std::max(largest_compression_rate, std::abs(rate[4][i]) / 1000.0);
+    if (x[1] > 0.2 && x[1] < 0.75) near = std::max({near, std::abs(rate[2][i]), std::abs(rate[3][i])});
+  }
+  BOOST_TEST(f.ranks().maximum(near) < 0.02 * f.gravity());
+  BOOST_TEST(f.ranks().maximum(largest_compression_rate) < 1e-2);
+  BOOST_TEST(f.ranks().sum(static_cast<std::int64_t>(f.world.walls.bodies.own.size())) > 0);
+}
+
+// A wall particle has the volume of water that its marker has about it: all of it from a spacing below the surface on,
+// none of it a spacing above.
+BOOST_AUTO_TEST_CASE(bodies_are_as_wet_as_their_markers) {
+  scene<2> scene(wedge("0.25"));
+  scene.rates();
+  const auto& s = scene.particles();
+  const auto& walls = scene.f->world.walls;
+  const double V = scene.f->dx() * scene.f->dx();
+  for (std::size_t r = 0; r < walls.bodies.own.size(); ++r) {
+    const double below = 0.25 - walls.bodies.places[walls.bodies.own[r]].marker[1];
+    const double part = s.dV[s.first_wall() + r] / V;
+    if (below > scene.f->dx()) BOOST_TEST(part == 1.0, tt::tolerance(0.02));
+    if (below < -scene.f->dx()) BOOST_TEST(part == 0.0);
+    BOOST_TEST((part >= 0.0 && part < 1.02));
+  }
+}
+
+// Linear in the velocity: what a wall particle has of a velocity across the surface, and along it.
+BOOST_AUTO_TEST_CASE(velocities_in_bodies) {
+  walls::body_place<2> of;
+  of.normal = {0.6, 0.8};
+  const auto across = walls::reflected_velocity<2>(of, {1.2, 1.6}, false);
+  BOOST_TEST(across[0] == -1.2, tt::tolerance(1e-12));
+  BOOST_TEST(across[1] == -1.6, tt::tolerance(1e-12));
+  const auto along = walls::reflected_velocity<2>(of, {-0.8, 0.6}, false);
+  BOOST_TEST(along[0] == -0.8, tt::tolerance(1e-12));
+  of.odd = 2.0;  // a marker half as far away as the wall particle
+  const auto stuck = walls::reflected_velocity<2>(of, {-0.8, 0.6}, true);
+  BOOST_TEST(stuck[0] == 1.6, tt::tolerance(1e-12));
+  BOOST_TEST(stuck[1] == -1.2, tt::tolerance(1e-12));
+}
+
+// What has entered a body is put back to its mirror image, and moves away.
+BOOST_AUTO_TEST_CASE(bodies_let_nothing_in) {
+  scene<2> scene(wedge("1.0"));
+  auto& s = scene.particles();
+  auto& f = *scene.f;
+  find_beside_bodies(f);
+  double nearest = 1.0;
+  std::uint32_t i = 0;
+  for (const std::uint32_t k : f.beside_bodies)
+    if (const auto at = f.solid.at(of_solids<2>(f.place(k)));
+        at.distance < nearest && std::abs(at.normal[0] + std::sqrt(0.5)) < 1e-6) {  // on the wedge's left face
+      nearest = at.distance;
+      i = k;
+    }
+  BOOST_REQUIRE(put_out_of_bodies(f) == 0);
+  const bool mine = nearest < 1.0;
+  if (mine) {
+    const double to_surface = nearest * std::sqrt(0.5);
+    s.x[0][i] += to_surface + 0.01;
+    s.x[1][i] -= to_surface + 0.01;
+    s.v[0][i] = 3.0;
+    s.v[1][i] = 1.0;
+  }
+  BOOST_TEST(put_out_of_bodies(f) == (mine ? 1 : 0));
+  if (!mine) return;
+  BOOST_TEST(f.solid.at(of_solids<2>(f.place(i))).distance == 0.01 * std::sqrt(2.0), tt::tolerance(1e-9));
+  BOOST_TEST(s.v[0][i] == 1.0, tt::tolerance(1e-9));
+  BOOST_TEST(s.v[1][i] == 3.0, tt::tolerance(1e-9));
+}

@@ -50,6 +50,7 @@ CASES = {
               ("melts_shock", {"domain.particles_x": 40}), ("noh", {}), ("rayleigh_taylor", {}), ("iron_over_silicate", {}),
               ("impact_2d", {})],
     "flow": [("still_water", {"domain.particles_x": 10, "domain.particles_y": 12}),
+             ("still_wedge", {"domain.particles_x": 20, "domain.particles_y": 12}),
              ("dam_break_front", {"gauges.file": "''", "gauges.front_column": "''"}),
              ("standing_wave", {"domain.particles_x": 20, "domain.particles_y": 12}),
              ("elliptical_drop", {"domain.particles_x": 22, "domain.particles_y": 22})],

@@ -18,6 +18,7 @@ SMALL = """&domain length_x = 1.61 length_y = 0.315 particles_x = 46 particles_y
 """
 FLAT = {"box": "", "places": ""}
 DEEP = {"box": "dimension = 3 length_z = 0.28 particles_z = 8", "places": "height_z = 0.1 pressure_z = 0.14"}
+WEDGE = {"domain.particles_x": 40, "domain.particles_y": 24, "output.interval": 0}
 MEASURED = INPUTS / "reference/lobovsky_pressure_300.csv"
 
 
@@ -41,6 +42,26 @@ class Flow(Case):
         self.assertEqual(s["conservation"]["mass"], 0.0)
         self.assertEqual(m["wall_crossings"], 0)
         self.assertEqual(s["fluid_particles"], 100)
+
+    def test_still_wedge(self):
+        """Twenty particles deep over a wedge, whose wall particles balance the water as more water would."""
+        s = self.summary("still_wedge", {**WEDGE, "time.t_end": 6.4})
+        m = s["metrics"]
+        self.assertLess(m["kinetic_energy_over_mgh"], 1e-6)
+        self.assertLess(m["hydrostatic_error"], 0.02)
+        self.assertEqual((s["conservation"]["mass"], m["wall_crossings"]), (0.0, 0))
+        self.assertLess(s["fluid_particles"], 800)
+        self.assertGreater(s["wall_particles"], 0)
+
+    def test_body_for_a_side(self):
+        """Where the tank ends at a body in place of a side, the front arrives at the same time."""
+        side = self.summary(self.small(), {"time.t_end": 0.55})["metrics"]
+        longer = self.small(form={**FLAT, "box": "length_x = 2.03 particles_x = 58"})
+        longer.write_text(longer.read_text().replace("length_x = 1.61", "").replace("particles_x = 46", "") +
+                          "&solids shape = 'box' centre_x = 2.61 length_x = 2.0 length_y = 9.0 /")
+        body = self.summary(longer, {"time.t_end": 0.55})["metrics"]
+        self.assertLess(abs(body["pressure_1_arrival"] / side["pressure_1_arrival"] - 1), 0.02)
+        self.assertAlmostEqual(body["front_largest"], 1.61, delta=0.035)
 
     def test_standing_wave(self):
         """Sixteen particles deep: the sums smooth the wave by some (kS)^2/10 or 4 %, of which the period shows half."""
@@ -94,6 +115,12 @@ class Flow(Case):
         for form, settings, steps in [(FLAT, {"time.steps": 60}, 25), (DEEP, {"time.steps": 12, "walls.slip": "no_slip"}, 5)]:
             with self.subTest(**form):
                 self.assert_exact("flow", self.small(form), {**settings, "output.interval": 0}, steps, [(3, 1), (2, 2)])
+        for name, settings, steps in [
+                ("still_wedge", {**WEDGE, "flow.high_x": 0.8, "time.steps": 60, "walls.slip": "no_slip"}, 25),
+                ("bowl", {"domain.particles_x": 24, "domain.particles_y": 20, "domain.particles_z": 24, "output.interval": 0,
+                          "time.steps": 12}, 5)]:
+            with self.subTest(name):
+                self.assert_exact("flow", name, settings, steps, [(3, 1), (2, 2)])
         settings = {"domain.particles_x": 44, "domain.particles_y": 44, "time.steps": 30, "output.interval": 0}
         self.assert_exact("flow", "elliptical_drop", settings, 11, [(3, 1)])
 
@@ -136,6 +163,14 @@ class Flow(Case):
                 ("dam_break_2d", {"flow.gravity": 0}, ["sound_speed", "without gravity"]),
                 ("dam_break_2d", {"flow.gravity": 0, "flow.sound_speed": 10}, ["&walls slip_top", "gravity"]),
                 ("dam_break_2d", {"flow.amplitude": 0.1}, ["&flow amplitude", "standing_wave"]),
+                ("still_wedge", {"flow.around_bodies": "F"}, ["&solids shape", "start inside a wall", "body 'wedge'"]),
+                ("still_wedge", {"solids.centre_x": 5}, ["&solids shape", "'wedge' lies outside the box"]),
+                ("still_wedge", {"solids.angle_z": 0, "solids.centre_x": 0.4}, ["&solids shape", "the gap between", "at ("]),
+                ("still_wedge", {"solids.angle_z": 0, "solids.length_x": 0.03}, ["&solids shape", "thick at ("]),
+                ("still_wedge", {"gauges.pressure_x": 1.0, "gauges.pressure_y": 0.1},
+                 ["&gauges pressure_x", "gauge 1 at (1, 0.1)", "deep in body 'wedge'"]),
+                ("still_wedge", {"flow.start": "standing_wave", "flow.wavelength": 2, "flow.amplitude": 0.1}, ["&flow start", "at rest"]),
+                ("still_water", {"flow.around_bodies": "T"}, ["&flow around_bodies", "no bodies"]),
                 ("standing_wave", {"flow.wavelength": 1.5}, ["&flow wavelength", "half waves"]),
                 ("elliptical_drop", {"flow.strain_rate": 0}, ["strain_rate", "drawn out"]),
                 ("elliptical_drop", {"flow.high_y": 3.0}, ["&flow start", "circle"])]:

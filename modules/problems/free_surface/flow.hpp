@@ -176,7 +176,9 @@ class flow : public run::problem_in_a_box<D> {
   void make_lists(bool as_they_were) override {
     run::rebuild(f_.world, as_they_were);
     f_.make_room();
+    find_beside_bodies(f_);
   }
+  std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
 
  private:
   void read_gauges(std::int64_t step) {

@@ -75,7 +75,7 @@ semi_axes semi_axes_of(const water<D>& f) {
   return {axes[0], axes[1]};
 }
 
-// f(x, the sides it is seen in) of a particle and of its images in the walls nearer to it than `reach` (m), at most one
+// f(x) of a particle and of its images in the walls nearer to it than `reach` (m), at most one
 // along each axis.
 template <int D, class F>
 void for_each_view(const water<D>& f, std::size_t i, double reach, F&& at) {
@@ -145,7 +145,17 @@ double pressure_at(const water<D>& f, const point& place) {
     b[k] = f.ranks().exact(right[k]);
     for (std::size_t l = 0; l <= k; ++l) A[k][l] = f.ranks().exact(moments[k][l]);
   }
-  constexpr double enough = 0.5;  // of a full neighbourhood
+  constexpr double part = 0.5;  // of a full neighbourhood: of what bodies leave of it
+  foundation::exact_sum solid;
+  for (std::size_t r = 0; r < f.world.walls.bodies.own.size(); ++r)
+    for_each_view(f, s.first_wall() + r, support, [&](const point& x) {
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) r2 += (x[a] - place[a]) * (x[a] - place[a]);
+      if (r2 < support * support)
+        solid.add(std::pow(f.dx(), D) *
+                  std::visit([&](const auto& k) { return k.value(std::sqrt(r2)); }, f.world.w.kernel));
+    });
+  const double enough = part * (1.0 - f.ranks().exact(solid));
   const double mean = A[0][0] > 0.0 ? b[0] / A[0][0] : 0.0;
   if (!(A[0][0] > enough) || !operators::factorise(A)) return mean;
   return operators::solve(A, b)[0];

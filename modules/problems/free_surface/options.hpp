@@ -3,6 +3,7 @@
 //   &flow     blocks of water, how they start, the liquid, gravity, shifting
 //   &gauges   what is measured on the way, and the files that it is held against
 //   &walls    slip and no slip; an open top
+//   &solids   bodies of any shape, which stand still (solids/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
@@ -11,7 +12,9 @@
 #include <free_surface/liquid.hpp>
 #include <optional>
 #include <run/options.hpp>
+#include <solids/options.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 #include <walls/options.hpp>
 
@@ -32,6 +35,7 @@ struct flow_options {
   double shifting = 2.0;                     // 0: none
   double wavelength = 0.0, amplitude = 0.0;  // m, of a standing wave
   double strain_rate = 0.0;                  // 1/s, of a drop
+  bool around_bodies = false;                // blocks of water leave out what bodies cover
 };
 
 struct gauge_options {
@@ -51,6 +55,7 @@ struct options {
   flow_options flow;
   gauge_options gauges;
   walls::options walls;
+  solids::options solids;
   run::common_options common;
 
   bool open_top() const { return walls.sides[3].slip == "free_surface"; }
@@ -82,9 +87,19 @@ struct parameters {
   double smoothing_length = 0.0;     // m
   double kinematic_viscosity = 0.0;  // m2/s, physical and artificial
   references measured;
+  std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;  // of the box's dimension
+
+  template <int D>
+  const std::vector<solids::body<D>>& bodies_in() const {
+    return std::get<D - 2>(bodies);
+  }
 
   double particles(const options& o) const;  // of the blocks' lattices
 };
+
+// All bodies and what lies beyond the sides as one; without pieces where there are no bodies.
+template <int D>
+solids::body<D> solid_of(const options& o, const parameters& p);
 
 void declare(namelist::schema& schema, options& o);
 parameters resolve(const namelist::schema& schema, options& o);

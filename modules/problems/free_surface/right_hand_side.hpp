@@ -10,6 +10,7 @@
 #include <free_surface/terms.hpp>
 #include <free_surface/water.hpp>
 #include <volume/shape.hpp>
+#include <walls/bodies.hpp>
 #include <walls/reflected_velocity.hpp>
 
 namespace tetsuame::free_surface {
@@ -26,26 +27,71 @@ void begin_motion(water<D>& f) {
   domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
 }
 
-// What stands behind walls: the image's water has its source's density, and a pressure that holds still water.
+// Images [first, last): their water has its source's density, and a pressure that holds still water.
 template <int D>
-void mirror(water<D>& f) {
+void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   const auto& walls = f.world.walls;
-  walls::move_images(walls, s);
-  foundation::for_all(walls.source.size(), [&](std::size_t r) {
-    const std::size_t i = s.first_wall() + r, j = walls.source[r];
-    std::array<double, D> source;
-    for (std::size_t a = 0; a < D; ++a) source[a] = s.v[a][j];
-    const auto v = walls::reflected_velocity<D>(walls, r, source, false);
+  foundation::for_all(last - first, [&](std::size_t n) {
+    const std::size_t r = first + n, i = s.first_wall() + walls.body_particles + r, j = walls.source[r];
+    const auto of_source = [&](const std::array<particles::array, D>& velocity) {
+      std::array<double, D> v;
+      for (std::size_t a = 0; a < D; ++a) v[a] = velocity[a][j];
+      return v;
+    };
+    const auto v = walls::reflected_velocity<D>(walls, r, of_source(s.v), false);
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
     if (f.sticks) {
-      const auto dragged = walls::reflected_velocity<D>(walls, r, source, true);
+      const auto dragged = walls::reflected_velocity<D>(walls, r, of_source(f.viscous_velocity), true);
       for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
     }
     s.rho[i] = s.rho[j];
     s.dV[i] = s.dV[j];
     s.p[i] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
   });
+}
+
+// Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, its
+// density, and as much of its volume as the marker is wet.
+template <int D>
+void fill_bodies(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const auto water_at = [&](std::size_t j, std::size_t i) {
+    std::array<double, D + 3> values;
+    for (std::size_t a = 0; a < D; ++a) values[a] = s.v[a][j];
+    values[D] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
+    values[D + 1] = s.rho[j];
+    values[D + 2] = s.dV[j];
+    return values;
+  };
+  walls::at_bodies<D + 3, D>(
+      w, f.world.walls, water_at, [&](std::size_t i, const auto& of, double wet, const auto& mean) {
+        std::array<double, D> source;
+        for (std::size_t a = 0; a < D; ++a) source[a] = mean[a];
+        const auto v = walls::reflected_velocity<D>(of, source, false);
+        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+        if (f.sticks) {
+          const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
+          for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
+        }
+        s.p[i] = mean[D];
+        s.rho[i] = mean[D + 1];
+        s.dV[i] = wet * mean[D + 2];
+      });
+  w.exchange_walls(s.v, {s.p.data(), s.rho.data(), s.dV.data()});
+  if (f.sticks) w.exchange_walls(f.viscous_velocity, {});
+}
+
+// All that stands behind walls.
+template <int D>
+void mirror(water<D>& f) {
+  const auto& walls = f.world.walls;
+  walls::move_images(walls, f.world.w.s);
+  fill_images(f, 0, walls.images_of_fluid);
+  if (!walls.bodies.any()) return;
+  fill_bodies(f);
+  fill_images(f, walls.images_of_fluid, walls.source.size());
 }
 
 // Of particles [first, last) that are no images: what follows from their own state.

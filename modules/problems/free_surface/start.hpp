@@ -72,25 +72,85 @@ void place_blocks(water<D>& f) {
   run::place_lattices<D>(f.world, lattices, f.o.domain.jitter);
 }
 
-// Of the block's particles those within the drop. IDs stay those of the block.
-template <int D>
-void cut_out_drop(water<D>& f) {
+// Of the blocks' particles those that is_water(place) keeps. IDs stay those of the blocks.
+template <int D, class IsWater>
+void cut_out(water<D>& f, const IsWater& is_water) {
   auto& s = f.world.w.s;
-  const circle c = drop_of(f.p);
   std::vector<std::uint32_t> kept;
   for (std::size_t i = 0; i < s.fluid; ++i)
-    if (c.distance2(f.place(i)) < c.radius * c.radius) kept.push_back(static_cast<std::uint32_t>(i));
+    if (is_water(f.place(i))) kept.push_back(static_cast<std::uint32_t>(i));
   particles::reorder(s, 0, std::span<const std::uint32_t>(kept));
   particles::allocate(s, kept.size(), 0, 0, 0);
+}
+
+template <int D>
+solids::point<D> of_solids(const point& x) {
+  return solids::point<D>::of([&](std::size_t a) { return x[a]; });
+}
+
+// Wall particles of the bodies, of all ranks, and their markers.
+template <int D>
+void set_up_bodies(water<D>& f) {
+  auto bodies = f.p.template bodies_in<D>();
+  if (bodies.empty()) return;
+  f.solid = solid_of<D>(f.o, f.p);
+  cut_out(f, [&](const point& x) { return !f.solid.solid(of_solids<D>(x)); });
+  const auto& w = f.world.w;
+  auto& walls = f.world.walls.bodies;
+  walls.no_slip = f.o.walls.slip == "no_slip";
+  walls.numbers = 1;
+  for (std::size_t a = 0; a < D; ++a) walls.numbers *= f.o.domain.particles[a];
+  const solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
+  const auto made = solids::fill_with_wall_particles<D>({f.solid}, box, w.support());
+  // On the surface itself both are 0.
+  const auto odd = [&](std::size_t n) { return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0; };
+  for (std::size_t n = 0; n < made.x.size(); ++n)
+    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], odd(n), made.place[n]});
+}
+
+// With new lists.
+template <int D>
+void find_beside_bodies(water<D>& f) {
+  f.beside_bodies.clear();
+  if (!f.world.walls.bodies.any()) return;
+  const double near = 1.5 * f.world.skin;  // particles move half of the skin about where lists found them
+  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i)
+    if (f.solid.level(of_solids<D>(f.place(i))) < near) f.beside_bodies.push_back(static_cast<std::uint32_t>(i));
+}
+
+// The last guard, as walls::reflect() is at plane sides: how many of this rank's particles had entered a body.
+template <int D>
+std::int64_t put_out_of_bodies(water<D>& f) {
+  auto& s = f.world.w.s;
+  std::int64_t crossings = 0;
+  for (const std::uint32_t i : f.beside_bodies) {
+    const auto x = of_solids<D>(f.place(i));
+    if (!f.solid.solid(x)) continue;
+    const auto surface = f.solid.at(x);
+    if (!surface.found) continue;
+    double towards = 0.0;
+    for (std::size_t a = 0; a < D; ++a) towards += s.v[a][i] * surface.normal[a];
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] = surface.nearest[a] - surface.distance * surface.normal[a];
+      if (towards < 0.0) s.v[a][i] -= 2.0 * towards * surface.normal[a];
+    }
+    ++crossings;
+  }
+  return crossings;
 }
 
 template <int D>
 void set_up(water<D>& f) {
   run::set_up(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
   place_blocks(f);
-  if (f.o.flow.start == "drop") cut_out_drop(f);
+  if (f.o.flow.start == "drop") {
+    const circle c = drop_of(f.p);
+    cut_out(f, [&](const point& x) { return c.distance2(x) < c.radius * c.radius; });
+  }
+  set_up_bodies(f);
   f.world.w.g[1] = -f.gravity();
-  f.sticks = std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
+  f.sticks = f.world.walls.bodies.no_slip ||
+             std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {

@@ -14,19 +14,34 @@
 
 #include <free_surface/terms.hpp>
 #include <free_surface/water.hpp>
+#include <walls/bodies.hpp>
 #include <walls/mirror.hpp>
 
 namespace tetsuame::free_surface {
 
 inline constexpr double of_spray = 0.4, inside = 0.75, alone = 0.2;  // λ
 
-// To ghosts and images.
+// From sources to their images [first, last).
 template <int D>
-void hand_on(water<D>& f, double* values) {
-  auto& w = f.world.w;
-  w.exchange_fluid({values});
-  const auto& source = f.world.walls.source;
-  foundation::for_all(source.size(), [&](std::size_t r) { values[w.s.first_wall() + r] = values[source[r]]; });
+void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
+  const auto& walls = f.world.walls;
+  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
+  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
+}
+
+// To all that stands behind walls: images have what their sources have, wall particles of bodies what(wetness, mean at
+// their markers).
+template <int D, class What>
+void behind_walls(const water<D>& f, double* values, const What& what) {
+  const auto& w = f.world.w;
+  const auto& walls = f.world.walls;
+  to_images(f, values, 0, walls.images_of_fluid);
+  if (!walls.bodies.any()) return;
+  walls::at_bodies<1, 0>(
+      w, walls, [&](std::size_t j, std::size_t) { return std::array{values[j]}; },
+      [&](std::size_t i, const auto&, double wet, const auto& mean) { values[i] = what(wet, mean[0]); });
+  w.exchange_walls({values});
+  to_images(f, values, walls.images_of_fluid, walls.source.size());
 }
 
 // Places and volumes of ghosts and images, as of now.
@@ -38,8 +53,7 @@ void refresh_places(water<D>& f) {
   const std::array<double*, 1> volumes{s.dV.data()};
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(volumes), &s.x);
   walls::move_images(f.world.walls, s);
-  const auto& source = f.world.walls.source;
-  foundation::for_all(source.size(), [&](std::size_t r) { s.dV[s.first_wall() + r] = s.dV[source[r]]; });
+  behind_walls(f, s.dV.data(), [](double wet, double V) { return wet * V; });
 }
 
 template <std::size_t N>
@@ -58,7 +72,9 @@ void find_arrangement(water<D>& f) {
   refresh_places(f);
   const double W = std::visit([&](const auto& k) { return k.value(w.dx); }, w.kernel);
   w.sum(w.fluid(), arrangement<D>{s.dV.data(), 1.0 / W, f.eigenvalue.data(), places_of(f.slope)});
-  hand_on(f, f.eigenvalue.data());
+  w.exchange_fluid({f.eigenvalue.data()});
+  // What is dry is no surface.
+  behind_walls(f, f.eigenvalue.data(), [](double wet, double lambda) { return wet > 0.0 ? lambda : 1.0; });
   f.eigenvalue[s.null()] = 1.0;
   w.sum(w.fluid(), outward<D>{s.dV.data(), f.eigenvalue.data(), places_of(f.normal), f.least_near.data()});
 }

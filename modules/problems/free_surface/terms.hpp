@@ -157,7 +157,8 @@ struct cone {
     const auto near = foundation::select(ahead > std::sqrt(0.5) * ij.r, real(1.0), real(0.0));
     const auto beyond = foundation::select(ij.r2 - 2.0 * h * ahead < 0.0, real(1.0), real(0.0));
     const auto inside = foundation::select(ij.r2 < 2.0 * h * h, near, beyond);
-    a.covered = foundation::greater(a.covered, inside);
+    const auto there = foundation::select(ij(pairs::of_volume) > 0.0, inside, real(0.0));
+    a.covered = foundation::greater(a.covered, there);
   }
   void end(const auto& i, const auto& a) const { i.set(covered, a.covered); }
 };

@@ -12,7 +12,9 @@ struct water {
   const parameters& p;
   run::state<D> world = {};
 
-  bool sticks = false;  // a wall is one of no slip
+  solids::body<D> solid = {};  // all bodies and, beyond the sides, the tank; without pieces where there are no bodies
+  std::vector<std::uint32_t> beside_bodies = {};  // fluid that may come to them before the next lists
+  bool sticks = false;                            // a wall is one of no slip
 
   // Filled by evaluations, with room for every particle.
   std::array<particles::array, D> viscous_velocity = {};  // m/s, where a wall sticks: of images as they are dragged
