@@ -14,16 +14,15 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 3> axes{"x", "y", "z"};
 
 namelist::key_info list(std::size_t most, std::string unit, std::string meaning, double minimum = -1e300) {
-  return namelist::for_expert({.unit = std::move(unit),
-                               .minimum = minimum,
-                               .maximum = 1e300,
-                               .maximum_size = most,
-                               .sparse = true,
-                               .meaning = std::move(meaning)});
+  return {.unit = std::move(unit),
+          .minimum = minimum,
+          .maximum = 1e300,
+          .maximum_size = most,
+          .sparse = true,
+          .meaning = std::move(meaning)};
 }
 namelist::key_info names(std::size_t most, std::vector<std::string> choices, std::string meaning) {
-  return namelist::for_expert(
-      {.choices = std::move(choices), .maximum_size = most, .sparse = true, .meaning = std::move(meaning)});
+  return {.choices = std::move(choices), .maximum_size = most, .sparse = true, .meaning = std::move(meaning)};
 }
 
 void declare_axes(namelist::schema& schema, const char* group, const std::string& name,
