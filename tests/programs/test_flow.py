@@ -170,7 +170,7 @@ class Flow(Case):
                 ("still_wedge", {"gauges.pressure_x": 1.0, "gauges.pressure_y": 0.1},
                  ["&gauges pressure_x", "gauge 1 at (1, 0.1)", "deep in body 'wedge'"]),
                 ("still_wedge", {"flow.start": "standing_wave", "flow.wavelength": 2, "flow.amplitude": 0.1}, ["&flow start", "at rest"]),
-                ("still_water", {"flow.around_bodies": "T"}, ["&flow around_bodies", "no bodies"]),
+                ("still_water", {"flow.around_bodies": "T"}, ["&expert around_bodies", "no bodies"]),
                 ("standing_wave", {"flow.wavelength": 1.5}, ["&flow wavelength", "half waves"]),
                 ("elliptical_drop", {"flow.strain_rate": 0}, ["strain_rate", "drawn out"]),
                 ("elliptical_drop", {"flow.high_y": 3.0}, ["&flow start", "circle"])]:

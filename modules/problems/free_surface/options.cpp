@@ -74,8 +74,9 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
 }
 
 void declare_blocks_around(namelist::schema& schema, flow_options& o) {
-  schema.add("flow", "around_bodies", o.around_bodies,
-             {.meaning = "blocks of water leave out what bodies of &solids cover; else that is an error"});
+  schema.add(
+      "flow", "around_bodies", o.around_bodies,
+      {.expert = true, .meaning = "blocks of water leave out what bodies of &solids cover; else that is an error"});
 }
 
 void declare_gauges(namelist::schema& schema, gauge_options& o) {
