@@ -1,11 +1,8 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <free_surface/options.hpp>
-#include <free_surface/reference.hpp>
+#include <free_surface/input.hpp>
 #include <kernels/kernel.hpp>
 #include <numbers>
 
@@ -15,11 +12,7 @@ namespace {
 
 using namelist::between, namelist::for_expert, namelist::positive;
 
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-
 const domain::demands demands{.walls_below_and_above = "water has a floor: along y the box is not periodic"};
-
-std::string along(const char* what, std::size_t axis) { return std::string(what) + axis_names[axis]; }
 
 void declare_water(namelist::schema& schema, flow_options& o) {
   schema.group("flow", "water with a free surface");
@@ -28,7 +21,7 @@ void declare_water(namelist::schema& schema, flow_options& o) {
               .meaning = "rest: blocks of water with hydrostatic pressure; standing_wave: with the velocity of a small "
                          "wave under a level surface; drop: the ellipse within the block, drawn out along y"});
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::string axis = axis_names[a], only = a == 2 ? " (3-D only)" : "";
+    const std::string axis = along("", a), only = a == 2 ? " (3-D only)" : "";
     schema.add("flow", "low_" + axis, o.low[a],
                {.unit = "m",
                 .minimum = 0.0,
@@ -77,46 +70,6 @@ void declare_blocks_around(namelist::schema& schema, flow_options& o) {
   schema.add(
       "flow", "around_bodies", o.around_bodies,
       {.expert = true, .meaning = "blocks of water leave out what bodies of &solids cover; else that is an error"});
-}
-
-void declare_gauges(namelist::schema& schema, gauge_options& o) {
-  schema.group("gauges", "what gauges.csv holds, and measurements to compare it with");
-  schema.add("gauges", "interval", o.interval,
-             {.unit = "s", .minimum = 0.0, .meaning = "time between readings; 0: every step"});
-  schema.add("gauges", "front", o.front, {.meaning = "how far along x the water has come"});
-  for (const std::size_t a : {0, 2})
-    schema.add("gauges", along("height_", a), o.height[a],
-               {.unit = "m",
-                .minimum = 0.0,
-                .meaning = std::string("where the depth of the water is read") + (a == 2 ? " (3-D only)" : "")});
-  for (std::size_t a = 0; a < 3; ++a)
-    schema.add("gauges", along("pressure_", a), o.pressure[a],
-               {.unit = "m",
-                .minimum = 0.0,
-                .meaning = std::string("points, of walls or of the water, whose pressure is read") +
-                           (a == 2 ? " (3-D only)" : "")});
-  schema.add("gauges", "file", o.file,
-             {.meaning = "measured curves, a table with the times in its first column; from the input's folder"});
-  schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
-  schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
-  schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
-  schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
-  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
-  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
-  schema.add("gauges", "arrival", o.arrival,
-             {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
-  schema.add("gauges", "impulse_from", o.impulse_from,
-             {.unit = "s",
-              .minimum = 0.0,
-              .stays_open = true,
-              .expert = true,
-              .meaning = "impulses begin; not given: at the arrival"});
-  schema.add("gauges", "impulse_until", o.impulse_until,
-             {.unit = "s",
-              .minimum = 0.0,
-              .stays_open = true,
-              .expert = true,
-              .meaning = "impulses end; not given: with the run"});
 }
 
 // ---- blocks of water ------------------------------------------------------------------------
@@ -222,183 +175,7 @@ void check_top(const namelist::schema& schema, const options& o) {
     schema.fail("walls", "slip_top", "an open top needs gravity: without it no water comes back");
 }
 
-// ---- gauges -------------------------------------------------------------------------------------
-
-// Places of as many numbers along each of these axes, in the box.
-void check_places(const namelist::schema& schema, const options& o, const char* what,
-                  const std::array<std::vector<double>, 3>& places, std::initializer_list<std::size_t> axes) {
-  for (const std::size_t a : axes) {
-    const std::string key = along(what, a);
-    const std::size_t expected = a < o.domain.axes() ? places[0].size() : 0;
-    if (places[a].size() != expected)
-      schema.fail("gauges", key, fmt::format("expected {} numbers, one a gauge, found {}", expected, places[a].size()));
-    for (std::size_t n = 0; n < places[a].size(); ++n)
-      if (places[a][n] > o.domain.length[a] * (1.0 + 1e-12))
-        schema.fail("gauges", key,
-                    fmt::format("gauge {} is outside the box: {} m, where the box ends at {} m", n + 1, places[a][n],
-                                o.domain.length[a]));
-  }
-}
-
-// From the folder of the input, as a whole path: where a run goes on from its resolved input, the file is the same.
-void complete_path(const namelist::schema& schema, const std::string& group, const std::string& key,
-                   std::string& path) {
-  namespace fs = std::filesystem;
-  if (path.empty() || fs::path(path).is_absolute()) return;
-  const std::string where = schema.where(group, key);
-  const bool in_a_file = !where.starts_with("--");
-  const auto folder = in_a_file ? fs::path(where.substr(0, where.rfind(':'))).parent_path() : fs::path();
-  path = fs::absolute(folder / path).lexically_normal().string();
-}
-
-series column_of(const namelist::schema& schema, const std::string& key, const table& t, const std::string& name,
-                 double time_unit, double unit) {
-  if (name.empty()) return {};
-  const auto place = t.place(name);
-  if (!place || *place == 0)
-    schema.fail("gauges", key, fmt::format("the file has no column '{}': it has {}", name, fmt::join(t.names, ", ")));
-  series s{t.columns.front(), t.columns[*place]};
-  for (double& time : s.time) time *= time_unit;
-  for (double& value : s.value) value *= unit;
-  return s;
-}
-
-std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key, const table& t,
-                              const std::vector<std::string>& names, std::size_t number, double unit) {
-  std::vector<series> all(number);
-  if (names.empty()) return all;
-  if (names.size() != number)
-    schema.fail("gauges", key, fmt::format("expected {} names, one a gauge, found {}", number, names.size()));
-  for (std::size_t n = 0; n < number; ++n) all[n] = column_of(schema, key, t, names[n], o.gauges.time_unit, unit);
-  return all;
-}
-
-void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
-  auto& g = o.gauges;
-  check_places(schema, o, "height_", g.height, {0, 2});
-  check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
-  p.measured.height.resize(g.height[0].size());
-  p.measured.pressure.resize(g.pressure[0].size());
-  const bool named = !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty();
-  if (named && g.file.empty()) schema.fail("gauges", "file", "columns are named, and no file");
-  if (!named && !g.file.empty()) schema.fail("gauges", "file", "none of its columns is named");
-  if (!named) return;
-  if (!g.front_column.empty() && !g.front)
-    schema.fail("gauges", "front_column", "front = .true. reads what this is compared with");
-  complete_path(schema, "gauges", "file", g.file);
-  const auto t = schema.placed("gauges", "file", [&] { return read_table(g.file); });
-  p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, g.length_unit);
-  p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, g.height[0].size(), g.length_unit);
-  p.measured.pressure =
-      curves_of(schema, o, "pressure_columns", t, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
-}
-
-// ---- bodies -------------------------------------------------------------------------------------
-
-template <int D>
-solids::point<D> in_dimensions(const point& x) {
-  return solids::point<D>::of([&](std::size_t a) { return x[a]; });
-}
-
-template <int D>
-solids::lattice<D> lattice_of(const options& o) {
-  return {in_dimensions<D>(o.domain.length), o.domain.dx()};
-}
-
-// What lies beyond the sides; an open top and periodic sides have nothing there.
-template <int D>
-solids::body<D> tank_of(const options& o) {
-  constexpr double far = 100.0;  // lengths of the box
-  solids::point<D> low, high;
-  for (std::size_t a = 0; a < D; ++a) {
-    const double length = o.domain.length[a];
-    low[a] = o.domain.periodic[a] ? -far * length : 0.0;
-    high[a] = o.domain.periodic[a] || (a == 1 && o.open_top()) ? far * length : length;
-  }
-  solids::piece<D> outside{
-      .bounds = solids::placed<D>(solids::box<D>(high - low), solids::no_rotation<D>(), 0.5 * (low + high)),
-      .outside = true};
-  return {"sides of the box", {outside}};
-}
-
-// Centres of the cells of a block's lattice.
-template <int D>
-std::vector<solids::point<D>> places_of(const options& o, const block& b) {
-  const double dx = o.domain.dx();
-  std::array<std::int64_t, D> number;
-  std::int64_t all = 1;
-  for (std::size_t a = 0; a < D; ++a) all *= number[a] = std::llround((b.high[a] - b.low[a]) / dx);
-  std::vector<solids::point<D>> places;
-  for (std::int64_t n = 0; n < all; ++n) {
-    std::int64_t rest = n;
-    places.push_back(solids::point<D>::of([&](std::size_t a) {
-      const double row = static_cast<double>(rest % number[a]);
-      rest /= number[a];
-      return b.low[a] + (row + 0.5) * dx;
-    }));
-  }
-  return places;
-}
-
-template <int D>
-void check_gauges_dry(const namelist::schema& schema, const options& o, const std::vector<solids::body<D>>& bodies) {
-  const double slight = 1e-6 * o.domain.dx();
-  const auto& at = o.gauges.pressure;
-  for (std::size_t n = 0; n < at[0].size(); ++n) {
-    const auto x = solids::point<D>::of([&](std::size_t a) { return at[a][n]; });
-    for (const auto& b : bodies)
-      if (b.level(x) < -slight)
-        schema.fail("gauges", "pressure_x",
-                    fmt::format("gauge {} at {} lies {:.3g} m deep in body '{}'", n + 1, solids::place_text<D>(x),
-                                -b.at(x).distance, b.name()));
-  }
-}
-
-// Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
-template <int D>
-void check_lattice(const namelist::schema& schema, const options& o) {
-  constexpr double most = 1e8;
-  double places = 1.0;
-  for (std::size_t a = 0; a < D; ++a) places *= static_cast<double>(o.domain.particles[a]);
-  if (places > most)
-    schema.fail("domain", "particles_x",
-                fmt::format("the lattice has {:.3g} places in the box; with bodies at most {:.0e}", places, most));
-}
-
-template <int D>
-void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
-  auto& all = std::get<D - 2>(p.bodies);
-  for (auto& file : o.solids.file) complete_path(schema, "solids", "file", file);
-  all = solids::make_bodies<D>(schema, o.solids);
-  if (all.empty()) {
-    if (o.flow.around_bodies) schema.fail("flow", "around_bodies", "there are no bodies: &solids");
-    return;
-  }
-  if (o.flow.start != "rest") schema.fail("flow", "start", "with bodies water starts at rest");
-  check_lattice<D>(schema, o);
-  const auto box = lattice_of<D>(o);
-  schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(all, box); });
-  const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
-  auto with_tank = all;
-  with_tank.push_back(tank_of<D>(o));
-  schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
-  check_gauges_dry<D>(schema, o, all);
-  if (o.flow.around_bodies) return;
-  for (const block& b : p.blocks)
-    schema.placed("solids", "shape", [&] { solids::expect_dry<D>(all, places_of<D>(o, b)); });
-}
-
 }  // namespace
-
-template <int D>
-solids::body<D> solid_of(const options& o, const parameters& p) {
-  if (p.bodies_in<D>().empty()) return {};
-  auto all = p.bodies_in<D>();
-  all.push_back(tank_of<D>(o));
-  return solids::joined(all);
-}
-template solids::body<2> solid_of<2>(const options&, const parameters&);
-template solids::body<3> solid_of<3>(const options&, const parameters&);
 
 bool block::holds(const point& x) const {
   for (std::size_t a = 0; a < 3; ++a)

@@ -31,7 +31,7 @@ class Tetsuame(CMakePackage):
     depends_on("nlohmann-json")
     depends_on("cli11")
     depends_on("eigen")
-    depends_on("cgal@5.5:", when="+stl")
+    depends_on("cgal@5.5:5", when="+stl")
     depends_on("python@3.9:", type="run")
     depends_on("py-numpy", type="run")
     depends_on("py-h5py", type="run")

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <filesystem>
+#include <free_surface/input.hpp>
+#include <free_surface/reference.hpp>
+
+namespace tetsuame::free_surface {
+
+using namelist::positive;
+
+std::string along(const char* what, std::size_t axis) {
+  constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+  return std::string(what) + axis_names[axis];
+}
+
+void complete_path(const namelist::schema& schema, const std::string& group, const std::string& key,
+                   std::string& path) {
+  namespace fs = std::filesystem;
+  if (path.empty() || fs::path(path).is_absolute()) return;
+  const std::string where = schema.where(group, key);
+  const bool in_a_file = !where.starts_with("--");
+  const auto folder = in_a_file ? fs::path(where.substr(0, where.rfind(':'))).parent_path() : fs::path();
+  path = fs::absolute(folder / path).lexically_normal().string();
+}
+
+void declare_gauges(namelist::schema& schema, gauge_options& o) {
+  schema.group("gauges", "what gauges.csv holds, and measurements to compare it with");
+  schema.add("gauges", "interval", o.interval,
+             {.unit = "s", .minimum = 0.0, .meaning = "time between readings; 0: every step"});
+  schema.add("gauges", "front", o.front, {.meaning = "how far along x the water has come"});
+  for (const std::size_t a : {0, 2})
+    schema.add("gauges", along("height_", a), o.height[a],
+               {.unit = "m",
+                .minimum = 0.0,
+                .meaning = std::string("where the depth of the water is read") + (a == 2 ? " (3-D only)" : "")});
+  for (std::size_t a = 0; a < 3; ++a)
+    schema.add("gauges", along("pressure_", a), o.pressure[a],
+               {.unit = "m",
+                .minimum = 0.0,
+                .meaning = std::string("points, of walls or of the water, whose pressure is read") +
+                           (a == 2 ? " (3-D only)" : "")});
+  schema.add("gauges", "file", o.file,
+             {.meaning = "measured curves, a table with the times in its first column; from the input's folder"});
+  schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
+  schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
+  schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
+  schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
+  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
+  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
+  schema.add("gauges", "arrival", o.arrival,
+             {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
+  schema.add("gauges", "impulse_from", o.impulse_from,
+             {.unit = "s",
+              .minimum = 0.0,
+              .stays_open = true,
+              .expert = true,
+              .meaning = "impulses begin; not given: at the arrival"});
+  schema.add("gauges", "impulse_until", o.impulse_until,
+             {.unit = "s",
+              .minimum = 0.0,
+              .stays_open = true,
+              .expert = true,
+              .meaning = "impulses end; not given: with the run"});
+}
+
+namespace {
+
+// Places of as many numbers along each of these axes, in the box.
+void check_places(const namelist::schema& schema, const options& o, const char* what,
+                  const std::array<std::vector<double>, 3>& places, std::initializer_list<std::size_t> axes) {
+  for (const std::size_t a : axes) {
+    const std::string key = along(what, a);
+    const std::size_t expected = a < o.domain.axes() ? places[0].size() : 0;
+    if (places[a].size() != expected)
+      schema.fail("gauges", key, fmt::format("expected {} numbers, one a gauge, found {}", expected, places[a].size()));
+    for (std::size_t n = 0; n < places[a].size(); ++n)
+      if (places[a][n] > o.domain.length[a] * (1.0 + 1e-12))
+        schema.fail("gauges", key,
+                    fmt::format("gauge {} is outside the box: {} m, where the box ends at {} m", n + 1, places[a][n],
+                                o.domain.length[a]));
+  }
+}
+
+series column_of(const namelist::schema& schema, const std::string& key, const table& t, const std::string& name,
+                 double time_unit, double unit) {
+  if (name.empty()) return {};
+  const auto place = t.place(name);
+  if (!place || *place == 0)
+    schema.fail("gauges", key, fmt::format("the file has no column '{}': it has {}", name, fmt::join(t.names, ", ")));
+  series s{t.columns.front(), t.columns[*place]};
+  for (double& time : s.time) time *= time_unit;
+  for (double& value : s.value) value *= unit;
+  return s;
+}
+
+std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key, const table& t,
+                              const std::vector<std::string>& names, std::size_t number, double unit) {
+  std::vector<series> all(number);
+  if (names.empty()) return all;
+  if (names.size() != number)
+    schema.fail("gauges", key, fmt::format("expected {} names, one a gauge, found {}", number, names.size()));
+  for (std::size_t n = 0; n < number; ++n) all[n] = column_of(schema, key, t, names[n], o.gauges.time_unit, unit);
+  return all;
+}
+
+}  // namespace
+
+void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
+  auto& g = o.gauges;
+  check_places(schema, o, "height_", g.height, {0, 2});
+  check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
+  p.measured.height.resize(g.height[0].size());
+  p.measured.pressure.resize(g.pressure[0].size());
+  const bool named = !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty();
+  if (named && g.file.empty()) schema.fail("gauges", "file", "columns are named, and no file");
+  if (!named && !g.file.empty()) schema.fail("gauges", "file", "none of its columns is named");
+  if (!named) return;
+  if (!g.front_column.empty() && !g.front)
+    schema.fail("gauges", "front_column", "front = .true. reads what this is compared with");
+  complete_path(schema, "gauges", "file", g.file);
+  const auto t = schema.placed("gauges", "file", [&] { return read_table(g.file); });
+  p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, g.length_unit);
+  p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, g.height[0].size(), g.length_unit);
+  p.measured.pressure =
+      curves_of(schema, o, "pressure_columns", t, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
+}
+
+}  // namespace tetsuame::free_surface

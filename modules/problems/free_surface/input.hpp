@@ -1,0 +1,22 @@
+// The parts of the input's reading, a file each: options.cpp, gauge_options.cpp, body_options.cpp.
+#pragma once
+
+#include <free_surface/options.hpp>
+#include <string>
+
+namespace tetsuame::free_surface {
+
+// A key of this axis: what, with x, y or z.
+std::string along(const char* what, std::size_t axis);
+
+// From the folder of the input, as a whole path: where a run goes on from its resolved input, the file is the same.
+void complete_path(const namelist::schema& schema, const std::string& group, const std::string& key, std::string& path);
+
+void declare_gauges(namelist::schema& schema, gauge_options& o);
+void resolve_gauges(const namelist::schema& schema, options& o, parameters& p);
+
+// Bodies of the box's dimension, D. Needs the blocks of water.
+template <int D>
+void resolve_bodies(const namelist::schema& schema, options& o, parameters& p);
+
+}  // namespace tetsuame::free_surface
