@@ -95,6 +95,9 @@ struct loop {
       const auto limit = p.largest_step();
       how.dt = how.error_control ? 0.0 : kept > 0.0 ? kept : limit.dt;
       dt_is = limit.name;
+      if (!how.error_control && !(how.dt > 0.0 && std::isfinite(how.dt)))
+        foundation::fail_input(fmt::format(
+            "default value: &time dt: must be given: with this input the limit by {} is {} s", limit.name, how.dt));
     }
     how.dt_is = dt_is;
     integrators::radius_function radius;

@@ -109,6 +109,16 @@ class Refusals(Case):
         self.refuse("convection", "air_1e4", {"expert.zeta": 0.5}, "--set expert.zeta=0.5: &expert zeta", "in [1, 1e+30]")
         self.refuse("convection", "air_1e4", {"expert.xi": "1e308"}, "--set expert.xi=1e308: &expert xi", "in [1, 1e+30]")
 
+    def test_steps_that_no_limit_gives(self):
+        """Known to a run only, whose lists say what a step may be."""
+        for program, name, settings in [("rti", "rti_note", {"domain.particles_x": 12, "domain.particles_y": 12, "kernel.h_over_dx": 0.5}),
+                                        ("flow", "still_water", {"expert.sound_speed": "1e308"})]:
+            with self.subTest(program):
+                changes = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+                result = self.call(program, INPUTS / f"{name}.nml", *changes, "--output", "out")
+                self.assert_says(result, BAD_INPUT, "default value: &time dt", "must be given")
+                self.assertFalse((self.here / "out").exists(), result)
+
     def test_a_drop_below_the_spacing(self):
         """The theory's grid goes with the radius: it must neither hang nor fill the memory."""
         self.refuse("drop", "drop_cylinder", {"drop.radius": "1e3"}, "--set drop.radius=1e3: &drop radius", "spacing")
