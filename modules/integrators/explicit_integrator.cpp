@@ -120,9 +120,16 @@ struct explicit_integrator::implementation {
 
   // ---- setting up ------------------------------------------------------------------------------
 
+  std::size_t number(const field& f) const { return f.number.value_or(n); }
+  std::vector<state_field> state() const {
+    std::vector<state_field> all;
+    for (const field& f : fields) all.push_back({f.data, number(f)});
+    return all;
+  }
+
   void check_fields() const {
     for (const field& f : fields) {
-      if (is_ab2 && n > 0 && f.previous_rate == nullptr)
+      if (is_ab2 && number(f) > 0 && f.previous_rate == nullptr)
         fail_input(fmt::format("method 'ab2' needs an array for the earlier rate of {}", f.name));
       if (adaptive && f.absolute_tolerance == 0.0 && f.scale == 0.0)
         fail_input(fmt::format(
@@ -136,7 +143,7 @@ struct explicit_integrator::implementation {
     latest_rate.reset();
     saved.reset();
     spare.reset();
-    home = make_state_vector(context, communicator, arrays(fields), n);
+    home = make_state_vector(context, communicator, state());
     // ARKODE asks for a norm a step even where the step is fixed and nobody uses it.
     if (!adaptive) home->ops->nvwrmsnorm = [](N_Vector, N_Vector) { return 0.0; };
     start_rate.reset(N_VClone(home.get()));
@@ -218,8 +225,9 @@ struct explicit_integrator::implementation {
   template <class F>
   void for_all_values(const F& f) const {
     for (std::size_t k = 0; k < fields.size(); ++k) {
-#pragma omp parallel for simd schedule(static) if (n > 4096)
-      for (std::size_t i = 0; i < n; ++i) f(k, i);
+      const std::size_t values = number(fields[k]);
+#pragma omp parallel for simd schedule(static) if (values > 4096)
+      for (std::size_t i = 0; i < values; ++i) f(k, i);
     }
   }
 

@@ -36,19 +36,21 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace tetsuame::integrators {
 
-// One integrated scalar per particle.
+// One integrated scalar per particle; or of something else, of which each rank has some.
 struct field {
   std::string name;
-  double* data;                     // n values
-  double absolute_tolerance = 0.0;  // the field's unit
-  double scale = 0.0;               // the field's unit; > 0 replaces |y| in the weight (positions)
-  double* previous_rate = nullptr;  // 'ab2': n values, df/dt of the step before; kept and moved by the caller
+  double* data;                            // n values
+  double absolute_tolerance = 0.0;         // the field's unit
+  double scale = 0.0;                      // the field's unit; > 0 replaces |y| in the weight (positions)
+  double* previous_rate = nullptr;         // 'ab2': n values, df/dt of the step before; kept and moved by the caller
+  std::optional<std::size_t> number = {};  // of values, where they are not one a particle
 };
 
 struct explicit_options {

@@ -101,7 +101,7 @@ int apply_diagonal(N_Vector, N_Vector, N_Vector, N_Vector, N_Vector v, void* dat
 }
 
 void set_up(problem& p) {
-  p.home = make_state_vector(p.context, p.communicator, {p.x.data()}, p.x.size());
+  p.home = make_state_vector(p.context, p.communicator, {{p.x.data(), p.x.size()}});
   p.ones.reset(N_VClone(p.home.get()));
   p.spare.reset(N_VClone(p.home.get()));
   N_VConst(1.0, p.ones.get());

@@ -26,12 +26,14 @@ using memory_block = std::unique_ptr<double, release_memory>;
 // What a home vector and all its clones share.
 struct family {
   MPI_Comm communicator;
-  std::size_t fields, n;
+  std::size_t fields;
+  std::vector<std::size_t> n;  // values of each field
+  std::size_t most;            // of any field
   sunindextype global_length;
   long long copies = 0;
   std::vector<memory_block> unused;  // storage given back by clones
 
-  std::size_t stride() const { return (n + 7) / 8 * 8; }
+  std::size_t stride() const { return (most + 7) / 8 * 8; }
   memory_block take() {
     if (!unused.empty()) {
       memory_block last = std::move(unused.back());
@@ -78,7 +80,7 @@ double* const* read(N_Vector v) {
   if (c.is_home) return c.home.data();
   if (!c.stored) {
     c.stored = std::make_shared<storage>(c.shared);
-    for (double* values : c.stored->pointers) std::fill_n(values, c.shared->n, c.constant);
+    for (double* values : c.stored->pointers) std::fill_n(values, c.shared->most, c.constant);
   }
   return c.stored->pointers.data();
 }
@@ -104,10 +106,12 @@ destination overwrite(N_Vector v) {
 // kernel(field, begin, end) over all values; a thread gets the same particles of every field.
 template <class Kernel>
 void over_blocks(const family& f, Kernel kernel) {
-  const std::size_t blocks = (f.n + block_length - 1) / block_length;
+  const std::size_t blocks = (f.most + block_length - 1) / block_length;
 #pragma omp parallel for schedule(static) if (blocks > 8)
   for (std::size_t b = 0; b < blocks; ++b)
-    for (std::size_t k = 0; k < f.fields; ++k) kernel(k, b * block_length, std::min(f.n, (b + 1) * block_length));
+    for (std::size_t k = 0; k < f.fields; ++k)
+      if (const std::size_t end = std::min(f.n[k], (b + 1) * block_length); b * block_length < end)
+        kernel(k, b * block_length, end);
 }
 
 // z_i = value(field, i). Reads and the write of one i may concern the same array.
@@ -125,13 +129,13 @@ void assign(N_Vector z, Value value) {
 template <class Term>
 void sums(const family& f, std::span<double> results, Term term) {
   std::vector<exact_sum> total(results.size());
-#pragma omp parallel if (f.n > 8 * block_length)
+#pragma omp parallel if (f.most > 8 * block_length)
   {
     std::vector<exact_sum> mine(results.size());
     for (std::size_t j = 0; j < mine.size(); ++j)
       for (std::size_t k = 0; k < f.fields; ++k) {
 #pragma omp for schedule(static) nowait
-        for (std::size_t i = 0; i < f.n; ++i) mine[j].add(term(j, k, i));
+        for (std::size_t i = 0; i < f.n[k]; ++i) mine[j].add(term(j, k, i));
       }
 #pragma omp critical(tetsuame_state_vector_sums)
     for (std::size_t j = 0; j < mine.size(); ++j) total[j].add(mine[j]);
@@ -151,8 +155,8 @@ template <class Value>
 double maximum(const family& f, double lowest, Value value) {
   double largest = lowest;
   for (std::size_t k = 0; k < f.fields; ++k) {
-#pragma omp parallel for schedule(static) reduction(max : largest) if (f.n > 8 * block_length)
-    for (std::size_t i = 0; i < f.n; ++i) {
+#pragma omp parallel for schedule(static) reduction(max : largest) if (f.n[k] > 8 * block_length)
+    for (std::size_t i = 0; i < f.n[k]; ++i) {
       const double v = value(k, i);
       largest = std::max(largest, std::isnan(v) ? infinity : v);
     }
@@ -333,16 +337,23 @@ void fill_operations(_generic_N_Vector_Ops& ops) {
 
 }  // namespace
 
-vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, std::vector<double*> fields, std::size_t n) {
-  auto shared = std::make_shared<family>(family{communicator, fields.size(), n, 0, 0, {}});
-  long long total = static_cast<long long>(n);
+vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, const std::vector<state_field>& fields) {
+  auto shared = std::make_shared<family>(family{communicator, fields.size(), {}, 0, 0, 0, {}});
+  std::vector<double*> arrays;
+  long long total = 0;
+  for (const state_field& f : fields) {
+    arrays.push_back(f.values);
+    shared->n.push_back(f.n);
+    shared->most = std::max(shared->most, f.n);
+    total += static_cast<long long>(f.n);
+  }
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_LONG_LONG, MPI_SUM, communicator);
-  shared->global_length = static_cast<sunindextype>(total) * static_cast<sunindextype>(fields.size());
+  shared->global_length = static_cast<sunindextype>(total);
 
   vector_handle v(N_VNewEmpty(context));
   if (!v) throw std::bad_alloc();
   fill_operations(*v->ops);
-  v->content = new content{std::move(shared), std::move(fields), nullptr, true};
+  v->content = new content{std::move(shared), std::move(arrays), nullptr, true};
   return v;
 }
 

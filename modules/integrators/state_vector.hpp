@@ -1,5 +1,5 @@
 // The vector SUNDIALS works on: a list of scalar fields (x, y, v_x, …), each a plain
-// array with one value a particle, spread over ranks. A "home" vector points at arrays
+// array, most with one value a particle, spread over ranks. A "home" vector points at arrays
 // that belong to others (the particles); its clones own their storage.
 //
 // Sums over all values (dot products, weighted root-mean-square norm
@@ -22,9 +22,15 @@
 
 namespace tetsuame::integrators {
 
-// A home vector over `fields`, arrays of n values each. Collective over `communicator`, which
+// An array of a state: n values on this rank.
+struct state_field {
+  double* values;
+  std::size_t n;
+};
+
+// A home vector over these arrays. Collective over `communicator`, which
 // must outlive the vector, as must `context`. N_VGetLength is the global number of values.
-vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, std::vector<double*> fields, std::size_t n);
+vector_handle make_state_vector(SUNContext context, MPI_Comm communicator, const std::vector<state_field>& fields);
 
 std::span<const double* const> values(N_Vector v);         // one pointer a field
 std::span<double* const> values_to_overwrite(N_Vector v);  // the same, to be written in full: old values are lost

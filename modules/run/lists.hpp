@@ -131,8 +131,8 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, box.walls, grid, box.skin);
       },
       box.treatment);
-  // Lists end when some fluid has moved half the skin.
-  if (box.walls.bodies.any()) walls::list_bodies(w, box.walls, grid, 0.5 * box.skin);
+  // Lists end when some fluid, or a body, has moved half the skin.
+  if (box.walls.bodies.any()) walls::list_bodies(w, box.walls, grid, (box.walls.bodies.move ? 1.0 : 0.5) * box.skin);
   if (as_they_were) exchange_list_positions(s);
 }
 

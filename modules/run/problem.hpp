@@ -90,6 +90,8 @@ class problem {
   virtual std::vector<integrators::field> fields() = 0;
   // Whether the state can be evaluated; where it cannot, methods that choose their steps take a shorter one.
   virtual bool evaluable() { return true; }
+  // Collective: the state in the arrays is of this time (s), until another is said.
+  virtual void at_time(double) {}
   // dy/dt at the state in the arrays. A memory (lagged terms) may be read; it moves on in keep_memory only.
   virtual void evaluate(std::span<double* const> rate) = 0;
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks

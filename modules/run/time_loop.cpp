@@ -57,7 +57,8 @@ struct loop {
 
   // ---- stepping ---------------------------------------------------------------------------
 
-  int right_hand_side(std::span<double* const> rate) {
+  int right_hand_side(double at, std::span<double* const> rate) {
+    p.at_time(at);
     // A stage may leave what the lists cover: a smaller step then helps, where there is a choice.
     const double moved = ranks.maximum(p.moved());
     if (!(moved <= p.allowance())) {
@@ -73,6 +74,7 @@ struct loop {
   }
 
   void evaluate_here() {
+    p.at_time(integrator->time());
     integrator->lend([&](std::span<double* const> rates) { p.evaluate(rates); });
   }
   void evaluate_for_snapshot() {
@@ -104,7 +106,7 @@ struct loop {
     if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.diffusion_radius(); };
     integrator = std::make_unique<integrators::explicit_integrator>(
         ranks.comm, p.fields(), p.local_particles(), 0.0, how,
-        [this](double, std::span<double* const> rate) { return right_hand_side(rate); },
+        [this](double at, std::span<double* const> rate) { return right_hand_side(at, rate); },
         [this](double) { return p.largest_step(); }, radius);
     dt = how.dt;
   }

@@ -50,6 +50,29 @@ rotation<D> rotation_by(const about<D>& a) {
   }
 }
 
+template <int D>
+about<D> rotation_vector(const rotation<D>& R) {
+  if constexpr (D == 2) {
+    return {{std::atan2(R[1][0], R[0][0])}};
+  } else {
+    const Eigen::AngleAxisd a(Eigen::Matrix3d(matrix_of<3>(R)));
+    const Eigen::Vector3d v = a.angle() * a.axis();
+    return {{v[0], v[1], v[2]}};
+  }
+}
+
+rotation<3> rotation_of(const std::array<double, 4>& q) {
+  return rows_of<3>(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix());
+}
+
+template <int D>
+body<D> placed(const body<D>& of, const pose<D>& now) {
+  const auto shift = now.pivot + now.shift - turn<D>(now.turned, now.pivot);
+  auto pieces = of.pieces();
+  for (auto& p : pieces) p.bounds = placed<D>(std::move(p.bounds), now.turned, shift);
+  return {of.name(), std::move(pieces)};
+}
+
 motion_table read_motion(const std::string& text, const std::string& name) {
   motion_table table;
   std::istringstream in(text);
@@ -90,25 +113,35 @@ struct prescribed<D>::course {
   using cubic = boost::math::interpolators::pchip<std::vector<double>>;
   harmonic swing;
   double begin = 0.0, end = 0.0;  // s, of the table
+  std::vector<double> times;      // s, of the table
   std::vector<cubic> shift;       // of the table: along each axis
   std::vector<cubic> angle;       // radians
 
   explicit course(const harmonic& how) : swing(how) {}
-  explicit course(const motion_table& table) : begin(table.time.front()), end(table.time.back()) {
+  explicit course(const motion_table& table) : begin(table.time.front()), end(table.time.back()), times(table.time) {
     for (std::size_t k = 0; k < D; ++k) shift.emplace_back(std::vector(table.time), std::vector(table.shift[k]));
     auto radians = table.angle;
     for (double& a : radians) a *= std::numbers::pi / 180.0;
     angle.emplace_back(std::vector(table.time), std::move(radians));
   }
 
-  // f(value, derivative) of the amplitudes' common course.
-  std::array<double, 2> wave(double t) const {
-    const double w = 2.0 * std::numbers::pi / swing.period;
-    return {std::sin(w * t + swing.phase), w * std::cos(w * t + swing.phase)};
+  // Value and the first two derivatives of the amplitudes' common course.
+  std::array<double, 3> wave(double t) const {
+    const double w = 2.0 * std::numbers::pi / swing.period, s = std::sin(w * t + swing.phase);
+    return {s, w * std::cos(w * t + swing.phase), -w * w * s};
   }
   bool outside(double t) const { return t <= begin || t >= end; }
   double value(const cubic& of, double t) const { return of(std::clamp(t, begin, end)); }
   double derivative(const cubic& of, double t) const { return outside(t) ? 0.0 : of.prime(t); }
+  // Of the cubic between two rows, from values and slopes there.
+  double second_derivative(const cubic& of, double t) const {
+    if (outside(t)) return 0.0;
+    const auto after = std::upper_bound(times.begin(), times.end(), t);
+    const double t0 = *(after - 1), t1 = *after, h = t1 - t0, s = (t - t0) / h;
+    return ((12.0 * s - 6.0) * (of(t0) - of(t1)) / h + (6.0 * s - 4.0) * of.prime(t0) +
+            (6.0 * s - 2.0) * of.prime(t1)) /
+           h;
+  }
 };
 
 template <int D>
@@ -142,12 +175,16 @@ rate<D> prescribed<D>::rate_at(double t) const {
   rate<D> r{pivot_ + at(t).shift};
   if (!move_) return r;
   if (move_->shift.empty()) {
-    const double ds = move_->wave(t)[1];
+    const auto [s, ds, dds] = move_->wave(t);
     r.velocity = ds * move_->swing.shift;
     r.angular = (ds * move_->swing.angle) * axis_;
+    r.acceleration = dds * move_->swing.shift;
+    r.angular_acceleration = (dds * move_->swing.angle) * axis_;
   } else {
     r.velocity = point<D>::of([&](std::size_t k) { return move_->derivative(move_->shift[k], t); });
     r.angular = move_->derivative(move_->angle.front(), t) * axis_;
+    r.acceleration = point<D>::of([&](std::size_t k) { return move_->second_derivative(move_->shift[k], t); });
+    r.angular_acceleration = move_->second_derivative(move_->angle.front(), t) * axis_;
   }
   return r;
 }
@@ -242,11 +279,15 @@ free_body<D> filled(const body<D>& of, double density, const point<D>& lower, co
 }
 
 template rotation<2> rotation_by<2>(const about<2>&);
+template about<2> rotation_vector<2>(const rotation<2>&);
+template body<2> placed<2>(const body<2>&, const pose<2>&);
 template class prescribed<2>;
 template struct free_body<2>;
 template void advance<2>(free_body<2>&, const point<2>&, const about<2>&, double);
 template free_body<2> filled<2>(const body<2>&, double, const point<2>&, const point<2>&, double);
 template rotation<3> rotation_by<3>(const about<3>&);
+template about<3> rotation_vector<3>(const rotation<3>&);
+template body<3> placed<3>(const body<3>&, const pose<3>&);
 template class prescribed<3>;
 template struct free_body<3>;
 template void advance<3>(free_body<3>&, const point<3>&, const about<3>&, double);

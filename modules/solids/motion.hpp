@@ -35,6 +35,11 @@ about<D> moment(const point<D>& r, const point<D>& F) {
 // exp of the rotation vector a: |a| radians about its direction [O. Rodrigues (1840)].
 template <int D>
 rotation<D> rotation_by(const about<D>& a);
+// The reverse, with an angle of at most π.
+template <int D>
+about<D> rotation_vector(const rotation<D>& R);
+// Of a quaternion (w, x, y, z) of any length but zero.
+rotation<3> rotation_of(const std::array<double, 4>& q);
 
 template <int D>
 struct pose {
@@ -48,12 +53,23 @@ struct pose {
 
 template <int D>
 struct rate {
-  point<D> centre;                                                    // m, the pivot as it is now
-  point<D> velocity = foundation::zero<double, D>();                  // m/s, of it
-  about<D> angular = foundation::zero < double, D == 2 ? 1 : 3 > ();  // 1/s
+  point<D> centre;                                                                 // m, the pivot as it is now
+  point<D> velocity = foundation::zero<double, D>();                               // m/s, of it
+  about<D> angular = foundation::zero < double, D == 2 ? 1 : 3 > ();               // 1/s
+  point<D> acceleration = foundation::zero<double, D>();                           // m/s2, of the pivot
+  about<D> angular_acceleration = foundation::zero < double, D == 2 ? 1 : 3 > ();  // 1/s2
 
   point<D> at(const point<D>& x) const { return velocity + cross<D>(angular, x - centre); }
+  // m/s2, of what of the body is at x: a + dω/dt × r + ω × (ω × r).
+  point<D> acceleration_at(const point<D>& x) const {
+    const auto r = x - centre;
+    return acceleration + cross<D>(angular_acceleration, r) + cross<D>(angular, cross<D>(angular, r));
+  }
 };
+
+// The whole body where it is now, as one that was given there.
+template <int D>
+body<D> placed(const body<D>& of, const pose<D>& now);
 
 // The body where it is now.
 template <int D>

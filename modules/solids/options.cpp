@@ -162,8 +162,41 @@ struct motion_reader {
     }
   }
 
+  bool is_free(std::size_t n) const { return of(o.kind, n, "harmonic") == "free"; }
+  void expect_none(std::size_t n, const char* kind,
+                   std::initializer_list<std::pair<const char*, const std::vector<double>*>> lists) const {
+    for (const auto& [key, values] : lists)
+      if (of(*values, n) != 0.0) fail(key, n, fmt::format("is not of a {} motion", kind));
+  }
+
+  free_options free(std::size_t n, int dimension) const {
+    if (!of(o.file, n, "").empty()) fail("file", n, "a free motion has none");
+    expect_none(n, "free",
+                {{"period", &o.period},
+                 {"phase", &o.phase},
+                 {"amplitude_x", &o.amplitude[0]},
+                 {"amplitude_y", &o.amplitude[1]},
+                 {"amplitude_z", &o.amplitude[2]},
+                 {"amplitude_angle", &o.amplitude_angle},
+                 {"pivot_x", &o.pivot[0]},
+                 {"pivot_y", &o.pivot[1]},
+                 {"pivot_z", &o.pivot[2]}});
+    if (dimension == 2)
+      expect_none(n, "two-dimensional", {{"gyration_x", &o.gyration[0]}, {"gyration_y", &o.gyration[1]}});
+    free_options f{of(o.density, n), of(o.mass, n), {}};
+    if ((f.density > 0.0) == (f.mass > 0.0)) fail("density", n, "a free body takes its density or its mass");
+    for (std::size_t k = 0; k < 3; ++k) f.gyration[k] = of(o.gyration[k], n);
+    return f;
+  }
+
   template <int D>
   prescribed<D> motion(std::size_t n) const {
+    expect_none(n, "prescribed",
+                {{"density", &o.density},
+                 {"mass", &o.mass},
+                 {"gyration_x", &o.gyration[0]},
+                 {"gyration_y", &o.gyration[1]},
+                 {"gyration_z", &o.gyration[2]}});
     const auto pivot = vector_of<D>(o.pivot, n);
     if (of(o.kind, n, "harmonic") == "table") {
       if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of a table");
@@ -188,7 +221,8 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
   schema.group("motions", "how bodies of &solids move: an element of each list for each body that does");
   schema.add("motions", "body", m.body, names(most_motions, {}, "which body"));
   schema.add("motions", "kind", m.kind,
-             names(most_motions, {"harmonic", "table"}, "amplitudes times sin(2 pi t/period + phase), or by a file"));
+             names(most_motions, {"harmonic", "table", "free"},
+                   "amplitudes times sin(2 pi t/period + phase), by a file, or under the forces of water and gravity"));
   schema.add("motions", "period", m.period, numbers("s", "of a harmonic motion", 0.0));
   schema.add("motions", "phase", m.phase, numbers("degrees", "of a harmonic motion"));
   declare_axes(schema, "motions", "amplitude", m.amplitude, numbers("m", "of a harmonic displacement"));
@@ -199,6 +233,13 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
   schema.add(
       "motions", "file", m.file,
       names(most_motions, {}, "of a table: lines of time (s), displacement (m, m, m), angle (degrees), with commas"));
+  schema.add("motions", "density", m.density, numbers("kg/m^3", "of a free body", 0.0));
+  schema.add("motions", "mass", m.mass,
+             numbers("kg", "of a free body, for each metre of depth in 2-D; in place of density", 0.0));
+  declare_axes(
+      schema, "motions", "gyration", m.gyration,
+      numbers("m", "radii of gyration of a free body about axes through its centre of mass; none: as of one density",
+              0.0));
 }
 
 }  // namespace
@@ -270,17 +311,39 @@ void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bo
   });
 }
 
+namespace {
+
+// Of motion n.
+std::size_t body_of(const motion_reader& in, const std::vector<std::string>& bodies, std::size_t n) {
+  const auto of_name = std::ranges::find(bodies, in.o.body[n]);
+  if (of_name == bodies.end()) in.fail("body", n, "&solids has no body of this name");
+  for (std::size_t k = 0; k < n; ++k)
+    if (in.o.body[k] == in.o.body[n]) in.fail("body", n, "moves already");
+  return static_cast<std::size_t>(of_name - bodies.begin());
+}
+
+}  // namespace
+
+std::vector<std::optional<free_options>> make_free(const namelist::schema& schema, const motion_options& o,
+                                                   int dimension, const std::vector<std::string>& names) {
+  const fs::path nowhere;
+  const motion_reader in{schema, o, nowhere};
+  std::vector<std::optional<free_options>> all(names.size());
+  for (std::size_t n = 0; n < o.body.size(); ++n)
+    if (in.is_free(n)) all[body_of(in, names, n)] = in.free(n, dimension);
+  return all;
+}
+
 template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
                                         const std::vector<body<D>>& bodies, const fs::path& folder) {
   const motion_reader in{schema, o, folder};
   std::vector<prescribed<D>> all(bodies.size());
+  std::vector<std::string> names;
+  for (const auto& b : bodies) names.push_back(b.name());
   for (std::size_t n = 0; n < o.body.size(); ++n) {
-    const auto of_name = std::ranges::find(bodies, o.body[n], [](const auto& b) { return b.name(); });
-    if (of_name == bodies.end()) in.fail("body", n, "&solids has no body of this name");
-    auto& motion = all[static_cast<std::size_t>(of_name - bodies.begin())];
-    if (motion.moves()) in.fail("body", n, "moves already");
-    motion = in.motion<D>(n);
+    auto& motion = all[body_of(in, names, n)];
+    if (!in.is_free(n)) motion = in.motion<D>(n);
   }
   return all;
 }

@@ -27,6 +27,14 @@ struct motion_options {
   std::vector<std::string> body, kind, file;
   std::vector<double> period, phase, amplitude_angle;
   std::array<std::vector<double>, 3> amplitude, pivot, axis;
+  std::vector<double> density, mass;  // of free bodies
+  std::array<std::vector<double>, 3> gyration;
+};
+
+// A body that moves freely: of its density it has its mass and inertia, unless these are given.
+struct free_options {
+  double density = 0.0, mass = 0.0;  // kg/m3, kg (kg/m in two dimensions); one of them is given
+  std::array<double, 3> gyration{};  // m, about axes through the centre of mass; 0: as of one density
 };
 
 // Declares groups &solids and &motions.
@@ -43,9 +51,12 @@ std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& 
 template <int D>
 void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bodies, const lattice<D>& box,
                   double reach);
-// Of each body; those that no motion names are at rest.
+// Of each body; those that no motion names are at rest, as those that move freely.
 template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
                                         const std::vector<body<D>>& bodies, const std::filesystem::path& folder = {});
+// Of each body; none of those that do not move freely.
+std::vector<std::optional<free_options>> make_free(const namelist::schema& schema, const motion_options& o,
+                                                   int dimension, const std::vector<std::string>& names);
 
 }  // namespace tetsuame::solids

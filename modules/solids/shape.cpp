@@ -122,6 +122,7 @@ faces<D> placed(faces<D> all, const rotation<D>& R, const point<D>& shift) {
   for (auto& s : all) {
     s.place = turn<D>(R, s.place) + shift;
     s.axis = turn<D>(R, s.axis);
+    if (s.triangles) s.orientation = product<D>(R, s.orientation);
   }
   return all;
 }

@@ -32,7 +32,7 @@ faces<D> bowl(double radius, double thickness);
 // Three dimensions only.
 faces<3> triangulated(std::shared_ptr<const mesh> triangles);
 
-// Turned about the origin, and then moved. Not of triangles, which are placed when they are read.
+// Turned about the origin, and then moved.
 template <int D>
 faces<D> placed(faces<D> all, const rotation<D>& R, const point<D>& shift);
 

@@ -31,12 +31,13 @@ template <int D>
 struct surface {
   enum class form { plane, sphere, cylinder, cone, mesh };
   form what = form::plane;
-  point<D> place = foundation::zero<double, D>();  // m: a point of a plane or an axis, a centre, an apex
-  point<D> axis = unit<D>(D - 1);                  // of a plane: its normal
-  double radius = 0.0;                             // m; of a cone: of its base, for its size alone
-  double cosine = 1.0, sine = 0.0;                 // of a cone's half angle α
-  bool turned = false;                             // the fluid is on the other side
-  std::shared_ptr<const solids::mesh> triangles = {};
+  point<D> place = foundation::zero<double, D>();      // m: a point of a plane or an axis, a centre, an apex, an origin
+  point<D> axis = unit<D>(D - 1);                      // of a plane: its normal
+  double radius = 0.0;                                 // m; of a cone: of its base, for its size alone
+  double cosine = 1.0, sine = 0.0;                     // of a cone's half angle α
+  bool turned = false;                                 // the fluid is on the other side
+  std::shared_ptr<const solids::mesh> triangles = {};  // turned by `orientation` about their origin, which is `place`
+  rotation<D> orientation = no_rotation<D>();          // of a mesh
 
   at_surface<D> at(const point<D>& x) const {
     auto a = of_form(x);
@@ -58,8 +59,8 @@ struct surface {
   at_surface<D> of_form(const point<D>& x) const {
     if constexpr (D == 3)
       if (what == form::mesh) {
-        const auto a = triangles->at(x.c);
-        return {a.distance, point<D>{a.normal}};
+        const auto a = triangles->at(turn_back<D>(orientation, x - place).c);
+        return {a.distance, turn<D>(orientation, point<D>{a.normal})};
       }
     const auto r = x - place;
     const double s = foundation::dot(r, axis);

@@ -60,33 +60,38 @@ double way(const body<D>& all, const point<D>& from, const point<D>& along, doub
 }  // namespace
 
 template <int D>
+std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double depth) {
+  const double bound = all.level(x);
+  if (bound >= 0.0 || bound <= -depth) return {};
+  const auto surface = all.at(x, depth);
+  if (!surface.found) return {};
+  const double below = -surface.distance;
+  marked<D> m{surface.nearest + below * surface.normal, surface.normal, surface.nearest, below, below};
+  if (!all.solid(m.marker)) return m;
+  // At the corner itself the way along ∇φ may begin in the other wall.
+  const bool free = !all.solid(surface.nearest + (1e-3 * below) * surface.normal);
+  const auto along = free ? surface.normal : all.into_fluid(surface.nearest);
+  m.height = 0.5 * way(all, surface.nearest, along, 1.0, below);
+  m.marker = surface.nearest + m.height * along;
+  return m;
+}
+
+template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
                                            const std::function<bool(const point<D>&)>& keep) {
   wall_particles<D> w;
   const auto all = joined(bodies);
   for_each_place(box, [&](std::int64_t n, const point<D>& x) {
-    const double bound = all.level(x);
-    if (bound >= 0.0 || bound <= -depth) return;
-    const auto surface = all.at(x, depth);
-    if (!surface.found) return;
-    const double below = -surface.distance;
-    double height = below;
-    auto marker = surface.nearest + below * surface.normal;
-    if (all.solid(marker)) {
-      // At the corner itself the way along ∇φ may begin in the other wall.
-      const bool free = !all.solid(surface.nearest + (1e-3 * below) * surface.normal);
-      const auto along = free ? surface.normal : all.into_fluid(surface.nearest);
-      height = 0.5 * way(all, surface.nearest, along, 1.0, below);
-      marker = surface.nearest + height * along;
-      ++w.shortened;
-    }
-    if (keep && !keep(marker)) return;
+    const auto m = mark(all, x, depth);
+    if (!m) return;
+    if (m->height < m->depth) ++w.shortened;
+    if (keep && !keep(m->marker)) return;
     w.x.push_back(x);
-    w.marker.push_back(marker);
-    w.normal.push_back(surface.normal);
-    w.depth.push_back(below);
-    w.height.push_back(height);
-    w.body.push_back(static_cast<std::uint32_t>(nearest_surface(bodies, surface.nearest)));
+    w.marker.push_back(m->marker);
+    w.normal.push_back(m->normal);
+    w.depth.push_back(m->depth);
+    w.height.push_back(m->height);
+    w.body.push_back(static_cast<std::uint32_t>(nearest_surface(bodies, m->nearest)));
     w.place.push_back(n);
   });
   return w;
@@ -161,11 +166,13 @@ void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>&
                          bodies[nearest_surface(bodies, surface.nearest)].name()));
 }
 
+template std::optional<marked<2>> mark<2>(const body<2>&, const point<2>&, double);
 template wall_particles<2> fill_with_wall_particles<2>(const std::vector<body<2>>&, const lattice<2>&, double,
                                                        const std::function<bool(const point<2>&)>&);
 template void expect_in_box<2>(const std::vector<body<2>>&, const lattice<2>&);
 template void expect_thick<2>(const std::vector<body<2>>&, const lattice<2>&, double);
 template void expect_dry<2>(const std::vector<body<2>>&, const std::vector<point<2>>&);
+template std::optional<marked<3>> mark<3>(const body<3>&, const point<3>&, double);
 template wall_particles<3> fill_with_wall_particles<3>(const std::vector<body<3>>&, const lattice<3>&, double,
                                                        const std::function<bool(const point<3>&)>&);
 template void expect_in_box<3>(const std::vector<body<3>>&, const lattice<3>&);

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <solids/motion.hpp>
 
 namespace tetsuame::solids {
@@ -27,6 +28,16 @@ struct wall_particles {
   std::vector<std::int64_t> place;    // number on the lattice, the first axis the fastest: the same on any ranks
   std::size_t shortened = 0;          // markers that are nearer to the surface than their particle
 };
+
+// What belongs to one wall particle.
+template <int D>
+struct marked {
+  point<D> marker, normal, nearest;  // m; nearest: of the surface
+  double depth, height;              // m
+};
+// Of a wall particle at x, less deep in them than `depth` (m); none where there is no surface so near.
+template <int D>
+std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double depth);
 
 // The box that solids stand in, and the lattice in it.
 template <int D>

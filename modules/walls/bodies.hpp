@@ -12,7 +12,8 @@
 
 namespace tetsuame::walls {
 
-// Particles of this rank's cell into the empty block of walls. Images of the fluid take IDs below those of bodies.
+// Particles of this rank's cell into the empty block of walls, each with its body for a material. Images of the fluid
+// take IDs below those of bodies.
 template <int D>
 void place_bodies(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total) {
   auto& s = w.s;
@@ -27,7 +28,7 @@ void place_bodies(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_t
     const std::size_t i = s.first_wall() + r;
     const auto& of = bodies.places[bodies.own[r]];
     s.id[i] = first_id + of.number;
-    s.material[i] = 0;
+    s.material[i] = of.body;
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] = of.x[a];
   }
 }

@@ -22,28 +22,30 @@ struct marker_rows {
   pairs::chosen near_wall;  // owned fluid that some marker may see
 };
 
-// A wall particle of a body, which stands still, and its marker.
+// A wall particle of a body, where it is now, and its marker.
 template <int D>
 struct body_place {
   std::array<double, D> x, marker, normal;  // m, m, into the fluid
   double height = 0.0;                      // m, of the marker above the surface
   double odd = 1.0;                         // what is odd about the wall: minus so much of the marker's value
   std::int64_t number = 0;                  // on the lattice
+  std::int32_t body = 0;                    // of the problem
 };
 
 // Bodies of any shape beside the sides (bodies.hpp).
 template <int D>
 struct body_walls {
   std::vector<body_place<D>> places;  // of all ranks
-  std::int64_t numbers = 0;           // of the lattice
+  std::int64_t numbers = 0;           // of the lattice, and of what moves
   bool no_slip = false;
+  bool move = false;  // some of them; as far as half the skin while lists live
 
   // Row r belongs to the wall particle first_wall() + r.
   std::vector<std::uint32_t> own;  // of `places`, those of this rank
   cells::point_list near;          // fluid, and its images, within reach of each marker
   std::vector<double> room;        // the part of each marker's neighbourhood that bodies leave to the fluid
 
-  bool any() const { return !places.empty(); }
+  bool any() const { return move || !places.empty(); }
 };
 
 template <int D>

@@ -187,7 +187,7 @@ BOOST_AUTO_TEST_CASE(one_step_is_the_same_as_arkode_makes_it_from_the_butcher_ta
       const double dt = 0.9 * r.limit / 200.0;  // near the limit: the radius is about 4 * 40 * 1.1
       std::vector<double> by_arkode = stiff_start(), ours = stiff_start();
       sundials::Context context;
-      const vector_handle y = make_state_vector(context, MPI_COMM_SELF, {by_arkode.data()}, by_arkode.size());
+      const vector_handle y = make_state_vector(context, MPI_COMM_SELF, {{by_arkode.data(), by_arkode.size()}});
       void* memory = ERKStepCreate(
           [](double t, N_Vector state, N_Vector rate, void*) {
             const double* u = values(state)[0];

@@ -26,7 +26,7 @@ struct sample {
       a.push_back(std::sin(1.0 + k) * std::exp(10.0 * std::cos(3.0 * k)));
       b.push_back(std::cos(2.0 + k));
     }
-    home = make_state_vector(context, communicator, {a.data(), b.data()}, id.size());
+    home = make_state_vector(context, communicator, {{a.data(), id.size()}, {b.data(), id.size()}});
   }
   vector_handle clone() const { return vector_handle(N_VClone(home.get())); }
 };

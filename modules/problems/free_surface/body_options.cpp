@@ -17,7 +17,8 @@ solids::lattice<D> lattice_of(const options& o) {
   return {in_dimensions<D>(o.domain.length), o.domain.dx()};
 }
 
-// What lies beyond the sides; an open top and periodic sides have nothing there.
+}  // namespace
+
 template <int D>
 solids::body<D> tank_of(const options& o) {
   constexpr double far = 100.0;  // lengths of the box
@@ -32,6 +33,10 @@ solids::body<D> tank_of(const options& o) {
       .outside = true};
   return {"sides of the box", {outside}};
 }
+template solids::body<2> tank_of<2>(const options&);
+template solids::body<3> tank_of<3>(const options&);
+
+namespace {
 
 // Centres of the cells of a block's lattice.
 template <int D>
@@ -66,6 +71,29 @@ void check_gauges_dry(const namelist::schema& schema, const options& o, const st
   }
 }
 
+// Mass and inertia by a lattice finer than the water's.
+template <int D>
+solids::free_body<D> mass_of(const options& o, const solids::body<D>& of, double density) {
+  const double spacing = o.domain.dx() / (D == 2 ? 8.0 : 2.0);
+  return solids::filled<D>(of, density, foundation::zero<double, D>(), in_dimensions<D>(o.domain.length), spacing);
+}
+
+template <int D>
+solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, const solids::free_options& how) {
+  auto b = mass_of<D>(o, of, how.density > 0.0 ? how.density : 1.0);
+  if (how.mass > 0.0) {
+    for (auto& row : b.inertia) row = (how.mass / b.mass) * row;
+    b.mass = how.mass;
+  }
+  for (std::size_t k = 0; k < b.inertia.size(); ++k) {
+    const double radius = how.gyration[D == 2 ? 2 : k];
+    if (!(radius > 0.0)) continue;
+    b.inertia[k] = foundation::zero < double, D == 2 ? 1 : 3 > ();
+    b.inertia[k][k] = b.mass * radius * radius;
+  }
+  return b;
+}
+
 // Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
 template <int D>
 void check_lattice(const namelist::schema& schema, const options& o) {
@@ -77,6 +105,55 @@ void check_lattice(const namelist::schema& schema, const options& o) {
                 fmt::format("the lattice has {:.3g} places in the box; with bodies at most {:.0e}", places, most));
 }
 
+template <int D>
+std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, options& o,
+                                          const std::vector<solids::body<D>>& bodies) {
+  for (auto& file : o.motions.file) complete_path(schema, "motions", "file", file);
+  const auto courses = solids::make_motions<D>(schema, o.motions, bodies);
+  std::vector<std::string> names;
+  for (const auto& b : bodies) names.push_back(b.name());
+  const auto free = solids::make_free(schema, o.motions, D, names);
+  std::vector<motion_of_body<D>> all(bodies.size());
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    all[b].course = courses[b];
+    if (free[b])
+      all[b].free = schema.placed("motions", "body", [&] { return free_body_of<D>(o, bodies[b], *free[b]); });
+  }
+  return all;
+}
+
+template <int D>
+std::size_t body_named(const namelist::schema& schema, const std::string& key,
+                       const std::vector<solids::body<D>>& bodies, const std::string& name) {
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].name() == name) return b;
+  schema.fail("gauges", key, "&solids has no body '" + name + "'");
+}
+
+// Gauges that read bodies.
+template <int D>
+void resolve_body_gauges(const namelist::schema& schema, const options& o, parameters& p,
+                         const std::vector<solids::body<D>>& bodies) {
+  const auto& g = o.gauges;
+  bool points = false;
+  for (std::size_t a = 0; a < 3; ++a) points = points || !g.moment[a].empty();
+  for (std::size_t a = 0; a < 3; ++a)
+    if (const std::size_t expected = points && a < D ? g.force.size() : 0; g.moment[a].size() != expected)
+      schema.fail("gauges", along("moment_", a),
+                  fmt::format("expected {} numbers, one a force, found {}", expected, g.moment[a].size()));
+  for (std::size_t n = 0; n < g.force.size(); ++n) {
+    force_gauge to{body_named(schema, "force", bodies, g.force[n]), {}, {}};
+    if (points) {
+      to.about = point{};
+      for (std::size_t a = 0; a < D; ++a) (*to.about)[a] = g.moment[a][n];
+    }
+    const auto centre = schema.placed("gauges", "force", [&] { return mass_of<D>(o, bodies[to.body], 1.0).now.pivot; });
+    for (std::size_t a = 0; a < D; ++a) to.centre[a] = centre[a];
+    p.force.push_back(to);
+  }
+  for (const auto& name : g.motion) p.motion.push_back(body_named(schema, "motion", bodies, name));
+}
+
 }  // namespace
 
 template <int D>
@@ -84,34 +161,39 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto& all = std::get<D - 2>(p.bodies);
   for (auto& file : o.solids.file) complete_path(schema, "solids", "file", file);
   all = solids::make_bodies<D>(schema, o.solids);
+  auto& motions = std::get<D - 2>(p.motions);
+  motions = motions_of<D>(schema, o, all);
+  resolve_body_gauges<D>(schema, o, p, all);
   if (all.empty()) {
     if (o.flow.around_bodies) schema.fail("flow", "around_bodies", "there are no bodies: &solids");
     return;
   }
   if (o.flow.start != "rest") schema.fail("flow", "start", "with bodies water starts at rest");
   check_lattice<D>(schema, o);
+  // As they stand when the run begins.
+  auto begun = all;
+  for (std::size_t b = 0; b < begun.size(); ++b)
+    if (motions[b].course.moves()) begun[b] = solids::placed<D>(all[b], motions[b].course.at(0.0));
   const auto box = lattice_of<D>(o);
-  schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(all, box); });
+  schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(begun, box); });
   const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
-  auto with_tank = all;
+  auto with_tank = begun;
   with_tank.push_back(tank_of<D>(o));
   schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
-  check_gauges_dry<D>(schema, o, all);
+  check_gauges_dry<D>(schema, o, begun);
   if (o.flow.around_bodies) return;
   for (const block& b : p.blocks)
-    schema.placed("solids", "shape", [&] { solids::expect_dry<D>(all, places_of<D>(o, b)); });
+    schema.placed("solids", "shape", [&] { solids::expect_dry<D>(begun, places_of<D>(o, b)); });
 }
 template void resolve_bodies<2>(const namelist::schema&, options&, parameters&);
 template void resolve_bodies<3>(const namelist::schema&, options&, parameters&);
 
 template <int D>
-solids::body<D> solid_of(const options& o, const parameters& p) {
-  if (p.bodies_in<D>().empty()) return {};
-  auto all = p.bodies_in<D>();
-  all.push_back(tank_of<D>(o));
-  return solids::joined(all);
+solids::body<D> solid_of(const options& o, std::vector<solids::body<D>> bodies) {
+  bodies.push_back(tank_of<D>(o));
+  return solids::joined(bodies);
 }
-template solids::body<2> solid_of<2>(const options&, const parameters&);
-template solids::body<3> solid_of<3>(const options&, const parameters&);
+template solids::body<2> solid_of<2>(const options&, std::vector<solids::body<2>>);
+template solids::body<3> solid_of<3>(const options&, std::vector<solids::body<3>>);
 
 }  // namespace tetsuame::free_surface

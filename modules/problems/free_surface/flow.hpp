@@ -3,43 +3,85 @@
 #pragma once
 
 #include <free_surface/gauges.hpp>
+#include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
-#include <free_surface/right_hand_side.hpp>
 #include <free_surface/surface.hpp>
+#include <numbers>
 #include <output/groups.hpp>
 #include <run/box.hpp>
 
 namespace tetsuame::free_surface {
 
-// A column of gauges.csv.
+// Columns of gauges.csv.
 template <int D>
 struct probe {
-  output::history_column column;
-  std::function<double(const water<D>&)> value;  // collective
+  std::vector<output::history_column> columns;
+  std::function<std::vector<double>(water<D>&)> values;  // collective
 };
 
+// Forces and moments.
 template <int D>
-std::vector<probe<D>> probes_of(const options& o) {
+std::vector<output::history_column> force_columns(std::size_t gauges) {
+  std::vector<output::history_column> all;
+  for (const auto& name : force_names(gauges, D)) all.push_back({name, name.starts_with("force") ? "N" : "N m"});
+  return all;
+}
+template <int D>
+std::vector<double> force_values(water<D>& f) {
+  std::vector<double> all;
+  for (const auto& l : read_loads(f)) {
+    for (std::size_t a = 0; a < D; ++a) all.push_back(l.force[a]);
+    for (std::size_t a = 0; a < (D == 2 ? 1 : 3); ++a) all.push_back(l.moment[a]);
+  }
+  return all;
+}
+
+// How far a body has moved from where the input has it, and by how much it has turned: degrees, along x, y, z the
+// components of its rotation vector in three dimensions.
+template <int D>
+probe<D> motion_probe(std::size_t n, std::size_t body) {
+  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+  probe<D> p;
+  for (std::size_t a = 0; a < D; ++a) p.columns.push_back({fmt::format("motion_{}_{}", n, axis[a]), "m"});
+  for (std::size_t a = 0; a < (D == 2 ? 1 : 3); ++a)
+    p.columns.push_back({D == 2 ? fmt::format("angle_{}", n) : fmt::format("angle_{}_{}", n, axis[a]), "degrees"});
+  p.values = [body](water<D>& f) {
+    const auto* b = f.mover(static_cast<std::int32_t>(body));
+    const solids::pose<D> pose = b != nullptr ? b->now : solids::pose<D>{};
+    std::vector<double> all(pose.shift.c.begin(), pose.shift.c.end());
+    for (const double angle : solids::rotation_vector<D>(pose.turned).c)
+      all.push_back(angle * 180.0 / std::numbers::pi);
+    return all;
+  };
+  return p;
+}
+
+template <int D>
+std::vector<probe<D>> probes_of(const options& o, const parameters& p) {
   std::vector<probe<D>> all;
   const auto& g = o.gauges;
+  const auto add = [&](const std::string& name, const char* unit, std::function<double(const water<D>&)> value) {
+    all.push_back({{{name, unit}}, [value = std::move(value)](water<D>& f) { return std::vector{value(f)}; }});
+  };
   const auto place = [](const std::array<std::vector<double>, 3>& of, std::size_t n) {
     point x{};
     for (std::size_t a = 0; a < D; ++a)
       if (n < of[a].size()) x[a] = of[a][n];
     return x;
   };
-  if (g.front) all.push_back({{"front", "m"}, [](const water<D>& f) { return front_of(f); }});
-  if (o.flow.start == "standing_wave") all.push_back({{"wave", "1"}, [](const water<D>& f) { return wave_of_now(f); }});
+  if (g.front) add("front", "m", [](const water<D>& f) { return front_of(f); });
+  if (o.flow.start == "standing_wave") add("wave", "1", [](const water<D>& f) { return wave_of_now(f); });
   if (o.flow.start == "drop") {
-    all.push_back({{"semi_axis_x", "m"}, [](const water<D>& f) { return semi_axes_of(f).a; }});
-    all.push_back({{"semi_axis_y", "m"}, [](const water<D>& f) { return semi_axes_of(f).b; }});
+    add("semi_axis_x", "m", [](const water<D>& f) { return semi_axes_of(f).a; });
+    add("semi_axis_y", "m", [](const water<D>& f) { return semi_axes_of(f).b; });
   }
   for (std::size_t n = 0; n < g.height[0].size(); ++n)
-    all.push_back({{fmt::format("height_{}", n + 1), "m"},
-                   [x = place(g.height, n)](const water<D>& f) { return depth_at(f, x); }});
+    add(fmt::format("height_{}", n + 1), "m", [x = place(g.height, n)](const water<D>& f) { return depth_at(f, x); });
   for (std::size_t n = 0; n < g.pressure[0].size(); ++n)
-    all.push_back({{fmt::format("pressure_{}", n + 1), "Pa"},
-                   [x = place(g.pressure, n)](const water<D>& f) { return pressure_at(f, x); }});
+    add(fmt::format("pressure_{}", n + 1), "Pa",
+        [x = place(g.pressure, n)](const water<D>& f) { return pressure_at(f, x); });
+  if (!p.force.empty()) all.push_back({force_columns<D>(p.force.size()), force_values<D>});
+  for (std::size_t n = 0; n < p.motion.size(); ++n) all.push_back(motion_probe<D>(n + 1, p.motion[n]));
   return all;
 }
 
@@ -49,8 +91,10 @@ class flow : public run::problem_in_a_box<D> {
   using base = run::problem_in_a_box<D>;
   using base::ranks;
 
-  flow(const options& o, const parameters& p) : base(f_.world, o.common.balance), f_(o, p), probes_(probes_of<D>(o)) {
-    for (const auto& probe : probes_) read_.columns.push_back(probe.column);
+  flow(const options& o, const parameters& p)
+      : base(f_.world, o.common.balance), f_(o, p), probes_(probes_of<D>(o, p)) {
+    for (const auto& probe : probes_)
+      for (const auto& column : probe.columns) read_.columns.push_back(column);
     set_up(f_);
   }
 
@@ -67,10 +111,24 @@ class flow : public run::problem_in_a_box<D> {
     for (std::size_t a = 0; a < D; ++a)
       all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, 0.1 * f_.p.water.sound});
     all.push_back({"rho", s.rho.data(), 0.0, 0.01 * f_.o.flow.density});
+    if (f_.free.empty()) return all;
+    // Of displacements, velocities, angles, spins; for bodies of a spacing and more.
+    constexpr std::size_t angles = moving_body<D>::angles;
+    for (std::size_t k = 0; k < f_.free.state.size(); ++k) {
+      const bool place = k < D, speed = k >= D && k < 2 * D, angle = k >= 2 * D && k < 2 * D + angles;
+      const double scale = place   ? f_.dx()
+                           : speed ? 0.1 * f_.p.water.sound
+                           : angle ? 1.0
+                                   : 0.1 * f_.p.water.sound / f_.p.height;
+      all.push_back({fmt::format("body_{}", k), f_.free.state[k].data(), 0.0, scale, nullptr, f_.free.state[k].size()});
+    }
     return all;
   }
 
+  void at_time(double t) override { set_bodies_at(f_, t); }
   void evaluate(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
+  double moved() override { return std::max(base::moved(), bodies_moved(f_)); }
+  double speed() override { return std::max(base::speed(), bodies_speed(f_)); }
 
   // Sound over the spacing, and viscosity with the density's diffusion, δ h c.
   integrators::step_limit largest_step() override {
@@ -86,6 +144,7 @@ class flow : public run::problem_in_a_box<D> {
   bool set_time(double t) override {
     last_step_ = t - time_;
     time_ = t;
+    set_bodies_at(f_, t);
     return false;
   }
 
@@ -113,18 +172,22 @@ class flow : public run::problem_in_a_box<D> {
   }
 
   std::vector<output::history_column> columns() const override {
-    return {{"kinetic_energy", "J"},
-            {"potential_energy", "J"},
-            {"elastic_energy", "J"},
-            {"speed_max", "m/s"},
-            {"compression_max", "1"}};
+    std::vector<output::history_column> all{{"kinetic_energy", "J"},
+                                            {"potential_energy", "J"},
+                                            {"elastic_energy", "J"},
+                                            {"speed_max", "m/s"},
+                                            {"compression_max", "1"}};
+    if (!f_.free.empty()) all.push_back({"energy_of_bodies", "J"});
+    return all;
   }
   std::vector<double> row(double) override {
     const energies now = energies_of(f_);
     if (!first_) first_ = now;
     kinetic_most_ = std::max(kinetic_most_, now.kinetic);
-    return {now.kinetic, now.potential, now.elastic, ranks().maximum(run::largest_speed(f_.world)),
-            largest_compression(f_)};
+    std::vector<double> all{now.kinetic, now.potential, now.elastic, ranks().maximum(run::largest_speed(f_.world)),
+                            largest_compression(f_)};
+    if (!f_.free.empty()) all.push_back(now.bodies);
+    return all;
   }
 
   std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
@@ -162,28 +225,35 @@ class flow : public run::problem_in_a_box<D> {
     base::save(to);
     to.blobs["readings"] = read_.saved();
     to.reals["kinetic_most"] = kinetic_most_;
-    if (first_) to.blobs["first_energies"] = {first_->mass, first_->kinetic, first_->potential, first_->elastic};
+    if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
+    if (first_)
+      to.blobs["first_energies"] = {first_->mass, first_->kinetic, first_->potential, first_->elastic, first_->bodies};
   }
   void restore(const output::checkpoint_globals& from) override {
     base::restore(from);
     read_.restore(from.blobs.at("readings"));
     kinetic_most_ = from.reals.at("kinetic_most");
+    time_ = from.reals.at("time");
+    if (!f_.moving.empty()) restore_bodies(f_, from.blobs.at("bodies"), time_);
     const auto& e = from.blobs.at("first_energies");
-    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3)};
+    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.size() > 4 ? e[4] : 0.0};
   }
 
  protected:
   void make_lists(bool as_they_were) override {
+    place_bodies_for_lists(f_, as_they_were);
     run::rebuild(f_.world, as_they_were);
     f_.make_room();
     find_beside_bodies(f_);
+    group_walls(f_);
   }
   std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
 
  private:
   void read_gauges(std::int64_t step) {
     std::vector<double> values;
-    for (const auto& probe : probes_) values.push_back(probe.value(f_));
+    for (const auto& probe : probes_)
+      for (const double value : probe.values(f_)) values.push_back(value);
     read_.add(time_, values);
     values.insert(values.begin(), time_);
     table_->append(step, values);
@@ -230,6 +300,11 @@ class flow : public run::problem_in_a_box<D> {
       const auto name = fmt::format("pressure_{}", n + 1);
       report_pressure(f_.o, name, read_.of(name), known.pressure[n], m);
     }
+    const auto names = force_names(f_.p.force.size(), D);
+    for (std::size_t n = 0; n < names.size(); ++n) report_force(f_.o, names[n], read_.of(names[n]), known.force[n], m);
+    for (const auto& column : read_.columns)
+      if (column.name.starts_with("motion_") || column.name.starts_with("angle_"))
+        m[column.name + "_last"] = read_.of(column.name).value.back();
   }
 
   water<D> f_;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <free_surface/gauges.hpp>
 #include <free_surface/input.hpp>
 #include <free_surface/reference.hpp>
 
@@ -41,14 +42,27 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
                 .minimum = 0.0,
                 .meaning = std::string("points, of walls or of the water, whose pressure is read") +
                            (a == 2 ? " (3-D only)" : "")});
+  schema.add("gauges", "force", o.force, {.meaning = "bodies of &solids: force and moment of the water on each"});
+  for (std::size_t a = 0; a < 3; ++a)
+    schema.add("gauges", along("moment_", a), o.moment[a],
+               {.unit = "m",
+                .expert = true,
+                .meaning = std::string("points about which the moments are taken, one a force; not given: the bodies' "
+                                       "centres") +
+                           (a == 2 ? " (3-D only)" : "")});
+  schema.add("gauges", "motion", o.motion, {.meaning = "bodies of &solids: displacement and angle of each"});
   schema.add("gauges", "file", o.file,
              {.meaning = "measured curves, a table with the times in its first column; from the input's folder"});
   schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
   schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
   schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
+  schema.add("gauges", "force_columns", o.force_columns,
+             {.expert = true, .meaning = "for forces and moments, one a column of gauges.csv, '' for none"});
   schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
   schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
   schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
+  schema.add("gauges", "force_unit", o.force_unit, namelist::for_expert(positive("N", "what is 1 in its forces")));
+  schema.add("gauges", "moment_unit", o.moment_unit, namelist::for_expert(positive("N m", "what is 1 in its moments")));
   schema.add("gauges", "arrival", o.arrival,
              {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
   schema.add("gauges", "impulse_from", o.impulse_from,
@@ -113,7 +127,10 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
   p.measured.height.resize(g.height[0].size());
   p.measured.pressure.resize(g.pressure[0].size());
-  const bool named = !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty();
+  const auto forces = force_names(g.force.size(), static_cast<int>(o.domain.dimension));
+  p.measured.force.resize(forces.size());
+  const bool named =
+      !g.front_column.empty() || !g.height_columns.empty() || !g.pressure_columns.empty() || !g.force_columns.empty();
   if (named && g.file.empty()) schema.fail("gauges", "file", "columns are named, and no file");
   if (!named && !g.file.empty()) schema.fail("gauges", "file", "none of its columns is named");
   if (!named) return;
@@ -125,6 +142,10 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, g.height[0].size(), g.length_unit);
   p.measured.pressure =
       curves_of(schema, o, "pressure_columns", t, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
+  p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, forces.size(), 1.0);
+  for (std::size_t n = 0; n < forces.size(); ++n)
+    for (double& value : p.measured.force[n].value)
+      value *= forces[n].starts_with("force") ? g.force_unit : g.moment_unit;
 }
 
 }  // namespace tetsuame::free_surface

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <free_surface/gauges.hpp>
@@ -155,6 +157,34 @@ void report_height(const std::string& name, const series& run, const series& ref
   if (reference.empty()) return;
   metrics[name + "_mean_error"] = mean_difference(run, reference);
   metrics[name + "_largest_reference"] = std::ranges::max(reference.value);
+}
+
+std::vector<std::string> force_names(std::size_t gauges, int dimension) {
+  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+  std::vector<std::string> all;
+  for (std::size_t n = 1; n <= gauges; ++n) {
+    for (int a = 0; a < dimension; ++a) all.push_back(fmt::format("force_{}_{}", n, axis[static_cast<std::size_t>(a)]));
+    if (dimension == 2) all.push_back(fmt::format("moment_{}", n));
+    for (int a = 0; dimension == 3 && a < 3; ++a)
+      all.push_back(fmt::format("moment_{}_{}", n, axis[static_cast<std::size_t>(a)]));
+  }
+  return all;
+}
+
+void report_force(const options& o, const std::string& name, const series& run, const series& reference,
+                  nlohmann::ordered_json& metrics) {
+  const auto& g = o.gauges;
+  const auto report = [&](const series& s, const std::string& end) {
+    if (s.empty()) return;
+    const auto largest = std::ranges::max_element(s.value, {}, [](double v) { return std::abs(v); });
+    metrics[name + "_largest" + end] = *largest;
+    metrics[name + "_largest_time" + end] = s.time[static_cast<std::size_t>(largest - s.value.begin())];
+    metrics[name + "_impulse" + end] =
+        integral(s, g.impulse_from.value_or(s.time.front()), g.impulse_until.value_or(run.time.back()));
+  };
+  report(run, "");
+  report(reference, "_reference");
+  if (!reference.empty()) metrics[name + "_mean_error"] = mean_difference(run, reference);
 }
 
 void report_front(const parameters& p, const series& run, nlohmann::ordered_json& metrics) {

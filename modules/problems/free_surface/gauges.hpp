@@ -47,6 +47,10 @@ void report_pressure(const options& o, const std::string& name, const series& ru
                      nlohmann::ordered_json& metrics);
 void report_height(const std::string& name, const series& run, const series& reference,
                    nlohmann::ordered_json& metrics);
+// Names of the columns of so many gauges of forces, in their order.
+std::vector<std::string> force_names(std::size_t gauges, int dimension);
+void report_force(const options& o, const std::string& name, const series& run, const series& reference,
+                  nlohmann::ordered_json& metrics);
 void report_front(const parameters& p, const series& run, nlohmann::ordered_json& metrics);
 
 }  // namespace tetsuame::free_surface

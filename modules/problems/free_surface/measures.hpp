@@ -10,8 +10,22 @@ namespace tetsuame::free_surface {
 struct energies {
   double mass = 0.0;  // kg
   double kinetic = 0.0, potential = 0.0, elastic = 0.0;
-  double mechanical() const { return kinetic + potential + elastic; }
+  double bodies = 0.0;  // kinetic and potential, of those that move freely
+  double mechanical() const { return kinetic + potential + elastic + bodies; }
 };
+
+// J, of free bodies.
+template <int D>
+double energy_of_bodies(const water<D>& f) {
+  double energy = 0.0;
+  for (const auto& b : f.moving) {
+    if (!b.free) continue;
+    energy += 0.5 * b.free->mass * foundation::dot(b.rate.velocity, b.rate.velocity);
+    energy += 0.5 * foundation::dot(b.free->angular_momentum, b.rate.angular);
+    energy += b.free->mass * f.gravity() * b.rate.centre[1];
+  }
+  return energy;
+}
 
 template <int D>
 energies energies_of(const water<D>& f) {
@@ -24,7 +38,7 @@ energies energies_of(const water<D>& f) {
     elastic.add(s.m[i] * f.p.water.elastic_energy(s.rho[i]));
   }
   const auto& ranks = f.ranks();
-  return {ranks.exact(mass), ranks.exact(kinetic), ranks.exact(potential), ranks.exact(elastic)};
+  return {ranks.exact(mass), ranks.exact(kinetic), ranks.exact(potential), ranks.exact(elastic), energy_of_bodies(f)};
 }
 
 template <int D>

@@ -204,7 +204,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_blocks_around(schema, o.flow);
   declare_gauges(schema, o.gauges);
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true}, o.walls);
-  solids::declare(schema, o.solids);
+  solids::declare(schema, o.solids, o.motions);
   run::declare(schema, o.common, {.kernels = {"wendland_c2", "wendland_c4", "wendland_c6"}, .diffuses = false});
 }
 

@@ -3,7 +3,7 @@
 //   &flow     blocks of water, how they start, the liquid, gravity, shifting
 //   &gauges   what is measured on the way, and the files that it is held against
 //   &walls    slip and no slip; an open top
-//   &solids   bodies of any shape, which stand still (solids/options.hpp)
+//   &solids   bodies of any shape; &motions: how they move (solids/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
@@ -12,6 +12,7 @@
 #include <free_surface/liquid.hpp>
 #include <optional>
 #include <run/options.hpp>
+#include <solids/motion.hpp>
 #include <solids/options.hpp>
 #include <string>
 #include <tuple>
@@ -47,6 +48,10 @@ struct gauge_options {
   std::vector<std::string> height_columns, pressure_columns;     // one a gauge; empty: none
   double time_unit = 1.0, length_unit = 1.0, stress_unit = 1.0;  // s, m, Pa: what is 1 in the file
   double arrival = 0.0;                                          // Pa
+  std::vector<std::string> force, motion;                        // names of bodies
+  std::array<std::vector<double>, 3> moment;                     // m, one a force; empty: about centres
+  std::vector<std::string> force_columns;                        // of the file, one for each of the forces' columns
+  double force_unit = 1.0, moment_unit = 1.0;                    // N, N m
   std::optional<double> impulse_from = {}, impulse_until = {};   // s
 };
 
@@ -56,6 +61,7 @@ struct options {
   gauge_options gauges;
   walls::options walls;
   solids::options solids;
+  solids::motion_options motions;
   run::common_options common;
 
   bool open_top() const { return walls.sides[3].slip == "free_surface"; }
@@ -77,6 +83,22 @@ struct series {
 struct references {
   series front;
   std::vector<series> height, pressure;  // one a gauge
+  std::vector<series> force;             // one a column of gauges.csv
+};
+
+// Of a body of the input: as prescribed, or free.
+template <int D>
+struct motion_of_body {
+  solids::prescribed<D> course;
+  std::optional<solids::free_body<D>> free;
+  bool moves() const { return course.moves() || free.has_value(); }
+};
+
+// Whose force is read, and about which point its moment.
+struct force_gauge {
+  std::size_t body;
+  std::optional<point> about;  // m; none: about the body's centre, where it is then
+  point centre;                // m, of the body at rest
 };
 
 // What follows from the input.
@@ -87,19 +109,30 @@ struct parameters {
   double smoothing_length = 0.0;     // m
   double kinematic_viscosity = 0.0;  // m2/s, physical and artificial
   references measured;
-  std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;  // of the box's dimension
+  // Of the box's dimension.
+  std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;
+  std::tuple<std::vector<motion_of_body<2>>, std::vector<motion_of_body<3>>> motions;  // one a body
+  std::vector<force_gauge> force;
+  std::vector<std::size_t> motion;  // bodies whose motion is read
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {
     return std::get<D - 2>(bodies);
   }
+  template <int D>
+  const std::vector<motion_of_body<D>>& motions_in() const {
+    return std::get<D - 2>(motions);
+  }
 
   double particles(const options& o) const;  // of the blocks' lattices
 };
 
-// All bodies and what lies beyond the sides as one; without pieces where there are no bodies.
+// What lies beyond the sides; an open top and periodic sides have nothing there.
 template <int D>
-solids::body<D> solid_of(const options& o, const parameters& p);
+solids::body<D> tank_of(const options& o);
+// These bodies and what lies beyond the sides as one.
+template <int D>
+solids::body<D> solid_of(const options& o, std::vector<solids::body<D>> bodies);
 
 void declare(namelist::schema& schema, options& o);
 parameters resolve(const namelist::schema& schema, options& o);

@@ -3,12 +3,13 @@
 //   2. pressure and volume of each density; those of images, with the weight of water up to them
 //   3. the sums over neighbours (terms.hpp)
 //   4. rates of x, v, ρ
+// What the water does to bodies: loads.hpp, with evaluate(), which goes through all of this.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <free_surface/moving.hpp>
 #include <free_surface/terms.hpp>
-#include <free_surface/water.hpp>
 #include <volume/shape.hpp>
 #include <walls/bodies.hpp>
 #include <walls/reflected_velocity.hpp>
@@ -51,8 +52,20 @@ void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   });
 }
 
-// Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, its
-// density, and as much of its volume as the marker is wet.
+// m/s, of what of the body is at the particle i, and how its acceleration there, half way to j, and gravity let the
+// pressure rise to i (m2/s2).
+template <int D>
+solids::point<D> velocity_of_body(const water<D>& f, const moving_body<D>& b, std::size_t i) {
+  return b.rate.at(of_solids<D>(f.place(i)));
+}
+template <int D>
+double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std::size_t i) {
+  const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j));
+  return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j)), x_i - x_j);
+}
+
+// Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, as the
+// body sees it, its density, and as much of its volume as the marker is wet. Velocities are reflected about the body's.
 template <int D>
 void fill_bodies(water<D>& f) {
   auto& w = f.world.w;
@@ -61,6 +74,11 @@ void fill_bodies(water<D>& f) {
     std::array<double, D + 3> values;
     for (std::size_t a = 0; a < D; ++a) values[a] = s.v[a][j];
     values[D] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
+    if (const auto* b = f.mover(s.material[i])) {
+      const auto u = velocity_of_body(f, *b, j);
+      for (std::size_t a = 0; a < D; ++a) values[a] -= u[a];
+      values[D] += s.rho[j] * inertia_to(f, *b, j, i);
+    }
     values[D + 1] = s.rho[j];
     values[D + 2] = s.dV[j];
     return values;
@@ -75,6 +93,13 @@ void fill_bodies(water<D>& f) {
           const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
           for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
         }
+        if (const auto* b = f.mover(s.material[i])) {
+          const auto u = velocity_of_body(f, *b, i);
+          for (std::size_t a = 0; a < D; ++a) {
+            s.v[a][i] += u[a];
+            if (f.sticks) f.viscous_velocity[a][i] += u[a];
+          }
+        }
         s.p[i] = mean[D];
         s.rho[i] = mean[D + 1];
         s.dV[i] = wet * mean[D + 2];
@@ -86,6 +111,7 @@ void fill_bodies(water<D>& f) {
 // All that stands behind walls.
 template <int D>
 void mirror(water<D>& f) {
+  move_walls(f);
   const auto& walls = f.world.walls;
   walls::move_images(walls, f.world.w.s);
   fill_images(f, 0, walls.images_of_fluid);
@@ -115,8 +141,8 @@ void end_motion(water<D>& f) {
   mirror(f);
 }
 
-template <bool sticks, int D>
-void sum_over_neighbours_of(water<D>& f, const pairs::stretch& rows) {
+template <bool sticks, int D, class Rows>
+void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   auto& w = f.world.w;
   auto& s = w.s;
   motion<D, sticks> all{pairs::pointers<D>(s.v),
@@ -133,8 +159,8 @@ void sum_over_neighbours_of(water<D>& f, const pairs::stretch& rows) {
   w.sum(rows, all);
 }
 
-template <int D>
-void sum_over_neighbours(water<D>& f, const pairs::stretch& rows) {
+template <int D, class Rows>
+void sum_over_neighbours(water<D>& f, const Rows& rows) {
   const foundation::stage timed(f.world.w.times, "forces");
   f.sticks ? sum_over_neighbours_of<true>(f, rows) : sum_over_neighbours_of<false>(f, rows);
 }
@@ -143,25 +169,41 @@ void sum_over_neighbours(water<D>& f, const pairs::stretch& rows) {
 // this comes of a flow that has blown up.
 inline constexpr double farthest_above = 10.0;  // of the box's height
 
+// Where bodies move; by then the pressure is about three quarters of ρ c².
+inline constexpr double most_compressed = 1.3;
+
 template <int D>
 bool is_sound(const water<D>& f, std::size_t i, std::span<double* const> rate) {
   const auto& s = f.world.w.s;
   for (const double* r : rate)
     if (!std::isfinite(r[i])) return false;
+  if (!f.moving.empty() && s.rho[i] > most_compressed * f.o.flow.density) return false;
   return s.rho[i] > 0.0 && s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1];
+}
+
+// Who may have pressed a particle.
+template <int D>
+std::string moved_by(const water<D>& f, std::size_t i) {
+  const auto x = of_solids<D>(f.place(i));
+  const auto* b = mover_at(f, x);
+  if (b == nullptr) return "";
+  return fmt::format("; body '{}' moves beside it, at {:.3g} m/s: there may be nowhere that the water could give way",
+                     f.p.template bodies_in<D>()[b->body].name(), solids::norm<D>(b->rate.at(x)));
 }
 
 template <int D>
 void report_fault(water<D>& f, std::size_t i) {
   auto& w = f.world.w;
   const auto& s = w.s;
+  const bool pressed = !f.moving.empty() && s.rho[i] > most_compressed * f.o.flow.density;
   const char* what = !(s.rho[i] > 0.0) ? "the density is not above 0"
+                     : pressed         ? "the water is compressed by more than three tenths"
                      : !(s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1])
                          ? "it is more than ten heights of the box above its top"
                          : "a rate is not finite";
   w.first_fault.report(s.id[i], fmt::format("{}: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow has blown up, or the "
-                                            "step is too large",
-                                            what, volume::where_is(s, i), s.rho[i], s.p[i]));
+                                            "step is too large{}",
+                                            what, volume::where_is(s, i), s.rho[i], s.p[i], moved_by(f, i)));
 }
 
 // Of x, v, ρ.
@@ -183,19 +225,6 @@ void find_rates(water<D>& f, std::span<double* const> rate) {
   if (sound) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!is_sound(f, i, rate)) report_fault(f, i);
-}
-
-// Collective.
-template <int D>
-void evaluate(water<D>& f, std::span<double* const> rate) {
-  auto& w = f.world.w;
-  begin_motion(f);
-  find_own(f, 0, w.s.fluid);
-  sum_over_neighbours(f, w.interior());
-  end_motion(f);
-  sum_over_neighbours(f, w.at_border());
-  find_rates(f, rate);
-  w.agree();
 }
 
 }  // namespace tetsuame::free_surface

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <free_surface/exact.hpp>
-#include <free_surface/water.hpp>
+#include <free_surface/moving.hpp>
 #include <numbers>
 
 namespace tetsuame::free_surface {
@@ -83,29 +83,38 @@ void cut_out(water<D>& f, const IsWater& is_water) {
   particles::allocate(s, kept.size(), 0, 0, 0);
 }
 
-template <int D>
-solids::point<D> of_solids(const point& x) {
-  return solids::point<D>::of([&](std::size_t a) { return x[a]; });
-}
-
 // Wall particles of the bodies, of all ranks, and their markers.
 template <int D>
 void set_up_bodies(water<D>& f) {
-  auto bodies = f.p.template bodies_in<D>();
+  const auto& bodies = f.p.template bodies_in<D>();
   if (bodies.empty()) return;
-  f.solid = solid_of<D>(f.o, f.p);
-  cut_out(f, [&](const point& x) { return !f.solid.solid(of_solids<D>(x)); });
   const auto& w = f.world.w;
   auto& walls = f.world.walls.bodies;
   walls.no_slip = f.o.walls.slip == "no_slip";
   walls.numbers = 1;
   for (std::size_t a = 0; a < D; ++a) walls.numbers *= f.o.domain.particles[a];
+  set_up_moving(f);
+  f.asks_loads = !f.p.force.empty() || !f.free.empty();
+  f.solid = solid_with(f, [](const auto& b) { return b.now; });
+  cut_out(f, [&](const point& x) { return !f.solid.solid(of_solids<D>(x)); });
+  std::vector<solids::body<D>> resting;
+  std::vector<std::size_t> number;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (f.mover_of[b] == moving_body<D>::none) {
+      resting.push_back(bodies[b]);
+      number.push_back(b);
+    }
+  number.push_back(bodies.size());  // the tank, whose wall particles lie outside the box
+  f.solid_at_rest = solid_of<D>(f.o, resting);
+  resting.push_back(tank_of<D>(f.o));
   const solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
-  const auto made = solids::fill_with_wall_particles<D>({f.solid}, box, w.support());
+  const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support());
   // On the surface itself both are 0.
   const auto odd = [&](std::size_t n) { return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0; };
   for (std::size_t n = 0; n < made.x.size(); ++n)
-    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], odd(n), made.place[n]});
+    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], odd(n), made.place[n],
+                            static_cast<std::int32_t>(number[made.body[n]])});
+  f.resting = walls.places.size();
 }
 
 // With new lists.
@@ -113,23 +122,28 @@ template <int D>
 void find_beside_bodies(water<D>& f) {
   f.beside_bodies.clear();
   if (!f.world.walls.bodies.any()) return;
-  const double near = 1.5 * f.world.skin;  // particles move half of the skin about where lists found them
+  // Particles move half of the skin about where lists found them, and so may bodies.
+  const double near = (f.moving.empty() ? 1.5 : 2.0) * f.world.skin;
   for (std::size_t i = 0; i < f.world.w.s.fluid; ++i)
     if (f.solid.level(of_solids<D>(f.place(i))) < near) f.beside_bodies.push_back(static_cast<std::uint32_t>(i));
 }
 
-// The last guard, as walls::reflect() is at plane sides: how many of this rank's particles had entered a body.
+// The last guard, as walls::reflect() is at plane sides: how many of this rank's particles had entered a body. Their
+// velocity towards it is reversed, as the body sees it.
 template <int D>
 std::int64_t put_out_of_bodies(water<D>& f) {
   auto& s = f.world.w.s;
   std::int64_t crossings = 0;
+  if (!f.moving.empty()) f.solid = solid_with(f, [](const auto& b) { return b.now; });
   for (const std::uint32_t i : f.beside_bodies) {
     const auto x = of_solids<D>(f.place(i));
     if (!f.solid.solid(x)) continue;
     const auto surface = f.solid.at(x);
     if (!surface.found) continue;
+    const auto* b = mover_at(f, surface.nearest);
+    const auto of_wall = b != nullptr ? b->rate.at(surface.nearest) : foundation::zero<double, D>();
     double towards = 0.0;
-    for (std::size_t a = 0; a < D; ++a) towards += s.v[a][i] * surface.normal[a];
+    for (std::size_t a = 0; a < D; ++a) towards += (s.v[a][i] - of_wall[a]) * surface.normal[a];
     for (std::size_t a = 0; a < D; ++a) {
       s.x[a][i] = surface.nearest[a] - surface.distance * surface.normal[a];
       if (towards < 0.0) s.v[a][i] -= 2.0 * towards * surface.normal[a];

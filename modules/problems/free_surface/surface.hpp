@@ -12,8 +12,8 @@
 // no neighbour lies in the cone about n (terms.hpp).
 #pragma once
 
+#include <free_surface/moving.hpp>
 #include <free_surface/terms.hpp>
-#include <free_surface/water.hpp>
 #include <walls/bodies.hpp>
 #include <walls/mirror.hpp>
 
@@ -52,6 +52,7 @@ void refresh_places(water<D>& f) {
   foundation::for_all(s.fluid, [&](std::size_t i) { s.dV[i] = s.m[i] / s.rho[i]; });
   const std::array<double*, 1> volumes{s.dV.data()};
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(volumes), &s.x);
+  move_walls(f);
   walls::move_images(f.world.walls, s);
   behind_walls(f, s.dV.data(), [](double wet, double V) { return wet * V; });
 }

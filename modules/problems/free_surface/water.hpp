@@ -1,10 +1,73 @@
 // Water with a free surface: what a run holds, as plain data.
 #pragma once
 
+#include <algorithm>
 #include <free_surface/options.hpp>
+#include <limits>
 #include <run/start.hpp>
 
 namespace tetsuame::free_surface {
+
+// A body that moves (moving.hpp).
+template <int D>
+struct moving_body {
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t turns = D == 2 ? 1 : 3, angles = D == 2 ? 1 : 4;
+
+  std::size_t body = 0;                      // of the input's
+  solids::prescribed<D> course;              // at rest, where it moves freely
+  std::optional<solids::free_body<D>> free;  // mass and inertia, as it began
+  std::vector<solids::point<D>> rest;        // m, places of its wall particles in the body at rest
+  std::int64_t first_number = 0;             // theirs
+  double radius = 0.0;                       // m, of the farthest of them about the pivot
+  solids::pose<D> now, at_lists;             // now, and when lists were made
+  solids::rate<D> rate;                      // now
+
+  // Of a free body, the state that is integrated: displacement and velocity of its centre of mass; its angle, or
+  // quaternion; its angular momentum over spin_scale().
+  double spin_scale() const { return free->inertia[0][0]; }
+  std::vector<double> state() const {
+    std::vector<double> all;
+    for (std::size_t a = 0; a < D; ++a) all.push_back(now.shift[a]);
+    for (std::size_t a = 0; a < D; ++a) all.push_back(rate.velocity[a]);
+    for (std::size_t a = 0; a < angles; ++a) all.push_back(D == 3 && a == 0 ? 1.0 : 0.0);
+    for (std::size_t a = 0; a < turns; ++a) all.push_back(0.0);
+    return all;
+  }
+  template <class Value>
+  void set(const Value& value) {
+    for (std::size_t a = 0; a < D; ++a) {
+      now.shift[a] = value(a);
+      rate.velocity[a] = value(D + a);
+    }
+    std::array<double, angles> angle;
+    for (std::size_t a = 0; a < angles; ++a) angle[a] = value(2 * D + a);
+    if constexpr (D == 2)
+      now.turned = solids::rotation_by<2>({{angle[0]}});
+    else
+      now.turned = solids::rotation_of(angle);
+    for (std::size_t a = 0; a < turns; ++a) free->angular_momentum[a] = spin_scale() * value(2 * D + angles + a);
+    rate.centre = now.pivot + now.shift;
+    rate.angular = free->angular_velocity(now.turned);
+  }
+};
+
+// The state of those that move freely, on rank 0: a list with an element a body for each component.
+template <int D>
+struct free_bodies {
+  static constexpr std::size_t components = 2 * D + moving_body<D>::angles + moving_body<D>::turns;
+  std::array<std::vector<double>, components> state;
+  std::size_t number = 0;
+  bool empty() const { return number == 0; }
+};
+
+// Wall particles of one body, or their images in some of the sides: local indices.
+template <int D>
+struct wall_group {
+  std::size_t body = 0;
+  std::uint32_t mirrored = 0;
+  std::vector<std::size_t> members;
+};
 
 template <int D>
 struct water {
@@ -15,6 +78,24 @@ struct water {
   solids::body<D> solid = {};  // all bodies and, beyond the sides, the tank; without pieces where there are no bodies
   std::vector<std::uint32_t> beside_bodies = {};  // fluid that may come to them before the next lists
   bool sticks = false;                            // a wall is one of no slip
+
+  // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
+  std::vector<moving_body<D>> moving = {};
+  free_bodies<D> free = {};
+  std::vector<std::size_t> mover_of = {};  // body: place in `moving`, or none
+  solids::body<D> solid_at_rest = {};      // what does not move
+  std::size_t resting = 0;                 // of the walls' places, those that do not move
+  struct place_in_body {
+    solids::point<D> x, marker, normal;
+  };
+  std::vector<place_in_body> in_body = {};  // of the walls' places
+
+  // Where forces on bodies are asked for (loads.hpp).
+  bool asks_loads = false;
+  std::vector<wall_group<D>> groups = {};
+  pairs::chosen beside = {};                           // fluid with wall particles of bodies in its lists
+  std::array<particles::array, D> force_without = {};  // N
+  particles::array density_rate_without = {};
 
   // Filled by evaluations, with room for every particle.
   std::array<particles::array, D> viscous_velocity = {};  // m/s, where a wall sticks: of images as they are dragged
@@ -33,7 +114,18 @@ struct water {
       for (auto& a : *vectors) all.push_back(&a);
     if (sticks)
       for (auto& a : viscous_velocity) all.push_back(&a);
+    if (asks_loads) {
+      all.push_back(&density_rate_without);
+      for (auto& a : force_without) all.push_back(&a);
+    }
     for (auto* a : all) a->assign(world.w.s.total() + 1, 0.0);
+  }
+
+  // The body that a wall particle moves with; none: it stands still.
+  const moving_body<D>* mover(std::int32_t body) const {
+    if (moving.empty()) return nullptr;
+    const std::size_t n = mover_of[static_cast<std::size_t>(body)];
+    return n == moving_body<D>::none ? nullptr : &moving[n];
   }
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }

@@ -1,0 +1,172 @@
+// Forces of the water on bodies: what the water's own sums lose when the wall particles of a body have no volume, with
+// the sign reversed, so that what a body gains the water loses, to rounding.
+//
+// The images of a body in the sides are its own wall particles as the images of the water see them: what such an image
+// does to the water, a particle of the body does to the image of that water. So its reaction belongs to the body,
+// mirrored. Along a side the two are the same, so that no momentum is lost there.
+#pragma once
+
+#include <free_surface/right_hand_side.hpp>
+#include <map>
+#include <utility>
+
+namespace tetsuame::free_surface {
+
+template <int D>
+struct load {
+  solids::point<D> force = foundation::zero<double, D>();                    // N; N/m in two dimensions
+  solids::about<D> moment = foundation::zero < double, D == 2 ? 1 : 3 > ();  // N m, about a point
+};
+
+// With new lists: wall particles by their bodies, and the water beside them.
+template <int D>
+void group_walls(water<D>& f) {
+  if (!f.asks_loads) return;
+  const auto& w = f.world.w;
+  const auto& s = w.s;
+  const auto& walls = f.world.walls;
+  const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
+  std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::size_t>> found;
+  std::vector<char> of_body(s.total() + 1, 0);
+  const auto add = [&](std::size_t i, std::uint32_t mirrored) {
+    found[{static_cast<std::size_t>(s.material[i]), mirrored}].push_back(i);
+    of_body[i] = 1;
+  };
+  for (std::size_t i = first; i < behind; ++i) add(i, 0);
+  for (std::size_t r = walls.images_of_fluid; r < walls.source.size(); ++r) add(behind + r, walls.mirrored[r]);
+  f.groups.clear();
+  for (auto& [of, members] : found) f.groups.push_back({of.first, of.second, std::move(members)});
+  std::vector<std::size_t> rows;
+  for (std::size_t r = 0; r < w.list.rows(); ++r) {
+    bool near = false;
+    w.list.for_each(r, [&](std::uint32_t j, auto...) { near = near || of_body[j] != 0; });
+    for (std::size_t i = r * pairs::lanes; near && i < std::min(s.fluid, (r + 1) * pairs::lanes); ++i)
+      rows.push_back(i);
+  }
+  f.beside = pairs::choose(w.list, std::move(rows), s.total());
+}
+
+// The sums of the water beside bodies as if these wall particles had no volume, to force_without.
+template <int D>
+void sum_without(water<D>& f, const wall_group<D>& group) {
+  auto& V = f.world.w.s.dV;
+  std::vector<double> volumes;
+  for (const std::size_t i : group.members) volumes.push_back(std::exchange(V[i], 0.0));
+  const auto exchange_results = [&] {
+    std::swap(f.force, f.force_without);
+    std::swap(f.density_rate, f.density_rate_without);
+  };
+  exchange_results();
+  sum_over_neighbours(f, f.beside);
+  exchange_results();
+  for (std::size_t k = 0; k < volumes.size(); ++k) V[group.members[k]] = volumes[k];
+}
+
+// Collective, after the water's sums. What it does to each of these bodies; about[n]: m, of the moment on bodies[n].
+template <int D>
+std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodies,
+                              const std::vector<solids::point<D>>& about) {
+  constexpr std::size_t T = D == 2 ? 1 : 3;
+  std::vector<std::array<foundation::exact_sum, D + T>> sums(bodies.size());
+  for (const auto& group : f.groups) {
+    if (std::ranges::find(bodies, group.body) == bodies.end()) continue;
+    sum_without(f, group);
+    for (const std::size_t i : f.beside.rows) {
+      auto x = of_solids<D>(f.place(i));
+      auto by = solids::point<D>::of([&](std::size_t a) { return f.force_without[a][i] - f.force[a][i]; });
+      for (std::size_t k = 0; k < f.world.walls.sides.size(); ++k)
+        if ((group.mirrored >> k & 1U) != 0) {
+          const auto& side = f.world.walls.sides[k];
+          x[side.axis] = 2.0 * side.position - x[side.axis];
+          by[side.axis] = -by[side.axis];
+        }
+      for (std::size_t n = 0; n < bodies.size(); ++n) {
+        if (bodies[n] != group.body) continue;
+        const auto moment = solids::moment<D>(x - about[n], by);
+        for (std::size_t a = 0; a < D; ++a) sums[n][a].add(by[a]);
+        for (std::size_t a = 0; a < T; ++a) sums[n][D + a].add(moment[a]);
+      }
+    }
+  }
+  std::vector<load<D>> all(bodies.size());
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    for (std::size_t a = 0; a < D; ++a) all[n].force[a] = f.ranks().exact(sums[n][a]);
+    for (std::size_t a = 0; a < T; ++a) all[n].moment[a] = f.ranks().exact(sums[n][D + a]);
+  }
+  return all;
+}
+
+// Collective. The sums of the water beside bodies, at the state in the arrays.
+template <int D>
+void sum_beside_bodies(water<D>& f) {
+  begin_motion(f);
+  find_own(f, 0, f.world.w.s.fluid);
+  end_motion(f);
+  sum_over_neighbours(f, f.beside);
+}
+
+// Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
+template <int D>
+std::vector<load<D>> read_loads(water<D>& f) {
+  sum_beside_bodies(f);
+  std::vector<std::size_t> bodies;
+  std::vector<solids::point<D>> about;
+  for (const auto& g : f.p.force) {
+    const auto* b = f.mover(static_cast<std::int32_t>(g.body));
+    const auto centre = of_solids<D>(g.centre);
+    bodies.push_back(g.body);
+    about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
+  }
+  return loads_on(f, bodies, about);
+}
+
+// ---- free bodies ------------------------------------------------------------------------------------------
+
+// Collective, after the water's sums: rates of the free bodies' state, on rank 0, an array a component.
+template <int D>
+void find_rates_of_bodies(water<D>& f, std::span<double* const> rate) {
+  std::vector<std::size_t> bodies;
+  std::vector<solids::point<D>> about;
+  for (const auto& b : f.moving)
+    if (b.free) {
+      bodies.push_back(b.body);
+      about.push_back(b.rate.centre);
+    }
+  const auto loads = loads_on(f, bodies, about);
+  if (f.ranks().rank != 0) return;
+  constexpr std::size_t angles = moving_body<D>::angles, turns = moving_body<D>::turns;
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    const auto& b = *f.mover(static_cast<std::int32_t>(bodies[n]));
+    for (std::size_t a = 0; a < D; ++a) {
+      rate[a][n] = b.rate.velocity[a];
+      rate[D + a][n] = loads[n].force[a] / b.free->mass + f.world.w.g[a];
+    }
+    const auto& w = b.rate.angular;
+    if constexpr (D == 2) {
+      rate[2 * D][n] = w[0];
+    } else {  // q' = (0, ω) q/2
+      const auto q = [&](std::size_t k) { return f.free.state[2 * D + k][n]; };
+      rate[2 * D][n] = -0.5 * (w[0] * q(1) + w[1] * q(2) + w[2] * q(3));
+      rate[2 * D + 1][n] = 0.5 * (w[0] * q(0) + w[1] * q(3) - w[2] * q(2));
+      rate[2 * D + 2][n] = 0.5 * (w[1] * q(0) + w[2] * q(1) - w[0] * q(3));
+      rate[2 * D + 3][n] = 0.5 * (w[2] * q(0) + w[0] * q(2) - w[1] * q(1));
+    }
+    for (std::size_t a = 0; a < turns; ++a) rate[2 * D + angles + a][n] = loads[n].moment[a] / b.spin_scale();
+  }
+}
+
+// Collective. Rates of x, v, ρ, and of the free bodies' state.
+template <int D>
+void evaluate(water<D>& f, std::span<double* const> rate) {
+  auto& w = f.world.w;
+  begin_motion(f);
+  find_own(f, 0, w.s.fluid);
+  sum_over_neighbours(f, w.interior());
+  end_motion(f);
+  sum_over_neighbours(f, w.at_border());
+  find_rates(f, rate.first(2 * D + 1));
+  if (!f.free.empty()) find_rates_of_bodies(f, rate.subspan(2 * D + 1));
+  w.agree();
+}
+
+}  // namespace tetsuame::free_surface

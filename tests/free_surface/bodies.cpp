@@ -1,0 +1,263 @@
+// Bodies in water that move: rigid motion of all, forces against the water's own, free bodies, restarts.
+#include <mpi.h>
+
+#include <boost/test/unit_test.hpp>
+#include <free_surface/loads.hpp>
+#include <free_surface/measures.hpp>
+#include <free_surface/surface.hpp>
+#include <namelist/document.hpp>
+#include <numbers>
+#include <run/passes.hpp>
+
+using namespace tetsuame;
+using namespace tetsuame::free_surface;
+namespace tt = boost::test_tools;
+
+namespace {
+
+struct mpi_environment {
+  mpi_environment() {
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  }
+  ~mpi_environment() { MPI_Finalize(); }
+};
+
+template <int D>
+struct scene {
+  options o;
+  parameters p;
+  std::optional<water<D>> f;
+
+  explicit scene(const std::string& text) {
+    namelist::schema schema;
+    declare(schema, o);
+    schema.read(namelist::parse_text(text, "test.nml"));
+    p = resolve(schema, o);
+    f.emplace(o, p);
+    set_up(*f);
+    rebuild();
+  }
+  void rebuild() {
+    place_bodies_for_lists(*f, false);
+    run::rebuild(f->world, false);
+    f->make_room();
+    find_beside_bodies(*f);
+    group_walls(*f);
+  }
+  particles::particles<D>& particles() { return f->world.w.s; }
+
+  // Rates of x, v, ρ, and of free bodies.
+  std::vector<particles::array> rates() {
+    std::vector<particles::array> all(2 * D + 1, particles::array(particles().fluid, 0.0));
+    for (const auto& component : f->free.state) all.emplace_back(component.size(), 0.0);
+    std::vector<double*> places;
+    for (auto& a : all) places.push_back(a.data());
+    evaluate(*f, std::span<double* const>(places));
+    return all;
+  }
+  template <class Value>
+  double sum(Value&& value) {
+    foundation::exact_sum all;
+    for (std::size_t i = 0; i < particles().fluid; ++i) all.add(value(i));
+    return f->ranks().exact(all);
+  }
+};
+
+// A block of water, 30 by 20 spacings of 0.05 m, about a tilted box in its middle, far from all sides.
+std::string blob(const std::string& motion, const std::string& more = "") {
+  return "&domain length_x = 2.5 length_y = 2.0 particles_x = 50 particles_y = 40 /"
+         "&flow low_x = 0.5 high_x = 2.0 low_y = 0.5 high_y = 1.5 gravity = 0.0 sound_speed = 20.0 viscosity = 3.0"
+         " delta = 0.0 around_bodies = .true. /"
+         "&solids body = 'box' shape = 'box' centre_x = 1.25 centre_y = 1.0 length_x = 0.5 length_y = 0.35 angle_z = "
+         "20 /"
+         "&motions body = 'box' " +
+         motion + "/ &gauges force = 'box' " + more + "/ &time t_end = 1.0 /";
+}
+
+double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
+
+// Any state: velocities of some m/s, densities some per cent apart.
+template <int D>
+void disturb(scene<D>& scene) {
+  auto& s = scene.particles();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = noise(s.id[i], static_cast<int>(a));
+    s.rho[i] = 1000.0 * (1.02 + 0.02 * noise(s.id[i], 7));
+  }
+}
+
+}  // namespace
+
+BOOST_GLOBAL_FIXTURE(mpi_environment);
+
+// Water that turns and travels with the body as a whole is compressed nowhere and drags nothing, wherever on its way
+// the body is, though the lists are older; and again with new ones.
+BOOST_AUTO_TEST_CASE(rigid_motion) {
+  for (const std::string how : {"kind = 'harmonic' period = 2.0 amplitude_x = 0.2 amplitude_y = -0.1 amplitude_angle = "
+                                "20 pivot_x = 1.1 pivot_y = 0.9",
+                                "kind = 'free' density = 700.0"})
+    for (const char* slip : {"", "&walls slip = 'no_slip' /"}) {
+      scene<2> scene(blob(how) + slip);
+      auto& f = *scene.f;
+      auto& s = scene.particles();
+      for (const bool anew : {false, true}) {
+        const double t = 0.02;
+        if (!f.free.empty() && f.ranks().rank == 0) {
+          f.free.state[0][0] = 0.01;                 // m
+          f.free.state[2][0] = 0.3;                  // m/s
+          f.free.state[4][0] = 0.02;                 // radians
+          f.free.state[5][0] = anew ? -0.4 : 1e-12;  // 1/s
+        }
+        set_bodies_at(f, t);
+        BOOST_TEST(bodies_moved(f) > 0.0);
+        if (anew) scene.rebuild();
+        const auto& b = f.moving.front();
+        BOOST_TEST(bodies_speed(f) > 0.2);
+        for (std::size_t i = 0; i < s.fluid; ++i) {
+          const auto u = b.rate.at(of_solids<2>(f.place(i)));
+          for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = u[a];
+          s.rho[i] = 1000.0;
+        }
+        const auto rate = scene.rates();
+        double compressed = 0.0, dragged = 0.0;
+        for (std::size_t i = 0; i < s.fluid; ++i) {
+          compressed = std::max(compressed, std::abs(rate[4][i]));
+          // What accelerates the body, its spin too, presses the wall; but for that nothing acts.
+          if (!f.free.empty() && !anew) dragged = std::max(dragged, std::hypot(f.force[0][i], f.force[1][i]));
+        }
+        BOOST_TEST(compressed < 1e-8);  // kg/(m3 s), of some 1000 where a body's velocity is not seen
+        BOOST_TEST(dragged < 1e-9);     // N, of 2.5 kg particles
+      }
+    }
+}
+
+// A pressure that rises towards a wall as the body's acceleration has it is what its wall particles go on with: a
+// straight line, so that deep water beside the body feels -∇p as that inside does.
+BOOST_AUTO_TEST_CASE(accelerated_wall) {
+  scene<2> scene(blob("kind = 'harmonic' period = 2.0 phase = 90 amplitude_x = 0.1 amplitude_y = 0.05"));
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  set_bodies_at(f, 0.0);
+  const auto a = f.moving.front().rate.acceleration;
+  BOOST_TEST(a[0] == -0.1 * std::numbers::pi * std::numbers::pi, tt::tolerance(1e-12));
+  const auto p = [&](std::size_t i) { return -1000.0 * (a[0] * (s.x[0][i] - 1.35) + a[1] * (s.x[1][i] - 1.05)); };
+  for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = f.p.water.density_at(p(i));
+  scene.rates();
+  double worst = 0.0;
+  std::size_t wet = 0;
+  for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i)
+    if (s.dV[i] > 0.0) {
+      worst = std::max(worst, std::abs(s.p[i] - p(i)));
+      ++wet;
+    }
+  BOOST_TEST(f.ranks().sum(static_cast<std::int64_t>(wet)) > 20);
+  BOOST_TEST(worst < 3.0);  // Pa, of 100 between a wall particle and its marker: density is not quite 1000 kg/m3
+}
+
+// What the body gains the water loses, of momentum and of angular momentum, whatever the state; about any point.
+template <int D>
+void balance_of(scene<D>& scene) {
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  disturb(scene);
+  const auto rate = scene.rates();
+  solids::point<D> about = foundation::zero<double, D>();
+  about[0] = 0.3;
+  const auto load = loads_on(f, {0}, {about}).front();
+  for (std::size_t a = 0; a < D; ++a) {
+    const double force = scene.sum([&](std::size_t i) { return f.force[a][i]; });
+    const double size = scene.sum([&](std::size_t i) { return std::abs(f.force[a][i]); });
+    BOOST_TEST(size > 100.0);
+    BOOST_TEST(std::abs(load.force[a]) > 1.0);
+    BOOST_TEST(std::abs(force + load.force[a]) < 1e-12 * size);
+    // Of water and body.
+    if (!f.free.empty()) {
+      double of_body = f.ranks().rank == 0 ? f.moving.front().free->mass * rate[2 * D + 1 + D + a][0] : 0.0;
+      MPI_Bcast(&of_body, 1, MPI_DOUBLE, 0, f.ranks().comm);
+      const double of_water = scene.sum([&](std::size_t i) { return s.m[i] * rate[D + a][i]; });
+      BOOST_TEST(std::abs(of_water + of_body) < 1e-12 * size);
+    }
+  }
+  for (std::size_t k = 0; k < (D == 2 ? 1 : 3); ++k) {
+    const auto of = [&](std::size_t i) {
+      const auto F = solids::point<D>::of([&](std::size_t a) { return f.force[a][i]; });
+      return solids::moment<D>(of_solids<D>(f.place(i)) - about, F)[k];
+    };
+    const double size = scene.sum([&](std::size_t i) { return std::abs(of(i)); });
+    BOOST_TEST(std::abs(scene.sum(of) + load.moment[k]) < 1e-12 * size);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(momentum_in_2d) {
+  for (const char* how :
+       {"kind = 'harmonic' period = 2.0 amplitude_x = 0.2 amplitude_angle = 5", "kind = 'free' mass = 90.0"}) {
+    scene<2> scene(blob(how) + "&walls slip = 'no_slip' /");
+    balance_of(scene);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(momentum_in_3d) {
+  scene<3> scene(
+      "&domain dimension = 3 length_x = 2.0 length_y = 2.0 length_z = 2.0 particles_x = 20 particles_y = 20 "
+      "particles_z = 20 /"
+      "&flow low_x = 0.6 high_x = 1.4 low_y = 0.6 high_y = 1.4 low_z = 0.6 high_z = 1.4 gravity = 0.0 sound_speed = "
+      "20.0"
+      " viscosity = 3.0 around_bodies = .true. /"
+      "&kernel h_over_dx = 1.2 skin = 0.3 /"
+      "&solids body = 'box' shape = 'sphere' centre_x = 1.0 centre_y = 1.0 centre_z = 1.0 radius = 0.3 /"
+      "&motions body = 'box' kind = 'free' density = 500.0 gyration_x = 0.1 gyration_y = 0.12 gyration_z = 0.13 /"
+      "&gauges force = 'box' / &time t_end = 1.0 /");
+  balance_of(scene);
+}
+
+// The weight of the water that a box at rest deep in it displaces, and its centre; less exactly, as sums near walls
+// are.
+BOOST_AUTO_TEST_CASE(buoyancy) {
+  scene<2> scene(
+      "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 /"
+      "&flow high_y = 1.5 around_bodies = .true. sound_factor = 30.0 /"
+      "&solids body = 'floor', 'box' shape = 'box', 'box' centre_x = 1.0, 1.0 centre_y = 0.0, 0.75 length_x = 5.0, 0.5"
+      " length_y = 0.2, 0.5 / &gauges force = 'box' / &time t_end = 1.0 /");
+  auto& f = *scene.f;
+  const auto load = read_loads(f).front();
+  const double weight = 1000.0 * 9.81 * 0.25;
+  BOOST_TEST(load.force[1] == weight, tt::tolerance(0.03));
+  // Wall particles on the diagonals from the corners have their markers on one side of these.
+  BOOST_TEST(std::abs(load.force[0]) < 1e-5 * weight);
+  BOOST_TEST(std::abs(load.moment[0]) < 1e-5 * weight);
+  // The floor carries the rest: of 1.4 m of water, the box and its own weight left out, all below the box and beside
+  // it.
+  const auto all = loads_on(f, {0}, {foundation::zero<double, 2>()}).front();
+  BOOST_TEST(all.force[1] == -1000.0 * 9.81 * 1.4 * 2.0, tt::tolerance(0.03));
+}
+
+// Lists may be made anew at any time: the same places, markers and IDs on any ranks; and back from a checkpoint.
+BOOST_AUTO_TEST_CASE(state_of_bodies) {
+  scene<2> scene(blob("kind = 'free' density = 700.0"));
+  auto& f = *scene.f;
+  if (f.ranks().rank == 0) {
+    f.free.state[0][0] = 0.3;
+    f.free.state[4][0] = 0.5;
+  }
+  set_bodies_at(f, 0.0);
+  scene.rebuild();
+  const auto markers = [&] {
+    std::vector<double> all;
+    for (const auto& place : f.world.walls.bodies.places)
+      all.insert(all.end(), place.marker.begin(), place.marker.end());
+    return all;
+  };
+  const auto before = markers();
+  auto saved = saved_bodies(f);
+  saved.resize(6 + 6);
+  MPI_Bcast(saved.data(), static_cast<int>(saved.size()), MPI_DOUBLE, 0, f.ranks().comm);
+  if (f.ranks().rank == 0) f.free.state[0][0] = 0.0;
+  set_bodies_at(f, 0.0);
+  scene.rebuild();
+  BOOST_TEST(markers() != before);
+  restore_bodies(f, saved, 0.0);
+  place_bodies_for_lists(f, true);
+  BOOST_TEST(markers() == before);
+  BOOST_TEST(f.moving.front().now.shift[0] == 0.3);
+}
