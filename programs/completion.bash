@@ -45,7 +45,7 @@ _tetsuame_program() {
 _tetsuame_run() {
   local word=${COMP_WORDS[COMP_CWORD]}
   if ((COMP_CWORD == 1)); then
-    _tetsuame_words "build test compare plot movie view paraview sweep bench balance plan submit package check help" "$word"
+    _tetsuame_words "build test compare plot movie view paraview sweep building bench balance plan submit package check help" "$word"
   elif [[ $word == -* ]]; then
     _tetsuame_words "--help --output --set" "$word"
   else

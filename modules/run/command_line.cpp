@@ -168,6 +168,7 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
           fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
   schema.read(document);
   in.complete(schema);
+  if (in.keep && !line.check) line.kept = in.keep();
   std::ostringstream resolved;
   resolved << "! " << in.program << ", every key as run\n";
   schema.write_resolved(resolved);
@@ -212,6 +213,26 @@ void end_all(const domain::communicator& ranks) {
 }
 
 }  // namespace
+
+std::vector<kept_file> keep_beside(const std::vector<std::string*>& keys) {
+  namespace fs = std::filesystem;
+  const std::string mark = "input_";
+  std::vector<kept_file> all;
+  for (std::string* key : keys) {
+    if (key->empty()) continue;
+    auto found = std::ranges::find(all, *key, &kept_file::from);
+    if (found == all.end()) {
+      const std::string own = fs::path(*key).filename().string(),
+                        bare = own.starts_with(mark) ? own.substr(mark.size()) : own;
+      std::string name = mark + bare;
+      for (int n = 2; std::ranges::find(all, name, &kept_file::name) != all.end(); ++n)
+        name = fmt::format("{}{}_{}", mark, n, bare);
+      found = all.insert(all.end(), {*key, name});
+    }
+    *key = found->name;
+  }
+  return all;
+}
 
 std::string program_of_group(const std::string& group) {
   static const std::map<std::string, std::string> of = {{"shock", "shock"},

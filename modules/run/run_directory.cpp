@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <foundation/error.hpp>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <output/file.hpp>
 #include <run/interrupt.hpp>
@@ -132,7 +134,21 @@ bool run_directory::continues_here() const {
   return line.restart == "latest" || (mode_ == output::directory_mode::restart && is_inside(line.restart, line.output));
 }
 
+// Those of rank 0; others have nothing.
+std::vector<std::string> run_directory::kept_contents() const {
+  std::vector<std::string> contents(line.kept.size());
+  foundation::on_rank_0(ranks.comm, [&] {
+    for (std::size_t n = 0; n < contents.size(); ++n) {
+      std::ifstream file(line.kept[n].from, std::ios::binary);
+      contents[n].assign(std::istreambuf_iterator<char>(file), {});
+      if (!file) foundation::fail_file("cannot read " + line.kept[n].from);
+    }
+  });
+  return contents;
+}
+
 void run_directory::begin() {
+  const auto contents = kept_contents();  // which may stand here
   const bool named = !line.restart.empty() && line.restart != "latest" && is_inside(line.restart, line.output);
   place_->clear(mode_, named ? fs::path(line.restart).filename().string() : "");
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
@@ -141,6 +157,8 @@ void run_directory::begin() {
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
   if (ranks.rank == 0) std::fputs(fmt::format("{}: results go to {}\n", line.program, line.output).c_str(), stderr);
+  for (std::size_t n = 0; n < contents.size(); ++n)
+    output::write_text(ranks.comm, path_of(line.kept[n].name), contents[n]);
   output::write_text(ranks.comm, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }

@@ -98,6 +98,7 @@ struct run_directory {
   [[noreturn]] void fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save);
 
  private:
+  std::vector<std::string> kept_contents() const;
   std::string path_of(const std::string& name) const { return line.output + "/" + name; }
   output::latest_checkpoint read_saved() const;
   bool holds_another_run(const output::checkpoint& saved) const;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <free_surface/input.hpp>
 
@@ -94,6 +95,30 @@ solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, c
   return b;
 }
 
+// A depth can be read where some place between the floor and the top of the box is free.
+template <int D>
+void check_heights_free(const namelist::schema& schema, const options& o, const std::vector<solids::body<D>>& bodies) {
+  const auto& at = o.gauges.height;
+  const auto covers = [&](const solids::body<D>& body, const solids::point<D>& x) { return body.level(x) < 0.0; };
+  for (std::size_t n = 0; n < at[0].size(); ++n) {
+    auto x = solids::point<D>::of([&](std::size_t a) { return a == 1 ? 0.0 : at[a][n]; });
+    std::string filled_by;
+    bool free = false;
+    for (std::int64_t row = 0; row < o.domain.particles[1] && !free; ++row) {
+      x[1] = (static_cast<double>(row) + 0.5) * o.domain.dx();
+      const auto covering = std::ranges::find_if(bodies, [&](const auto& b) { return covers(b, x); });
+      free = covering == bodies.end();
+      if (!free) filled_by = covering->name();
+    }
+    if (free) continue;
+    x[1] = 0.0;
+    schema.fail("gauges", "height_x",
+                fmt::format("gauge {} above {}: body '{}' fills the box there from the floor to the top, so that no "
+                            "water has a depth",
+                            n + 1, solids::place_text<D>(x), filled_by));
+  }
+}
+
 // Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
 template <int D>
 void check_lattice(const namelist::schema& schema, const options& o) {
@@ -181,6 +206,7 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   with_tank.push_back(tank_of<D>(o));
   schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
   check_gauges_dry<D>(schema, o, begun);
+  check_heights_free<D>(schema, o, begun);
   if (o.flow.around_bodies) return;
   for (const block& b : p.blocks)
     schema.placed("solids", "shape", [&] { solids::expect_dry<D>(begun, places_of<D>(o, b)); });

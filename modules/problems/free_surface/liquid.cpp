@@ -22,6 +22,11 @@ double liquid::density_at(double p) const {
   return density * std::pow(1.0 + p / stiffness(*this), 1.0 / static_cast<double>(exponent));
 }
 
+double liquid::density_beneath(double gd) const {
+  const double of_sound = gd / (sound * sound), n = static_cast<double>(exponent) - 1.0;
+  return density * (exponent == 1 ? std::exp(of_sound) : std::pow(1.0 + n * of_sound, 1.0 / n));
+}
+
 double liquid::elastic_energy(double rho) const {
   const double s = rho / density;
   if (exponent == 1) return sound * sound * (std::log(s) + 1.0 / s - 1.0);

@@ -1,6 +1,8 @@
 // Weakly compressible water [J. J. Monaghan, J. Comput. Phys. 110, 399 (1994)], s = ρ/ρ0:
 //   p = B (s^γ - 1),   B = c0² ρ0/γ,   c = c0 s^((γ-1)/2)
 //   e = ∫ p/ρ² dρ = B/ρ0 [s^(γ-1)/(γ-1) + 1/s - γ/(γ-1)],   γ = 1: c0² [ln s + 1/s - 1]
+// At rest under its own weight, a depth d beneath the surface, where dp/dd = ρ g:
+//   s^(γ-1) = 1 + (γ-1) g d/c0²,   γ = 1: s = exp(g d/c0²)
 // Compiled once, without fused multiplications: the density of a particle and of its copies gives the same bits.
 #pragma once
 
@@ -16,6 +18,7 @@ struct liquid {
 
   double pressure(double rho) const;        // Pa
   double density_at(double p) const;        // kg/m3
+  double density_beneath(double gd) const;  // kg/m3, g d in J/kg
   double elastic_energy(double rho) const;  // J/kg, e
 };
 

@@ -186,7 +186,8 @@ inline bool is_still(const options& o, const parameters& p) {
   return true;
 }
 
-// Of still water: the largest error of the pressure deeper than 2h, over that at the floor.
+// Of still water: the largest error of the pressure deeper than 2h, over ρ0 g H, beside that of water compressed by its
+// own weight.
 template <int D>
 double hydrostatic_error(const water<D>& f) {
   const auto& s = f.world.w.s;
@@ -195,7 +196,8 @@ double hydrostatic_error(const water<D>& f) {
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const double depth = top - s.x[1][i];
     if (depth > 2.0 * f.p.smoothing_length)
-      most = std::max(most, std::abs(f.p.water.pressure(s.rho[i]) - weight * depth));
+      most = std::max(most, std::abs(f.p.water.pressure(s.rho[i]) -
+                                     f.p.water.pressure(f.p.water.density_beneath(f.gravity() * depth))));
   }
   return f.ranks().maximum(most) / (weight * top);
 }

@@ -1,4 +1,4 @@
-// The start: blocks of water on the box's lattice, each particle with the density of its pressure, and a mass that
+// The start: blocks of water on the box's lattice, each particle with the density of water at rest, and a mass that
 // fills its cell of the lattice.
 #pragma once
 
@@ -38,12 +38,12 @@ inline circle drop_of(const parameters& p) {
   return {0.5 * (b.low[0] + b.high[0]), 0.5 * (b.low[1] + b.high[1]), 0.5 * (b.high[0] - b.low[0])};
 }
 
-// Pa
-inline double start_pressure(const options& o, const parameters& p, const point& x) {
+// kg/m3: of water that its own weight compresses, and of the drop's pressure.
+inline double start_density(const options& o, const parameters& p, const point& x) {
   const auto& f = o.flow;
-  if (f.start != "drop") return f.density * f.gravity * (surface_above(p, x) - x[1]);
+  if (f.start != "drop") return p.water.density_beneath(f.gravity * (surface_above(p, x) - x[1]));
   const circle c = drop_of(p);
-  return 0.5 * f.density * f.strain_rate * f.strain_rate * (c.radius * c.radius - c.distance2(x));
+  return p.water.density_at(0.5 * f.density * f.strain_rate * f.strain_rate * (c.radius * c.radius - c.distance2(x)));
 }
 
 // m/s, along x and y
@@ -169,7 +169,7 @@ void set_up(water<D>& f) {
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const point x = f.place(i);
-    s.rho[i] = f.p.water.density_at(start_pressure(f.o, f.p, x));
+    s.rho[i] = start_density(f.o, f.p, x);
     s.m[i] = s.rho[i] * V;
     const auto v = start_velocity(f.o, f.p, x);
     for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = v[a];

@@ -9,7 +9,8 @@ from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
 MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
-           "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep"}
+           "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep",
+           "building": ".building"}
 CALLED = {"scaling": "bench --scaling"}  # as people start it
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
@@ -29,7 +30,8 @@ def main(arguments: list[str]) -> int:
                "  sweep     run a program with many settings of one input; write sweep.csv and report.html\n"
                "  bench     write report.html from the bench.json of a folder\n"
                "  balance   write report.html of a run of balance: its cuts, and their course\n"
-               "  scaling   measure program C over ranks and threads; write report.html")
+               "  scaling   measure program C over ranks and threads; write report.html\n"
+               "  building  write a building of columns and floors as an STL surface, for flow")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
     command = parser.parse_args(arguments[:1]).command
     try:
