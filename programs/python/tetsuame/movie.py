@@ -11,17 +11,11 @@ from . import COMPLETED, fields, plots, runs, style
 from .reading import Unreadable
 
 
-def limits(snapshots: list, name: str) -> tuple[float, float]:
-    """Of a field over the whole run, without the outermost thousandth: one particle's excess would hide the rest."""
-    each = [np.quantile(snapshot[name], [0.001, 0.999]) for snapshot in snapshots]
-    low, high = min(pair[0] for pair in each), max(pair[1] for pair in each)
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
-
-
 def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
     """Pictures of all snapshots, as arrays of red, green, blue. Axes are drawn once, images filled anew."""
     figure = images = None
-    ranges = {name: limits(run.snapshots, name) for name in names}
+    bodies = []
+    ranges = {name: fields.limits(run.snapshots, name) for name in names}
     for snapshot in run.snapshots:
         pictures = {name: snapshot.map(name, pixels, axis) for name in names}
         if figure is None:
@@ -32,6 +26,9 @@ def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
         for name, image in images.items():
             image.set_data(pictures[name].values / image.tetsuame_size)
             image.set_extent([edge / image.tetsuame_across for edge in pictures[name].extent])
+        for old in bodies:
+            old.remove()
+        bodies = [drawn for ax, name in zip(panels[0], names) if (drawn := plots.draw_bodies(ax, snapshot, pictures[name]))]
         panels[0][0].set_title(plots.when(snapshot))
         figure.canvas.draw()
         figure.set_layout_engine("none")  # places are found once
