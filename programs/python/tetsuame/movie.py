@@ -20,8 +20,9 @@ def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
         pictures = {name: snapshot.map(name, pixels, axis) for name in names}
         if figure is None:
             wide = np.ptp(pictures[names[0]].extent[:2]) / np.ptp(pictures[names[0]].extent[2:])
-            height = 5.2
-            figure, panels = style.plt.subplots(1, len(names), figsize=(len(names) * min(max(height * wide * 0.95, 3.4), 9.0), height), squeeze=False)
+            each = min(max(5.2 * wide * 0.95, 3.4), 9.0)  # inches
+            height = min(5.2, each / wide + 0.6)
+            figure, panels = style.plt.subplots(1, len(names), figsize=(len(names) * each, height), squeeze=False)
             images = {name: plots.draw_map(ax, pictures[name], name, snapshot.unit(name), ranges[name]) for ax, name in zip(panels[0], names)}
         for name, image in images.items():
             image.set_data(pictures[name].values / image.tetsuame_size)

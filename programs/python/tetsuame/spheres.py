@@ -30,8 +30,8 @@ class Eye:
         return turned(places, self.aside, self.above)
 
 
-def draw(eye: Eye, places: np.ndarray, diameter: float, colours: np.ndarray, background=(1.0, 1.0, 1.0)) -> np.ndarray:
-    """The picture, [row, column, 3], of particles with their colours, (n, 3)."""
+def draw(eye: Eye, places: np.ndarray, diameter: float, colours: np.ndarray) -> np.ndarray:
+    """The picture, [row, column, red, green, blue, opacity], of particles with their colours, (n, 3)."""
     at = eye.turned(places)
     at = np.column_stack([(at[:, :2] - eye.low) / eye.pixel, at[:, 2] / eye.pixel])
     radius = max(0.5 * diameter / eye.pixel, 0.75)
@@ -53,15 +53,15 @@ def draw(eye: Eye, places: np.ndarray, diameter: float, colours: np.ndarray, bac
     order = np.argsort(depths, kind="stable")
     nearest = np.full(eye.shape[0] * eye.shape[1], -1)
     nearest[pixels[order]] = order  # of several the last, which is the nearest
-    picture = np.empty((len(nearest), 3))
-    picture[:] = background
+    picture = np.zeros((len(nearest), 4))
     seen = nearest >= 0
-    picture[seen] = colours[which[nearest[seen]]] * shades[nearest[seen], None]
-    return picture.reshape(*eye.shape, 3)
+    picture[seen, :3] = colours[which[nearest[seen]]] * shades[nearest[seen], None]
+    picture[seen, 3] = 1.0
+    return picture.reshape(*eye.shape, 4)
 
 
 def edges(eye: Eye, low, high) -> list[np.ndarray]:
-    """The lines of a box, each two places on the picture, those first that the box itself would hide."""
+    """The lines of a box, each two places on the picture; the first three are behind it."""
     corners = np.array([[(low, high)[bit >> axis & 1][axis] for axis in range(3)] for bit in range(8)], float)
     at = eye.turned(corners)
     pairs = [(a, a | 1 << axis) for a in range(8) for axis in range(3) if not a >> axis & 1]
