@@ -204,7 +204,8 @@ class flow : public run::problem_in_a_box<D> {
     add("Material", make([](auto) { return 0.0; }));
     add("Volume", s.dV.data());
     add("FreeSurface", make([&](auto i) { return on_surface[i] ? 1.0 : 0.0; }));
-    return {g};
+    if (f_.world.walls.bodies.places.empty()) return {g};
+    return {g, wall_particles(extra)};
   }
 
   void report(double t, run::summary& r) override {
@@ -250,6 +251,16 @@ class flow : public run::problem_in_a_box<D> {
   std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
 
  private:
+  // Of bodies, for pictures.
+  output::particle_group wall_particles(std::vector<particles::array>& extra) const {
+    const auto& s = f_.world.w.s;
+    const std::size_t first = s.first_wall(), n = f_.world.walls.bodies.own.size();
+    auto g = output::group_of(s, 1, first, n);
+    output::add_quantity(g, "Pressure", {s.p.data() + first});
+    output::add_quantity(g, "SmoothingLength",
+                         {output::make_array(extra, n, [&](auto) { return f_.p.smoothing_length; })});
+    return g;
+  }
   void read_gauges(std::int64_t step) {
     std::vector<double> values;
     for (const auto& probe : probes_)

@@ -20,6 +20,7 @@ LOOKS = {
 
 # What is shown if nothing is asked for, in this order, where it is there and varies.
 FIRST = ["Temperature", "Material", "Density", "Pressure", "Speed"]
+OF_WATER = ["Pressure", "Speed"]  # with a free surface: its density says the same as its pressure
 NOT_SHOWN = {"Coordinates", "Velocities", "ParticleIDs", "Masses"}
 
 # Powers of ten that a reader knows the name of.
@@ -50,6 +51,17 @@ def bracketed(unit: str) -> str:
     return f" [{unit.replace('^2', '²').replace('^3', '³')}]" if unit not in ("", "1") else ""
 
 
+def is_water(snapshot) -> bool:
+    return "FreeSurface" in snapshot
+
+
+def limits(snapshots: list, name: str) -> tuple[float, float]:
+    """Of a field over several snapshots, without the outermost thousandth: one particle's excess would hide the rest."""
+    each = [np.quantile(snapshot[name], [0.001, 0.999]) for snapshot in snapshots]
+    low, high = min(pair[0] for pair in each), max(pair[1] for pair in each)
+    return (low, high) if high > low else (low - 0.5, high + 0.5)
+
+
 def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]:
     """The fields to show: those wanted, or the first few that are not the same everywhere."""
     if wanted:
@@ -58,7 +70,7 @@ def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]
         return wanted
     others = [name for name in snapshot.names if name not in FIRST and name not in NOT_SHOWN]
     found = []
-    for name in [*FIRST, *others]:
+    for name in OF_WATER if is_water(snapshot) else [*FIRST, *others]:
         if name in snapshot and len(found) < most:
             values = snapshot[name]
             if values.ndim == 1 and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():

@@ -11,27 +11,25 @@ from . import COMPLETED, fields, plots, runs, style
 from .reading import Unreadable
 
 
-def limits(snapshots: list, name: str) -> tuple[float, float]:
-    """Of a field over the whole run, without the outermost thousandth: one particle's excess would hide the rest."""
-    each = [np.quantile(snapshot[name], [0.001, 0.999]) for snapshot in snapshots]
-    low, high = min(pair[0] for pair in each), max(pair[1] for pair in each)
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
-
-
 def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
     """Pictures of all snapshots, as arrays of red, green, blue. Axes are drawn once, images filled anew."""
     figure = images = None
-    ranges = {name: limits(run.snapshots, name) for name in names}
+    bodies = []
+    ranges = {name: fields.limits(run.snapshots, name) for name in names}
     for snapshot in run.snapshots:
         pictures = {name: snapshot.map(name, pixels, axis) for name in names}
         if figure is None:
             wide = np.ptp(pictures[names[0]].extent[:2]) / np.ptp(pictures[names[0]].extent[2:])
-            height = 5.2
-            figure, panels = style.plt.subplots(1, len(names), figsize=(len(names) * min(max(height * wide * 0.95, 3.4), 9.0), height), squeeze=False)
+            each = min(max(5.2 * wide * 0.95, 3.4), 9.0)  # inches
+            height = min(5.2, each / wide + 0.6)
+            figure, panels = style.plt.subplots(1, len(names), figsize=(len(names) * each, height), squeeze=False)
             images = {name: plots.draw_map(ax, pictures[name], name, snapshot.unit(name), ranges[name]) for ax, name in zip(panels[0], names)}
         for name, image in images.items():
             image.set_data(pictures[name].values / image.tetsuame_size)
             image.set_extent([edge / image.tetsuame_across for edge in pictures[name].extent])
+        for old in bodies:
+            old.remove()
+        bodies = [drawn for ax, name in zip(panels[0], names) if (drawn := plots.draw_bodies(ax, snapshot, pictures[name]))]
         panels[0][0].set_title(plots.when(snapshot))
         figure.canvas.draw()
         figure.set_layout_engine("none")  # places are found once

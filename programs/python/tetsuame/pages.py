@@ -79,11 +79,20 @@ def figure(drawn, path: Path | None = None, caption: str = "") -> str:
     png = style.png(drawn)
     if path:
         path.write_bytes(png)
-    data = base64.b64encode(png).decode()
-    share = min(struct.unpack(">I", png[16:20])[0] / FULL, 1.0)
+    return _image(png, "png", struct.unpack(">I", png[16:20])[0], caption)
+
+
+def movie(path: Path, caption: str = "") -> str:
+    """A GIF's, as wide as it is. `caption` is HTML."""
+    data = path.read_bytes()
+    return _image(data, "gif", 2 * struct.unpack("<H", data[6:8])[0], caption)  # figures have twice as many pixels as they are wide
+
+
+def _image(data: bytes, kind: str, width: int, caption: str) -> str:
+    share = min(width / FULL, 1.0)
     plain = escape(re.sub(r"<[^>]*>", "", caption).replace("\n", " "), quote=True)
-    return (f"<figure><img style=\"--share: {100 * share:.1f}%; --least: {LEAST * share:.0f}px\" alt=\"{plain}\" src=\"data:image/png;base64,{data}\">"
-            f"<figcaption>{caption}</figcaption></figure>")
+    return (f"<figure><img style=\"--share: {100 * share:.1f}%; --least: {LEAST * share:.0f}px\" alt=\"{plain}\" "
+            f"src=\"data:image/{kind};base64,{base64.b64encode(data).decode()}\"><figcaption>{caption}</figcaption></figure>")
 
 
 def cell(text, kind: str = "", columns: int = 1) -> str:

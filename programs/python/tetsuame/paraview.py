@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from . import COMPLETED, fields, movie, runs, style, view
+from . import COMPLETED, fields, runs, style, view
 from .reading import Unreadable
 
 PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
@@ -126,7 +126,7 @@ def state(run: runs.Run, name: str) -> str:
         choice = ElementTree.SubElement(seen.find("Property[@name='ClipFunction']"), "Domain", name="proxy_list",
                                         id=f"{seen.get('id')}.ClipFunction.proxy_list")
         ElementTree.SubElement(choice, "Proxy", value=plane.get("id"))
-    low, high = movie.limits(run.snapshots, name)
+    low, high = fields.limits(run.snapshots, name)
     # ParaView's editor of colours ends ParaView where a table has no opacity.
     opacity = made.add("piecewise_functions", f"{array}.PiecewiseFunction", "piecewise_functions", "PiecewiseFunction",
                        {"Points": (low, 0, 0.5, 0, high, 1, 0.5, 0), "ScalarRangeInitialized": 1})

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, runs, style
+from . import COMPLETED, fields, gauges, runs, style
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -62,6 +62,20 @@ def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | No
     return image
 
 
+def draw_bodies(ax, snapshot, picture):
+    """Particles of the walls within a map of draw_map, in 3-D those in its plane through the middle; None where there are none."""
+    places = snapshot.wall("Coordinates")
+    if not len(places):
+        return None
+    edge = float(np.median(snapshot.spacing))
+    flat, (left, right, low, high) = places[:, list(picture.axes)], picture.extent
+    seen = ((flat > (left, low)) & (flat < (right, high))).all(axis=1)
+    for axis in set(range(snapshot.dimension)) - set(picture.axes):
+        seen &= np.abs(places[:, axis] - snapshot.lengths[axis] / 2) <= 0.5 * edge
+    across, _ = fields.scaled("m", max(np.abs(picture.extent)))
+    return style.tiles(ax, flat[seen] / across, 1.02 * edge / across, color=style.GREY) if seen.any() else None
+
+
 def isolines(ax, picture, levels) -> None:
     """Over a map of draw_map, in the units of the picture's places, from edge to edge."""
     left, right, low, high = picture.extent
@@ -97,7 +111,8 @@ def maps(snapshot, names: list[str], pixels: int = 400):
     pictures = [snapshot.map(name, pixels) for name in names]
     figure, panels = style.map_panels(len(names), wide(pictures[0]), 2)
     for ax, name, picture in zip(panels, names, pictures):
-        draw_map(ax, picture, name, snapshot.unit(name))
+        draw_map(ax, picture, name, snapshot.unit(name), fields.limits([snapshot], name) if fields.is_water(snapshot) else None)
+        draw_bodies(ax, snapshot, picture)
         ax.set_title(when(snapshot))
     return figure
 
@@ -125,8 +140,8 @@ def profiles(of: list, names: list[str], axis: int | None = None):
 
 
 def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: float | None = None) -> list[Path]:
-    """history.png, map.png and profile.png, and where they are."""
-    figures = {"history": histories([("", run)])}
+    """history.png, gauges.png, map.png and profile.png, and where they are."""
+    figures = {"history": histories([("", run)]), "gauges": gauges.draw([("", run.directory)])}
     if run.snapshots:
         last = run.snapshot(time)
         names = fields.shown(last, wanted)
@@ -143,7 +158,7 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(prog="tetsuame plot", description="Draws a run: its history, maps and profiles of its fields.")
+    parser = argparse.ArgumentParser(prog="tetsuame plot", description="Draws a run: its history, what its gauges read, maps and profiles of its fields.")
     parser.add_argument("directory", metavar="DIR", help="of the run")
     parser.add_argument("--fields", metavar="A,B", type=lambda text: text.split(","), help="instead of the first few that vary")
     parser.add_argument("--time", type=float, help="of the snapshot that is drawn, s (the last)")

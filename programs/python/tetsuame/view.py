@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, movie, plots, runs, style
+from . import COMPLETED, fields, plots, runs, style
 from .reading import Unreadable
 
 LIBRARIES = [Path("/usr/share/javascript/three/three.min.js"), Path("/usr/share/nodejs/three/build/three.min.js")]
@@ -71,7 +71,7 @@ def describe(snapshots: list, names: list[str]) -> list[dict]:
     described = []
     for name in names:
         look = fields.look(name)
-        low, high = movie.limits(snapshots, name)
+        low, high = fields.limits(snapshots, name)
         logarithmic = look.logarithmic and low > 0
         inner = (float(np.log10(low)), float(np.log10(high))) if logarithmic else (float(low), float(high))
         table = (style.plt.get_cmap(look.colours)(np.arange(256))[:, :3] * 255).round().astype(np.uint8)

@@ -90,6 +90,8 @@ def convergence(points_of: dict, look, ylabel: str):
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set(title=title, xlabel="n", xlim=(every[0] / 1.15, every[-1] * 1.15))
         low, high = ax.get_ylim()
+        if high < 2 * low:  # a change that is none should not fill the panel
+            low, high = ax.set_ylim(low / 1.6, high * 1.6)
         plain = FuncFormatter(lambda value, _: f"{value:.2g}")
         ax.yaxis.set_major_formatter(plain)
         # Between two powers of ten all labels would touch one another.
