@@ -20,6 +20,7 @@ from collections import Counter, deque
 from pathlib import Path
 
 QUINTIC, C2, C6 = (f"tetsuame::kernels::{name}>" for name in ("spline<{D}, 5", "wendland<{D}, 2", "wendland<{D}, 6"))
+BOTH = f"tetsuame::kernels::in_common<{QUINTIC} >"
 FORCES = ("tetsuame::gradient::pattern_1::term<{D}>, tetsuame::gradient::continuity<{D}>, "
           "tetsuame::diffusion::viscous_sum<{D}, double")
 DERIVATIVES = "tetsuame::operators::consistent<{D}, {fields}"
@@ -29,6 +30,8 @@ PASSES = {
     "C_forces": ("bench", f">, {QUINTIC}, {FORCES}, {{D}}ul, true> >"),
     "C_forces_with_heat": ("bench", f">, {QUINTIC}, {FORCES} const*, {{D}}ul, true>, tetsuame::diffusion::conduction<{{D}}> >"),
     "C_at_walls": ("bench", f">, {QUINTIC}, tetsuame::diffusion::viscous_sum<{{D}}, double, 1ul, false> >"),
+    "C_smoothing_at_walls": (
+        "disph_c", f", {BOTH}, tetsuame::diffusion::viscous_sum<{{D}}, double, 1ul, false, true>, tetsuame::volume::weight_sum<{{D}}, false> >"),
     "rti_volumes": ("rti", f">, {C6}, tetsuame::volume::number_volume<{{D}}> >"),
     "rti_forces": ("rti", f">, {C6}, tetsuame::two_fluids::forces<{{D}}, false> >"),
     # Of a step's first stage, and of the others; fields: v, T, p and the relaxed velocity.

@@ -25,14 +25,16 @@ R of_both_ends(const R& a, const R& dV_i, const R& dV_j, const R& F) {
 }
 
 // Eta: an array, or the one value of all particles, 4 η η/(η + η) = 2 η: without a division a pair. Of N components of
-// the velocity; with the dissipation, which needs all of them, or without.
-template <int D, class Eta, std::size_t N = D, bool heats = true>
+// the velocity; with the dissipation, which needs all of them, or without. one_sided: nobody compares it with the sum
+// of the pair's other end, so that ΔV_i, and 2 η too, are factors of the whole sum: a multiplication a pair less.
+template <int D, class Eta, std::size_t N = D, bool heats = true, bool one_sided = false>
 struct viscous_sum {
   static constexpr bool uniform = std::is_same_v<Eta, double>;
   static_assert(N == D || !heats);
-  // For that reason 2 η is a factor of the whole sum there.
+  static_assert(!one_sided || !heats);
+  // In single numbers 2 η is a factor of the whole sum in any case: see of_both_ends.
   template <class R>
-  static constexpr bool eta_at_end = uniform&& std::is_same_v<R, pairs::single>;
+  static constexpr bool eta_at_end = uniform && (one_sided || std::is_same_v<R, pairs::single>);
 
   std::array<const double*, N> v;  // m/s
   Eta eta;                         // Pa s
@@ -42,7 +44,7 @@ struct viscous_sum {
 
   template <class R>
   struct me {
-    R factor;  // 2 η ΔV where η is uniform; ΔV if 2 η comes at the end
+    R factor;  // 2 η ΔV where η is uniform; ΔV if 2 η comes at the end; not used where both do
     pairs::vec<R, static_cast<int>(N)> force;
     R dissipation;
   };
@@ -58,7 +60,9 @@ struct viscous_sum {
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
     me<R> a{R(0.0), foundation::zero<R, static_cast<int>(N)>(), R(0.0)};
-    if constexpr (eta_at_end<R>)
+    if constexpr (one_sided)
+      return a;
+    else if constexpr (eta_at_end<R>)
       a.factor = i(dV, D);
     else if constexpr (uniform)
       a.factor = 2.0 * eta * i(dV, D);
@@ -68,7 +72,11 @@ struct viscous_sum {
     using namespace pairs;
     using R = std::remove_cvref_t<decltype(ij.F)>;
     R factor;
-    if constexpr (eta_at_end<R>)
+    if constexpr (one_sided && uniform)
+      factor = ij(of_volume) * ij.F;
+    else if constexpr (one_sided)
+      factor = harmonic(ij.own(of_viscosity), ij(of_viscosity)) * (ij(of_volume) * ij.F);
+    else if constexpr (eta_at_end<R>)
       factor = a.factor * ij(of_volume) * ij.F;
     else if constexpr (uniform)
       factor = a.factor * (ij(of_volume) * ij.F);
@@ -79,7 +87,7 @@ struct viscous_sum {
     if constexpr (heats) a.dissipation -= factor * foundation::dot(v_ij, v_ij);
   }
   void end(const auto& i, const auto& a) const {
-    const double factor = factor_of(i);
+    const auto factor = factor_of(i);
     for (std::size_t k = 0; k < N; ++k) i.add(force[k], factor * a.force[k], D - 1);
     if constexpr (heats)
       if (heat != nullptr) i.add(heat, 0.5 * factor * a.dissipation, D - 1);
@@ -87,11 +95,13 @@ struct viscous_sum {
 
  private:
   template <class R>
-  double factor_of(const pairs::cluster<R>& i) const {
-    if constexpr (eta_at_end<R>)
-      return 2.0 * eta * i.lengths.to(-1);
+  auto factor_of(const pairs::cluster<R>& i) const {
+    double of_viscosity = 1.0;
+    if constexpr (eta_at_end<R>) of_viscosity = 2.0 * eta * i.lengths.to(-1);
+    if constexpr (one_sided)
+      return R(of_viscosity * i(dV, D));
     else
-      return 1.0;
+      return of_viscosity;
   }
 };
 

@@ -69,6 +69,12 @@ class functions_of_distance {
     static_cast<const Kernel&>(*this).both(r, R(1.0 / foundation::greater(r, R(smallest_r()))), w, f);
   }
 
+  // The two where both are wanted: of kernels whose `both` shares all it can, that.
+  template <class R>
+  void both_in_common(const R& r, const R& inverse_r, R& w, R& f) const {
+    static_cast<const Kernel&>(*this).both(r, inverse_r, w, f);
+  }
+
   double support() const { return support_; }  // m
   double self() const { return value(0.0); }   // W(0), 1/m^D
 
@@ -78,6 +84,19 @@ class functions_of_distance {
 
  private:
   double support_;
+};
+
+// A kernel whose W and F are made of the same powers, for sums that need both: fewer multiplications than each by
+// itself, and another rounding.
+template <class Kernel>
+struct in_common : Kernel {
+  explicit in_common(double support) : Kernel(support) {}
+  explicit in_common(const Kernel& k) : Kernel(k) {}
+
+  template <class R>
+  void both(const R& r, const R& inverse_r, R& w, R& f) const {
+    this->both_in_common(r, inverse_r, w, f);
+  }
 };
 
 }  // namespace tetsuame::kernels

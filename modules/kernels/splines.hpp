@@ -40,6 +40,7 @@ class spline : public functions_of_distance<spline<D, Degree>> {
       w_[k] = piece(factors[k] * scale, Degree, end, h);
       f_[k] = piece(factors[k] * slope, Degree - 1, end, h);
     }
+    share_ = h / Degree;
   }
 
   using functions_of_distance<spline>::both;
@@ -61,8 +62,31 @@ class spline : public functions_of_distance<spline<D, Degree>> {
     }
   }
 
+  // The same from one set of powers. With those of the slope, A of (S/h - q)+, B of (S/h - 1 - q)+ and C of
+  // (1 - q)+, all with their factors, W = (h/n) [(S/h - q) A - (S/h - 1 - q) B + (1 - q) C], n the degree, so that
+  //   W'(r)/r = -(A - B + C)/r,   W = ((S - r)/n) (A - B + C) + (h/n) (B - 2 C),
+  // with no C for the cubic: 13 multiplications for the quintic where `both` has 22, 8 for the cubic where it has 11.
+  template <class R>
+  void both_in_common(const R& r, const R& inverse_r, R& w, R& f) const {
+    const R from_end = pieces * share_ - r * (1.0 / Degree);
+    R minus_sum, rest;
+    if constexpr (Degree == 3) {
+      const R f2 = f_[0](r), f1 = f_[1](r);
+      rest = f1 * f1;
+      minus_sum = rest - f2 * f2;
+    } else {
+      const auto square = [](const R& t) { return R(t * t); };
+      const R a = square(f_[0](r)), b = square(f_[1](r)), c = square(square(f_[2](r))), b_less_c = b * b - c;
+      rest = b_less_c - c;
+      minus_sum = b_less_c - a * a;
+    }
+    w = share_ * rest - from_end * minus_sum;
+    f = minus_sum * inverse_r;
+  }
+
  private:
   std::array<piece, pieces> w_, f_;
+  double share_;  // m, h/n
 };
 
 template <int D>

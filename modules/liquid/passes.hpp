@@ -13,17 +13,18 @@
   where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
                                                                                 const pairs::stretch&)
 
-// What walls with markers do with the fluid about these, in D dimensions. where: extern, it is elsewhere; nothing:
-// here.
+// What walls with markers do with the fluid about these, in D dimensions: fields at the markers, and the fluid's
+// acceleration. where: extern, it is elsewhere; nothing: here.
+#define TETSUAME_MARKER_PASSES(where, D)                                                              \
+  where template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, wall_set<D>&); \
+  where template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, wall_set<D>&);    \
+  where template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, wall_set<D>&)
 #define TETSUAME_WALL_PASSES(where, D)                                                                        \
-  where template void tetsuame::walls::detail::marker_kinematics(pairs::workspace<D>&, wall_set<D>&);         \
   where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&);  \
   where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
                                                                         const volume::weight_sum<D, false>&); \
   where template void tetsuame::walls::detail::nonpressure_acceleration(pairs::workspace<D>&, wall_set<D>&,   \
-                                                                        const volume::weight_sum<D, true>&);  \
-  where template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, wall_set<D>&);            \
-  where template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, wall_set<D>&)
+                                                                        const volume::weight_sum<D, true>&)
 
 // Volumes, and the forces with a gradient, in the same way.
 #define TETSUAME_LIQUID_PASSES(where, D)                                                                             \
@@ -40,6 +41,8 @@
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \
   TETSUAME_LIQUID_FORCES(where, D, pattern_2)
 
+TETSUAME_MARKER_PASSES(extern, 2);
+TETSUAME_MARKER_PASSES(extern, 3);
 TETSUAME_WALL_PASSES(extern, 2);
 TETSUAME_WALL_PASSES(extern, 3);
 TETSUAME_LIQUID_PASSES(extern, 2);

@@ -92,16 +92,23 @@ struct workspace {
   // Over those neighbours that a list of its own names.
   template <class Rows, class... Terms>
   void sum_by(const cells::neighbour_list& some, const Rows& rows, const Terms&... terms) const {
-    std::visit(
-        [&]<class Kernel>(const Kernel& k) {
-          if constexpr ((takes<Terms, single> && ...))
-            if (single_pairs()) {
-              const unit<single> lengths(k.support());
-              return sum_in<D>(lengths, rows, some, x(), Kernel(k.support() * lengths.to(-1)), terms...);
-            }
-          sum_over<D>(rows, some, x(), k, terms...);
-        },
-        kernel);
+    std::visit([&](const auto& k) { sum_with(k, some, rows, terms...); }, kernel);
+  }
+  // Of terms some of which need W and some F.
+  template <class Rows, class... Terms>
+  void sum_in_common(const Rows& rows, const Terms&... terms) const {
+    std::visit([&](const auto& k) { sum_with(kernels::in_common(k), list, rows, terms...); }, kernel);
+  }
+
+ private:
+  template <class Kernel, class Rows, class... Terms>
+  void sum_with(const Kernel& k, const cells::neighbour_list& some, const Rows& rows, const Terms&... terms) const {
+    if constexpr ((takes<Terms, single> && ...))
+      if (single_pairs()) {
+        const unit<single> lengths(k.support());
+        return sum_in<D>(lengths, rows, some, x(), Kernel(k.support() * lengths.to(-1)), terms...);
+      }
+    sum_over<D>(rows, some, x(), k, terms...);
   }
 };
 

@@ -287,10 +287,17 @@ void viscous_forces(const pairs::workspace<D>& w, const pairs::chosen& rows, con
                     const std::array<double*, N>& force, const Beside&... beside) {
   using diffusion::viscous_sum;
   const auto& s = w.s;
+  constexpr bool shared = sizeof...(Beside) > 0;
+  const auto sum = [&](const auto& viscous) {
+    if constexpr (shared)
+      w.sum_in_common(rows, viscous, beside...);
+    else
+      w.sum(rows, viscous);
+  };
   if (w.uniform_transport)
-    w.sum(rows, viscous_sum<D, double, N, false>{v, *w.uniform_transport, s.dV.data(), force}, beside...);
+    sum(viscous_sum<D, double, N, false, shared>{v, *w.uniform_transport, s.dV.data(), force});
   else
-    w.sum(rows, viscous_sum<D, const double*, N, false>{v, s.eta.data(), s.dV.data(), force}, beside...);
+    sum(viscous_sum<D, const double*, N, false, shared>{v, s.eta.data(), s.dV.data(), force});
 }
 
 // f = ν∇²v + g of these rows, along axes that have walls. Along one alone it takes a third less.

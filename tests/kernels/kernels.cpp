@@ -104,6 +104,26 @@ BOOST_AUTO_TEST_CASE(limits_of_the_gradient_at_the_origin) {
   BOOST_TEST(std::abs(in_h_at(cubic_spline<1>(support), 0.0)) < 1e-4);
 }
 
+// W and W'(r)/r from powers in common. The quintic's terms, the largest, are 4 W(0) and 22 W(0)/(S r), rounded some ten
+// times in either way. Nothing beyond the support, and where the pair loop puts neighbours that a particle has not.
+BOOST_AUTO_TEST_CASE_TEMPLATE(both_in_common_are_the_same_functions, Kernel, all_kernels) {
+  const Kernel kernel(support);
+  const in_common<Kernel> common(kernel);
+  constexpr double rounding = 0.5 * std::numeric_limits<double>::epsilon();
+  double w, f;
+  for (int k = 0; k <= 300; ++k) {
+    const double r = std::max(support * k / 300.0, kernel.smallest_r());
+    common.both(r, 1.0 / r, w, f);
+    BOOST_TEST(std::abs(w - kernel.value(r)) < 4.0 * 20 * rounding * kernel.self());
+    BOOST_TEST(std::abs(f - kernel.gradient_over_r(r)) < 22.0 * 20 * rounding * kernel.self() / (support * r));
+  }
+  for (const double r : {support * (1.0 + 1e-15), 1.01 * support, 1e60 * support}) {
+    common.both(r, 1.0 / r, w, f);
+    BOOST_TEST(w == 0.0);
+    BOOST_TEST(f == 0.0);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(by_name) {
   for (const entry& line : table) {
     const double h = 1.7;

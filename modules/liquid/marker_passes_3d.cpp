@@ -1,0 +1,3 @@
+#include <liquid/passes.hpp>
+
+TETSUAME_MARKER_PASSES(, 3);
