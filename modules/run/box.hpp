@@ -87,6 +87,7 @@ class problem_in_a_box : public problem {
   }
 
   void rebuild(bool as_they_were) final {
+    if (!has_lists_) even_out();
     const foundation::stopwatch watch;
     make_lists(as_they_were);
     if (!has_lists_) balancer.first_lists(box, watch.elapsed());
@@ -155,6 +156,7 @@ class problem_in_a_box : public problem {
     r.metrics["balance_seconds"] = ranks().maximum(balancer.seconds);
     r.metrics["time_spread"] = balancer.time_spread_now(ranks());
     r.metrics["load_max_over_mean"] = or_null(balancer.worst_load);
+    r.metrics["balance_particles_max_over_mean"] = or_null(balancer.worst_particles);
     communication.describe(box.w.d, r.metrics);
   }
 
@@ -167,6 +169,15 @@ class problem_in_a_box : public problem {
   virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
+  // By the places of the start, or of a checkpoint.
+  void even_out() {
+    const bool moved = balancer.even_out(box, [&](const balance::cuts<D>& cuts) {
+      box.w.d.cuts = cuts;
+      domain::migrate(box.w.d, box.w.s);
+    });
+    if (moved) place_walls();
+  }
+
   // Cuts that are to move have done so, particles have not.
   std::optional<typename load_balance<D>::verdict> decide_on_cuts(bool lists_are_due, std::int64_t left) {
     if (ranks().size == 1 || !balancer.due(lists_are_due)) return {};
@@ -179,15 +190,16 @@ class problem_in_a_box : public problem {
   void note(const typename load_balance<D>::verdict& v, std::int64_t step) {
     files_->say(fmt::format("step {}: spread {:.1f} %, {}", step, 100.0 * v.spread.over_mean(), v.decision.reason));
     if (balance_table_)
-      balance_table_->append(step,
-                             std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain,
-                                        v.decision.cost, v.decision.move ? 1.0 : 0.0, v.migrated},
-                             v.decision.reason);
+      balance_table_->append(
+          step,
+          std::array{v.spread.over_mean(), 1.0 / v.spread.efficiency(), v.decision.gain, v.decision.cost,
+                     v.decision.move ? 1.0 : 0.0, v.migrated, 1.0 / v.particles.efficiency()},
+          v.decision.reason);
   }
 
   static std::vector<output::history_column> balance_columns() {
-    return {{"spread", "1"}, {"max_over_mean", "1"}, {"gain", "s or pairs"}, {"cost", "s or pairs"},
-            {"moved", "1"},  {"migrated", "1"},      {"reason", "text"}};
+    return {{"spread", "1"}, {"max_over_mean", "1"}, {"gain", "s or pairs"},           {"cost", "s or pairs"},
+            {"moved", "1"},  {"migrated", "1"},      {"particles_max_over_mean", "1"}, {"reason", "text"}};
   }
 
   run_directory* files_ = nullptr;

@@ -23,7 +23,8 @@ struct load_balance {
   struct verdict {
     balance::decision decision;
     balance::cuts<D> cuts;
-    balance::spread spread;       // of the cost per step
+    balance::spread spread;  // of the cost per step
+    balance::spread particles;
     double migrated = 0.0;        // particles
     bool lists_were_due = false;  // new lists had to be made in any case
     foundation::stopwatch since;
@@ -46,10 +47,11 @@ struct load_balance {
   std::vector<double> before;
 
   std::int64_t decisions = 0, moves = 0;
-  double gain_predicted = 0.0;       // in the unit of the cost, of all moves
-  double seconds = 0.0;              // s, for deciding and moving
-  std::optional<double> worst_load;  // largest over mean pairs, from the second decision on
-  double time_spread = 0.0;          // (max - min)/mean of the ranks' computing times, last heard of
+  double gain_predicted = 0.0;            // in the unit of the cost, of all moves
+  double seconds = 0.0;                   // s, for deciding and moving
+  std::optional<double> worst_load;       // largest over mean pairs, from the second decision on
+  std::optional<double> worst_particles;  // and particles, from the first one on
+  double time_spread = 0.0;               // (max - min)/mean of the ranks' computing times, last heard of
 
   explicit load_balance(const balance_options& o) : mode(o.follows), interval(o.interval), how(o.how) {}
 
@@ -78,6 +80,8 @@ struct load_balance {
       seconds += v.since.busy();
       return {};
     }
+    v.particles = balance::spread_of(particles);
+    worst_particles = std::max(worst_particles.value_or(1.0), 1.0 / v.particles.efficiency());
     const auto cost = measures() ? measured.of(seconds_per_step, pairs) : pairs;
     weigh(v, box.w.d.cuts, cost, particles, where, std::min(steps, remaining));
     ++decisions;
@@ -86,6 +90,35 @@ struct load_balance {
     steps = 0;
     seconds += v.since.busy();
     return v;
+  }
+
+  // Collective, before the first lists: as many particles for each rank, where those of equal cells are uneven.
+  // give(cuts) makes these the box's, and hands particles to their ranks. Whether that was called.
+  template <class Give>
+  bool even_out(const state<D>& box, const Give& give) const {
+    constexpr double uneven = 1.05;  // largest over mean
+    constexpr int most = 8;          // rounds; what particles tell of a cell is rough, and better in a smaller one
+    if (mode == "off" || box.w.d.ranks.size == 1) return false;
+    auto best = box.w.d.cuts;
+    double least = std::numeric_limits<double>::infinity(), now = least;
+    for (int round = 0;; ++round) {
+      std::vector<double> particles;
+      balance::extents<D> where;
+      for (const told& r : every_rank(box, {0.0, 0.0, static_cast<double>(box.w.s.fluid), extent_by_number(box)})) {
+        particles.push_back(r.particles);
+        where.push_back(r.where);
+      }
+      now = 1.0 / balance::spread_of(particles).efficiency();
+      if (now < least) {
+        least = now;
+        best = box.w.d.cuts;
+      }
+      if (now <= uneven || round == most) {
+        if (now > least) give(best);
+        return round > 0;
+      }
+      give(balance::propose(box.w.d.cuts, particles, how, where));
+    }
   }
 
   // When the cuts of a verdict are the box's but the particles have not moved: those of this rank that will, by their
@@ -139,8 +172,10 @@ struct load_balance {
   };
 
   std::vector<told> readings_of_ranks(const state<D>& box) const {
-    const told mine{computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(box.w.s.fluid),
-                    extent_of(box)};
+    return every_rank(box, {computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(box.w.s.fluid),
+                            extent_of(box)});
+  }
+  static std::vector<told> every_rank(const state<D>& box, const told& mine) {
     const auto message = std::bit_cast<std::array<double, sizeof(told) / sizeof(double)>>(mine);
     const auto& ranks = box.w.d.ranks;
     const auto all = ranks.every(std::span<const double>(message));
@@ -175,9 +210,19 @@ struct load_balance {
     ++moves;
   }
 
-  // Pairs that are evaluated: of the fluid's clusters, and of the walls' markers.
+  // Pairs that are evaluated: of the fluid's clusters, and of the walls' and the bodies' markers.
   static double pairs_of(const state<D>& box) {
-    return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.read.near.all.size());
+    return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.read.near.all.size() +
+                               box.walls.bodies.near.all.size());
+  }
+  static balance::extent<D> extent_by_number(const state<D>& box) {
+    const auto& s = box.w.s;
+    balance::extent<D> mine;
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(cells::position<D>(s.x, i));
+    if (s.fluid == 0) return mine;
+    mine.begin_costs();
+    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(cells::position<D>(s.x, i), 1.0);
+    return mine;
   }
   // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
   static balance::extent<D> extent_of(const state<D>& box) {
@@ -192,6 +237,9 @@ struct load_balance {
     for (std::size_t k = 0; k < markers.near.rows(); ++k)
       mine.add_cost(cells::position<D>(box.walls.marker, markers.of[k]),
                     static_cast<double>(markers.near.row(k).size()));
+    const auto& bodies = box.walls.bodies;
+    for (std::size_t k = 0; k < bodies.near.rows(); ++k)
+      mine.add_cost(bodies.places[bodies.own[k]].marker, static_cast<double>(bodies.near.row(k).size()));
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
