@@ -21,7 +21,7 @@ def read(folder: Path) -> Columns | dict:
 def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there."""
     keys = read_keys(folder / "resolved.nml")
-    path = Path(keys.get("gauges.file", ""))
+    path = folder / keys.get("gauges.file", "")  # which may be absolute
     if not path.is_file():
         return {}
     table, found = reference(path), {}

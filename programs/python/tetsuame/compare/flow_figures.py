@@ -172,7 +172,7 @@ def pressures(runs: list[Outcome], number: int):
         gauges.panel(axes[k], [(look, t, p / 1e3) for look, t, p in curves], right and (right[0], right[1] / 1e3))
         sums = [(look, t, integral(t, p, start)) for look, t, p in curves]
         gauges.panel(axes[number + k], sums, right and (right[0], integral(*right, start)))
-        axes[k].set_title(f"gauge {k + 1}, {1e3 * real(places[k]):.0f} mm above the floor")
+        axes[k].set_title(f"gauge {k + 1}, y = {1e3 * real(places[k]):.0f} mm")
         axes[number + k].set_xlabel("time [s]")
     axes[0].set_ylabel("pressure [kPa]")
     axes[number].set_ylabel("impulse [Pa s]")
