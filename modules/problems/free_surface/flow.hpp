@@ -6,6 +6,7 @@
 #include <free_surface/measures.hpp>
 #include <free_surface/right_hand_side.hpp>
 #include <free_surface/surface.hpp>
+#include <free_surface/traction.hpp>
 #include <output/groups.hpp>
 #include <run/box.hpp>
 
@@ -183,6 +184,7 @@ class flow : public run::problem_in_a_box<D> {
  private:
   void read_gauges(std::int64_t step) {
     std::vector<double> values;
+    if (!f_.o.gauges.pressure[0].empty()) refresh(f_);
     for (const auto& probe : probes_) values.push_back(probe.value(f_));
     read_.add(time_, values);
     values.insert(values.begin(), time_);
