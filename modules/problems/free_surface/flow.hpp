@@ -6,6 +6,7 @@
 #include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/surface.hpp>
+#include <free_surface/traction.hpp>
 #include <numbers>
 #include <output/groups.hpp>
 #include <run/box.hpp>
@@ -263,6 +264,7 @@ class flow : public run::problem_in_a_box<D> {
   }
   void read_gauges(std::int64_t step) {
     std::vector<double> values;
+    if (!f_.o.gauges.pressure[0].empty()) refresh(f_);
     for (const auto& probe : probes_)
       for (const double value : probe.values(f_)) values.push_back(value);
     read_.add(time_, values);

@@ -99,9 +99,7 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
 // Collective. The sums of the water beside bodies, at the state in the arrays.
 template <int D>
 void sum_beside_bodies(water<D>& f) {
-  begin_motion(f);
-  find_own(f, 0, f.world.w.s.fluid);
-  end_motion(f);
+  refresh(f);
   sum_over_neighbours(f, f.beside);
 }
 

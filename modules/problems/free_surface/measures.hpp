@@ -2,7 +2,6 @@
 #pragma once
 
 #include <free_surface/start.hpp>
-#include <operators/symmetric.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -124,55 +123,6 @@ double depth_at(const water<D>& f, const point& place) {
       if (x[1] == s.x[1][i]) depth.add(share);  // no images below the floor or above the lid
     });
   return f.ranks().exact(depth);
-}
-
-// Pa at a point, by moving least squares of first order over the water and its images; where there is too little water
-// for that its mean, and 0 without any.
-template <int D>
-double pressure_at(const water<D>& f, const point& place) {
-  constexpr std::size_t N = D + 1;
-  const auto& s = f.world.w.s;
-  const double support = f.world.w.support();
-  std::array<std::array<foundation::exact_sum, N>, N> moments;
-  std::array<foundation::exact_sum, N> right;
-  const auto add = [&](const point& x, double p, double V) {
-    std::array<double, N> basis{1.0};
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) {
-      r2 += (x[a] - place[a]) * (x[a] - place[a]);
-      basis[a + 1] = (x[a] - place[a]) / support;
-    }
-    if (!(r2 < support * support)) return;
-    const double W = std::visit([&](const auto& k) { return k.value(std::sqrt(r2)); }, f.world.w.kernel);
-    for (std::size_t k = 0; k < N; ++k) {
-      right[k].add(V * W * basis[k] * p);
-      for (std::size_t l = 0; l <= k; ++l) moments[k][l].add(V * W * basis[k] * basis[l]);
-    }
-  };
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const double p = f.p.water.pressure(s.rho[i]), V = s.m[i] / s.rho[i], weight = s.rho[i] * f.gravity();
-    for_each_view(f, i, support, [&](const point& x) { add(x, p + weight * (s.x[1][i] - x[1]), V); });
-  }
-  std::array<std::array<double, N>, N> A{};
-  std::array<double, N> b{};
-  for (std::size_t k = 0; k < N; ++k) {
-    b[k] = f.ranks().exact(right[k]);
-    for (std::size_t l = 0; l <= k; ++l) A[k][l] = f.ranks().exact(moments[k][l]);
-  }
-  constexpr double part = 0.5;  // of a full neighbourhood: of what bodies leave of it
-  foundation::exact_sum solid;
-  for (std::size_t r = 0; r < f.world.walls.bodies.own.size(); ++r)
-    for_each_view(f, s.first_wall() + r, support, [&](const point& x) {
-      double r2 = 0.0;
-      for (std::size_t a = 0; a < D; ++a) r2 += (x[a] - place[a]) * (x[a] - place[a]);
-      if (r2 < support * support)
-        solid.add(std::pow(f.dx(), D) *
-                  std::visit([&](const auto& k) { return k.value(std::sqrt(r2)); }, f.world.w.kernel));
-    });
-  const double enough = part * (1.0 - f.ranks().exact(solid));
-  const double mean = A[0][0] > 0.0 ? b[0] / A[0][0] : 0.0;
-  if (!(A[0][0] > enough) || !operators::factorise(A)) return mean;
-  return operators::solve(A, b)[0];
 }
 
 // ---- still water --------------------------------------------------------------------------------------

@@ -141,6 +141,14 @@ void end_motion(water<D>& f) {
   mirror(f);
 }
 
+// Collective. Ghosts, pressures, volumes, and what stands behind walls, as of now.
+template <int D>
+void refresh(water<D>& f) {
+  begin_motion(f);
+  find_own(f, 0, f.world.w.s.fluid);
+  end_motion(f);
+}
+
 template <bool sticks, int D, class Rows>
 void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   auto& w = f.world.w;
