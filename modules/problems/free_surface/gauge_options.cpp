@@ -46,9 +46,11 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
   schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
   schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
   schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
-  schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
-  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
-  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
+  schema.add("gauges", "time_unit", o.time_unit, namelist::for_expert(positive("s", "what is 1 in the file's times")));
+  schema.add("gauges", "length_unit", o.length_unit,
+             namelist::for_expert(positive("m", "what is 1 in the file's lengths")));
+  schema.add("gauges", "stress_unit", o.stress_unit,
+             namelist::for_expert(positive("Pa", "what is 1 in the file's pressures")));
   schema.add("gauges", "arrival", o.arrival,
              {.unit = "Pa", .minimum = 0.0, .meaning = "the water has arrived where the pressure is above this"});
   schema.add("gauges", "impulse_from", o.impulse_from,
