@@ -46,6 +46,9 @@ class Precision(Case):
         self.assert_exact("rti", "rti_linear", {**small, "time.t_end": 200}, 30)
         self.assert_exact("ssph", "rti_linear", {**small, "time.t_end": 100}, 20)
         self.assert_exact("convection", "blankenbach_1a", {**small, "time.steps": 60}, 40)
+        self.assert_exact("flow", "elliptical_drop", {**size(44), "output.interval": 0, "time.steps": 30, **SINGLE}, 11, [(3, 1)])
+        bowl = {"domain.particles_x": 24, "domain.particles_y": 20, "domain.particles_z": 24, "time.steps": 12}
+        self.assert_exact("flow", "bowl", {**bowl, "output.interval": 0, **SINGLE}, 5, [(3, 1), (2, 2)])
 
     def test_ranks_of_gas(self):
         """Supports of the particles' own, two spacings at a contact, images behind walls."""

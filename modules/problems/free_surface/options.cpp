@@ -205,7 +205,8 @@ void declare(namelist::schema& schema, options& o) {
   declare_gauges(schema, o.gauges);
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
-  run::declare(schema, o.common, {.kernels = {"wendland_c2", "wendland_c4", "wendland_c6"}, .diffuses = false});
+  run::declare(schema, o.common,
+               {.single_pairs = true, .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"}, .diffuses = false});
 }
 
 parameters resolve(const namelist::schema& schema, options& o) {

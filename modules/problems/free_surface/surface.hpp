@@ -64,9 +64,32 @@ std::array<double*, N> places_of(std::array<particles::array, N>& a) {
   return all;
 }
 
-// Collective. λ and what shifting goes by, the outward normal, the least λ about each particle.
+// Clusters of the fluid of which a member has λ below `inside`, or may have a neighbour that does. Of all others the
+// sums that look for the surface would find none.
 template <int D>
-void find_arrangement(water<D>& f) {
+pairs::remainder clusters_near_surface(const water<D>& f) {
+  const auto& w = f.world.w;
+  pairs::remainder near;
+  near.of = w.fluid();
+  std::vector<char> is_near(near.of.clusters(), 0);
+  foundation::for_all(is_near.size(), [&](std::size_t r) {
+    const auto m = near.of.cluster(r);
+    double least = 1.0;
+    for (std::size_t i = m.first; i < std::min(m.first + pairs::lanes, w.s.fluid); ++i)
+      least = std::min(least, f.eigenvalue[i]);
+    w.list.for_each(m.first / pairs::lanes,
+                    [&](std::uint32_t j, auto...) { least = std::min(least, f.eigenvalue[j]); });
+    is_near[r] = least < inside ? 1 : 0;
+  });
+  for (std::size_t r = 0; r < is_near.size(); ++r)
+    if (is_near[r] != 0) near.of_rows.push_back(near.of.cluster(r));
+  return near;
+}
+
+// Collective. λ and what shifting goes by; near the surface the outward normal and the least λ about each particle,
+// which is 1 elsewhere. Where the surface is near.
+template <int D>
+pairs::remainder find_arrangement(water<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "surface");
@@ -77,7 +100,10 @@ void find_arrangement(water<D>& f) {
   // What is dry is no surface.
   behind_walls(f, f.eigenvalue.data(), [](double wet, double lambda) { return wet > 0.0 ? lambda : 1.0; });
   f.eigenvalue[s.null()] = 1.0;
-  w.sum(w.fluid(), outward<D>{s.dV.data(), f.eigenvalue.data(), places_of(f.normal), f.least_near.data()});
+  std::ranges::fill(f.least_near, 1.0);
+  auto near = clusters_near_surface(f);
+  w.sum(near, outward<D>{s.dV.data(), f.eigenvalue.data(), places_of(f.normal), f.least_near.data()});
+  return near;
 }
 
 // Collective, after a step of length dt (s).
@@ -109,10 +135,10 @@ void shift(water<D>& f, double dt) {
 // Collective. Of each of this rank's particles whether it is on the surface.
 template <int D>
 std::vector<bool> find_surface(water<D>& f) {
-  find_arrangement(f);
+  const auto near = find_arrangement(f);
   auto& w = f.world.w;
   const auto n = pairs::pointers<D>(f.normal);
-  w.sum(w.fluid(), cone<D>{n, w.s.dV.data(), f.p.smoothing_length, f.covered.data()});
+  w.sum(near, cone<D>{n, w.s.dV.data(), f.p.smoothing_length, f.covered.data()});
   std::vector<bool> found(w.s.fluid);
   for (std::size_t i = 0; i < found.size(); ++i)
     found[i] = f.eigenvalue[i] <= alone || (f.eigenvalue[i] < inside && f.covered[i] == 0.0);

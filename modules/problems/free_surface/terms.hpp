@@ -40,9 +40,11 @@ struct motion {
   std::array<double*, D> force;               // N, without gravity
   double* rho_rate;                           // kg/(m3 s)
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> force;
-    real divergence, diffusion;
+    pairs::vec<R, D> force;
+    R divergence, diffusion;
+    R viscous, g;  // 2 (D+2) η, g: the same for all
   };
   auto reads() const {
     using namespace pairs;
@@ -53,7 +55,11 @@ struct motion {
     else
       return of_all;
   }
-  me begin(const pairs::cluster<real>&) const { return {foundation::zero<real, D>(), real(0.0), real(0.0)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {foundation::zero<R, D>(), R(0.0), R(0.0), R(2.0 * (D + 2.0) * eta * i.lengths.to(-1)),
+            R(g * i.lengths.to(1))};
+  }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
     const auto VF = ij(of_volume) * ij.F;
@@ -62,13 +68,13 @@ struct motion {
     if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
     const auto p_i = ij.own(of_pressure), p_j = ij(of_pressure);
     a.divergence += VF * closing;
-    a.diffusion += VF * (2.0 * (p_i - p_j) + g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
-    a.force += (VF * (2.0 * (D + 2.0) * eta * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
+    a.diffusion += VF * (2.0 * (p_i - p_j) + a.g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
+    a.force += (VF * (a.viscous * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
-    const auto V_i = i(V);
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], V_i * a.force[k]);
-    i.set(rho_rate, i(rho) * a.divergence + delta_h_per_c * a.diffusion);
+    const auto V_i = i(V, D);
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], V_i * a.force[k], D - 1);
+    i.set(rho_rate, i(rho) * a.divergence + delta_h_per_c * i.lengths.to(-1) * a.diffusion, -1);
   }
 };
 
@@ -82,29 +88,35 @@ struct arrangement {
   std::array<double*, D> slope;  // 1/m
 
   static constexpr std::size_t S = D * (D + 1) / 2;
+  template <class R>
   struct me {
-    std::array<real, S> M;
-    pairs::vec<real, D> slope;
+    std::array<R, S> M;
+    pairs::vec<R, D> slope;
+    R per_W;  // the same for all
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D)}; }
-  me begin(const pairs::cluster<real>&) const {
-    me a{{}, foundation::zero<real, D>()};
-    for (auto& m : a.M) m = real(0.0);
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    me<R> a{{}, foundation::zero<R, D>(), R(per_W * i.lengths.to(-D))};
+    for (auto& m : a.M) m = R(0.0);
     return a;
   }
   void add(auto& a, const auto& ij) const {
-    const auto VF = ij(pairs::of_volume) * ij.F, w = ij.W * per_W, w2 = w * w;
+    const auto VF = ij(pairs::of_volume) * ij.F, w = ij.W * a.per_W, w2 = w * w;
     std::size_t n = 0;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = p; q < D; ++q) a.M[n++] -= VF * ij.x_ij[p] * ij.x_ij[q];
     a.slope += (VF * (1.0 + 0.2 * w2 * w2)) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(slope[k], a.slope[k]);
-    i.each([&](std::size_t n, const auto& of) {
-      std::array<double, S> M;
-      for (std::size_t k = 0; k < S; ++k) M[k] = of(a.M[k]);
-      eigenvalue[n] = smallest_eigenvalue(M);
+    for (std::size_t k = 0; k < D; ++k) i.set(slope[k], a.slope[k], -1);
+    // Of each member by itself; of a copy, so that the sums themselves can stay in registers.
+    std::array<std::array<double, pairs::lanes>, S> M;
+    for (std::size_t k = 0; k < S; ++k) i.in_doubles(a.M[k]).copy_to(M[k].data(), pairs::stdx::element_aligned);
+    i.each([&](std::size_t n, const auto&) {
+      std::array<double, S> mine;
+      for (std::size_t k = 0; k < S; ++k) mine[k] = M[k][n - i.first];
+      eigenvalue[n] = smallest_eigenvalue(mine);
     });
   }
 };
@@ -116,19 +128,28 @@ struct outward {
   std::array<double*, D> normal;  // of length 1, or 0 where there is none
   double* least;
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> slope;
-    real least;
+    pairs::vec<R, D> slope;
+    R least;
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_eigenvalue, eigenvalue)}; }
-  me begin(const pairs::cluster<real>& i) const { return {foundation::zero<real, D>(), i(eigenvalue)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {foundation::zero<R, D>(), i(eigenvalue)};
+  }
   void add(auto& a, const auto& ij) const {
     const auto lambda = ij(of_eigenvalue);
     a.slope += (ij(pairs::of_volume) * ij.F * ij.difference(of_eigenvalue)) * ij.x_ij;
-    a.least = foundation::select(ij.W > 0.0, foundation::lesser(a.least, lambda), a.least);
+    a.least = foundation::select(0.0 < ij.W, foundation::lesser(a.least, lambda), a.least);
+  }
+  static void join(auto& a, const auto& other) {
+    a.slope += other.slope;
+    a.least = foundation::lesser(a.least, other.least);
   }
   void end(const auto& i, const auto& a) const {
-    const auto squared = foundation::greater(foundation::dot(a.slope, a.slope), real(foundation::tiny<real>));
+    using R = std::remove_cvref_t<decltype(a.least)>;
+    const auto squared = foundation::greater(foundation::dot(a.slope, a.slope), R(foundation::tiny<R>));
     const auto per_length = foundation::both_roots(squared).inverse;
     for (std::size_t k = 0; k < D; ++k) i.set(normal[k], per_length * a.slope[k]);
     i.set(least, a.least);
@@ -144,22 +165,28 @@ struct cone {
   double h;         // m
   double* covered;  // 1 or 0
 
+  template <class R>
   struct me {
-    pairs::vec<real, D> normal;
-    real covered;
+    pairs::vec<R, D> normal;
+    R covered;
+    R h;  // the same for all
   };
   auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D)}; }
-  me begin(const pairs::cluster<real>& i) const {
-    return {pairs::vec<real, D>::of([&](std::size_t k) { return i(normal[k]); }), real(0.0)};
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    return {pairs::vec<R, D>::of([&](std::size_t k) { return i(normal[k]); }), R(0.0), R(h * i.lengths.to(-1))};
   }
   void add(auto& a, const auto& ij) const {
+    using R = std::remove_cvref_t<decltype(ij.F)>;
+    const R one(1.0), none(0.0);
     const auto ahead = -foundation::dot(a.normal, ij.x_ij);  // m, of the neighbour
-    const auto near = foundation::select(ahead > std::sqrt(0.5) * ij.r, real(1.0), real(0.0));
-    const auto beyond = foundation::select(ij.r2 - 2.0 * h * ahead < 0.0, real(1.0), real(0.0));
-    const auto inside = foundation::select(ij.r2 < 2.0 * h * h, near, beyond);
-    const auto there = foundation::select(ij(pairs::of_volume) > 0.0, inside, real(0.0));
+    const auto near = foundation::select(std::sqrt(0.5) * ij.r < ahead, one, none);
+    const auto beyond = foundation::select(ij.r2 - 2.0 * a.h * ahead < 0.0, one, none);
+    const auto inside = foundation::select(ij.r2 < 2.0 * a.h * a.h, near, beyond);
+    const auto there = foundation::select(0.0 < ij(pairs::of_volume), inside, none);
     a.covered = foundation::greater(a.covered, there);
   }
+  static void join(auto& a, const auto& other) { a.covered = foundation::greater(a.covered, other.covered); }
   void end(const auto& i, const auto& a) const { i.set(covered, a.covered); }
 };
 
