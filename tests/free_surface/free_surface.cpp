@@ -3,9 +3,9 @@
 
 #include <boost/test/unit_test.hpp>
 #include <free_surface/gauges.hpp>
+#include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/reference.hpp>
-#include <free_surface/right_hand_side.hpp>
 #include <free_surface/surface.hpp>
 #include <free_surface/traction.hpp>
 #include <fstream>
