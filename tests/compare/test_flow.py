@@ -148,14 +148,16 @@ class Plan(unittest.TestCase):
 
 def made_up(run, **more):
     """A row of a run that has met everything."""
-    metrics = {"hydrostatic_error": 0.005, "wall_crossings": 0, "period": 1.001, "period_theory": 1.0, "energy_decay": 0.21, "energy_decay_theory": 0.2,
+    metrics = {"hydrostatic_error": 0.005, "wall_crossings": 0, "period": 1.001, "period_theory": 1.0, "energy_decay": 0.21,
+               "energy_decay_theory": 0.2,
                "front_rms_over_height": 0.02}
     for k in (1, 2, 3, 4):
         metrics |= {f"pressure_{k}_arrival": 0.41, f"pressure_{k}_arrival_reference": 0.4, f"pressure_{k}_impulse": 1100.0,
                     f"pressure_{k}_impulse_reference": 1000.0, f"height_{k}_mean_error": 0.01, f"height_{k}_largest_reference": 0.5}
     row = {"case": run.file, "variant": "", "n": run.n, "outcome": COMPLETED, "reason": None, "right_hand_sides": 100, "seconds": 1.0,
            "updates_per_second": 1e6, "time": float(setting(run, "time.t_end")), "particles": 100, "dimension": 2, "mass": 0.0, "energy": 0.001,
-           "metrics": metrics, "kinetic": {"end": 1e-9, "largest": 1e-7, "late": 1e-8}, "semi_axes": {str(t): b for t, b in questions.SEMI_AXIS.items()}}
+           "metrics": metrics, "kinetic": {"end": 1e-9, "largest": 1e-7, "late": 1e-8},
+           "semi_axes": {str(t): b for t, b in questions.SEMI_AXIS.items()}}
     return row | more
 
 

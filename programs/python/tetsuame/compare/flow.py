@@ -41,11 +41,13 @@ class Case:
 
 
 CASES = {
-    "still_wedge": Case("still_wedge", "rest", "over a wedge", 1.0, (2.0, 1.2), (25, 50), (25,), 50, 150.0, ("output.interval=0", "output.history_interval=20"), 31.93),
+    "still_wedge": Case("still_wedge", "rest", "over a wedge", 1.0, (2.0, 1.2), (25, 50), (25,), 50, 150.0,
+                        ("output.interval=0", "output.history_interval=20"), 31.93),
     "still_wedge_3d": Case(
         "still_wedge", "rest", "the same in three dimensions, a tank as wide as deep and 6 particles thick", 1.0, (1.0, 1.2, 0.3), (20,), (20,), 20,
         175.0, ("domain.dimension=3", "domain.length_x=1", "domain.length_z=0.3", "solids.centre_x=0.5", "solids.length_x=0.35355339059327379",
-                "solids.length_y=0.35355339059327379", "solids.length_z=3", "output.interval=0", "output.history_interval=20"), 31.93, ((20, True, 3.193),)),
+                "solids.length_y=0.35355339059327379", "solids.length_z=3", "output.interval=0",
+                "output.history_interval=20"), 31.93, ((20, True, 3.193),)),
     "standing_wave": Case("standing_wave", "waves", "a standing wave, five periods", 1.0, (2.0, 1.2), (10, 25, 50), (10, 25), 50, 34.0,
                           t_end=5.7),
     "elliptical_drop": Case("elliptical_drop", "waves", "a drop that is drawn out", 1.0, (4.4, 4.4), (25, 50), (25, 50), 50, 3.5,
@@ -194,7 +196,7 @@ def box(done: list[Outcome], _runs: list[dict], folder: Path) -> str:
         figures.pressures(tank, 4), folder / "box_pressures.png",
         "Pressures on the face of the box that the water meets, upwards, and their integrals from 0.35 s on (black: measured "
         "[Kleefsman et al. 2005])."),
-        pages.figure(figures.heights(tank), folder / "box_heights.png", "Depths of the water behind the box (1, 2), before it (3, 4)."),
+        pages.figure(figures.heights(tank), folder / "box_heights.png", "Depths of the water behind the box (H1) and before it."),
         pages.figure(views.course(figures.finest(tank), views.TIMES), folder / "box_course.png",
                      "The finest run, coloured by speed; the box is grey."),
         pages.figure(views.later(tank), folder / "box_later.png", "The longest run later on: back from the wall, and over the box again."),

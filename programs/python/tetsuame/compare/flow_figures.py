@@ -96,7 +96,8 @@ def waves(wave: list[Outcome], drop: list[Outcome]):
     if wave:
         period, decay = (wave[0].number("metrics", name) for name in ("period_theory", "energy_decay_theory"))
         t = np.linspace(0, wave[0].setting("time.t_end"), 400)
-        left.plot(t, np.cos(2 * np.pi * t / period) * np.exp(-0.5 * decay * t), color=style.INK, linewidth=0.9, linestyle="--", zorder=4, label="exact")
+        left.plot(t, np.cos(2 * np.pi * t / period) * np.exp(-0.5 * decay * t), color=style.INK, linewidth=0.9, linestyle="--", zorder=4,
+                  label="exact")
     left.set(title="standing wave", xlabel="time [s]", ylabel="velocity over the start's")
     for look, label, o in by_n(drop):
         for axis in "xy":

@@ -17,7 +17,7 @@ class Question:
     what: str
     limit: float                               # of what |error| may be; of a speed, what it has to be
     error: Callable[[dict], float | None]
-    shown: Callable[[dict], str] | None = None  # beside the error
+    shown: Callable[[dict], str] | None = None  # beside it
     until: float = 0.0                         # s, that the run has to come to
     shorter: bool = False                      # one that comes less far answers, too, and says so
     at_least: bool = False
@@ -69,7 +69,7 @@ def at_rest(case: str, n: int) -> list[Question]:
     def question(what: str, limit: float, error, form: str = "number") -> Question:
         return Question(case, n, what, limit, error, until=31.93, shorter=True, form=form)  # 100 √(H/g)
     return [question("kinetic energy over m g H at the end", 1e-6, kinetic("end")),
-            question("the same at most, in the first moments", 1e-6, kinetic("largest")),
+            question("the same at its largest", 1e-6, kinetic("largest")),
             question("pressure beyond 2h of the surface over ρgH", 0.01, lambda one: metric(one, "hydrostatic_error"), "percent"),
             question("mass lost", 0.0, lambda one: one["mass"]),
             question("particles put back at a wall", 0.0, lambda one: metric(one, "wall_crossings"))]
@@ -161,7 +161,8 @@ def table(runs: list[dict]) -> str:
         return "" if one is None or one["time"] is None else f"{named(one['case'], one['n'])}, {one['time']:.4g} s"
 
     return pages.columns(rows(runs), {
-        "Case": lambda each: pages.name(each[0].case.replace("_3d", ", 3-D").replace("_", " ")), "what": lambda each: pages.cell(escape(each[0].what)),
+        "Case": lambda each: pages.name(each[0].case.replace("_3d", ", 3-D").replace("_", " ")),
+        "what": lambda each: pages.cell(escape(each[0].what)),
         "asked": lambda each: pages.cell(f"{asked(each[0])} at {named(each[0].case, each[0].n)}"),
         "measured": lambda each: pages.cell(escape(came_out(*each))),
         "verdict": lambda each: pages.cell(escape(verdict(*each)[0]), verdict(*each)[1]), "run": lambda each: pages.cell(until(each[1]))},
