@@ -189,17 +189,30 @@ rate<D> prescribed<D>::rate_at(double t) const {
   return r;
 }
 
-// ω = R I⁻¹ Rᵀ L
+// R I⁻¹ Rᵀ a
 template <int D>
-about<D> free_body<D>::angular_velocity(const rotation<D>& turned) const {
+about<D> over_inertia(const free_body<D>& b, const rotation<D>& turned, const about<D>& a) {
   if constexpr (D == 2) {
-    return {{angular_momentum[0] / inertia[0][0]}};
+    return {{a[0] / b.inertia[0][0]}};
   } else {
     const auto R = matrix_of<3>(turned);
-    const Eigen::Vector3d L(angular_momentum[0], angular_momentum[1], angular_momentum[2]);
-    const Eigen::Vector3d w = R * matrix_of<3>(inertia).ldlt().solve(R.transpose() * L);
+    const Eigen::Vector3d w =
+        R * matrix_of<3>(b.inertia).ldlt().solve(R.transpose() * Eigen::Vector3d(a[0], a[1], a[2]));
     return {{w[0], w[1], w[2]}};
   }
+}
+
+template <int D>
+about<D> free_body<D>::angular_velocity(const rotation<D>& turned) const {
+  return over_inertia<D>(*this, turned, angular_momentum);
+}
+
+template <int D>
+about<D> free_body<D>::angular_acceleration(const rotation<D>& turned, const about<D>& torque) const {
+  if constexpr (D == 2)
+    return over_inertia<D>(*this, turned, torque);
+  else
+    return over_inertia<D>(*this, turned, torque - cross<3>(angular_velocity(turned), angular_momentum));
 }
 
 template <int D>

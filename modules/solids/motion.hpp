@@ -128,6 +128,8 @@ struct free_body {
   about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the centre of mass
 
   about<D> angular_velocity(const rotation<D>& turned) const;
+  // Under this torque: I⁻¹ (T - ω × L).
+  about<D> angular_acceleration(const rotation<D>& turned, const about<D>& torque) const;
   rate<D> rate_now() const;
   double kinetic_energy() const;  // J
 };

@@ -211,6 +211,26 @@ BOOST_AUTO_TEST_CASE(momentum_in_3d) {
   balance_of(scene);
 }
 
+// The pressure of a free body's wall particles knows its acceleration, which follows from that pressure: what it had in
+// the last round is what came of it.
+BOOST_AUTO_TEST_CASE(accelerations) {
+  scene<2> scene(
+      "&domain length_x = 2.0 length_y = 1.4 particles_x = 40 particles_y = 28 /"
+      "&flow high_y = 1.0 around_bodies = .true. /"
+      "&solids body = 'box' shape = 'box' centre_x = 1.1 centre_y = 0.9 length_x = 0.6 length_y = 0.5 /"
+      "&motions body = 'box' kind = 'free' density = 300.0 / &time t_end = 1.0 /");
+  auto& f = *scene.f;
+  const auto rate = scene.rates();
+  const auto& b = f.moving.front();
+  BOOST_TEST(b.rate.acceleration[1] > 1.0);  // its draught is twice what it should be
+  if (f.ranks().rank == 0) {
+    BOOST_TEST(rate[5 + 3][0] == b.rate.acceleration[1], tt::tolerance(0.03));
+    // Of the weight of the water that is displaced, without any that is dragged along; with it, less.
+    const double free = 9.81 * (0.35 / (0.3 * 0.5) - 1.0);
+    BOOST_TEST(rate[5 + 3][0] < free);
+  }
+}
+
 // The weight of the water that a box at rest deep in it displaces, and its centre; less exactly, as sums near walls
 // are.
 BOOST_AUTO_TEST_CASE(buoyancy) {

@@ -62,6 +62,26 @@ BOOST_AUTO_TEST_CASE(reductions_have_the_same_bits_however_particles_are_spread)
   omp_set_num_threads(1);
 }
 
+// Fields need not be of one length: here three values more, all on the first rank.
+BOOST_AUTO_TEST_CASE(fields_of_different_lengths) {
+  const std::vector<int> id = spread(MPI_COMM_WORLD, 1000, 1);
+  std::vector<double> a(id.begin(), id.end()), few;
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) few = {-2000.0, 3000.0, 4000.0};
+  const sundials::Context context;
+  const auto home = make_state_vector(context, MPI_COMM_WORLD, {{few.data(), few.size()}, {a.data(), a.size()}});
+  BOOST_TEST(N_VGetLength(home.get()) == 1003);
+  BOOST_TEST(N_VMaxNorm(home.get()) == 4000.0);
+  BOOST_TEST(N_VMin(home.get()) == -2000.0);
+  BOOST_TEST(N_VDotProd(home.get(), home.get()) == 29e6 + 999.0 * 1000.0 * 1999.0 / 6.0);
+  const vector_handle twice(N_VClone(home.get()));
+  N_VScale(2.0, home.get(), twice.get());
+  N_VScale(1.0, twice.get(), home.get());
+  if (rank == 0) BOOST_TEST((few == std::vector<double>{-4000.0, 6000.0, 8000.0}));
+  for (std::size_t i = 0; i < id.size(); ++i) BOOST_TEST(a[i] == 2.0 * id[i]);
+}
+
 BOOST_AUTO_TEST_CASE(reductions_agree_with_their_definitions) {
   sample s(MPI_COMM_WORLD, 1, 100);
   const vector_handle w = s.clone();

@@ -13,7 +13,7 @@ namespace tt = boost::test_tools;
 
 namespace {
 
-// The velocity of a point of the body is how fast its place changes.
+// The velocity of a point of the body is how fast its place changes, its acceleration how fast that does.
 template <int D>
 void check_velocity(const prescribed<D>& motion, const point<D>& X, double from, double to) {
   for (int k = 1; k < 20; ++k) {
@@ -21,6 +21,9 @@ void check_velocity(const prescribed<D>& motion, const point<D>& X, double from,
     const auto before = motion.at(t - dt).to_space(X), after = motion.at(t + dt).to_space(X);
     const auto v = motion.rate_at(t).at(motion.at(t).to_space(X));
     BOOST_TEST(norm<D>((0.5 / dt) * (after - before) - v) < 1e-6);
+    const auto gained = motion.rate_at(t + dt).at(after) - motion.rate_at(t - dt).at(before);
+    const auto a = motion.rate_at(t).acceleration_at(motion.at(t).to_space(X));
+    BOOST_TEST(norm<D>((0.5 / dt) * gained - a) < 1e-6);
     BOOST_TEST(norm<D>(motion.at(t).to_body(motion.at(t).to_space(X)) - X) < 1e-13);
   }
 }
@@ -51,6 +54,21 @@ BOOST_AUTO_TEST_CASE(distance_from_a_moving_body) {
   BOOST_TEST(f.distance == 0.2, tt::tolerance(1e-12));
   BOOST_TEST(norm<2>(f.normal - point<2>{{0.0, 1.0}}) < 1e-12);
   BOOST_TEST(norm<2>(f.nearest - point<2>{{0.8, 0.7}}) < 1e-12);
+  // As a body that was given there.
+  const auto moved = placed<2>(b, motion.at(0.7));
+  for (const point<2> x : {point<2>{{0.8, 0.9}}, point<2>{{0.65, 0.5}}, point<2>{{0.3, 0.55}}}) {
+    BOOST_TEST(moved.level(x) == b.level(motion.at(0.7).to_body(x)), tt::tolerance(1e-12));
+    BOOST_TEST(norm<2>(moved.at(x).nearest - at(b, motion.at(0.7), x).nearest) < 1e-12);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(rotation_vectors) {
+  const about<3> by{{0.3, -0.7, 0.4}};
+  BOOST_TEST(norm<3>(rotation_vector<3>(rotation_by<3>(by)) - by) < 1e-14);
+  BOOST_TEST(rotation_vector<2>(rotation_by<2>({{-2.5}}))[0] == -2.5, tt::tolerance(1e-14));
+  const double angle = norm<3>(by), part = std::sin(0.5 * angle) / angle;
+  const auto R = rotation_of({2.0 * std::cos(0.5 * angle), 2.0 * part * by[0], 2.0 * part * by[1], 2.0 * part * by[2]});
+  BOOST_TEST(norm<3>(rotation_vector<3>(R) - by) < 1e-14);
 }
 
 BOOST_AUTO_TEST_CASE(motion_by_a_table) {

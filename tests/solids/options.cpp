@@ -122,6 +122,17 @@ BOOST_AUTO_TEST_CASE(what_cannot_be) {
                     "expected the name of a table");
 }
 
+BOOST_AUTO_TEST_CASE(free_bodies) {
+  const input in(
+      "&solids body = 'boat', 'pier' shape = 'box', 'box' length_x = 1, 1 length_y = 1, 1 /"
+      "&motions body = 'boat' kind = 'free' density = 500 gyration_z = 0.3 /");
+  const auto free = make_free(in.schema, in.m, 2, {"boat", "pier"});
+  BOOST_TEST(free[0]->density == 500.0);
+  BOOST_TEST(free[0]->gyration[2] == 0.3);
+  BOOST_TEST(!free[1].has_value());
+  BOOST_TEST(!make_motions<2>(in.schema, in.m, make_bodies<2>(in.schema, in.o))[0].moves());
+}
+
 BOOST_AUTO_TEST_CASE(bodies_that_do_not_fit) {
   const input far("&solids\n shape = 'sphere' radius = 0.3 centre_x = 9 /");
   BOOST_CHECK_EXCEPTION(

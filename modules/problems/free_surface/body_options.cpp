@@ -130,6 +130,22 @@ void check_lattice(const namelist::schema& schema, const options& o) {
                 fmt::format("the lattice has {:.3g} places in the box; with bodies at most {:.0e}", places, most));
 }
 
+// Half a spacing beyond the sides of the box that are closed, on the lattice.
+template <int D>
+bool reaches_a_side(const options& o, const solids::body<D>& of) {
+  const double dx = o.domain.dx();
+  for (std::size_t side = 0; side < 2 * D; ++side) {
+    const std::size_t axis = side / 2;
+    if (o.domain.periodic[axis] || (side == 3 && o.open_top())) continue;
+    block b{};
+    for (std::size_t a = 0; a < D; ++a) b.high[a] = o.domain.length[a];
+    b.low[axis] = side % 2 == 0 ? -dx : o.domain.length[axis];
+    b.high[axis] = b.low[axis] + dx;
+    if (std::ranges::any_of(places_of<D>(o, b), [&](const auto& x) { return of.solid(x); })) return true;
+  }
+  return false;
+}
+
 template <int D>
 std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, options& o,
                                           const std::vector<solids::body<D>>& bodies) {
@@ -141,6 +157,8 @@ std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, option
   std::vector<motion_of_body<D>> all(bodies.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     all[b].course = courses[b];
+    if (free[b] && reaches_a_side<D>(o, bodies[b]))
+      schema.fail("motions", "body", "body '" + names[b] + "' begins in a side of the box; a free one may not");
     if (free[b])
       all[b].free = schema.placed("motions", "body", [&] { return free_body_of<D>(o, bodies[b], *free[b]); });
   }

@@ -96,33 +96,11 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
   return all;
 }
 
-// Collective. The sums of the water beside bodies, at the state in the arrays.
-template <int D>
-void sum_beside_bodies(water<D>& f) {
-  refresh(f);
-  sum_over_neighbours(f, f.beside);
-}
-
-// Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
-template <int D>
-std::vector<load<D>> read_loads(water<D>& f) {
-  sum_beside_bodies(f);
-  std::vector<std::size_t> bodies;
-  std::vector<solids::point<D>> about;
-  for (const auto& g : f.p.force) {
-    const auto* b = f.mover(static_cast<std::int32_t>(g.body));
-    const auto centre = of_solids<D>(g.centre);
-    bodies.push_back(g.body);
-    about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
-  }
-  return loads_on(f, bodies, about);
-}
-
 // ---- free bodies ------------------------------------------------------------------------------------------
 
-// Collective, after the water's sums: rates of the free bodies' state, on rank 0, an array a component.
+// Collective, after the water's sums. Forces on the free bodies, about their centres of mass.
 template <int D>
-void find_rates_of_bodies(water<D>& f, std::span<double* const> rate) {
+std::vector<load<D>> loads_on_free_bodies(water<D>& f) {
   std::vector<std::size_t> bodies;
   std::vector<solids::point<D>> about;
   for (const auto& b : f.moving)
@@ -130,11 +108,45 @@ void find_rates_of_bodies(water<D>& f, std::span<double* const> rate) {
       bodies.push_back(b.body);
       about.push_back(b.rate.centre);
     }
-  const auto loads = loads_on(f, bodies, about);
+  return loads_on(f, bodies, about);
+}
+
+// Collective, after the water's sums, for which free bodies had no acceleration: their acceleration, which the pressure
+// of their wall particles depends on, and the sums of the water beside bodies with it. What remains falls by about a
+// spacing over the draught at rest, and mostly by more, with each round.
+template <int D>
+std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
+  constexpr int rounds = 3;
+  auto loads = loads_on_free_bodies(f);
+  for (int round = 0; round < rounds; ++round) {
+    std::size_t n = 0;
+    for (auto& b : f.moving)
+      if (b.free) {
+        const auto& by = loads[n++];
+        b.rate.acceleration =
+            solids::point<D>::of([&](std::size_t a) { return by.force[a] / b.free->mass + f.world.w.g[a]; });
+        b.rate.angular_acceleration = b.free->angular_acceleration(b.now.turned, by.moment);
+      }
+    mirror(f);
+    sum_over_neighbours(f, f.beside);
+    loads = loads_on_free_bodies(f);
+  }
+  return loads;
+}
+template <int D>
+void forget_accelerations(water<D>& f) {
+  for (auto& b : f.moving)
+    if (b.free) b.rate.acceleration = {}, b.rate.angular_acceleration = {};
+}
+
+// Rates of the free bodies' state, on rank 0, an array a component.
+template <int D>
+void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, std::span<double* const> rate) {
   if (f.ranks().rank != 0) return;
   constexpr std::size_t angles = moving_body<D>::angles, turns = moving_body<D>::turns;
-  for (std::size_t n = 0; n < bodies.size(); ++n) {
-    const auto& b = *f.mover(static_cast<std::int32_t>(bodies[n]));
+  std::size_t n = 0;
+  for (const auto& b : f.moving) {
+    if (!b.free) continue;
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][n] = b.rate.velocity[a];
       rate[D + a][n] = loads[n].force[a] / b.free->mass + f.world.w.g[a];
@@ -150,20 +162,42 @@ void find_rates_of_bodies(water<D>& f, std::span<double* const> rate) {
       rate[2 * D + 3][n] = 0.5 * (w[2] * q(0) + w[0] * q(2) - w[1] * q(1));
     }
     for (std::size_t a = 0; a < turns; ++a) rate[2 * D + angles + a][n] = loads[n].moment[a] / b.spin_scale();
+    ++n;
   }
+}
+
+// ---- evaluations ------------------------------------------------------------------------------------------
+
+// Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
+template <int D>
+std::vector<load<D>> read_loads(water<D>& f) {
+  forget_accelerations(f);
+  refresh(f);
+  sum_over_neighbours(f, f.beside);
+  if (!f.free.empty()) accelerate_free_bodies(f);
+  std::vector<std::size_t> bodies;
+  std::vector<solids::point<D>> about;
+  for (const auto& g : f.p.force) {
+    const auto* b = f.mover(static_cast<std::int32_t>(g.body));
+    const auto centre = of_solids<D>(g.centre);
+    bodies.push_back(g.body);
+    about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
+  }
+  return loads_on(f, bodies, about);
 }
 
 // Collective. Rates of x, v, ρ, and of the free bodies' state.
 template <int D>
 void evaluate(water<D>& f, std::span<double* const> rate) {
   auto& w = f.world.w;
+  forget_accelerations(f);
   begin_motion(f);
   find_own(f, 0, w.s.fluid);
   sum_over_neighbours(f, w.interior());
   end_motion(f);
   sum_over_neighbours(f, w.at_border());
+  if (!f.free.empty()) find_rates_of_bodies(f, accelerate_free_bodies(f), rate.subspan(2 * D + 1));
   find_rates(f, rate.first(2 * D + 1));
-  if (!f.free.empty()) find_rates_of_bodies(f, rate.subspan(2 * D + 1));
   w.agree();
 }
 

@@ -189,14 +189,17 @@ bool is_sound(const water<D>& f, std::size_t i, std::span<double* const> rate) {
   return s.rho[i] > 0.0 && s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1];
 }
 
-// Who may have pressed a particle.
+// Who may have pressed a particle: the nearest body that moves.
 template <int D>
 std::string moved_by(const water<D>& f, std::size_t i) {
   const auto x = of_solids<D>(f.place(i));
-  const auto* b = mover_at(f, x);
-  if (b == nullptr) return "";
-  return fmt::format("; body '{}' moves beside it, at {:.3g} m/s: there may be nowhere that the water could give way",
-                     f.p.template bodies_in<D>()[b->body].name(), solids::norm<D>(b->rate.at(x)));
+  const auto& bodies = f.p.template bodies_in<D>();
+  const auto distance = [&](const moving_body<D>& b) { return std::abs(bodies[b.body].level(b.now.to_body(x))); };
+  const auto nearest = std::ranges::min_element(f.moving, {}, distance);
+  if (nearest == f.moving.end()) return "";
+  return fmt::format(
+      "; body '{}', {:.3g} m away, moves at {:.3g} m/s: there may be nowhere that the water could give way",
+      bodies[nearest->body].name(), distance(*nearest), bodies_speed(f));
 }
 
 template <int D>

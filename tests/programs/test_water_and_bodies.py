@@ -1,0 +1,150 @@
+"""Bodies that move in water: a gate, a tank that is pushed, what floats; forces, ranks, restarts, bad input."""
+
+import csv
+import math
+import unittest
+
+from running import BAD_INPUT, CALCULATION_FAILED, Case
+
+# Water behind a gate that stands until 0.05 s and is up after 0.15 s.
+GATE = """&domain length_x = 1.2 length_y = 0.6 particles_x = 30 particles_y = 15 /
+&flow high_x = 0.4 high_y = 0.4 sound_factor = 15.0 /
+&solids body = 'gate' shape = 'box' centre_x = 0.48 centre_y = 0.5 length_x = 0.16 length_y = 1.0 /
+&motions body = 'gate' kind = 'table' file = 'gate.csv' /
+&gauges front = .true. force = 'gate' motion = 'gate' {gauges} /
+&walls slip_top = 'free_surface' /
+&time t_end = 0.5 /
+&output interval = 0 /
+"""
+TABLE = "t,x,y,z,angle\n0,0,0,0,0\n0.05,0,0,0,0\n0.1,0,0.25,0,0\n0.15,0,0.5,0,0\n"
+
+# A box of half the water's density at its draught of 0.12 m, in water 0.4 m deep.
+FLOAT = {"domain.length_x": 1.6, "domain.particles_x": 40, "domain.particles_y": 20, "flow.high_y": 0.4, "solids.centre_x": 0.8,
+         "solids.centre_y": 0.4, "solids.length_y": 0.24, "output.interval": 0}
+
+# A ball in a small tank, off its middle and not at its depth of rest.
+BALL = """&domain dimension = 3 length_x = 0.8 length_y = 0.6 length_z = 0.8 particles_x = 20 particles_y = 15 particles_z = 20 /
+&flow high_y = 0.36 sound_factor = 15.0 around_bodies = .true. /
+&solids body = 'ball', 'ball' shape = 'sphere', 'box' centre_x = 0.38, 0.42 centre_y = 0.38, 0.42 centre_z = 0.42, 0.42
+  radius(1) = 0.16 length_x(2) = 0.2 length_y(2) = 0.2 length_z(2) = 0.2 angle_x(2) = 20 angle_z(2) = 30 /
+&motions body = 'ball' kind = 'free' density = 600 /
+&gauges force = 'ball' motion = 'ball' /
+&walls slip = 'no_slip' slip_top = 'free_surface' /
+&time t_end = 1.0 /
+&output interval = 0 /
+"""
+
+
+class Bodies(Case):
+    def summary(self, name, settings=None, **how):
+        return self.run_program("flow", name, settings or {}, **how).summary
+
+    def gate(self, table=TABLE, gauges=""):
+        (self.here / "gate.csv").write_text(table)
+        path = self.here / f"gate_{len(list(self.here.iterdir()))}.nml"
+        path.write_text(GATE.format(gauges=gauges))
+        return path
+
+    def columns(self, result):
+        header, rows = result.rows("gauges.csv")
+        return {name.split(" ")[0]: [float(row[k]) for row in rows] for k, name in enumerate(header)}
+
+    def test_gate(self):
+        """Holds the water, whose push on it is that of its depth; once it is up, out of the tank, nothing acts on it."""
+        g = self.columns(self.run_program("flow", self.gate()))
+        held = [n for n, t in enumerate(g["time"]) if 0.02 < t < 0.05]
+        push = 0.5 * 1000 * 9.81 * 0.4**2
+        for n in held:
+            self.assertAlmostEqual(g["front"][n], 0.4, delta=1e-3)
+        self.assertLess(abs(sum(g["force_1_x"][n] for n in held) / len(held) / push - 1), 0.1)
+        self.assertEqual((g["motion_1_y"][-1], g["motion_1_x"][-1], g["angle_1"][-1]), (0.5, 0.0, 0.0))
+        self.assertEqual((g["force_1_x"][-1], g["force_1_y"][-1], g["moment_1"][-1]), (0.0, 0.0, 0.0))
+        self.assertGreater(g["front"][-1], 1.0)
+
+    def test_floats(self):
+        """A second at the depth of Archimedes, its weight carried."""
+        result = self.run_program("flow", "floating_box", {**FLOAT, "time.t_end": 1.0})
+        g, weight = self.columns(result), 500 * 0.32 * 0.24 * 9.81
+        self.assertLess(max(abs(y) for y in g["motion_1_y"]), 0.01 * 0.12)
+        self.assertLess(max(abs(y) for y in g["motion_1_x"]), 1e-6)
+        self.assertLess(max(abs(F / weight - 1) for F in g["force_1_y"]), 0.02)
+        self.assertEqual(result.summary["metrics"]["wall_crossings"], 0)
+        self.assertLess(abs(result.summary["conservation"]["energy"]), 1e-4)
+
+    def test_sloshing(self):
+        """Twenty by ten particles in the tank: its period, and what the tank pushed the water by."""
+        result = self.run_program("flow", "sloshing", {"domain.particles_x": 40, "domain.particles_y": 20, "output.interval": 0,
+                                                       "time.t_end": 5.0})
+        g = self.columns(result)
+        free = [n for n, t in enumerate(g["time"]) if t > 0.8]
+        h = [g["height_2"][n] - g["height_1"][n] for n in free]
+        t = [g["time"][n] for n in free]
+        crossings = [t[k - 1] + (t[k] - t[k - 1]) * h[k - 1] / (h[k - 1] - h[k]) for k in range(1, len(t)) if h[k - 1] * h[k] < 0]
+        period = 2 * (crossings[-1] - crossings[0]) / (len(crossings) - 1)
+        k = math.pi / 1.2
+        self.assertLess(abs(period / (2 * math.pi / math.sqrt(9.81 * k * math.tanh(0.4 * k))) - 1), 0.03)
+        self.assertEqual(g["motion_1_x"][-1], 0.02)
+        # Under the tank, which carries all of it, the water weighs what it did.
+        weight = 1000 * 9.81 * 1.2 * 0.4
+        self.assertLess(abs(sum(g["force_1_y"][n] for n in free) / len(free) / -weight - 1), 0.01)
+
+    def test_ranks_and_restart(self):
+        self.assert_exact("flow", self.gate(TABLE.replace("0.05,", "0.001,")), {"time.steps": 120}, 55, [(3, 1), (2, 2)])
+        # It turns, above where it would float.
+        settings = {**FLOAT, "solids.angle_z": 15, "solids.centre_y": 0.43, "walls.slip": "no_slip", "time.steps": 120}
+        whole = self.assert_exact("flow", "floating_box", settings, 55, [(3, 1), (2, 2)])
+        self.assertGreater(abs(whole["metrics"]["angle_1_last"]), 0.01)
+        self.assert_exact("flow", "floating_box", {**settings, "time.method": "adaptive", "time.steps": 40}, 15, [(3, 1)])
+        path = self.here / "ball.nml"
+        path.write_text(BALL)
+        whole = self.assert_exact("flow", path, {"time.steps": 24}, 11, [(3, 1), (2, 2)])
+        self.assertGreater(abs(whole["metrics"]["angle_1_x_last"]), 1e-4)
+
+    def test_compared_with_a_file(self):
+        """The run's own readings as the measured ones: no difference."""
+        _, rows = self.run_program("flow", self.gate(), {"time.t_end": 0.1}).rows("gauges.csv")
+        with open(self.here / "own.csv", "w", newline="") as file:
+            csv.writer(file).writerows([["t", "F", "M"], *([row[1], float(row[3]) / 1000, row[5]] for row in rows)])
+        m = self.summary(self.gate(gauges="file = 'own.csv' force_columns = 'F', '', 'M' force_unit = 1000"), {"time.t_end": 0.1})["metrics"]
+        for name in ("force_1_x", "moment_1"):
+            self.assertLess(m[f"{name}_mean_error"], 1e-9 * abs(m[f"{name}_largest"]))
+            self.assertAlmostEqual(m[f"{name}_impulse_reference"] / m[f"{name}_impulse"], 1, delta=1e-9)
+        self.assertNotIn("force_1_y_mean_error", m)
+
+    def test_nowhere_to_give_way(self):
+        """A piston that closes a full tank: an error that names it, and the last good state is kept."""
+        piston = self.here / "piston.nml"
+        piston.write_text("&domain length_x = 1.2 length_y = 0.4 particles_x = 30 particles_y = 10 /\n&flow low_x = 0.4 /\n"
+                          "&solids body = 'piston' shape = 'box' centre_x = 0.0 centre_y = 0.2 length_x = 0.8 length_y = 2.0 /\n"
+                          "&motions body = 'piston' kind = 'table' file = 'push.csv' /\n&time t_end = 0.5 /\n")
+        (self.here / "push.csv").write_text("0,0,0,0,0\n0.1,0.1,0,0,0\n0.2,0.2,0,0,0\n0.5,0.5,0,0,0\n")
+        result = self.run_program("flow", piston, expect=CALCULATION_FAILED)
+        self.assert_says(result, CALCULATION_FAILED, "body 'piston'", "nowhere that the water could give way")
+
+    def test_free_body_sinks(self):
+        """It presses the water beneath it out, and what is left of that too far."""
+        result = self.run_program("flow", "floating_box", {**FLOAT, "motions.density": 3000, "time.t_end": 3.0}, expect=CALCULATION_FAILED)
+        self.assert_says(result, CALCULATION_FAILED, "body 'box'")
+
+    def test_bad_input(self):
+        before = self.listing()
+        for name, settings, parts in [
+                ("floating_box", {"motions.body": "'boat'"}, ["&motions body", "no body of this name"]),
+                ("floating_box", {"motions.density": 0}, ["&motions density", "its density or its mass"]),
+                ("floating_box", {"motions.mass": 3}, ["&motions density", "its density or its mass"]),
+                ("floating_box", {"motions.period": 3}, ["&motions period", "free"]),
+                ("floating_box", {"motions.gyration_x": 3}, ["&motions gyration_x"]),
+                ("floating_box", {"motions.kind": "harmonic"}, ["&motions density", "prescribed"]),
+                ("floating_box", {"solids.centre_y": 0.08}, ["&motions body", "'box' begins in a side"]),
+                ("floating_box", {"gauges.force": "'boat'"}, ["&gauges force", "no body 'boat'"]),
+                ("floating_box", {"gauges.motion": "'boat'"}, ["&gauges motion", "no body 'boat'"]),
+                ("floating_box", {"gauges.moment_x": 1}, ["&expert moment_y", "expected 1 numbers"]),
+                ("sloshing", {"motions.file": "nowhere.csv"}, ["&motions file", "nowhere.csv"]),
+                ("sloshing", {"flow.low_x": 0.18}, ["&solids shape", "start inside a wall", "body 'tank'"])]:
+            with self.subTest(name, **settings):
+                self.assert_says(self.run_program("flow", name, settings, "bad", expect=BAD_INPUT), BAD_INPUT, *parts)
+                self.assertEqual(self.listing(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
