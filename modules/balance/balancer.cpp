@@ -229,6 +229,15 @@ struct present {
   }
 };
 
+// The amounts wanted in `count` slabs that now take t: equal, and, under-relaxed, still a part of what these ranks
+// have.
+std::vector<double> wanted_of(const double* t, std::size_t count, double relaxation) {
+  const double sum = std::accumulate(t, t + count, 0.0);
+  std::vector<double> w(count, 1.0 / static_cast<double>(count));
+  for (std::size_t n = 0; n < count && sum > 0.0; ++n) w[n] = relaxation * w[n] + (1.0 - relaxation) * t[n] / sum;
+  return w;
+}
+
 template <int D>
 struct remapping {
   const present<D>& at;
@@ -236,14 +245,9 @@ struct remapping {
   const balancer_options& o;
   cuts<D> then;
 
-  // The amounts wanted in the slabs of a group: equal, and, under-relaxed, still a part of what these ranks have now.
   std::vector<double> wanted(std::size_t axis, std::size_t g) const {
     const auto count = static_cast<std::size_t>(at.now.counts[axis]);
-    const double* t = time[axis].data() + g * count;
-    const double sum = std::accumulate(t, t + count, 0.0);
-    std::vector<double> w(count, 1.0 / static_cast<double>(count));
-    for (std::size_t n = 0; n < count && sum > 0.0; ++n) w[n] = o.relaxation * w[n] + (1.0 - o.relaxation) * t[n] / sum;
-    return w;
+    return wanted_of(time[axis].data() + g * count, count, o.relaxation);
   }
 
   void cut_group(std::size_t axis, std::size_t g, const std::vector<source>& from) {
@@ -393,6 +397,29 @@ cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, co
   foundation::fail_input("unknown method of the balancer: " + o.method);
 }
 
+template <int D>
+cuts<D> propose_by_density(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
+                           const density_along<D>& density) {
+  check_size(now, time_per_rank.size(), "times");
+  cuts<D> then = now;
+  const auto time = level_sums(now, time_per_rank);
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto count = static_cast<std::size_t>(now.counts[a]), groups = now.groups(a);
+    const auto cost = density(a, then);
+    const std::size_t bins = cost.size() / groups;
+    for (std::size_t g = 0; g < groups; ++g) {
+      double* cut = then.group(a, g);
+      const double first = cut[0], width = (cut[count] - first) / static_cast<double>(bins);
+      const auto edge = [&](std::size_t k) { return first + width * static_cast<double>(k); };
+      std::vector<piece> pieces;
+      for (std::size_t k = 0; k < bins; ++k) pieces.push_back({edge(k), edge(k + 1), cost[g * bins + k]});
+      place(pieces, wanted_of(time[a].data() + g * count, count, o.relaxation), o.floor, cut);
+      keep_apart(cut, now.counts[a], o.minimum_width);
+    }
+  }
+  return then;
+}
+
 void experience::moved(double predicted, const std::vector<double>& before, const std::vector<double>& after) {
   const auto was = spread_of(before), is = spread_of(after);
   if (predicted > 0.0)
@@ -476,6 +503,8 @@ spread spread_of(const std::vector<double>& time) {
 
 #define TETSUAME_BALANCE(D)                                                                                         \
   template cuts<D> propose(const cuts<D>&, const std::vector<double>&, const balancer_options&, const extents<D>&); \
+  template cuts<D> propose_by_density(const cuts<D>&, const std::vector<double>&, const balancer_options&,          \
+                                      const density_along<D>&);                                                     \
   template decision worth_moving(const cuts<D>&, const cuts<D>&, const std::vector<double>&,                        \
                                  const std::vector<double>&, const move_costs&, std::int64_t, const experience&,    \
                                  const extents<D>&)

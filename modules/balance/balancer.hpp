@@ -8,6 +8,7 @@
 #include <balance/cuts.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <namelist/schema.hpp>
 #include <string>
@@ -67,6 +68,16 @@ using extents = std::vector<extent<D>>;
 template <int D>
 cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                 const extents<D>& where = {});
+
+// Where the cost is, of all ranks: for each group of cuts along an axis its cost in as many equal parts of the box
+// each, one group behind the other. `then` has the new cuts of the axes before.
+template <int D>
+using density_along = std::function<std::vector<double>(std::size_t axis, const cuts<D>& then)>;
+
+// By `remap` with the cost itself in place of what each rank tells of its own: one update is enough.
+template <int D>
+cuts<D> propose_by_density(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
+                           const density_along<D>& density);
 
 // Measured; of a move.
 struct move_costs {

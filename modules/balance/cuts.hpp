@@ -42,16 +42,19 @@ struct cuts {
     return at[axis].data() + g * static_cast<std::size_t>(counts[axis] + 1);
   }
 
-  // The rank that owns a point; a point on a cut belongs to the cell above it.
-  int owner(const std::array<double, D>& x) const {
+  // The group of cuts along this axis that a point is in: the cell of the axes before. A point on a cut belongs to the
+  // cell above it.
+  std::size_t group_of(const std::array<double, D>& x, std::size_t axis) const {
     std::size_t cell = 0;
-    for (std::size_t a = 0; a < D; ++a) {
+    for (std::size_t a = 0; a < axis; ++a) {
       const double* c = group(a, cell);
       const auto above = std::upper_bound(c + 1, c + counts[a], x[a]);
       cell = cell * static_cast<std::size_t>(counts[a]) + static_cast<std::size_t>(above - (c + 1));
     }
-    return static_cast<int>(cell);
+    return cell;
   }
+  // The rank that owns a point.
+  int owner(const std::array<double, D>& x) const { return static_cast<int>(group_of(x, D)); }
 
   struct bounds {
     std::array<double, D> lower{}, upper{};  // m; infinite at the outermost cells' outer sides

@@ -57,6 +57,11 @@ std::int64_t communicator::sum(std::int64_t value) const {
   return value;
 }
 
+void communicator::sum(std::span<double> values) const {
+  const foundation::collective timed;
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm);
+}
+
 std::vector<double> communicator::every(double value) const { return every(std::span<const double>(&value, 1)); }
 
 std::vector<double> communicator::every(std::span<const double> values) const {

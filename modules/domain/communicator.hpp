@@ -25,6 +25,7 @@ struct communicator {
   void maximum(std::span<double> values) const;  // each by itself, in place
   double minimum(double value) const;
   std::int64_t sum(std::int64_t value) const;
+  void sum(std::span<double> values) const;       // each by itself, in place; its last bits depend on the ranks
   std::vector<double> every(double value) const;  // each rank's, by rank
   // Each rank's values, as many on all, one rank's behind the other's.
   std::vector<double> every(std::span<const double> values) const;

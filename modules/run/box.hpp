@@ -87,9 +87,10 @@ class problem_in_a_box : public problem {
   }
 
   void rebuild(bool as_they_were) final {
-    if (!has_lists_) even_out();
+    if (!has_lists_) even_out(false);
     const foundation::stopwatch watch;
     make_lists(as_they_were);
+    if (!has_lists_ && even_out(true)) make_lists(as_they_were);
     if (!has_lists_) balancer.first_lists(box, watch.elapsed());
     has_lists_ = true;
   }
@@ -169,13 +170,13 @@ class problem_in_a_box : public problem {
   virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
-  // By the places of the start, or of a checkpoint.
-  void even_out() {
-    const bool moved = balancer.even_out(box, [&](const balance::cuts<D>& cuts) {
-      box.w.d.cuts = cuts;
-      domain::migrate(box.w.d, box.w.s);
-    });
-    if (moved) place_walls();
+  // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
+  bool even_out(bool by_pairs) {
+    const auto cuts = balancer.even_out(box, by_pairs);
+    if (!cuts) return false;
+    move_cuts(*cuts);
+    if (!by_pairs) domain::migrate(box.w.d, box.w.s);
+    return true;
   }
 
   // Cuts that are to move have done so, particles have not.

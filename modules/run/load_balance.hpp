@@ -83,7 +83,7 @@ struct load_balance {
     v.particles = balance::spread_of(particles);
     worst_particles = std::max(worst_particles.value_or(1.0), 1.0 / v.particles.efficiency());
     const auto cost = measures() ? measured.of(seconds_per_step, pairs) : pairs;
-    weigh(v, box.w.d.cuts, cost, particles, where, std::min(steps, remaining));
+    weigh(v, box, cost, particles, where, std::min(steps, remaining));
     ++decisions;
     if (decisions > 1) worst_load = std::max(worst_load.value_or(1.0), 1.0 / balance::spread_of(pairs).efficiency());
     computing = 0.0;
@@ -92,33 +92,23 @@ struct load_balance {
     return v;
   }
 
-  // Collective, before the first lists: as many particles for each rank, where those of equal cells are uneven.
-  // give(cuts) makes these the box's, and hands particles to their ranks. Whether that was called.
-  template <class Give>
-  bool even_out(const state<D>& box, const Give& give) const {
+  // Collective, at the start: cuts by which ranks have as many particles each, or, once there are lists, as many pairs,
+  // where equal cells are uneven.
+  std::optional<balance::cuts<D>> even_out(const state<D>& box, bool by_pairs) const {
     constexpr double uneven = 1.05;  // largest over mean
-    constexpr int most = 8;          // rounds; what particles tell of a cell is rough, and better in a smaller one
-    if (mode == "off" || box.w.d.ranks.size == 1) return false;
-    auto best = box.w.d.cuts;
-    double least = std::numeric_limits<double>::infinity(), now = least;
-    for (int round = 0;; ++round) {
-      std::vector<double> particles;
-      balance::extents<D> where;
-      for (const told& r : every_rank(box, {0.0, 0.0, static_cast<double>(box.w.s.fluid), extent_by_number(box)})) {
-        particles.push_back(r.particles);
-        where.push_back(r.where);
-      }
-      now = 1.0 / balance::spread_of(particles).efficiency();
-      if (now < least) {
-        least = now;
-        best = box.w.d.cuts;
-      }
-      if (now <= uneven || round == most) {
-        if (now > least) give(best);
-        return round > 0;
-      }
-      give(balance::propose(box.w.d.cuts, particles, how, where));
-    }
+    const auto& ranks = box.w.d.ranks;
+    if (mode == "off" || ranks.size == 1) return {};
+    std::vector<load> all;
+    if (by_pairs) all = loads_of(box);
+    for (std::size_t i = 0; !by_pairs && i < box.w.s.fluid; ++i) all.push_back({cells::position<D>(box.w.s.x, i), 1.0});
+    double mine = 0.0;
+    for (const load& l : all) mine += l.cost;
+    const auto cost = ranks.every(mine);
+    const double now = balance::spread_of(cost).maximum;
+    if (balance::spread_of(cost).efficiency() >= 1.0 / uneven) return {};
+    auto then = by_places(box, cost, how, all);
+    const bool better = balance::spread_of(outcome_of(box, then, all).cost).maximum < now;
+    return better ? std::optional(std::move(then)) : std::nullopt;
   }
 
   // When the cuts of a verdict are the box's but the particles have not moved: those of this rank that will, by their
@@ -185,16 +175,24 @@ struct load_balance {
   }
 
   // Fills the verdict, and learns of the move before. horizon: steps that the gain lasts.
-  void weigh(verdict& v, const balance::cuts<D>& now, const std::vector<double>& cost,
-             const std::vector<double>& particles, const balance::extents<D>& where, std::int64_t horizon) {
+  void weigh(verdict& v, const state<D>& box, const std::vector<double>& cost, const std::vector<double>& particles,
+             const balance::extents<D>& where, std::int64_t horizon) {
     v.spread = balance::spread_of(cost);
     if (expected) experience.moved(*expected, before, cost);
     expected.reset();
-    v.cuts = balance::propose(now, cost, relaxed(how, experience), where);
+    auto loads = loads_of(box);
+    scale_to(cost[static_cast<std::size_t>(box.w.d.ranks.rank)], loads);
+    const auto with = relaxed(how, experience);
+    v.cuts =
+        with.method == "remap" ? by_places(box, cost, with, loads) : balance::propose(box.w.d.cuts, cost, with, where);
     auto price = measures() ? moving : counted_price(v.spread, particles);
     // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
     price.rebuild = v.lists_were_due ? 0.0 : price.rebuild + v.spread.maximum;
-    v.decision = balance::worth_moving(now, v.cuts, cost, particles, price, horizon, experience, where);
+    const auto then = outcome_of(box, v.cuts, loads);
+    v.decision = balance::worth_moving(v.spread.maximum, balance::spread_of(then.cost).maximum,
+                                       price.per_particle * std::ranges::max(then.in_and_out) + price.rebuild, horizon,
+                                       experience.trust);
+    v.decision.after = then.cost;
     // Smaller gains come from a row of particles more or less: they do not come true.
     constexpr double least_gain = 0.01;  // of the slowest rank's cost
     const bool too_little = v.decision.gain < least_gain * v.spread.maximum * static_cast<double>(horizon);
@@ -215,31 +213,77 @@ struct load_balance {
     return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.read.near.all.size() +
                                box.walls.bodies.near.all.size());
   }
-  static balance::extent<D> extent_by_number(const state<D>& box) {
-    const auto& s = box.w.s;
-    balance::extent<D> mine;
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.include(cells::position<D>(s.x, i));
-    if (s.fluid == 0) return mine;
-    mine.begin_costs();
-    for (std::size_t i = 0; i < s.fluid; ++i) mine.add_cost(cells::position<D>(s.x, i), 1.0);
-    return mine;
+  // What this rank computes, place by place: pairs of the fluid, and of markers.
+  struct load {
+    std::array<double, D> x;  // m
+    double cost;
+  };
+  static std::vector<load> loads_of(const state<D>& box) {
+    std::vector<load> all;
+    for (std::size_t i = 0; i < box.w.s.fluid; ++i)
+      all.push_back({cells::position<D>(box.w.s.x, i), static_cast<double>(box.w.list.row_of(i).size())});
+    const auto& markers = box.walls.read;
+    for (std::size_t k = 0; k < markers.near.rows(); ++k)
+      all.push_back(
+          {cells::position<D>(box.walls.marker, markers.of[k]), static_cast<double>(markers.near.row(k).size())});
+    const auto& bodies = box.walls.bodies;
+    for (std::size_t k = 0; k < bodies.near.rows(); ++k)
+      all.push_back({bodies.places[bodies.own[k]].marker, static_cast<double>(bodies.near.row(k).size())});
+    return all;
   }
-  // Where they are in this rank's cell. Markers count with the fluid nearest to them along each axis.
+  // So that they come to what this rank takes.
+  static void scale_to(double cost, std::vector<load>& all) {
+    double sum = 0.0;
+    for (const load& l : all) sum += l.cost;
+    for (load& l : all) l.cost *= sum > 0.0 ? cost / sum : 0.0;
+  }
+
+  // Collective.
+  static balance::cuts<D> by_places(const state<D>& box, const std::vector<double>& cost,
+                                    const balance::balancer_options& o, const std::vector<load>& loads) {
+    const auto& d = box.w.d;
+    const auto density = [&](std::size_t axis, const balance::cuts<D>& then) {
+      constexpr std::size_t least = 256, of_a_slab = 32;
+      const std::size_t bins = std::max(least, of_a_slab * static_cast<std::size_t>(then.counts[axis]));
+      std::vector<double> along(then.groups(axis) * bins, 0.0);
+      for (const load& l : loads) {
+        const double at = l.x[axis] / d.region.length[axis] * static_cast<double>(bins);
+        const auto bin = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(bins) - 0.5));
+        along[then.group_of(l.x, axis) * bins + bin] += l.cost;
+      }
+      d.ranks.sum(along);
+      return along;
+    };
+    return balance::propose_by_density<D>(d.cuts, cost, o, density);
+  }
+
+  // Of new cuts: what ranks would take, and the particles that each sends or receives. Collective.
+  struct outcome {
+    std::vector<double> cost, in_and_out;
+  };
+  static outcome outcome_of(const state<D>& box, const balance::cuts<D>& then, const std::vector<load>& loads) {
+    const auto& ranks = box.w.d.ranks;
+    const auto number = static_cast<std::size_t>(ranks.size), me = static_cast<std::size_t>(ranks.rank);
+    outcome o{std::vector<double>(number, 0.0), std::vector<double>(number, 0.0)};
+    for (const load& l : loads) o.cost[static_cast<std::size_t>(then.owner(l.x))] += l.cost;
+    for (std::size_t i = 0; i < box.w.s.fluid; ++i)
+      if (const auto to = static_cast<std::size_t>(then.owner(cells::position<D>(box.w.s.x, i))); to != me) {
+        o.in_and_out[to] += 1.0;
+        o.in_and_out[me] += 1.0;
+      }
+    ranks.sum(o.cost);
+    ranks.sum(o.in_and_out);
+    return o;
+  }
+
+  // Where the loads are in the box around the particles. Markers count with the fluid nearest to them along each axis.
   static balance::extent<D> extent_of(const state<D>& box) {
     const auto& s = box.w.s;
     balance::extent<D> mine;
     for (std::size_t i = 0; i < s.fluid; ++i) mine.include(cells::position<D>(s.x, i));
     if (s.fluid == 0) return mine;
     mine.begin_costs();
-    for (std::size_t i = 0; i < s.fluid; ++i)
-      mine.add_cost(cells::position<D>(s.x, i), static_cast<double>(box.w.list.row_of(i).size()));
-    const auto& markers = box.walls.read;
-    for (std::size_t k = 0; k < markers.near.rows(); ++k)
-      mine.add_cost(cells::position<D>(box.walls.marker, markers.of[k]),
-                    static_cast<double>(markers.near.row(k).size()));
-    const auto& bodies = box.walls.bodies;
-    for (std::size_t k = 0; k < bodies.near.rows(); ++k)
-      mine.add_cost(bodies.places[bodies.own[k]].marker, static_cast<double>(bodies.near.row(k).size()));
+    for (const load& l : loads_of(box)) mine.add_cost(l.x, l.cost);
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.
