@@ -75,10 +75,11 @@ class spline : public functions_of_distance<spline<D, Degree>> {
       rest = f1 * f1;
       minus_sum = rest - f2 * f2;
     } else {
-      const auto square = [](const R& t) { return R(t * t); };
-      const R a = square(f_[0](r)), b = square(f_[1](r)), c = square(square(f_[2](r))), b_less_c = b * b - c;
+      // In this order the compiler fuses the first two and not c, which it would then multiply out twice.
+      const R f3 = f_[0](r), f2 = f_[1](r), f1 = f_[2](r), a2 = f3 * f3, b2 = f2 * f2, c2 = f1 * f1;
+      const R b = b2 * b2, c = c2 * c2, b_less_c = b - c;
       rest = b_less_c - c;
-      minus_sum = b_less_c - a * a;
+      minus_sum = b_less_c - a2 * a2;
     }
     w = share_ * rest - from_end * minus_sum;
     f = minus_sum * inverse_r;

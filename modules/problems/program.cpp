@@ -45,7 +45,8 @@ struct box_at_rest : problem_of_input {
     check_precision(schema, scheme, o.kernel);
   }
   run::memory_need need() const override {
-    return run::need_of(o.domain.lattice_particles(), 420.0, o.kernel, o.domain.dimension);
+    return run::need_of(o.domain.lattice_particles(), o.kernel.single_pairs() ? 415.0 : 445.0, o.kernel,
+                        o.domain.dimension);
   }
   run::common_options& common() override { return o; }
   std::unique_ptr<run::problem> make() const override { return at_rest(o, scheme); }

@@ -17,7 +17,8 @@ namespace tetsuame::run {
 namespace {
 
 // B, for each neighbour: 1 in the list, the rest in what grows with the dimension alike (vectors, ghosts, walls, a
-// snapshot). The whole process of program C takes at most 538 B a particle in 2-D and 948 B in 3-D, with 1e6 particles.
+// snapshot). The whole process of program C, with 1e6 particles between two walls, takes 548 B a particle in
+// 2-D and 959 B in 3-D, 518 B and 893 B in single precision.
 constexpr double bytes_a_neighbour = 2.3;
 
 constexpr double worth_telling = 1e9;  // B
