@@ -1,5 +1,6 @@
-// The pressure that a gauge reads: the force by which pressure acts through a plane, over an area about a point. As
-// momentum is exchanged pair by pair (terms.hpp) that is, with the normal n into the water,
+// The pressure that a gauge reads (docs/theory/pressure_gauges.md): the force by which pressure acts through a plane,
+// over an area about a point. As momentum is exchanged pair by pair (terms.hpp) that is, with the normal n into the
+// water,
 //   p(X) = Σ_{i before, j behind the plane} (p_i + p_j) V_i V_j (-F_ij) (x_ij·n) w(|c_ij - X|)
 // where x_ij crosses the plane at c_ij, and w, a cone or in two dimensions a hat, has the integral 1 over the plane. So
 // a wall's readings add up to the force on it, whether water lies on the wall densely or as spray.
