@@ -59,8 +59,9 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
   schema.add("gauges", "force_columns", o.force_columns,
              {.expert = true, .meaning = "for forces and moments, one a column of gauges.csv, '' for none"});
   schema.add("gauges", "time_unit", o.time_unit, positive("s", "what is 1 in the file's times"));
-  schema.add("gauges", "length_unit", o.length_unit, positive("m", "what is 1 in its lengths"));
-  schema.add("gauges", "stress_unit", o.stress_unit, positive("Pa", "what is 1 in its pressures"));
+  schema.add("gauges", "length_unit", o.length_unit, namelist::for_expert(positive("m", "what is 1 in its lengths")));
+  schema.add("gauges", "stress_unit", o.stress_unit,
+             namelist::for_expert(positive("Pa", "what is 1 in its pressures")));
   schema.add("gauges", "force_unit", o.force_unit, namelist::for_expert(positive("N", "what is 1 in its forces")));
   schema.add("gauges", "moment_unit", o.moment_unit, namelist::for_expert(positive("N m", "what is 1 in its moments")));
   schema.add("gauges", "arrival", o.arrival,
