@@ -22,9 +22,6 @@ RESOLVED = """! flow, every key as run
   height_columns =
   pressure_columns = 'b', ''
   pressure_y = 0.003, 0.015
-  time_unit = 0.5
-  length_unit = 1
-  stress_unit = 1000
 /
 &flow
   gravity = 9.81
@@ -32,6 +29,9 @@ RESOLVED = """! flow, every key as run
   high_y = 0.5
 /
 &expert
+  time_unit = 0.5
+  length_unit = 1
+  stress_unit = 1000
   impulse_from = !
   impulse_until = 1
 /

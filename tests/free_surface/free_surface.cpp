@@ -12,57 +12,13 @@
 #include <namelist/document.hpp>
 #include <run/passes.hpp>
 
+#include "scene.hpp"
+
 using namespace tetsuame;
 using namespace tetsuame::free_surface;
 namespace tt = boost::test_tools;
 
 namespace {
-
-struct mpi_environment {
-  mpi_environment() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  }
-  ~mpi_environment() { MPI_Finalize(); }
-};
-
-// An input, and what begins with it, with lists.
-template <int D>
-struct scene {
-  options o;
-  parameters p;
-  std::optional<water<D>> f;
-
-  explicit scene(const std::string& text) {
-    namelist::schema schema;
-    declare(schema, o);
-    schema.read(namelist::parse_text(text, "test.nml"));
-    p = resolve(schema, o);
-    f.emplace(o, p);
-    set_up(*f);
-    rebuild();
-  }
-  void rebuild() {
-    run::rebuild(f->world, false);
-    f->make_room();
-  }
-  particles::particles<D>& particles() { return f->world.w.s; }
-
-  // Rates of x, v and ρ.
-  std::vector<particles::array> rates() {
-    std::vector<particles::array> all(2 * D + 1, particles::array(particles().fluid, 0.0));
-    std::vector<double*> places;
-    for (auto& a : all) places.push_back(a.data());
-    evaluate(*f, std::span<double* const>(places));
-    return all;
-  }
-  template <class Value>
-  double sum(Value&& value) {
-    foundation::exact_sum all;
-    for (std::size_t i = 0; i < particles().fluid; ++i) all.add(value(i));
-    return f->ranks().exact(all);
-  }
-};
 
 // Twenty by ten spacings of 0.05 m, no gravity, free-slip walls far from the block in the middle.
 const std::string block_in_the_middle =

@@ -25,12 +25,17 @@ def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     if not path.is_file():
         return {}
     table, found = reference(path), {}
-    times = next(iter(table.values())) * real(keys["gauges.time_unit"])
-    for kind, (key, unit) in KINDS.items():
+    times = next(iter(table.values())) * unit(keys, "time_unit")
+    for kind, (key, its_unit) in KINDS.items():
         for number, name in enumerate(listed(keys.get(f"gauges.{key}", "")), 1):
             if name in table:
-                found[kind if kind == "front" else f"{kind}_{number}"] = times, table[name] * real(keys[f"gauges.{unit}"])
+                found[kind if kind == "front" else f"{kind}_{number}"] = times, table[name] * unit(keys, its_unit)
     return found
+
+
+def unit(keys: dict[str, str], name: str) -> float:
+    """What is 1 in the file, in SI units; an expert's key."""
+    return real(keys[f"expert.{name}"])
 
 
 def listed(text: str) -> list[str]:
