@@ -214,6 +214,34 @@ struct motion_reader {
   }
 };
 
+void declare_pieces(namelist::schema& schema, options& o) {
+  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
+    return list(most_pieces, unit, meaning, minimum);
+  };
+  schema.group("solids", "bodies in the box, made of pieces: an element of each list for each piece");
+  schema.add("solids", "body", o.body,
+             names(most_pieces, {}, "name of the body that the piece belongs to; none: 'solid'"));
+  schema.add("solids", "shape", o.shape,
+             names(most_pieces, {"plane", "box", "sphere", "cylinder", "cone", "bowl", "file"},
+                   "of the piece, upright before it is turned; plane: all below its centre; cone: centre of its base;"
+                   " bowl: lower half of a hollow sphere; in 2-D sections through the axis"));
+  schema.add("solids", "operation", o.operation,
+             names(most_pieces, {"union", "difference", "intersection"},
+                   "with the pieces of its body before it; difference: what it covers is taken away"));
+  schema.add("solids", "solid", o.solid, names(most_pieces, {"inside", "outside"}, "where the piece is solid"));
+  declare_axes(schema, "solids", "centre", o.centre,
+               numbers("m", "where the piece stands; of a file: where its origin is"));
+  declare_axes(schema, "solids", "angle", o.angle,
+               numbers("degrees", "turned by, about its centre: x first, then y, then z"));
+  declare_axes(schema, "solids", "length", o.length, numbers("m", "of a box", 0.0));
+  schema.add("solids", "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
+  schema.add("solids", "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
+  schema.add("solids", "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
+  schema.add("solids", "file", o.file,
+             names(most_pieces, {}, "an STL file: a closed surface, normals outwards (3-D only)"));
+  schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
+}
+
 void declare_motions(namelist::schema& schema, motion_options& m) {
   const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
     return list(most_motions, unit, meaning, minimum);
@@ -245,36 +273,8 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
 }  // namespace
 
 void declare(namelist::schema& schema, options& o, motion_options& m) {
-  declare(schema, o);
+  declare_pieces(schema, o);
   declare_motions(schema, m);
-}
-
-void declare(namelist::schema& schema, options& o) {
-  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
-    return list(most_pieces, unit, meaning, minimum);
-  };
-  schema.group("solids", "bodies in the box, made of pieces: an element of each list for each piece");
-  schema.add("solids", "body", o.body,
-             names(most_pieces, {}, "name of the body that the piece belongs to; none: 'solid'"));
-  schema.add("solids", "shape", o.shape,
-             names(most_pieces, {"plane", "box", "sphere", "cylinder", "cone", "bowl", "file"},
-                   "of the piece, upright before it is turned; plane: all below its centre; cone: centre of its base;"
-                   " bowl: lower half of a hollow sphere; in 2-D sections through the axis"));
-  schema.add("solids", "operation", o.operation,
-             names(most_pieces, {"union", "difference", "intersection"},
-                   "with the pieces of its body before it; difference: what it covers is taken away"));
-  schema.add("solids", "solid", o.solid, names(most_pieces, {"inside", "outside"}, "where the piece is solid"));
-  declare_axes(schema, "solids", "centre", o.centre,
-               numbers("m", "where the piece stands; of a file: where its origin is"));
-  declare_axes(schema, "solids", "angle", o.angle,
-               numbers("degrees", "turned by, about its centre: x first, then y, then z"));
-  declare_axes(schema, "solids", "length", o.length, numbers("m", "of a box", 0.0));
-  schema.add("solids", "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
-  schema.add("solids", "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
-  schema.add("solids", "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
-  schema.add("solids", "file", o.file,
-             names(most_pieces, {}, "an STL file: a closed surface, normals outwards (3-D only)"));
-  schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
 }
 
 template <int D>

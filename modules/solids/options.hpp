@@ -39,8 +39,6 @@ struct free_options {
 
 // Declares groups &solids and &motions.
 void declare(namelist::schema& schema, options& o, motion_options& m);
-// &solids alone: bodies that stand still.
-void declare(namelist::schema& schema, options& o);
 
 // Files are looked for from `folder`. What cannot be is an error of status bad_input, at its key and with the number of
 // the piece. One body for each name, in the order in which names appear.

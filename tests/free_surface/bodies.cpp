@@ -28,8 +28,6 @@ std::string blob(const std::string& motion, const std::string& more = "") {
          motion + "/ &gauges force = 'box' " + more + "/ &time t_end = 1.0 /";
 }
 
-double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
-
 // Any state: velocities of some m/s, densities some per cent apart.
 template <int D>
 void disturb(scene<D>& scene) {

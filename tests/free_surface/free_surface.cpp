@@ -26,11 +26,6 @@ const std::string block_in_the_middle =
     "&flow low_x = 0.5 high_x = 1.5 low_y = 0.75 high_y = 1.25 gravity = 0.0 sound_speed = 20.0 viscosity = 3.0 /"
     "&time t_end = 1.0 /";
 
-std::string tank(const std::string& flow, const std::string& more = "") {
-  return "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 " + more + "/ &flow " + flow +
-         " / &time t_end = 1.0 /";
-}
-
 // 1 in the continuum; what lattices lack along the axes they have across.
 double shear_of_lattice(const pairs::workspace<2>& w) {
   double sum = 0.0;
@@ -43,8 +38,6 @@ double shear_of_lattice(const pairs::workspace<2>& w) {
     }
   return sum;
 }
-
-double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
 
 }  // namespace
 
@@ -247,139 +240,6 @@ BOOST_AUTO_TEST_CASE(shifting) {
   BOOST_TEST(disorder() < 0.5 * first);
 }
 
-// On a lattice in hydrostatic balance gauges on walls, in corners and in the water read the lattice sums' own measure
-// of the pressure, which is 0.997 of it.
-BOOST_AUTO_TEST_CASE(gauges) {
-  scene<2> scene(tank("high_y = 1.5 sound_factor = 100.0"));
-  refresh(*scene.f);
-  for (const auto& [place, depth] :
-       {std::pair{point{0.3, 0.0, 0.0}, 1.5}, std::pair{point{2.0, 0.41, 0.0}, 1.09},
-        std::pair{point{0.0, 0.0, 0.0}, 1.5 - 0.1 / 3.0}, std::pair{point{1.0, 0.77, 0.0}, 0.5 * (0.73 + 0.75)}})
-    BOOST_TEST(pressure_at(*scene.f, place) == 0.9974 * 9810.0 * depth, tt::tolerance(2e-3));
-  BOOST_TEST(pressure_at(*scene.f, {1.0, 1.9, 0.0}) == 0.0);
-  for (const double x : {0.0, 0.02, 0.7, 2.0})
-    BOOST_TEST(depth_at(*scene.f, {x, 0.0, 0.0}) == 1.5, tt::tolerance(1e-12));
-  BOOST_TEST(front_of(*scene.f) == 2.0, tt::tolerance(1e-12));
-}
-
-// Water that rests under its weight has dp/dd = ρ g at any depth, and no pressure at the surface.
-BOOST_AUTO_TEST_CASE(water_beneath_water) {
-  for (const std::int64_t exponent : {1, 2, 7}) {
-    const liquid w{1000.0, 20.0, exponent};
-    const auto pressure = [&](double depth) { return w.pressure(w.density_beneath(9.81 * depth)); };
-    BOOST_TEST(w.density_beneath(0.0) == 1000.0);
-    for (const double depth : {0.1, 1.0, 3.0}) {
-      const double d = 1e-3, slope = (pressure(depth + d) - pressure(depth - d)) / (2.0 * d);
-      BOOST_TEST(slope == 9.81 * w.density_beneath(9.81 * depth), tt::tolerance(1e-7));
-    }
-  }
-}
-
-// Deeper than three rows still water starts balanced, but for the lattice sum -Σ V F y², which is 0.9992, and what the
-// sums make of a density that falls by a hundredth over the depth.
-BOOST_AUTO_TEST_CASE(balanced_start) {
-  scene<2> scene(
-      "&domain length_x = 1.0 length_y = 1.5 particles_x = 20 particles_y = 30 / &flow high_y = 1.0 / &kernel "
-      "h_over_dx "
-      "= 2.0 / &walls slip_top = 'free_surface' / &time t_end = 1.0 /");
-  const auto rate = scene.rates();
-  const auto& s = scene.particles();
-  double deep = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    if (s.x[1][i] < 0.85) deep = std::max(deep, std::abs(rate[3][i]));
-    BOOST_TEST(std::abs(rate[2][i]) < 1e-9 * 9.81);
-  }
-  BOOST_TEST(scene.f->ranks().maximum(deep) < 0.002 * 9.81);
-}
-
-namespace {
-
-// Of waves on a square lattice under pressure, the smallest stiffness across Σ F x sin(k·x), along which compression is
-// stiff anyway: Σ (1 - cos k·x) ∇∇W, over the kernel's own scale (docs/theory/free_surface.md).
-double least_stiffness_of_lattice(double h_over_dx) {
-  const kernels::wendland_c2<2> kernel(2.0 * h_over_dx);
-  const auto stiffness = [&](double kx, double ky) {
-    std::array<double, 3> M{};
-    std::array<double, 2> q{};
-    const int far = static_cast<int>(2.0 * h_over_dx);
-    for (int i = -far; i <= far; ++i)
-      for (int j = -far; j <= far; ++j) {
-        const double x = i, y = j, r = std::hypot(x, y), d = 1e-5;
-        if (r == 0.0 || r >= 2.0 * h_over_dx) continue;
-        const double F = kernel.gradient_over_r(r), phase = kx * x + ky * y, moves = 1.0 - std::cos(phase);
-        const double per_r = (kernel.gradient_over_r(r + d) - kernel.gradient_over_r(r - d)) / (2.0 * d * r);
-        M[0] += moves * (F + per_r * x * x);
-        M[1] += moves * per_r * x * y;
-        M[2] += moves * (F + per_r * y * y);
-        q[0] += F * x * std::sin(phase);
-        q[1] += F * y * std::sin(phase);
-      }
-    const double length = std::hypot(q[0], q[1]);
-    if (length < 1e-9) return smallest_eigenvalue(M);
-    const double sx = -q[1] / length, sy = q[0] / length;
-    return M[0] * sx * sx + 2.0 * M[1] * sx * sy + M[2] * sy * sy;
-  };
-  double least = 1.0;
-  for (int i = 0; i <= 16; ++i)
-    for (int j = i == 0 ? 1 : 0; j <= 16; ++j)
-      least = std::min(least, stiffness(std::numbers::pi * i / 16.0, std::numbers::pi * j / 16.0));
-  return least;
-}
-
-}  // namespace
-
-// Still water stays on a square lattice with h = 2 Δx, not with h = 1.5 Δx.
-BOOST_AUTO_TEST_CASE(lattices_that_stay) {
-  BOOST_TEST(least_stiffness_of_lattice(2.0) > 0.0);
-  BOOST_TEST(least_stiffness_of_lattice(1.5) < 0.0);
-}
-
-BOOST_AUTO_TEST_CASE(gauges_in_three_dimensions) {
-  scene<3> scene(
-      "&domain dimension = 3 length_x = 0.6 length_y = 0.8 length_z = 0.6 particles_x = 12 particles_y = 16 "
-      "particles_z = 12 / &flow high_y = 0.6 sound_factor = 100.0 / &time t_end = 1.0 /");
-  refresh(*scene.f);
-  for (const point place : {point{0.3, 0.0, 0.27}, point{0.6, 0.21, 0.31}, point{0.6, 0.3, 0.6}, point{0.31, 0.3, 0.3}})
-    BOOST_TEST(pressure_at(*scene.f, place) == 9810.0 * (0.6 - place[1]), tt::tolerance(0.01));
-}
-
-// What gauges a spacing apart along walls read adds up to the force on the water, dense or sparse: against the box's
-// left side, and where a body ends the tank against that. Without gravity: the weight in the images of a rough floor
-// pushes along it.
-BOOST_AUTO_TEST_CASE(gauges_add_up_to_forces) {
-  for (const bool body : {false, true}) {
-    scene<2> scene(tank("high_x = 1.0 high_y = 0.75 alpha = 0.0 gravity = 0.0 sound_speed = 20.0", "jitter = 0.3 ") +
-                   (body ? " &solids shape = 'box' centre_x = 1.5 length_x = 1.0 length_y = 9.0 /" : ""));
-    auto& s = scene.particles();
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      s.rho[i] *= 1.02 + 0.02 * noise(s.id[i], 3);
-      s.m[i] *= 1.0 + 0.3 * noise(s.id[i], 4);  // sparse here and there
-    }
-    scene.rebuild();  // ghosts have new masses, too
-    const auto rate = scene.rates();
-    const auto force = scene.sum([&](std::size_t i) { return s.m[i] * rate[2][i]; });
-    double read = 0.0;
-    for (int n = 0; n < 40; ++n) {
-      const double y = 0.05 * (n + 0.5);
-      read += 0.05 * pressure_at(*scene.f, {0.0, y, 0.0});
-      if (body) read -= 0.05 * pressure_at(*scene.f, {1.0, y, 0.0});
-    }
-    BOOST_TEST(force == read, tt::tolerance(1e-9));
-    BOOST_TEST(std::abs(force) > 10.0);
-  }
-}
-
-// Blocks upon each other hang together: one surface.
-BOOST_AUTO_TEST_CASE(hydrostatic_start) {
-  scene<2> scene(tank("low_y = 0.0, 0.5 high_x = 1.0, 0.5 high_y = 0.5, 1.0"));
-  auto& s = scene.particles();
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const double top = s.x[0][i] < 0.5 ? 1.0 : 0.5;
-    BOOST_TEST(s.rho[i] == scene.p.water.density_beneath(9.81 * (top - s.x[1][i])), tt::tolerance(1e-14));
-  }
-  BOOST_TEST(scene.sum([](std::size_t) { return 1.0; }) == 300.0);
-}
-
 BOOST_AUTO_TEST_CASE(exact_solutions) {
   const standing_wave wave{std::numbers::pi, 1.0, 9.81, 0.05};
   BOOST_TEST(wave.period() == 1.13391748, tt::tolerance(1e-8));
@@ -389,45 +249,6 @@ BOOST_AUTO_TEST_CASE(exact_solutions) {
     BOOST_TEST(axes.b == b, tt::tolerance(1e-3));
     BOOST_TEST(axes.a * axes.b == 1.0, tt::tolerance(1e-9));
   }
-}
-
-BOOST_AUTO_TEST_CASE(curves) {
-  const series run{{0.0, 1.0, 2.0, 4.0}, {0.0, 2.0, 2.0, 6.0}};
-  BOOST_TEST(*value_at(run, 3.0) == 4.0);
-  BOOST_TEST(!value_at(run, 4.1));
-  BOOST_TEST(*first_above(run, 1.0) == 0.5);
-  BOOST_TEST(!first_above(run, 6.0));
-  BOOST_TEST(integral(run, 0.5, 3.0) == 0.75 + 2.0 + 3.0);
-  BOOST_TEST(*rms_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == std::sqrt(0.5));
-  BOOST_TEST(mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
-  series wave;
-  for (int k = 0; k < 4000; ++k) {
-    const double t = 0.002 * k;
-    wave.time.push_back(t);
-    wave.value.push_back(std::exp(-0.1 * t) * std::cos(5.0 * t));
-  }
-  const auto measured = measured_oscillation(wave);
-  BOOST_TEST(*measured.period == 0.4 * std::numbers::pi, tt::tolerance(1e-6));
-  BOOST_TEST(*measured.decay == 0.1, tt::tolerance(1e-4));
-}
-
-BOOST_AUTO_TEST_CASE(tables) {
-  const std::string path =
-      TETSUAME_BINARY_DIR "/tests/curves_" + std::to_string(domain::communicator::world().rank) + ".csv";
-  const auto read = [&](const std::string& text) {
-    std::ofstream(path) << text;
-    return read_table(path);
-  };
-  const auto t = read("# source\nt, a,b\n0.0,1, 2\n1e-1,-3,4\r\n");
-  BOOST_TEST(*t.place("b") == 2U);
-  BOOST_TEST(!t.place("c"));
-  BOOST_TEST(t.columns[1][1] == -3.0);
-  for (const auto& [text, says] :
-       {std::pair{"t,a\n0,1\n1\n", ":3: expected 2 numbers, found 1"},
-        std::pair{"t,a\n0,x\n1,2\n", ":2: expected a number, found 'x'"},
-        std::pair{"t,a\n1,1\n1,2\n", ":3: expected a later time"}, std::pair{"t,a\n1,1\n", "two lines"}})
-    BOOST_CHECK_EXCEPTION(read(text), foundation::error,
-                          [&](const auto& e) { return std::string(e.what()).find(says) != std::string::npos; });
 }
 
 namespace {

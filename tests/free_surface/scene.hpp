@@ -1,23 +1,20 @@
 // What the tests of water share: an input as a scene of its own.
 #pragma once
 
-#include <mpi.h>
-
+#include <cmath>
+#include <cstdint>
 #include <free_surface/loads.hpp>
 #include <free_surface/start.hpp>
 #include <namelist/document.hpp>
 #include <optional>
 #include <run/passes.hpp>
+#include <string>
+
+#include "../support/mpi.hpp"
 
 namespace tetsuame::free_surface {
 
-struct mpi_environment {
-  mpi_environment() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  }
-  ~mpi_environment() { MPI_Finalize(); }
-};
+using test::mpi_environment;
 
 // An input, and what begins with it, with lists.
 template <int D>
@@ -60,5 +57,14 @@ struct scene {
     return f->ranks().exact(all);
   }
 };
+
+// Two metres square, of forty spacings.
+inline std::string tank(const std::string& flow, const std::string& more = "") {
+  return "&domain length_x = 2.0 length_y = 2.0 particles_x = 40 particles_y = 40 " + more + "/ &flow " + flow +
+         " / &time t_end = 1.0 /";
+}
+
+// Within [-1, 1], of a particle's number.
+inline double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
 
 }  // namespace tetsuame::free_surface

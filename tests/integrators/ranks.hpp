@@ -2,21 +2,15 @@
 // known by a global number and spread over the ranks at will.
 #pragma once
 
-#include <mpi.h>
-
 #include <algorithm>
 #include <bit>
 #include <boost/test/unit_test.hpp>
 #include <cstdint>
 #include <vector>
 
-struct mpi_environment {
-  mpi_environment() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  }
-  ~mpi_environment() { MPI_Finalize(); }
-};
+#include "../support/mpi.hpp"
+
+using tetsuame::test::mpi_environment;
 BOOST_TEST_GLOBAL_FIXTURE(mpi_environment);
 
 inline int rank_of(MPI_Comm communicator) {

@@ -1,9 +1,9 @@
 // A run whose numbers are not finite has not completed; what may change at a restart.
-#include <mpi.h>
-
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <run/summary.hpp>
+
+#include "../support/mpi.hpp"
 
 using namespace tetsuame;
 using run::first_not_finite;
@@ -11,10 +11,7 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-struct mpi_environment {
-  mpi_environment() { MPI_Init(nullptr, nullptr); }
-  ~mpi_environment() { MPI_Finalize(); }
-};
+using test::mpi_environment;
 BOOST_TEST_GLOBAL_FIXTURE(mpi_environment);
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

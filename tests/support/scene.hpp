@@ -3,8 +3,6 @@
 // particle's ID alone, so that every decomposition sees the same particles.
 #pragma once
 
-#include <mpi.h>
-
 #include <bit>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
@@ -13,15 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace tetsuame::test {
+#include "mpi.hpp"
 
-struct mpi_environment {
-  mpi_environment() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-  }
-  ~mpi_environment() { MPI_Finalize(); }
-};
+namespace tetsuame::test {
 
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 

@@ -1,0 +1,102 @@
+// Gauges of water: what they read, and the curves that they are held against.
+#include <boost/test/unit_test.hpp>
+#include <free_surface/gauges.hpp>
+#include <free_surface/measures.hpp>
+#include <free_surface/reference.hpp>
+#include <free_surface/traction.hpp>
+#include <fstream>
+
+#include "scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::free_surface;
+namespace tt = boost::test_tools;
+
+// On a lattice in hydrostatic balance gauges on walls, in corners and in the water read the lattice sums' own measure
+// of the pressure, which is 0.997 of it.
+BOOST_AUTO_TEST_CASE(gauges) {
+  scene<2> scene(tank("high_y = 1.5 sound_factor = 100.0"));
+  refresh(*scene.f);
+  for (const auto& [place, depth] :
+       {std::pair{point{0.3, 0.0, 0.0}, 1.5}, std::pair{point{2.0, 0.41, 0.0}, 1.09},
+        std::pair{point{0.0, 0.0, 0.0}, 1.5 - 0.1 / 3.0}, std::pair{point{1.0, 0.77, 0.0}, 0.5 * (0.73 + 0.75)}})
+    BOOST_TEST(pressure_at(*scene.f, place) == 0.9974 * 9810.0 * depth, tt::tolerance(2e-3));
+  BOOST_TEST(pressure_at(*scene.f, {1.0, 1.9, 0.0}) == 0.0);
+  for (const double x : {0.0, 0.02, 0.7, 2.0})
+    BOOST_TEST(depth_at(*scene.f, {x, 0.0, 0.0}) == 1.5, tt::tolerance(1e-12));
+  BOOST_TEST(front_of(*scene.f) == 2.0, tt::tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(gauges_in_three_dimensions) {
+  scene<3> scene(
+      "&domain dimension = 3 length_x = 0.6 length_y = 0.8 length_z = 0.6 particles_x = 12 particles_y = 16 "
+      "particles_z = 12 / &flow high_y = 0.6 sound_factor = 100.0 / &time t_end = 1.0 /");
+  refresh(*scene.f);
+  for (const point place : {point{0.3, 0.0, 0.27}, point{0.6, 0.21, 0.31}, point{0.6, 0.3, 0.6}, point{0.31, 0.3, 0.3}})
+    BOOST_TEST(pressure_at(*scene.f, place) == 9810.0 * (0.6 - place[1]), tt::tolerance(0.01));
+}
+
+// What gauges a spacing apart along walls read adds up to the force on the water, dense or sparse: against the box's
+// left side, and where a body ends the tank against that. Without gravity: the weight in the images of a rough floor
+// pushes along it.
+BOOST_AUTO_TEST_CASE(gauges_add_up_to_forces) {
+  for (const bool body : {false, true}) {
+    scene<2> scene(tank("high_x = 1.0 high_y = 0.75 alpha = 0.0 gravity = 0.0 sound_speed = 20.0", "jitter = 0.3 ") +
+                   (body ? " &solids shape = 'box' centre_x = 1.5 length_x = 1.0 length_y = 9.0 /" : ""));
+    auto& s = scene.particles();
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      s.rho[i] *= 1.02 + 0.02 * noise(s.id[i], 3);
+      s.m[i] *= 1.0 + 0.3 * noise(s.id[i], 4);  // sparse here and there
+    }
+    scene.rebuild();  // ghosts have new masses, too
+    const auto rate = scene.rates();
+    const auto force = scene.sum([&](std::size_t i) { return s.m[i] * rate[2][i]; });
+    double read = 0.0;
+    for (int n = 0; n < 40; ++n) {
+      const double y = 0.05 * (n + 0.5);
+      read += 0.05 * pressure_at(*scene.f, {0.0, y, 0.0});
+      if (body) read -= 0.05 * pressure_at(*scene.f, {1.0, y, 0.0});
+    }
+    BOOST_TEST(force == read, tt::tolerance(1e-9));
+    BOOST_TEST(std::abs(force) > 10.0);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(curves) {
+  const series run{{0.0, 1.0, 2.0, 4.0}, {0.0, 2.0, 2.0, 6.0}};
+  BOOST_TEST(*value_at(run, 3.0) == 4.0);
+  BOOST_TEST(!value_at(run, 4.1));
+  BOOST_TEST(*first_above(run, 1.0) == 0.5);
+  BOOST_TEST(!first_above(run, 6.0));
+  BOOST_TEST(integral(run, 0.5, 3.0) == 0.75 + 2.0 + 3.0);
+  BOOST_TEST(*rms_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == std::sqrt(0.5));
+  BOOST_TEST(mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
+  series wave;
+  for (int k = 0; k < 4000; ++k) {
+    const double t = 0.002 * k;
+    wave.time.push_back(t);
+    wave.value.push_back(std::exp(-0.1 * t) * std::cos(5.0 * t));
+  }
+  const auto measured = measured_oscillation(wave);
+  BOOST_TEST(*measured.period == 0.4 * std::numbers::pi, tt::tolerance(1e-6));
+  BOOST_TEST(*measured.decay == 0.1, tt::tolerance(1e-4));
+}
+
+BOOST_AUTO_TEST_CASE(tables) {
+  const std::string path =
+      TETSUAME_BINARY_DIR "/tests/curves_" + std::to_string(domain::communicator::world().rank) + ".csv";
+  const auto read = [&](const std::string& text) {
+    std::ofstream(path) << text;
+    return read_table(path);
+  };
+  const auto t = read("# source\nt, a,b\n0.0,1, 2\n1e-1,-3,4\r\n");
+  BOOST_TEST(*t.place("b") == 2U);
+  BOOST_TEST(!t.place("c"));
+  BOOST_TEST(t.columns[1][1] == -3.0);
+  for (const auto& [text, says] :
+       {std::pair{"t,a\n0,1\n1\n", ":3: expected 2 numbers, found 1"},
+        std::pair{"t,a\n0,x\n1,2\n", ":2: expected a number, found 'x'"},
+        std::pair{"t,a\n1,1\n1,2\n", ":3: expected a later time"}, std::pair{"t,a\n1,1\n", "two lines"}})
+    BOOST_CHECK_EXCEPTION(read(text), foundation::error,
+                          [&](const auto& e) { return std::string(e.what()).find(says) != std::string::npos; });
+}

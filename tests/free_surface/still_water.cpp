@@ -1,0 +1,93 @@
+// Water that starts at rest: its density, its balance, lattices on which it stays.
+#include <boost/test/unit_test.hpp>
+#include <free_surface/eigenvalue.hpp>
+#include <numbers>
+
+#include "scene.hpp"
+
+using namespace tetsuame;
+using namespace tetsuame::free_surface;
+namespace tt = boost::test_tools;
+
+// Water that rests under its weight has dp/dd = ρ g at any depth, and no pressure at the surface.
+BOOST_AUTO_TEST_CASE(water_beneath_water) {
+  for (const std::int64_t exponent : {1, 2, 7}) {
+    const liquid w{1000.0, 20.0, exponent};
+    const auto pressure = [&](double depth) { return w.pressure(w.density_beneath(9.81 * depth)); };
+    BOOST_TEST(w.density_beneath(0.0) == 1000.0);
+    for (const double depth : {0.1, 1.0, 3.0}) {
+      const double d = 1e-3, slope = (pressure(depth + d) - pressure(depth - d)) / (2.0 * d);
+      BOOST_TEST(slope == 9.81 * w.density_beneath(9.81 * depth), tt::tolerance(1e-7));
+    }
+  }
+}
+
+// Deeper than three rows still water starts balanced, but for the lattice sum -Σ V F y², which is 0.9992, and what the
+// sums make of a density that falls by a hundredth over the depth.
+BOOST_AUTO_TEST_CASE(balanced_start) {
+  scene<2> scene(
+      "&domain length_x = 1.0 length_y = 1.5 particles_x = 20 particles_y = 30 / &flow high_y = 1.0 / &kernel "
+      "h_over_dx "
+      "= 2.0 / &walls slip_top = 'free_surface' / &time t_end = 1.0 /");
+  const auto rate = scene.rates();
+  const auto& s = scene.particles();
+  double deep = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    if (s.x[1][i] < 0.85) deep = std::max(deep, std::abs(rate[3][i]));
+    BOOST_TEST(std::abs(rate[2][i]) < 1e-9 * 9.81);
+  }
+  BOOST_TEST(scene.f->ranks().maximum(deep) < 0.002 * 9.81);
+}
+
+namespace {
+
+// Of waves on a square lattice under pressure, the smallest stiffness across Σ F x sin(k·x), along which compression is
+// stiff anyway: Σ (1 - cos k·x) ∇∇W, over the kernel's own scale (docs/theory/free_surface.md).
+double least_stiffness_of_lattice(double h_over_dx) {
+  const kernels::wendland_c2<2> kernel(2.0 * h_over_dx);
+  const auto stiffness = [&](double kx, double ky) {
+    std::array<double, 3> M{};
+    std::array<double, 2> q{};
+    const int far = static_cast<int>(2.0 * h_over_dx);
+    for (int i = -far; i <= far; ++i)
+      for (int j = -far; j <= far; ++j) {
+        const double x = i, y = j, r = std::hypot(x, y), d = 1e-5;
+        if (r == 0.0 || r >= 2.0 * h_over_dx) continue;
+        const double F = kernel.gradient_over_r(r), phase = kx * x + ky * y, moves = 1.0 - std::cos(phase);
+        const double per_r = (kernel.gradient_over_r(r + d) - kernel.gradient_over_r(r - d)) / (2.0 * d * r);
+        M[0] += moves * (F + per_r * x * x);
+        M[1] += moves * per_r * x * y;
+        M[2] += moves * (F + per_r * y * y);
+        q[0] += F * x * std::sin(phase);
+        q[1] += F * y * std::sin(phase);
+      }
+    const double length = std::hypot(q[0], q[1]);
+    if (length < 1e-9) return smallest_eigenvalue(M);
+    const double sx = -q[1] / length, sy = q[0] / length;
+    return M[0] * sx * sx + 2.0 * M[1] * sx * sy + M[2] * sy * sy;
+  };
+  double least = 1.0;
+  for (int i = 0; i <= 16; ++i)
+    for (int j = i == 0 ? 1 : 0; j <= 16; ++j)
+      least = std::min(least, stiffness(std::numbers::pi * i / 16.0, std::numbers::pi * j / 16.0));
+  return least;
+}
+
+}  // namespace
+
+// Still water stays on a square lattice with h = 2 Δx, not with h = 1.5 Δx.
+BOOST_AUTO_TEST_CASE(lattices_that_stay) {
+  BOOST_TEST(least_stiffness_of_lattice(2.0) > 0.0);
+  BOOST_TEST(least_stiffness_of_lattice(1.5) < 0.0);
+}
+
+// Blocks upon each other hang together: one surface.
+BOOST_AUTO_TEST_CASE(hydrostatic_start) {
+  scene<2> scene(tank("low_y = 0.0, 0.5 high_x = 1.0, 0.5 high_y = 0.5, 1.0"));
+  auto& s = scene.particles();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const double top = s.x[0][i] < 0.5 ? 1.0 : 0.5;
+    BOOST_TEST(s.rho[i] == scene.p.water.density_beneath(9.81 * (top - s.x[1][i])), tt::tolerance(1e-14));
+  }
+  BOOST_TEST(scene.sum([](std::size_t) { return 1.0; }) == 300.0);
+}
