@@ -238,7 +238,7 @@ class flow : public run::problem_in_a_box<D> {
     time_ = from.reals.at("time");
     if (!f_.moving.empty()) restore_bodies(f_, from.blobs.at("bodies"), time_);
     const auto& e = from.blobs.at("first_energies");
-    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.size() > 4 ? e[4] : 0.0};
+    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.at(4)};
   }
 
  protected:
