@@ -84,7 +84,6 @@ QUESTIONS = (
              lambda one: ", ".join(f"{value:.4f}" for value in (one["semi_axes"] or {}).values()) + " m"),
     Question("elliptical_drop", 50, "energy", 0.02, lambda one: one["energy"]),
     Question("dam_break_front", 60, "front: rms over H until the wall", 0.03, lambda one: metric(one, "front_rms_over_height")),
-    Question("dam_break_gate", 60, "front: rms over H until the wall", 0.03, lambda one: metric(one, "front_rms_over_height")),
     *(make("dam_break_2d", 60, k, f"sensor {k}") for make in (arrival, impulse) for k in (1, 2)),
     *(make("dam_break_box", 100, k, f"P{k}") for make in (arrival, impulse) for k in (1, 2)),
     depth(2, 100, 0.06), depth(4, 100, 0.06), *(depth(k, 50, 0.1, 4.0) for k in (1, 2, 3, 4)),
@@ -92,7 +91,7 @@ QUESTIONS = (
 
 # Errors over resolution, of those that are no yes or no.
 QUANTITIES = {"standing_wave": ("period", "decay of energy"), "elliptical_drop": ("longer semi-axis", "energy"),
-              "dam_break_front": ("front",), "dam_break_gate": ("front",), "dam_break_martin_moyce": ("front",),
+              "dam_break_front": ("front",), "dam_break_martin_moyce": ("front",),
               "dam_break_2d": tuple(f"{what} {k}" for what in ("arrival", "impulse") for k in (1, 2, 3, 4)),
               "dam_break_box": tuple(f"{what} P{k}" for what in ("arrival", "impulse") for k in (1, 2))}  # depths: until other times
 
@@ -103,7 +102,7 @@ def errors(one: dict) -> dict[str, float | None]:
         return {"period": against("period", "_theory")(one), "decay of energy": against("energy_decay", "_theory")(one)}
     if case == "elliptical_drop":
         return {"longer semi-axis": semi_axis(one), "energy": one["energy"]}
-    if case in ("dam_break_front", "dam_break_gate", "dam_break_martin_moyce"):
+    if case in ("dam_break_front", "dam_break_martin_moyce"):
         return {"front": metric(one, "front_rms_over_height")}
     found = {}
     for what in QUANTITIES.get(case, ()):
