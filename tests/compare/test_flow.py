@@ -7,7 +7,7 @@ import unittest.mock
 from pathlib import Path
 
 import numpy as np
-from tetsuame import gauges, plots, runs, scene
+from tetsuame import gauges, movie, plots, runs, scene
 from tetsuame.compare import flow as subject
 from tetsuame.compare import flow_bodies as bodies
 from tetsuame.compare import flow_bodies_figures as body_figures
@@ -136,6 +136,23 @@ class Scene(unittest.TestCase):
         np.testing.assert_allclose(values[:, 10:30], 2.0)
         slopes = scene.slope(smooth, 1)
         self.assertLess(np.abs(slopes[:, 10:30]).max(), 0.2)
+
+    def test_views_of_a_run(self):
+        """plot and movie: a block of water in the box's lower half, and one cut open."""
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        folder = write_run(Path(scratch.name, "run"))
+        places = (np.stack(np.meshgrid(*[np.arange(6) + 0.5] * 3), 3).reshape(-1, 3)) / 6
+        for number, time in enumerate((0.0, 0.5, 1.0)):
+            write_snapshot(folder / f"snapshot_{number:04d}.h5", time, places[places[:, 1] < 0.5], length=1.0,
+                           Pressure=np.arange(108.0), FreeSurface=np.zeros(108), Volume=np.full(108, 1 / 216))
+        snapshots = runs.Run(folder).snapshots
+        whole, cut = (scene.picture(snapshots[0], 60, 1.0, z)[0][..., 3].sum() for z in (None, 0.5))
+        self.assertGreater(whole, 1.2 * cut)
+        self.assertGreater(cut, 0.3 * whole)
+        frames = list(movie.views(snapshots, 100, 1.0))
+        self.assertEqual([frame.shape for frame in frames], [frames[0].shape] * 3)
+        self.assertIn("view", [path.stem for path in plots.make(runs.Run(folder), folder / "plots")])
 
     def test_lines_behind_the_box_come_first(self):
         eye = scene.Eye((0, 0, 0), (1, 1, 1), 100)

@@ -1,8 +1,6 @@
 """Water in three dimensions: pictures and movies of the comparison of water with a free surface."""
 from pathlib import Path
 
-import numpy as np
-
 from .. import movie, pages, plots, scene, style
 from .flow_figures import RATE, at_times, finest
 from .outcomes import Outcome
@@ -37,15 +35,5 @@ def moving(outcome: Outcome | None, target: Path, fastest: float = FASTEST, cut:
     if outcome is None:
         return ""
 
-    def frames():
-        tall = scene.tall(outcome.snapshots[0])
-        for snapshot in outcome.snapshots:
-            figure, ax = style.plt.subplots(figsize=(MOVIE_COLUMNS / 100, MOVIE_COLUMNS / 100 * tall + 0.3), dpi=100)
-            scene.draw(ax, snapshot, MOVIE_COLUMNS, fastest, cut)
-            ax.set_title(plots.when(snapshot))
-            figure.canvas.draw()
-            yield np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
-            style.plt.close(figure)
-
-    movie.write_gif(frames(), target, RATE)
+    movie.write_gif(movie.views(outcome.snapshots, MOVIE_COLUMNS, fastest, cut), target, RATE)
     return pages.movie(target, f"The same, {len(outcome.snapshots)} states (<code>{target.name}</code>).")
