@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <functional>
+#include <map>
 #include <namelist/schema.hpp>
 #include <namelist/text.hpp>
 #include <stdexcept>
@@ -128,6 +130,13 @@ std::string absent(const context& c) {
   return c.to.info.choices.empty() ? "" : c.to.info.choices.front();
 }
 
+// With a repeat count each value counts as often; nulls count too, and keep what is there.
+std::uint64_t size_of(const assignment& from) {
+  std::uint64_t size = 0;
+  for (const value& v : from.values) size += v.repeat;
+  return size;
+}
+
 template <class T>
 void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
   const elements e = addressed(c);
@@ -166,6 +175,31 @@ std::size_t array_size(const T&) {
 template <class T>
 std::size_t array_size(const std::vector<T>& list) {
   return list.size();
+}
+
+// What --set gives a whole array takes the place of all that the file says of it, also where it is shorter. Of each
+// array with its default: makes what stands behind so many elements the default again.
+using shortening = std::function<void(std::size_t)>;
+
+template <class T>
+shortening shortened(T*) {
+  return {};
+}
+template <class T>
+shortening shortened(std::vector<T>* list) {
+  return [list, whole = *list](std::size_t count) {
+    if (list->size() > count) list->resize(count);
+    for (std::size_t n = list->size(); n < whole.size(); ++n) list->push_back(whole[n]);
+  };
+}
+
+// Before an assignment of --set.
+void shorten(key& k, const shortening& keep_first, const assignment& from) {
+  if (!keep_first || from.set.empty() || from.index) return;
+  const auto count = static_cast<std::size_t>(size_of(from));
+  keep_first(count);
+  k.filled.resize(std::min(k.filled.size(), count));
+  k.filled.resize(std::visit([](auto* to) { return array_size(*to); }, k.bound), true);
 }
 
 constexpr const char* expert_group = "expert";
@@ -280,11 +314,13 @@ std::string schema::with_group(const std::string& argument) const {
 }
 
 void schema::read(const document& input) {
+  std::map<const key*, shortening> shortenings;
   for (key_group& g : groups_)
     for (key& k : g.keys) {
       k.origin = "default";
       k.given_in.clear();
       k.filled.assign(std::visit([](auto* to) { return array_size(*to); }, k.bound), true);
+      shortenings[&k] = std::visit([](auto* to) { return shortened(to); }, k.bound);
     }
   for (const namelist::group& from : input.groups()) {
     const auto g = find_name(groups_, from.name);
@@ -306,6 +342,7 @@ void schema::read(const document& input) {
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
       const context c{input, a, g->name, *k};
+      shorten(*k, shortenings[k], a);
       std::visit([&](auto* to) { assign(c, *to, k->filled); }, k->bound);
       const auto written =
           std::find_if(a.values.begin(), a.values.end(), [](const value& v) { return v.what != value::kind::null; });

@@ -80,7 +80,8 @@ motion_table read_motion(const std::string& text, const std::string& name) {
   for (std::size_t number = 1; std::getline(in, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     const auto first = line.find_first_not_of(" \t");
-    if (first == std::string::npos || line[first] == '#' || namelist::is_letter(line[first])) continue;
+    if (first == std::string::npos || line[first] == '#') continue;
+    if (table.time.empty() && namelist::is_letter(line[first])) continue;  // names of the columns
     std::array<double, 5> row{};
     std::istringstream words(line);
     std::string word;

@@ -87,8 +87,8 @@ struct motion_table {
   std::array<std::vector<double>, 3> shift;
   std::vector<double> angle;
 };
-// Of lines "t, x, y, z, angle" with at least four of them, times that increase; lines that begin with # or a letter are
-// passed over. Errors of status bad_input name the line.
+// Of lines "t, x, y, z, angle" with at least four of them, times that increase; lines that begin with #, and names
+// before the first of them, are passed over. Errors of status bad_input name the line.
 motion_table read_motion(const std::string& text, const std::string& name);
 
 // Prescribed: A sin(2π t/T + β) in displacement and angle, or by a table, between whose rows cubics without overshoot

@@ -128,6 +128,7 @@ void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
 template <int D>
 void expect_thick(const std::vector<body<D>>& bodies, const lattice<D>& box, double reach) {
   constexpr double opposite = -0.866;  // cosine of 150°
+  constexpr double rounding = 1.0e-6;  // of lengths in STL files, which have single precision
   const auto all = joined(bodies);
   const auto name = [&](const point<D>& x) { return "body '" + bodies[nearest_surface(bodies, x)].name() + "'"; };
   for_each_place(box, [&](std::int64_t, const point<D>& x) {
@@ -136,7 +137,7 @@ void expect_thick(const std::vector<body<D>>& bodies, const lattice<D>& box, dou
     for (const double sign : {1.0, -1.0}) {
       const auto along = sign * s.normal;
       const double length = way(all, s.nearest, along, sign, reach);
-      if (length >= reach) continue;
+      if (length >= reach * (1.0 - rounding)) continue;
       const auto end = s.nearest + length * along;
       const auto facing = all.at(end, 2.0 * reach);
       if (!facing.found || foundation::dot(facing.normal, s.normal) > opposite) continue;

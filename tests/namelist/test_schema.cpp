@@ -124,6 +124,22 @@ BOOST_AUTO_TEST_CASE(overrides_win) {
   BOOST_TEST(!o.periodic);
 }
 
+BOOST_AUTO_TEST_CASE(overrides_of_whole_lists_replace_them) {
+  const std::string file = "&lists times=1,2,3,4 counts=5,6,7 /";
+  BOOST_TEST(read(file, {"lists.counts=8"}).counts == (std::vector<std::int64_t>{8}), per_element());
+  BOOST_TEST(read(file, {"lists.counts=8,9", "lists.counts=1"}).counts == (std::vector<std::int64_t>{1}),
+             per_element());
+  // What has a default has it again, as if the file had said nothing.
+  BOOST_TEST(read(file, {"lists.times=9"}).times == (std::vector<double>{9.0, 1e-300}), per_element());
+  // Elements by their numbers, and nulls, keep the others.
+  BOOST_TEST(read(file, {"lists.counts(2)=8"}).counts == (std::vector<std::int64_t>{5, 8, 7}), per_element());
+  BOOST_TEST(read(file, {"lists.counts=,8"}).counts == (std::vector<std::int64_t>{5, 8}), per_element());
+  BOOST_TEST(read(file, {"lists.counts=8", "lists.counts(2)=9"}).counts == (std::vector<std::int64_t>{8, 9}),
+             per_element());
+  BOOST_TEST(message([&] { read("&lists counts=5 /", {"lists.counts=,,7"}); }) ==
+             "--set lists.counts=,,7: &lists counts: element 2 has neither a value nor a default");
+}
+
 BOOST_AUTO_TEST_CASE(origins) {
   options o;
   auto s = schema_of(o);

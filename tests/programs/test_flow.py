@@ -229,12 +229,15 @@ class Flow(Case):
         write(self.here / "building.stl")
         self.assertEqual((self.here / "building.stl").read_bytes(), (INPUTS / "building.stl").read_bytes())
         self.with_surface(prism(ring(6, 0.3, 0.5, 0.15), -1.0, 2.0))  # passed over without CGAL
-        coarse = {"domain.particles_x": 128, "domain.particles_y": 48, "domain.particles_z": 40, "time.steps": 1, "output.interval": 0}
+        # 0.04 m: columns and floors are as thick as the kernel reaches.
+        coarse = {"domain.particles_x": 90, "domain.particles_y": 36, "domain.particles_z": 30, "time.steps": 1, "output.interval": 0}
         s = self.summary("dam_break_building", coarse)
-        self.assertEqual(s["fluid_particles"], 48 * 24 * 40)
-        # Nine columns of 0.7 m and two floors of 0.8 x 0.8 m, all 0.1 m thick: what of them the lattice has within the kernel's reach.
-        self.assertGreater(s["wall_particles"], 0.8 * (9 * 0.5 * 0.01 + 2 * 0.1 * 0.64) / 0.025**3)
-        self.assertLess(s["wall_particles"], (9 * 0.5 * 0.01 + 2 * 0.1 * 0.64) / 0.025**3 * 1.1)
+        self.assertEqual(s["fluid_particles"], 30 * 21 * 30)
+        # Nine columns, of whose height the floors have 0.24 m, and two floors of 0.84 x 0.84 m, all 0.12 m thick: what of them the lattice has
+        # within the kernel's reach.
+        solid = (9 * 0.6 * 0.12**2 + 2 * 0.12 * 0.84**2) / 0.04**3
+        self.assertGreater(s["wall_particles"], 0.8 * solid)
+        self.assertLess(s["wall_particles"], solid)
         write(self.here / "surface_one.stl", "--bays", 1, 1, "--storeys", 1, "--opening", 0.25, "--thickness", 0.2)
         source = self.here / "one.nml"
         source.write_text(SURFACE.format(file="surface_one.stl", more="centre_x = 0.175 centre_z = 0.175"))

@@ -89,6 +89,7 @@ BOOST_AUTO_TEST_CASE(motion_by_a_table) {
   fails("0, 0, 0, 0, 0, 0\n", "wall.csv:1: expected five numbers");
   fails("0, 0, 0, inf, 0\n", "wall.csv:1: expected five numbers");
   fails("0, 0, 0, 1x, 0\n", "wall.csv:1: expected five numbers");
+  fails("t\n0, 0, 0, 0, 0\nnan, 0, 0, 0, 0\n", "wall.csv:3: expected five numbers");
 }
 
 BOOST_AUTO_TEST_CASE(free_bodies_conserve_momentum) {

@@ -206,8 +206,8 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   all = solids::make_bodies<D>(schema, o.solids);
   auto& motions = std::get<D - 2>(p.motions);
   motions = motions_of<D>(schema, o, all);
-  resolve_body_gauges<D>(schema, o, p, all);
   if (all.empty()) {
+    resolve_body_gauges<D>(schema, o, p, all);
     if (o.flow.around_bodies) schema.fail("flow", "around_bodies", "there are no bodies: &solids");
     return;
   }
@@ -223,6 +223,7 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto with_tank = begun;
   with_tank.push_back(tank_of<D>(o));
   schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
+  resolve_body_gauges<D>(schema, o, p, all);
   check_gauges_dry<D>(schema, o, begun);
   check_heights_free<D>(schema, o, begun);
   if (o.flow.around_bodies) return;

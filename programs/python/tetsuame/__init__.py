@@ -5,7 +5,7 @@
     compare         runs programs on inputs and reports what is seen     bench           the page of `bench`
     balance         the page of a run of `balance`                       scaling         speed over ranks and threads
     reading         files that the programs write                        style, pages    one look for all figures and pages
-    gauges          of flow, beside measurements                         spheres         particles in three dimensions
+    gauges          of flow, beside measurements                         scene           water in three dimensions
 """
 from pathlib import Path
 

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, plots, runs, style
+from . import COMPLETED, fields, plots, runs, scene, style
 from .reading import Unreadable
+
+VIEW = 960  # pixels, of a view's width
 
 
 def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
@@ -35,6 +37,18 @@ def frames(run: runs.Run, names: list[str], pixels: int, axis: int):
         figure.set_layout_engine("none")  # places are found once
         yield np.asarray(figure.canvas.buffer_rgba())[..., :3]
     style.plt.close(figure)
+
+
+def views(snapshots: list, columns: int, fastest: float, cut: float | None = None):
+    """Water in three dimensions, coloured by its speed up to the fastest, m/s, as such pictures. cut: the z, m, beyond which nothing is shown."""
+    tall = scene.tall(snapshots[0])
+    for snapshot in snapshots:
+        figure, ax = style.plt.subplots(figsize=(columns / 100, columns / 100 * tall + 0.3), dpi=100)
+        scene.draw(ax, snapshot, columns, fastest, cut)
+        ax.set_title(plots.when(snapshot))
+        figure.canvas.draw()
+        yield np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+        style.plt.close(figure)
 
 
 def write_mp4(pictures, target: Path, rate: float) -> None:
@@ -71,11 +85,18 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--rate", type=float, default=20, help="pictures a second (%(default)g)")
     parser.add_argument("--pixels", type=int, default=300, help="along the box's longer side, for the field (%(default)d)")
     parser.add_argument("--axis", choices="xyz", default="z", help="of a 3-D run: the slice through the middle is normal to it (%(default)s)")
+    parser.add_argument("--view", action="store_true",
+                        help="of water in 3-D: its surface and bodies from a side and above, by speed, in place of a field")
+    parser.add_argument("--cut", type=float, metavar="Z", help="with --view: what has a larger z (m) is cut away")
     parser.add_argument("--output", metavar="FILE", type=Path, help="instead of DIR/movie.mp4 or DIR/movie.gif")
     o = parser.parse_args(arguments)
     if not 0.1 <= o.rate <= 200 or not 16 <= o.pixels <= 4000:
         parser.error("--rate is 0.1 to 200, --pixels 16 to 4000")
+    if o.view and o.fields or o.cut is not None and not o.view:
+        parser.error("--view shows speeds, and no --fields; --cut is of --view")
     run = runs.Run(o.directory)
+    if o.view and not (run.snapshot().dimension == 3 and fields.is_water(run.snapshot())):
+        raise Unreadable(f"{o.directory}: --view is of water with a free surface in three dimensions")
     names = fields.shown(run.snapshot(), o.fields, most=1)
     if len(run.snapshots) < 2:
         raise Unreadable(f"{o.directory}: one snapshot is no movie; set &output interval for more")
@@ -83,7 +104,11 @@ def main(arguments: list[str]) -> int:
     as_gif = o.gif or target.suffix == ".gif"
     if not as_gif and shutil.which("ffmpeg") is None:
         raise Unreadable("no ffmpeg on this machine (Debian's package ffmpeg): install it, or use --gif")
-    pictures = told(frames(run, names, o.pixels, "xyz".index(o.axis)), len(run.snapshots))
+    if o.view:
+        pictures = views(run.snapshots, VIEW, fields.limits(run.snapshots, "Speed")[1], o.cut)
+    else:
+        pictures = frames(run, names, o.pixels, "xyz".index(o.axis))
+    pictures = told(pictures, len(run.snapshots))
     (write_gif if as_gif else write_mp4)(pictures, target, o.rate)
     print(target)
     return COMPLETED

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, gauges, runs, style
+from . import COMPLETED, fields, gauges, runs, scene, style
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -117,6 +117,17 @@ def maps(snapshot, names: list[str], pixels: int = 400):
     return figure
 
 
+def views(snapshot):
+    """Water in three dimensions, whole and with its nearer half cut away, by its speed."""
+    fastest = max(fields.limits([snapshot], "Speed")[1], 1e-300)
+    figure, panels = style.panels(2, 2, 0.45 * style.WIDTH * scene.tall(snapshot) + 0.25)
+    for ax, cut in zip(panels, (None, 0.5 * snapshot.lengths[2])):
+        scene.draw(ax, snapshot, 760, fastest, cut)
+    panels[0].set_title(when(snapshot))
+    scene.speed_bar(figure, panels, fastest)
+    return figure
+
+
 def profiles(of: list, names: list[str], axis: int | None = None):
     """Layer means of the fields of several snapshots: (title, snapshot)."""
     last = min(1, of[0][1].dimension - 1) if axis is None else axis
@@ -140,13 +151,15 @@ def profiles(of: list, names: list[str], axis: int | None = None):
 
 
 def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: float | None = None) -> list[Path]:
-    """history.png, gauges.png, map.png and profile.png, and where they are."""
+    """history.png, gauges.png, map.png, view.png and profile.png, as far as there is something to draw, and where they are."""
     figures = {"history": histories([("", run)]), "gauges": gauges.draw([("", run.directory)])}
     if run.snapshots:
         last = run.snapshot(time)
         names = fields.shown(last, wanted)
         if last.dimension > 1:
             figures["map"] = maps(last, names)
+        if last.dimension == 3 and fields.is_water(last):
+            figures["view"] = views(last)
         figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
     target.mkdir(parents=True, exist_ok=True)
     written = []

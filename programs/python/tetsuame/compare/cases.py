@@ -26,6 +26,7 @@ class Run:
     seconds: float = 0.0         # that it takes, roughly, for the time that remains; 0: as long as the others
     start: "Run | None" = None   # one of the same comparison, whose last snapshot this one starts from
     start_key: str = "initial.file"  # the setting that takes it
+    ranks: int = 1
 
 
 def of_letter(program: str, path: Path, variant: str, settings: tuple[str, ...]) -> Run:

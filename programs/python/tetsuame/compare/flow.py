@@ -1,6 +1,8 @@
 """Water with a free surface: at rest, waves, dam breaks beside what was measured of them."""
 import argparse
+import dataclasses
 import math
+import shutil
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -8,6 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from .. import gauges, pages, style
+from . import flow_bodies as bodies
+from . import flow_bodies_figures as body_figures
 from . import flow_figures as figures
 from . import flow_questions as questions
 from . import flow_views as views
@@ -20,7 +24,7 @@ NAME = "flow"
 TITLE = "Water with a free surface beside theory and experiments"
 ABOUT = "Run flow on water at rest, a wave, a drop and dam breaks at several resolutions; compare with exact solutions and measurements."
 PROGRAMS = ("flow",)
-PARTS = ("rest", "waves", "columns", "box")
+PARTS = ("rest", "waves", "columns", "box", "bodies", "bowl", "building")
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,7 @@ class Case:
     settings: tuple[str, ...] = ()
     t_end: float = 0.0             # s, of the input
     ends: tuple[tuple[int, bool, float], ...] = ()  # n, whether quick, another t_end
+    ranks: tuple[int, ...] = (1,)
 
 
 CASES = {
@@ -58,6 +63,15 @@ CASES = {
                                    (20, 40), 40, 0.8, t_end=0.19),
     "dam_break_box": Case("dam_break_box", "box", "a tank of 3.22 m with a box on its floor, in three dimensions", 1.0, (3.22, 1.0, 1.0),
                           (25, 50), (25,), 50, 560.0, ("output.interval=0.05",), 1.0, ((25, False, 4.0),)),
+    "sloshing": Case("sloshing", "bodies", "a tank that is pushed", 0.4, (4.0, 2.0), (10, 20), (10,), 20, 32.0, ("output.interval=0",), 8.0),
+    "floating_box": Case("floating_box", "bodies", "a box that heaves until it floats", 0.1, (32.0, 8.0), (5,), (5,), 5, 45.0,
+                         ("output.interval=0",), 5.0, ((5, True, 1.0),)),
+    "bowl": Case("bowl", "bowl", "water that sloshes in a hemisphere", 1.0, (1.2, 1.0, 1.2), (25,), (25,), 25, 60.0, t_end=2.0,
+                 ends=((25, True, 0.5),)),
+    "bowl_ranks": Case("bowl", "bowl", "its first quarter of a second, on several ranks", 1.0, (1.2, 1.0, 1.2), (25,), (), 25, 15.0,
+                       ("output.interval=0",), 0.25, ranks=(1, bodies.RANKS)),
+    "dam_break_building": Case("dam_break_building", "building", "a dam break through a building", 0.12, (30.0, 12.0, 10.0), (3,), (3,), 3, 170.0,
+                               t_end=1.6, ends=((3, True, 0.4),)),
 }
 FRONTS = {"dam_break_front": "Lobovský", "dam_break_martin_moyce": "Martin and Moyce"}
 LONG = (("dam_break_box", 50, 4.0), ("dam_break_box", 100, 1.0))
@@ -80,8 +94,18 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
         own = {n: next((end for at, quick, end in case.ends if (at, quick) == (n, given.quick)), case.t_end)
                for n in (case.quick if given.quick else case.n)}
         own |= {n: end for (of, n), end in longer.items() if of == name}
-        runs += [run_of(name, case, n, end, root, given.settings) for n, end in own.items()]
+        for n, end in own.items():
+            one = run_of(name, case, n, end, root, given.settings)
+            runs += [one] if case.ranks == (1,) else on_ranks(one, case.ranks)
     return runs
+
+
+def on_ranks(one: Run, ranks: tuple[int, ...]) -> list[Run]:
+    """Variants of a run; none where there is no mpirun."""
+    if shutil.which("mpirun") is None:
+        return []
+    return [dataclasses.replace(one, variant=(name := bodies.on_ranks(count)), label=f"{one.label}, {name}",
+                                folder=f"{one.folder}_{name.replace(' ', '_')}", ranks=count) for count in ranks]
 
 
 def run_of(name: str, case: Case, n: int, end: float, root: Path, more) -> Run:
@@ -106,10 +130,13 @@ def judged(one: dict) -> dict[str, tuple[float, float]]:
     return {what: (value, 0.0) for what, value in questions.errors(one).items() if value is not None}
 
 
-def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
+def row(outcome: Outcome, outcomes: list[Outcome]) -> dict | None:
+    if outcome.case.variant == bodies.ONE:
+        return None  # what others are compared with
     done = outcome.kind == COMPLETED
     metrics = {name: value for name in (outcome.summary.get("metrics") or {}) if done and name.startswith(KEPT)
                and (value := outcome.number("metrics", name)) is not None}
+    metrics |= bodies.measured(outcome, outcomes) if done else {}
     return {"time": outcome.number("time"), "particles": outcome.number("fluid_particles"), "dimension": outcome.number("dimension"),
             "mass": outcome.number("conservation", "mass") if done else None, "energy": outcome.number("conservation", "energy") if done else None,
             "metrics": metrics, "kinetic": kinetic(outcome, metrics) if done else None,
@@ -138,7 +165,7 @@ def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]
     runs = measured["runs"]
     done = [o for o in outcomes if o.kind == COMPLETED]
     parts = [pages.section("What was asked", questions.table(runs))]
-    parts += [section(done, runs, folder) for section in (rest, waves, columns, box)]
+    parts += [section(done, runs, folder) for section in (rest, waves, columns, box, *body_figures.SECTIONS)]
     return [*parts, pages.section("Over resolution", pages.figure(
         orders.convergence(orders.series(runs, judged), look, "error"), folder / "resolution.png",
         f"Relative errors of what the table above has, over n. {orders.LINES}"), errors_table(runs)),
@@ -222,8 +249,9 @@ def runs_table(runs: list[dict]) -> str:
         "put back at a wall": lambda one: pages.number(count(one["metrics"].get("wall_crossings"))),
         "energy": lambda one: error_cell(one["energy"]), "seconds": lambda one: pages.number(said(one["seconds"])),
         "updates/s": lambda one: pages.number(said(one["updates_per_second"], "{:.2e}"))}, "wide", lambda one: one["case"]) + \
-        pages.small("n: particles in the water's depth (dam breaks, water at rest, wave), in the radius (drop), in a metre (box). Updates of a "
-                    "particle a second, one thread; other work on the machine shows in it.")
+        pages.small("n: particles in the water's depth (dam breaks, water at rest, wave, sloshing), in the radius (drop), in a metre (tank with a "
+                    "box, bowl), in the draught (floating box), in a column's thickness (building). Updates of a particle a second, one thread "
+                    "a rank; other work on the machine shows in it.")
 
 
 def terminal(_outcomes: list[Outcome], measured: dict) -> list[str]:

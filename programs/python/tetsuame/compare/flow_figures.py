@@ -7,6 +7,7 @@ import numpy as np
 from .. import fields, gauges, movie, pages, plots, style
 from ..reading import read_keys, real
 from ..runs import Snapshot
+from .flow_questions import named
 from .outcomes import Outcome
 
 TIMES_2D = (0.15, 0.3, 0.425, 0.5, 0.65, 0.875)  # s
@@ -28,7 +29,7 @@ def by_n(runs: list[Outcome]) -> list[tuple[dict, str, Outcome]]:
     found = []
     for o in runs:
         order = sorted((other.case.n for other in runs if other.case.file == o.case.file), reverse=True).index(o.case.n)
-        label = f"{1000 / o.case.n:g} mm" if o.case.file == "dam_break_box" else f"n = {o.case.n}"
+        label = named(o.case.file, o.case.n)
         look = {"color": colours[order % len(colours)], "linewidth": 1.1 if order == 0 else 0.8, "zorder": 3 - 0.1 * order}
         found.append((look, f"{o.case.file.replace('_', ' ')}, {label}" if len(cases) > 1 else label, o))
     return found

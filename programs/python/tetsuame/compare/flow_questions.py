@@ -1,42 +1,15 @@
 """What is asked of water with a free surface: how large an error may be, what came out, whether that is met."""
 from collections.abc import Callable
-from dataclasses import dataclass
 from html import escape
 
 from .. import pages
+from . import flow_bodies as bodies
+from .flow_question import Question, against, measured_beside, metric
 from .outcomes import COMPLETED
-from .parts import percent, said
+from .parts import percent
 
 SEMI_AXIS = {0.0008: 1.0831, 0.0038: 1.4392, 0.0076: 1.9445}  # m at s, of the drop [Monaghan 1994]
-
-
-@dataclass(frozen=True)
-class Question:
-    case: str
-    n: int                                     # asked for
-    what: str
-    limit: float                               # of what |error| may be; of a speed, what it has to be
-    error: Callable[[dict], float | None]
-    shown: Callable[[dict], str] | None = None  # beside it
-    until: float = 0.0                         # s, that the run has to come to
-    shorter: bool = False                      # one that comes less far answers, too, and says so
-    at_least: bool = False
-    form: str = "percent"
-
-
-def metric(one: dict, name: str) -> float | None:
-    return one["metrics"].get(name)
-
-
-def against(name: str, reference: str) -> Callable[[dict], float | None]:
-    def error(one: dict) -> float | None:
-        value, right = metric(one, name), metric(one, name + reference)
-        return value / right - 1.0 if value is not None and right else None
-    return error
-
-
-def measured_beside(name: str, unit: str, form: str = "{:.4g}", reference: str = "_reference") -> Callable[[dict], str]:
-    return lambda one: f"{said(metric(one, name), form)} for {said(metric(one, name + reference), form)} {unit}"
+IN_METRES = ("dam_break_box", "bowl", "bowl_ranks")  # cases whose n is particles in a metre
 
 
 def arrival(case: str, n: int, gauge: int, what: str) -> Question:
@@ -87,13 +60,15 @@ QUESTIONS = (
     *(make("dam_break_2d", 60, k, f"sensor {k}") for make in (arrival, impulse) for k in (1, 2)),
     *(make("dam_break_box", 100, k, f"P{k}") for make in (arrival, impulse) for k in (1, 2)),
     depth(2, 100, 0.06), depth(4, 100, 0.06), *(depth(k, 50, 0.1, 4.0) for k in (1, 2, 3, 4)),
-    Question("dam_break_box", 50, "particle updates a second, one core", 0.8e6, lambda one: one["updates_per_second"], at_least=True, form="number"))
+    Question("dam_break_box", 50, "particle updates a second, one core", 0.8e6, lambda one: one["updates_per_second"], at_least=True, form="number"),
+    *bodies.QUESTIONS)
 
 # Errors over resolution, of those that are no yes or no.
 QUANTITIES = {"standing_wave": ("period", "decay of energy"), "elliptical_drop": ("longer semi-axis", "energy"),
               "dam_break_front": ("front",), "dam_break_martin_moyce": ("front",),
               "dam_break_2d": tuple(f"{what} {k}" for what in ("arrival", "impulse") for k in (1, 2, 3, 4)),
-              "dam_break_box": tuple(f"{what} P{k}" for what in ("arrival", "impulse") for k in (1, 2))}  # depths: until other times
+              "dam_break_box": tuple(f"{what} P{k}" for what in ("arrival", "impulse") for k in (1, 2)),  # depths: until other times
+              "sloshing": ("period", "weight")}
 
 
 def errors(one: dict) -> dict[str, float | None]:
@@ -104,6 +79,8 @@ def errors(one: dict) -> dict[str, float | None]:
         return {"longer semi-axis": semi_axis(one), "energy": one["energy"]}
     if case in ("dam_break_front", "dam_break_martin_moyce"):
         return {"front": metric(one, "front_rms_over_height")}
+    if case == "sloshing":
+        return {"period": against("slosh_period", "_theory")(one), "weight": against("weight", "_theory")(one)}
     found = {}
     for what in QUANTITIES.get(case, ()):
         kind, _, gauge = what.partition(" ")
@@ -134,7 +111,7 @@ def verdict(question: Question, one: dict | None) -> tuple[str, str]:
 
 
 def named(case: str, n: int) -> str:
-    return f"{1000 / n:g} mm" if case == "dam_break_box" else f"n = {n}"
+    return f"{1000 / n:g} mm" if case in IN_METRES else f"n = {n}"
 
 
 def asked(question: Question) -> str:

@@ -70,7 +70,8 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
     shutil.rmtree(folder, ignore_errors=True)
     record.unlink(missing_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    command = [str(program), str(case.input), "--output", str(folder)]
+    launcher = ["mpirun", "-n", str(case.ranks), "--bind-to", "none"] if case.ranks > 1 else []
+    command = [*launcher, str(program), str(case.input), "--output", str(folder)]
     for setting in (*([f"{case.start_key}={begun.snapshot.path}"] if begun else []), *case.settings):
         command += ["--set", setting]
     progress.started(case)
@@ -117,8 +118,9 @@ def judge(case: Run, folder: Path, status: int, reused: bool) -> Outcome:
 def fingerprint(binaries: Path, case: Run) -> str:
     """Changes with everything the result of a run depends on."""
     digest = hashlib.sha256()
-    start = [fingerprint(binaries, case.start).encode()] if case.start else []
-    for part in (*programs(binaries, case.binary), case.input.read_bytes(), "\0".join(case.settings).encode(), *start):
+    more = [fingerprint(binaries, case.start).encode()] if case.start else []
+    more += [str(case.ranks).encode()] if case.ranks > 1 else []
+    for part in (*programs(binaries, case.binary), case.input.read_bytes(), "\0".join(case.settings).encode(), *more):
         digest.update(len(part).to_bytes(8, "little"))
         digest.update(part)
     return digest.hexdigest()
