@@ -1,5 +1,6 @@
 // Water with a free surface: waves, drops, dam breaks.
 #include <free_surface/make.hpp>
+#include <free_surface/memory.hpp>
 
 using namespace tetsuame;
 
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
       .restarts = true,
       .declare = [&](namelist::schema& schema) { free_surface::declare(schema, o); },
       .complete = [&](const namelist::schema& schema) { p = free_surface::resolve(schema, o); },
-      .need = [&] { return run::need_of(p.particles(o), 800.0, o.common.kernel, o.domain.dimension); },
+      .need = [&] { return free_surface::need_of(o, p); },
       .keep = [&] { return run::keep_beside(named_files()); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     const auto made = (o.domain.dimension == 3 ? free_surface::make_3d : free_surface::make_2d)(o, p);

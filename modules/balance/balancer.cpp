@@ -357,6 +357,77 @@ void check_size(const cuts<D>& c, std::size_t n, const char* what) {
     foundation::fail_input(fmt::format("the balancer got {} {} for {} ranks", n, what, c.ranks()));
 }
 
+// The part of the box that a cut lies in, and how much more than what is below this part it should have beneath it.
+struct closer_look {
+  window at;
+  std::size_t cut;  // of its group
+  double wanted;
+};
+
+// Cuts along an axis by the density in equal parts of the box, even within each part.
+template <int D>
+std::vector<closer_look> place_coarsely(cuts<D>& then, std::size_t axis, const std::vector<std::vector<double>>& wanted,
+                                        double floor, const density_along<D>& density) {
+  constexpr std::size_t least = 256, of_a_slab = 32;
+  const auto count = static_cast<std::size_t>(then.counts[axis]), groups = wanted.size();
+  const std::size_t parts = std::max(least, of_a_slab * count);
+  std::vector<window> whole;
+  for (std::size_t g = 0; g < groups; ++g) whole.push_back({g, then.group(axis, g)[0], then.group(axis, g)[count]});
+  const auto cost = density(axis, then, whole, parts);
+  std::vector<closer_look> looks;
+  for (std::size_t g = 0; g < groups; ++g) {
+    const double first = whole[g].lower, width = (whole[g].upper - first) / static_cast<double>(parts);
+    const auto edge = [&](std::size_t k) { return first + width * static_cast<double>(k); };
+    std::vector<piece> pieces;
+    std::vector<double> below{0.0};
+    for (std::size_t k = 0; k < parts; ++k) {
+      pieces.push_back({edge(k), edge(k + 1), cost[g * parts + k]});
+      below.push_back(below.back() + cost[g * parts + k]);
+    }
+    double* cut = then.group(axis, g);
+    place(pieces, wanted[g], floor, cut);
+    const double all_wanted = std::accumulate(wanted[g].begin(), wanted[g].end(), 0.0);
+    double so_far = 0.0;
+    for (std::size_t n = 1; n < count; ++n) {
+      so_far += wanted[g][n - 1];
+      const std::size_t k = whole[g].part(cut[n], parts);
+      looks.push_back({{g, edge(k), edge(k + 1)}, n, below.back() * so_far / all_wanted - below[k]});
+    }
+  }
+  return looks;
+}
+
+// Of the borders of a window's parts, ends included, that which has most nearly so much below it; where nothing lies
+// between some of them, the middle of these.
+double nearest_border(const closer_look& look, const double* cost, std::size_t parts) {
+  double below = 0.0, chosen = 0.0;
+  std::size_t first = 0, last = 0;
+  for (std::size_t k = 1; k <= parts; ++k) {
+    below += cost[k - 1];
+    if (std::abs(below - look.wanted) < std::abs(chosen - look.wanted)) {
+      chosen = below;
+      first = k;
+    }
+    if (below == chosen) last = k;
+  }
+  const double middle = 0.5 * static_cast<double>(first + last) / static_cast<double>(parts);
+  return look.at.lower + middle * (look.at.upper - look.at.lower);
+}
+
+template <int D>
+void place_finely(cuts<D>& then, std::size_t axis, const std::vector<closer_look>& looks,
+                  const density_along<D>& density) {
+  constexpr std::size_t parts = 64;
+  std::vector<window> windows;
+  for (const auto& look : looks) windows.push_back(look.at);
+  const auto cost = density(axis, then, windows, parts);
+  for (std::size_t n = 0; n < looks.size(); ++n) {
+    const double* here = cost.data() + n * parts;
+    if (std::any_of(here, here + parts, [](double c) { return c > 0.0; }))
+      then.group(axis, looks[n].at.group)[looks[n].cut] = nearest_border(looks[n], here, parts);
+  }
+}
+
 }  // namespace
 
 void declare(namelist::schema& schema, balancer_options& o) {
@@ -405,17 +476,13 @@ cuts<D> propose_by_density(const cuts<D>& now, const std::vector<double>& time_p
   const auto time = level_sums(now, time_per_rank);
   for (std::size_t a = 0; a < D; ++a) {
     const auto count = static_cast<std::size_t>(now.counts[a]), groups = now.groups(a);
-    const auto cost = density(a, then);
-    const std::size_t bins = cost.size() / groups;
-    for (std::size_t g = 0; g < groups; ++g) {
-      double* cut = then.group(a, g);
-      const double first = cut[0], width = (cut[count] - first) / static_cast<double>(bins);
-      const auto edge = [&](std::size_t k) { return first + width * static_cast<double>(k); };
-      std::vector<piece> pieces;
-      for (std::size_t k = 0; k < bins; ++k) pieces.push_back({edge(k), edge(k + 1), cost[g * bins + k]});
-      place(pieces, wanted_of(time[a].data() + g * count, count, o.relaxation), o.floor, cut);
-      keep_apart(cut, now.counts[a], o.minimum_width);
-    }
+    if (count == 1) continue;
+    std::vector<std::vector<double>> wanted;
+    for (std::size_t g = 0; g < groups; ++g)
+      wanted.push_back(wanted_of(time[a].data() + g * count, count, o.relaxation));
+    const auto closer = place_coarsely<D>(then, a, wanted, o.floor, density);
+    place_finely<D>(then, a, closer, density);
+    for (std::size_t g = 0; g < groups; ++g) keep_apart(then.group(a, g), now.counts[a], o.minimum_width);
   }
   return then;
 }

@@ -69,12 +69,26 @@ template <int D>
 cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                 const extents<D>& where = {});
 
-// Where the cost is, of all ranks: for each group of cuts along an axis its cost in as many equal parts of the box
-// each, one group behind the other. `then` has the new cuts of the axes before.
-template <int D>
-using density_along = std::function<std::vector<double>(std::size_t axis, const cuts<D>& then)>;
+// A stretch of an axis, of a group of cuts, in equal parts.
+struct window {
+  std::size_t group;
+  double lower, upper;  // m
+  // The part that x is in.
+  std::size_t part(double x, std::size_t parts) const {
+    const double last = static_cast<double>(parts) - 0.5;
+    return static_cast<std::size_t>(std::clamp((x - lower) / (upper - lower) * static_cast<double>(parts), 0.0, last));
+  }
+};
 
-// By `remap` with the cost itself in place of what each rank tells of its own: one update is enough.
+// Where the cost is, of all ranks: what each part of each window holds, one window behind the other. Windows come by
+// groups, in each from below, and may overlap; `then` has the new cuts of the axes before.
+template <int D>
+using density_along = std::function<std::vector<double>(std::size_t axis, const cuts<D>& then,
+                                                        const std::vector<window>& windows, std::size_t parts)>;
+
+// By `remap` with the cost itself in place of what each rank tells of its own: one update is enough. It asks for the
+// density along the whole box, and again along the parts that cuts have come to lie in: they come to stand where the
+// cost below is nearest to what is wanted, which between the rows of a lattice no interpolation tells.
 template <int D>
 cuts<D> propose_by_density(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                            const density_along<D>& density);

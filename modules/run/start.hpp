@@ -46,9 +46,9 @@ std::array<double, D> start_place(const lattice_block<D>& of, const std::array<s
   return x;
 }
 
-// Those of a lattice's particles that start in this rank's cell.
-template <int D>
-void find_own(const state<D>& box, const lattice_block<D>& of, double jitter,
+// Those of a lattice's particles that start in this rank's cell, and that is_there(place) keeps.
+template <int D, class IsThere>
+void find_own(const state<D>& box, const lattice_block<D>& of, double jitter, const IsThere& is_there,
               std::vector<std::array<double, D>>& places, std::vector<std::int64_t>& ids) {
   const auto& w = box.w;
   const auto cell = w.d.cell();
@@ -69,7 +69,7 @@ void find_own(const state<D>& box, const lattice_block<D>& of, double jitter,
     for (std::size_t a = D; a-- > 0;) id = id * of.number[a] + row[a];
     id += of.first_id;
     const auto x = start_place<D>(of, row, id, jitter);
-    if (w.d.within(cell, x)) {
+    if (w.d.within(cell, x) && is_there(x)) {
       places.push_back(x);
       ids.push_back(id);
     }
@@ -91,15 +91,17 @@ void make_room(particles::particles<D>& s, std::size_t number) {
   });
 }
 
-// The fluid of these lattices in this rank's cell, at rest.
-template <int D>
-void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lattices, double jitter) {
+// The fluid of these lattices in this rank's cell, at rest, without what is_there(place) leaves out. IDs are those of
+// the whole lattices.
+template <int D, class IsThere>
+void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lattices, double jitter,
+                    const IsThere& is_there) {
   auto& s = box.w.s;
   std::vector<std::array<double, D>> places;
   std::vector<std::int64_t> ids;
   box.fluid_total = 0;
   for (const auto& lattice : lattices) {
-    detail::find_own<D>(box, lattice, jitter, places, ids);
+    detail::find_own<D>(box, lattice, jitter, is_there, places, ids);
     box.fluid_total += lattice.particles();
   }
   make_room(s, places.size());
@@ -114,11 +116,16 @@ void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lat
   }
 }
 
-// Spacing, kernel, decomposition, walls and the fluid of the start lattice. `reach`: m, the least width of the halo
-// without the lists' skin.
 template <int D>
-void set_up(run::state<D>& box, const domain::communicator& ranks, const domain::options& of,
-            const walls::options& of_walls, const kernel_options& kernel, double reach) {
+void place_lattices(run::state<D>& box, const std::vector<lattice_block<D>>& lattices, double jitter) {
+  place_lattices<D>(box, lattices, jitter, [](const std::array<double, D>&) { return true; });
+}
+
+// Spacing, kernel, decomposition and walls, without fluid. `reach`: m, the least width of the halo without the lists'
+// skin.
+template <int D>
+void set_up_empty(run::state<D>& box, const domain::communicator& ranks, const domain::options& of,
+                  const walls::options& of_walls, const kernel_options& kernel, double reach) {
   auto& w = box.w;
   w.dx = of.dx();
   w.kernel = kernels::make<D>(kernel.name, kernel.h_over_dx * w.dx);
@@ -126,15 +133,24 @@ void set_up(run::state<D>& box, const domain::communicator& ranks, const domain:
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   box.skin = kernel.skin * w.dx;
   domain::box<D> region;
-  lattice_block<D> lattice;
   for (std::size_t a = 0; a < D; ++a) {
     region.length[a] = of.length[a];
     region.periodic[a] = of.periodic[a];
-    lattice.number[a] = of.particles[a];
-    lattice.spacing[a] = w.dx;
   }
   w.d = domain::decompose<D>(ranks, region, std::max(reach, w.support()) + box.skin, of.ranks_x);
   box.walls.sides = walls::make_sides<D>(of_walls, region);
+}
+
+// And with the fluid of the start lattice.
+template <int D>
+void set_up(run::state<D>& box, const domain::communicator& ranks, const domain::options& of,
+            const walls::options& of_walls, const kernel_options& kernel, double reach) {
+  set_up_empty(box, ranks, of, of_walls, kernel, reach);
+  lattice_block<D> lattice;
+  for (std::size_t a = 0; a < D; ++a) {
+    lattice.number[a] = of.particles[a];
+    lattice.spacing[a] = box.w.dx;
+  }
   place_lattices<D>(box, {lattice}, of.jitter);
 }
 

@@ -78,14 +78,15 @@ std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double dept
 
 template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
-                                           const std::function<bool(const point<D>&)>& keep) {
+                                           const part_of_space<D>& markers) {
   wall_particles<D> w;
   const auto all = joined(bodies);
   for_each_place(box, [&](std::int64_t n, const point<D>& x) {
+    // A marker is no higher above the surface than its particle is below.
+    if (!markers.holds(x, 2.1 * depth)) return;
     const auto m = mark(all, x, depth);
-    if (!m) return;
+    if (!m || !markers.holds(m->marker)) return;
     if (m->height < m->depth) ++w.shortened;
-    if (keep && !keep(m->marker)) return;
     w.x.push_back(x);
     w.marker.push_back(m->marker);
     w.normal.push_back(m->normal);
@@ -169,13 +170,13 @@ void expect_dry(const std::vector<body<D>>& bodies, const std::vector<point<D>>&
 
 template std::optional<marked<2>> mark<2>(const body<2>&, const point<2>&, double);
 template wall_particles<2> fill_with_wall_particles<2>(const std::vector<body<2>>&, const lattice<2>&, double,
-                                                       const std::function<bool(const point<2>&)>&);
+                                                       const part_of_space<2>&);
 template void expect_in_box<2>(const std::vector<body<2>>&, const lattice<2>&);
 template void expect_thick<2>(const std::vector<body<2>>&, const lattice<2>&, double);
 template void expect_dry<2>(const std::vector<body<2>>&, const std::vector<point<2>>&);
 template std::optional<marked<3>> mark<3>(const body<3>&, const point<3>&, double);
 template wall_particles<3> fill_with_wall_particles<3>(const std::vector<body<3>>&, const lattice<3>&, double,
-                                                       const std::function<bool(const point<3>&)>&);
+                                                       const part_of_space<3>&);
 template void expect_in_box<3>(const std::vector<body<3>>&, const lattice<3>&);
 template void expect_thick<3>(const std::vector<body<3>>&, const lattice<3>&, double);
 template void expect_dry<3>(const std::vector<body<3>>&, const std::vector<point<3>>&);

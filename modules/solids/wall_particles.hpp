@@ -13,7 +13,8 @@
 // the wall particle is.
 #pragma once
 
-#include <functional>
+#include <array>
+#include <limits>
 #include <optional>
 #include <solids/motion.hpp>
 
@@ -46,10 +47,31 @@ struct lattice {
   double spacing = 1.0;  // m
 };
 
-// depth: m, at most. keep: of the markers that are wanted, such as those in a rank's cell; empty: all.
+// A part of space, such as a rank's cell: [lower, upper), m.
+template <int D>
+struct part_of_space {
+  std::array<double, D> lower = filled(-std::numeric_limits<double>::infinity());
+  std::array<double, D> upper = filled(std::numeric_limits<double>::infinity());
+
+  // Widened by so much (m).
+  bool holds(const point<D>& x, double more = 0.0) const {
+    for (std::size_t a = 0; a < D; ++a)
+      if (!(x[a] >= lower[a] - more && x[a] < upper[a] + more)) return false;
+    return true;
+  }
+
+ private:
+  static std::array<double, D> filled(double value) {
+    std::array<double, D> all;
+    all.fill(value);
+    return all;
+  }
+};
+
+// depth: m, at most. markers: where those stand whose wall particles are wanted.
 template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
-                                           const std::function<bool(const point<D>&)>& keep = {});
+                                           const part_of_space<D>& markers = {});
 
 // Each body, and each piece of one, has a place of the lattice inside of it, and leaves one to the fluid. Else an error
 // of status bad_input says which does not.

@@ -8,25 +8,50 @@
 #include <bit>
 #include <cells/grid.hpp>
 #include <cmath>
+#include <map>
 #include <walls/wall_set.hpp>
 
 namespace tetsuame::walls {
+
+// When cuts have moved: gives places to the ranks in whose cells their markers are, there by number. Collective.
+template <int D>
+void hand_over(domain::decomposition<D>& d, std::vector<body_place<D>>& places) {
+  constexpr std::size_t row = sizeof(body_place<D>) / sizeof(double);
+  const auto cell = d.cell();
+  std::map<int, std::vector<double>> leave;
+  std::vector<body_place<D>> here;
+  for (const auto& p : places) {
+    if (d.within(cell, p.marker)) {
+      here.push_back(p);
+      continue;
+    }
+    const auto values = std::bit_cast<std::array<double, row>>(p);
+    auto& to = leave[d.owner(p.marker)];
+    to.insert(to.end(), values.begin(), values.end());
+  }
+  std::vector<domain::letter> out;
+  for (auto& [rank, values] : leave) out.push_back({rank, std::move(values)});
+  for (const auto& l : domain::sparse_exchange(d.ranks, out, domain::detail::next_tag(d)))
+    for (std::size_t k = 0; k < l.values.size(); k += row) {
+      std::array<double, row> values;
+      std::copy_n(l.values.begin() + static_cast<std::ptrdiff_t>(k), row, values.begin());
+      here.push_back(std::bit_cast<body_place<D>>(values));
+    }
+  std::ranges::sort(here, {}, &body_place<D>::number);
+  places = std::move(here);
+}
 
 // Particles of this rank's cell into the empty block of walls, each with its body for a material. Images of the fluid
 // take IDs below those of bodies.
 template <int D>
 void place_bodies(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total) {
   auto& s = w.s;
-  auto& bodies = set.bodies;
-  const auto cell = w.d.cell();
+  const auto& bodies = set.bodies;
   const std::int64_t first_id = fluid_total << set.sides.size();
-  bodies.own.clear();
-  for (std::size_t n = 0; n < bodies.places.size(); ++n)
-    if (w.d.within(cell, bodies.places[n].marker)) bodies.own.push_back(static_cast<std::uint32_t>(n));
-  particles::allocate(s, s.fluid, s.fluid_ghosts, bodies.own.size(), 0);
-  for (std::size_t r = 0; r < bodies.own.size(); ++r) {
+  particles::allocate(s, s.fluid, s.fluid_ghosts, bodies.places.size(), 0);
+  for (std::size_t r = 0; r < bodies.places.size(); ++r) {
     const std::size_t i = s.first_wall() + r;
-    const auto& of = bodies.places[bodies.own[r]];
+    const auto& of = bodies.places[r];
     s.id[i] = first_id + of.number;
     s.material[i] = of.body;
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] = of.x[a];
@@ -49,12 +74,12 @@ void list_bodies(const pairs::workspace<D>& w, wall_set<D>& set, const cells::gr
   auto& bodies = set.bodies;
   const std::size_t first = s.first_wall(), behind = first + set.body_particles;
   const double support = w.support(), volume = std::pow(w.dx, D);
-  const auto marker = [&](std::size_t r) { return bodies.places[bodies.own[r]].marker; };
+  const auto marker = [&](std::size_t r) { return bodies.places[r].marker; };
   const auto is_fluid = [&](std::uint32_t j) { return j < first || (j >= behind && set.source[j - behind] < first); };
-  cells::make_list_of_points<D>(bodies.near, grid, bodies.own.size(), support + moved,
+  cells::make_list_of_points<D>(bodies.near, grid, bodies.places.size(), support + moved,
                                 static_cast<std::uint32_t>(s.null()), 1, marker, is_fluid);
-  bodies.room.assign(bodies.own.size(), 1.0);
-  foundation::for_all(bodies.own.size(), [&](std::size_t r) {
+  bodies.room.assign(bodies.places.size(), 1.0);
+  foundation::for_all(bodies.places.size(), [&](std::size_t r) {
     const auto x = marker(r);
     cells::for_each_near<D>(grid, x, x, support, [&](std::uint32_t k, std::uint64_t near) {
       for (; near != 0; near &= near - 1) {
@@ -118,9 +143,9 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
   const auto& bodies = set.bodies;
   const double support = w.support();
   const auto kernel = [&](double r) { return std::visit([&](const auto& k) { return k.value(r); }, w.kernel); };
-  foundation::for_all(bodies.own.size(), [&](std::size_t r) {
+  foundation::for_all(bodies.places.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r;
-    const auto& of = bodies.places[bodies.own[r]];
+    const auto& of = bodies.places[r];
     double hats = 0.0;
     marker_sums<N, Linear> sums;
     for (const std::uint32_t j : bodies.near.row(r)) {

@@ -35,17 +35,15 @@ struct body_place {
 // Bodies of any shape beside the sides (bodies.hpp).
 template <int D>
 struct body_walls {
-  std::vector<body_place<D>> places;  // of all ranks
-  std::int64_t numbers = 0;           // of the lattice, and of what moves
+  std::vector<body_place<D>> places;  // of this rank: row r belongs to the wall particle first_wall() + r
+  std::int64_t numbers = 0;           // of the lattice, and of what moves; none: no bodies on any rank
   bool no_slip = false;
   bool move = false;  // some of them; as far as half the skin while lists live
 
-  // Row r belongs to the wall particle first_wall() + r.
-  std::vector<std::uint32_t> own;  // of `places`, those of this rank
-  cells::point_list near;          // fluid, and its images, within reach of each marker
-  std::vector<double> room;        // the part of each marker's neighbourhood that bodies leave to the fluid
+  cells::point_list near;    // fluid, and its images, within reach of each marker
+  std::vector<double> room;  // the part of each marker's neighbourhood that bodies leave to the fluid
 
-  bool any() const { return move || !places.empty(); }
+  bool any() const { return numbers > 0; }
 };
 
 template <int D>

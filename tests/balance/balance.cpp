@@ -240,6 +240,18 @@ BOOST_AUTO_TEST_CASE(extents_tell_the_cost) {
   BOOST_TEST(tell(true) < 0.2 * tell(false));
 }
 
+// Of points that count alike: what a run sums over its ranks.
+template <int D>
+std::vector<double> density_of(const std::vector<std::array<double, D>>& points, std::size_t axis, const cuts<D>& then,
+                               const std::vector<window>& windows, std::size_t parts) {
+  std::vector<double> along(windows.size() * parts, 0.0);
+  for (std::size_t n = 0; n < windows.size(); ++n)
+    for (const auto& x : points)
+      if (then.group_of(x, axis) == windows[n].group && x[axis] >= windows[n].lower && x[axis] < windows[n].upper)
+        along[n * parts + windows[n].part(x[axis], parts)] += 1.0;
+  return along;
+}
+
 // Ten thousand points in the shape of a bowl, which no product of what axes tell can describe: by the density itself
 // one proposal leaves ranks what the bins leave, in three dimensions as in two.
 BOOST_AUTO_TEST_CASE(density_itself_takes_one_update) {
@@ -257,13 +269,8 @@ BOOST_AUTO_TEST_CASE(density_itself_takes_one_update) {
     for (const auto& x : points) number[static_cast<std::size_t>(by.owner(x))] += 1.0;
     return number;
   };
-  const auto density = [&](std::size_t axis, const cuts<3>& then) {
-    constexpr std::size_t bins = 256;
-    std::vector<double> along(then.groups(axis) * bins, 0.0);
-    for (const auto& x : points)
-      along[then.group_of(x, axis) * bins + static_cast<std::size_t>(x[axis] * 256.0)] += 1.0;
-    return along;
-  };
+  const auto density = [&](std::size_t axis, const cuts<3>& then, const std::vector<window>& windows,
+                           std::size_t parts) { return density_of<3>(points, axis, then, windows, parts); };
   BOOST_TEST(spread_of(held(c)).over_mean() > 1.0);
   BOOST_TEST(spread_of(held(propose_by_density<3>(c, held(c), {}, density))).over_mean() < 0.03);
   balancer_options half;
@@ -271,6 +278,27 @@ BOOST_AUTO_TEST_CASE(density_itself_takes_one_update) {
   const auto between = spread_of(held(propose_by_density<3>(c, held(c), half, density))).over_mean();
   BOOST_TEST(between > 0.03);
   BOOST_TEST(between < spread_of(held(c)).over_mean());
+}
+
+// The rows of a lattice cannot be halved: each cut takes whole ones, and leaves no more than half of one to the wrong
+// side, wherever rows lie in the parts that the density is told in.
+BOOST_AUTO_TEST_CASE(cuts_between_rows) {
+  for (const double shift : {0.1, 0.35, 0.6, 0.85}) {
+    std::vector<std::array<double, 2>> points;
+    for (int i = 0; i < 31; ++i)
+      for (int j = 0; j < 29; ++j) points.push_back({(i + shift) / 31.0, (j + shift) / 29.0});
+    const auto c = equal_cuts<2>({3, 2}, {1.0, 1.0});
+    std::vector<double> number(6, 0.0);
+    for (const auto& x : points) number[static_cast<std::size_t>(c.owner(x))] += 1.0;
+    const auto then = propose_by_density<2>(
+        c, number, {}, [&](std::size_t axis, const cuts<2>& so_far, const auto& at, std::size_t parts) {
+          return density_of<2>(points, axis, so_far, at, parts);
+        });
+    std::ranges::fill(number, 0.0);
+    for (const auto& x : points) number[static_cast<std::size_t>(then.owner(x))] += 1.0;
+    BOOST_TEST(*std::ranges::min_element(number) == 10.0 * 14.0);
+    BOOST_TEST(*std::ranges::max_element(number) == 11.0 * 15.0);
+  }
 }
 
 // Times with 3 % of scatter, the move left to decision and experience: the cuts stay near the balance

@@ -213,10 +213,14 @@ BOOST_AUTO_TEST_CASE(state_of_bodies) {
   }
   set_bodies_at(f, 0.0);
   scene.rebuild();
+  // Their number and mean place, of all ranks.
   const auto markers = [&] {
-    std::vector<double> all;
-    for (const auto& place : f.world.walls.bodies.places)
-      all.insert(all.end(), place.marker.begin(), place.marker.end());
+    std::vector<double> all(3, 0.0);
+    for (const auto& place : f.world.walls.bodies.places) {
+      all[0] += 1.0;
+      for (std::size_t a = 0; a < 2; ++a) all[1 + a] += place.marker[a];
+    }
+    f.ranks().sum(all);
     return all;
   };
   const auto before = markers();

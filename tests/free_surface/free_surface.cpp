@@ -5,6 +5,7 @@
 #include <free_surface/gauges.hpp>
 #include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
+#include <free_surface/memory.hpp>
 #include <free_surface/reference.hpp>
 #include <free_surface/surface.hpp>
 #include <free_surface/traction.hpp>
@@ -279,7 +280,7 @@ BOOST_AUTO_TEST_CASE(still_water_on_a_body) {
   }
   BOOST_TEST(f.ranks().maximum(near) < 0.02 * f.gravity());
   BOOST_TEST(f.ranks().maximum(largest_compression_rate) < 1e-2);
-  BOOST_TEST(f.ranks().sum(static_cast<std::int64_t>(f.world.walls.bodies.own.size())) > 0);
+  BOOST_TEST(f.ranks().sum(static_cast<std::int64_t>(f.world.walls.bodies.places.size())) > 0);
 }
 
 // A wall particle has the volume of water that its marker has about it: all of it from a spacing below the surface on,
@@ -290,13 +291,68 @@ BOOST_AUTO_TEST_CASE(bodies_are_as_wet_as_their_markers) {
   const auto& s = scene.particles();
   const auto& walls = scene.f->world.walls;
   const double V = scene.f->dx() * scene.f->dx();
-  for (std::size_t r = 0; r < walls.bodies.own.size(); ++r) {
-    const double below = 0.25 - walls.bodies.places[walls.bodies.own[r]].marker[1];
+  for (std::size_t r = 0; r < walls.bodies.places.size(); ++r) {
+    const double below = 0.25 - walls.bodies.places[r].marker[1];
     const double part = s.dV[s.first_wall() + r] / V;
     if (below > scene.f->dx()) BOOST_TEST(part == 1.0, tt::tolerance(0.02));
     if (below < -scene.f->dx()) BOOST_TEST(part == 0.0);
     BOOST_TEST((part >= 0.0 && part < 1.02));
   }
+}
+
+// Each rank has the places whose markers are in its cell; when cuts move, all of them are still there, in their order.
+BOOST_AUTO_TEST_CASE(places_follow_the_cuts) {
+  scene<2> scene(wedge("0.25"));
+  auto& f = *scene.f;
+  const auto& places = f.world.walls.bodies.places;
+  const auto all_of = [&](const auto& value) {
+    double sum = 0.0;
+    for (const auto& place : places) sum += value(place);
+    std::array all{sum};
+    f.ranks().sum(all);
+    return all[0];
+  };
+  const auto number = [&] { return all_of([](const auto&) { return 1.0; }); };
+  const auto numbers = [&] { return all_of([](const auto& place) { return static_cast<double>(place.number); }); };
+  const auto heights = [&] { return all_of([](const auto& place) { return place.height + place.x[0]; }); };
+  const double before = number(), numbers_before = numbers(), heights_before = heights();
+  BOOST_TEST(before > 0.0);
+  for (auto& component : f.world.w.d.cuts.at)
+    for (std::size_t n = 1; n + 1 < component.size(); ++n) component[n] *= 0.7;
+  hand_over_walls(f);
+  BOOST_TEST(number() == before);
+  BOOST_TEST(numbers() == numbers_before);
+  BOOST_TEST(heights() == heights_before, tt::tolerance(1e-12));
+  const auto cell = f.world.w.d.cell();
+  for (const auto& place : places) BOOST_TEST(f.world.w.d.within(cell, place.marker));
+  BOOST_TEST(std::ranges::is_sorted(places, {}, &walls::body_place<2>::number));
+}
+
+// What a run will need is told before anything is laid out, by places spread over the box: water, wall particles of
+// bodies, images of both.
+BOOST_AUTO_TEST_CASE(numbers_before_the_start) {
+  scene<2> scene(wedge("1.0"));
+  const auto told = numbers_at_start(scene.o, scene.p);
+  const auto& f = *scene.f;
+  const auto all = [&](std::size_t of_rank) {
+    return static_cast<double>(f.ranks().sum(static_cast<std::int64_t>(of_rank)));
+  };
+  BOOST_TEST(told.fluid == all(f.world.w.s.fluid), tt::tolerance(0.03));
+  BOOST_TEST(told.in_bodies == all(f.world.walls.bodies.places.size()), tt::tolerance(0.1));
+  if (f.ranks().size == 1) BOOST_TEST(told.images == all(f.world.walls.source.size()), tt::tolerance(0.1));
+  const auto need = need_of(scene.o, scene.p);
+  BOOST_TEST(need.particles == told.fluid);
+  // Each field of each particle has a place.
+  const auto& s = f.world.w.s;
+  BOOST_TEST(need.total() > all(s.total()) * (2 * 3 + 14) * 8.0);
+}
+
+// A little water in a large box takes what the water does: nothing is laid out for the whole box.
+BOOST_AUTO_TEST_CASE(room_for_the_water_alone) {
+  scene<2> scene(tank("high_x = 0.4 high_y = 0.4"));
+  const auto& s = scene.particles();
+  BOOST_TEST(scene.f->ranks().sum(static_cast<std::int64_t>(s.fluid)) == 64);
+  BOOST_TEST(static_cast<double>(s.rho.capacity()) < 1.1 * static_cast<double>(s.total()) + 8.0);
 }
 
 // Linear in the velocity: what a wall particle has of a velocity across the surface, and along it.

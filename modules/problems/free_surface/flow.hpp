@@ -205,7 +205,7 @@ class flow : public run::problem_in_a_box<D> {
     add("Material", make([](auto) { return 0.0; }));
     add("Volume", s.dV.data());
     add("FreeSurface", make([&](auto i) { return on_surface[i] ? 1.0 : 0.0; }));
-    if (f_.world.walls.bodies.places.empty()) return {g};
+    if (!f_.world.walls.bodies.any()) return {g};
     return {g, wall_particles(extra)};
   }
 
@@ -249,13 +249,14 @@ class flow : public run::problem_in_a_box<D> {
     find_beside_bodies(f_);
     group_walls(f_);
   }
+  void place_walls() override { hand_over_walls(f_); }
   std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
 
  private:
   // Of bodies, for pictures.
   output::particle_group wall_particles(std::vector<particles::array>& extra) const {
     const auto& s = f_.world.w.s;
-    const std::size_t first = s.first_wall(), n = f_.world.walls.bodies.own.size();
+    const std::size_t first = s.first_wall(), n = f_.world.walls.bodies.places.size();
     auto g = output::group_of(s, 1, first, n);
     output::add_quantity(g, "Pressure", {s.p.data() + first});
     output::add_quantity(g, "SmoothingLength",

@@ -123,11 +123,23 @@ bool is_hidden(const water<D>& f, const moving_body<D>& b, const std::vector<sol
   return covered;
 }
 
-// Wall particles of all that moves, at the poses of the lists, behind those of what does not.
+// When cuts have moved. Those of what moves are placed anew with the lists. Collective.
+template <int D>
+void hand_over_walls(water<D>& f) {
+  auto& walls = f.world.walls.bodies;
+  if (!walls.any()) return;
+  walls.places.resize(f.resting);
+  walls::hand_over<D>(f.world.w.d, walls.places);
+  f.resting = walls.places.size();
+}
+
+// Wall particles of all that moves, at the poses of the lists, behind those of what does not: of each those whose
+// marker is in this rank's cell.
 template <int D>
 void place_moving_walls(water<D>& f) {
   if (f.moving.empty()) return;
   auto& walls = f.world.walls.bodies;
+  const auto cell = f.world.w.d.cell();
   walls.places.resize(f.resting);
   f.in_body.assign(f.resting, {});
   std::vector<solids::body<D>> before{f.solid_at_rest};
@@ -140,7 +152,7 @@ void place_moving_walls(water<D>& f) {
       if (!hidden[n]) marks[n] = solids::mark<D>(f.solid, pose.to_space(b.rest[n]), f.world.w.support());
     });
     for (std::size_t n = 0; n < marks.size(); ++n) {
-      if (!marks[n]) continue;
+      if (!marks[n] || !f.world.w.d.within(cell, marks[n]->marker.c)) continue;
       const auto& m = *marks[n];
       const double odd = m.height > 0.0 ? m.depth / m.height : 1.0;
       walls.places.push_back({pose.to_space(b.rest[n]).c, m.marker.c, m.normal.c, m.height, odd,
@@ -167,14 +179,13 @@ void move_walls(water<D>& f) {
   if (f.moving.empty()) return;
   auto& w = f.world.w;
   auto& bodies = f.world.walls.bodies;
-  foundation::for_all(bodies.own.size(), [&](std::size_t r) {
-    const std::size_t n = bodies.own[r];
-    const auto* b = f.mover(bodies.places[n].body);
+  foundation::for_all(bodies.places.size(), [&](std::size_t r) {
+    auto& place = bodies.places[r];
+    const auto* b = f.mover(place.body);
     if (b == nullptr) return;
-    auto& place = bodies.places[n];
-    place.x = b->now.to_space(f.in_body[n].x).c;
-    place.marker = b->now.to_space(f.in_body[n].marker).c;
-    place.normal = solids::turn<D>(b->now.turned, f.in_body[n].normal).c;
+    place.x = b->now.to_space(f.in_body[r].x).c;
+    place.marker = b->now.to_space(f.in_body[r].marker).c;
+    place.normal = solids::turn<D>(b->now.turned, f.in_body[r].normal).c;
     for (std::size_t a = 0; a < D; ++a) w.s.x[a][w.s.first_wall() + r] = place.x[a];
   });
   domain::exchange<D>(w.d.ranks, w.d.wall_halo, {}, &w.s.x);

@@ -183,16 +183,6 @@ bool block::holds(const point& x) const {
   return true;
 }
 
-double parameters::particles(const options& o) const {
-  double all = 0.0;
-  for (const auto& b : blocks) {
-    double n = 1.0;
-    for (std::size_t a = 0; a < o.domain.axes(); ++a) n *= (b.high[a] - b.low[a]) / o.domain.dx();
-    all += n;
-  }
-  return all;
-}
-
 void declare(namelist::schema& schema, options& o) {
   // The lattice sum -sum V F x^2 is 0.997 there, with the kernel's own 1.3 0.974: still water starts nearly balanced.
   o.common.kernel.h_over_dx = 1.5;

@@ -123,8 +123,6 @@ struct parameters {
   const std::vector<motion_of_body<D>>& motions_in() const {
     return std::get<D - 2>(motions);
   }
-
-  double particles(const options& o) const;  // of the blocks' lattices
 };
 
 // What lies beyond the sides; an open top and periodic sides have nothing there.

@@ -54,8 +54,9 @@ inline std::array<double, 2> start_velocity(const options& o, const parameters& 
   return {-o.flow.strain_rate * (x[0] - c.x), o.flow.strain_rate * (x[1] - c.y)};
 }
 
-template <int D>
-void place_blocks(water<D>& f) {
+// Blocks, and of them what is_water(place) keeps.
+template <int D, class IsWater>
+void place_blocks(water<D>& f, const IsWater& is_water) {
   std::vector<run::lattice_block<D>> lattices;
   std::int64_t first_id = 0;
   for (const block& b : f.p.blocks) {
@@ -69,21 +70,14 @@ void place_blocks(water<D>& f) {
     first_id += lattice.particles();
     lattices.push_back(lattice);
   }
-  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter);
+  run::place_lattices<D>(f.world, lattices, f.o.domain.jitter, [&](const std::array<double, D>& x) {
+    point of_water{};
+    std::ranges::copy(x, of_water.begin());
+    return is_water(of_water);
+  });
 }
 
-// Of the blocks' particles those that is_water(place) keeps. IDs stay those of the blocks.
-template <int D, class IsWater>
-void cut_out(water<D>& f, const IsWater& is_water) {
-  auto& s = f.world.w.s;
-  std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (is_water(f.place(i))) kept.push_back(static_cast<std::uint32_t>(i));
-  particles::reorder(s, 0, std::span<const std::uint32_t>(kept));
-  particles::allocate(s, kept.size(), 0, 0, 0);
-}
-
-// Wall particles of the bodies, of all ranks, and their markers.
+// Wall particles of the bodies, and their markers.
 template <int D>
 void set_up_bodies(water<D>& f) {
   const auto& bodies = f.p.template bodies_in<D>();
@@ -96,7 +90,6 @@ void set_up_bodies(water<D>& f) {
   set_up_moving(f);
   f.asks_loads = !f.p.force.empty() || !f.free.empty();
   f.solid = solid_with(f, [](const auto& b) { return b.now; });
-  cut_out(f, [&](const point& x) { return !f.solid.solid(of_solids<D>(x)); });
   std::vector<solids::body<D>> resting;
   std::vector<std::size_t> number;
   for (std::size_t b = 0; b < bodies.size(); ++b)
@@ -108,7 +101,8 @@ void set_up_bodies(water<D>& f) {
   f.solid_at_rest = solid_of<D>(f.o, resting);
   resting.push_back(tank_of<D>(f.o));
   const solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
-  const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support());
+  const auto cell = w.d.cell();
+  const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support(), {cell.lower, cell.upper});
   // On the surface itself both are 0.
   const auto odd = [&](std::size_t n) { return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0; };
   for (std::size_t n = 0; n < made.x.size(); ++n)
@@ -155,13 +149,15 @@ std::int64_t put_out_of_bodies(water<D>& f) {
 
 template <int D>
 void set_up(water<D>& f) {
-  run::set_up(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
-  place_blocks(f);
-  if (f.o.flow.start == "drop") {
-    const circle c = drop_of(f.p);
-    cut_out(f, [&](const point& x) { return c.distance2(x) < c.radius * c.radius; });
-  }
+  run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
   set_up_bodies(f);
+  const bool has_bodies = f.world.walls.bodies.any();
+  std::optional<circle> drop;
+  if (f.o.flow.start == "drop") drop = drop_of(f.p);
+  place_blocks(f, [&](const point& x) {
+    return !(drop && drop->distance2(x) >= drop->radius * drop->radius) &&
+           !(has_bodies && f.solid.solid(of_solids<D>(x)));
+  });
   f.world.w.g[1] = -f.gravity();
   f.sticks = f.world.walls.bodies.no_slip ||
              std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
