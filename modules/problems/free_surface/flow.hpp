@@ -132,7 +132,8 @@ class flow : public run::problem_in_a_box<D> {
   double moved() override { return std::max(base::moved(), bodies_moved(f_)); }
   double speed() override { return std::max(base::speed(), bodies_speed(f_)); }
 
-  // Sound over the spacing, and viscosity with the density's diffusion.
+  // Sound over the spacing, and viscosity with the density's diffusion. Of Riemann problems, which take 2.3 c/h in two
+  // dimensions, 3 c/h in three times 1 - cos k·x off a wave, this is less than sound's own 2.2 c/Δx.
   integrators::step_limit largest_step() override {
     const auto& time = f_.o.common.time;
     const double dx = f_.dx(), c = f_.p.water.sound;

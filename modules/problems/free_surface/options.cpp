@@ -166,10 +166,6 @@ void check_drop(const namelist::schema& schema, const options& o, const paramete
     schema.fail("flow", "start", "the drop begins as a circle, within one block as wide as high");
 }
 
-// m2/s, with which the step of a diffusion on a lattice, 8 D/Δx² or 12 D/Δx² its largest eigenvalue, is that of what u*
-// diffuses, Σ V |F| r c (1 - cos k·x) <= 1.2 c Σ V |F| r: 2.3 c/h in two dimensions, 3 c/h in three.
-double riemann_diffusivity(double dx, double h, double c) { return 0.35 * c * dx * dx / h; }
-
 void find_liquid(const namelist::schema& schema, const options& o, parameters& p) {
   const auto& f = o.flow;
   if (!f.sound_speed && !(f.gravity > 0.0))
@@ -187,7 +183,6 @@ void find_liquid(const namelist::schema& schema, const options& o, parameters& p
     if (value > 0.0 && schema.changed("flow", key))
       schema.fail("flow", key, "is of scheme = 'delta': Riemann problems dissipate by themselves; leave it out, or 0");
   p.by = scheme::riemann;
-  p.density_diffusivity = riemann_diffusivity(o.domain.dx(), h, c);
 }
 
 void check_top(const namelist::schema& schema, const options& o) {
