@@ -107,3 +107,24 @@ BOOST_AUTO_TEST_CASE(riemann_at_rest) {
     BOOST_TEST(size > 10.0);  // N
   }
 }
+
+// In the default scheme forces and the rates of volumes know volumes and pressures alone: whatever the densities of two
+// particles with the same volumes and pressures, as of liquids in contact, they stay the same.
+BOOST_AUTO_TEST_CASE(forces_know_no_densities) {
+  scene<2> scene(tank("high_x = 1.0 high_y = 0.75 delta = 0.0", "jitter = 0.3 "));
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  disturb(scene);
+  refresh(f);
+  const auto sums = [&] {
+    sum_over_neighbours(f, f.world.w.fluid());
+    std::vector<double> all(f.force[0].begin(), f.force[0].begin() + static_cast<std::ptrdiff_t>(s.fluid));
+    for (std::size_t i = 0; i < s.fluid; ++i) all.push_back(f.density_rate[i] / s.rho[i]);
+    return all;
+  };
+  const auto water = sums();
+  for (std::size_t i = 0; i < s.total(); ++i) s.rho[i] *= 1.0 + 0.9 * noise(static_cast<std::int64_t>(i), 11);
+  const auto mixture = sums();
+  for (std::size_t k = 0; k < water.size(); ++k)
+    BOOST_TEST(std::abs(mixture[k] - water[k]) <= 1e-12 * std::abs(water[k]));
+}

@@ -108,7 +108,6 @@ class Flow(Case):
         m = result.summary["metrics"]
         self.assertLess(result.summary["conservation"]["energy"], 0.0)
         self.assertLess(abs(m["pressure_1_arrival"] / m["pressure_1_arrival_reference"] - 1), 0.15)
-        self.assertIn("Riemann", result.stdout)
 
     def test_still_wedge(self):
         """Twenty particles deep over a wedge, whose wall particles balance the water as more water would."""
@@ -185,10 +184,12 @@ class Flow(Case):
             self.assertTrue(0.01 * n - 1e-9 <= t < 0.01 * n + 2e-3, times)
 
     def test_ranks_and_restart(self):
-        for form, settings, steps in [(FLAT, {"time.steps": 60}, 25), (DEEP, {"time.steps": 12, "walls.slip": "no_slip"}, 5)]:
+        for form, settings, steps in [
+                (FLAT, {"time.steps": 60}, 25), (FLAT, {"time.steps": 60, "flow.scheme": "riemann"}, 25),
+                (DEEP, {"time.steps": 12, "walls.slip": "no_slip"}, 5),
+                (DEEP, {"time.steps": 12, "walls.slip": "no_slip", "flow.scheme": "riemann"}, 5)]:
             with self.subTest(**form):
                 self.assert_exact("flow", self.small(form), {**settings, "output.interval": 0}, steps, [(3, 1), (2, 2)])
-        self.assert_exact("flow", self.small(), {"flow.scheme": "riemann", "time.steps": 60, "output.interval": 0}, 25, [(3, 1), (2, 2)])
         for name, settings, steps in [
                 ("still_wedge", {**WEDGE, "flow.high_x": 0.8, "time.steps": 60, "walls.slip": "no_slip"}, 25),
                 ("bowl", {"domain.particles_x": 24, "domain.particles_y": 20, "domain.particles_z": 24, "output.interval": 0,
