@@ -45,6 +45,12 @@ void declare_water(namelist::schema& schema, flow_options& o) {
 void declare_liquid(namelist::schema& schema, flow_options& o) {
   schema.add("flow", "gravity", o.gravity, {.unit = "m/s^2", .minimum = 0.0, .meaning = "towards -y"});
   schema.add("flow", "density", o.density, positive("kg/m^3", "of the water at zero pressure"));
+  schema.add(
+      "flow", "scheme", o.scheme,
+      {.choices = {"delta", "riemann"},
+       .expert = true,
+       .meaning = "of the sums over neighbours; delta: pairs have the sum of their pressures, with an artificial "
+                  "viscosity and diffusion of the density; riemann: that of a Riemann problem between them"});
   schema.add("flow", "exponent", o.exponent,
              for_expert(between(1, 15, "of the density in the pressure, B ((rho/density)^exponent - 1)")));
   schema.add("flow", "sound_factor", o.sound_factor,
@@ -58,8 +64,8 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
               .meaning = "of the water at zero pressure, some ten times its largest speed; not given: by "
                          "sound_factor"});
   schema.add("flow", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "of the water"});
-  schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "of the artificial viscosity")));
-  schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "of the density's diffusion")));
+  schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "scheme = 'delta': of the artificial viscosity")));
+  schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "scheme = 'delta': of the density's diffusion")));
   schema.add("flow", "shifting", o.shifting,
              for_expert(between(0.0, 10.0,
                                 "how fast particles that move drift to where there are fewer, not across the "
@@ -166,8 +172,17 @@ void find_liquid(const namelist::schema& schema, const options& o, parameters& p
     schema.fail("flow", "sound_speed", "must be given: without gravity sound_factor says nothing");
   p.water = {f.density, f.sound_speed ? *f.sound_speed : f.sound_factor * std::sqrt(f.gravity * p.height), f.exponent};
   p.smoothing_length = o.common.kernel.h_over_dx * o.domain.dx();
-  const double D = static_cast<double>(o.domain.dimension);
-  p.kinematic_viscosity = f.viscosity / f.density + f.alpha * p.smoothing_length * p.water.sound / (2.0 * (D + 2.0));
+  const double D = static_cast<double>(o.domain.dimension), h = p.smoothing_length, c = p.water.sound;
+  p.kinematic_viscosity = f.viscosity / f.density;
+  if (f.scheme == "delta") {
+    p.kinematic_viscosity += f.alpha * h * c / (2.0 * (D + 2.0));
+    p.density_diffusivity = f.delta * h * c;
+    return;
+  }
+  for (const auto& [key, value] : {std::pair{"alpha", f.alpha}, std::pair{"delta", f.delta}})
+    if (value > 0.0 && schema.changed("flow", key))
+      schema.fail("flow", key, "is of scheme = 'delta': Riemann problems dissipate by themselves; leave it out, or 0");
+  p.by = scheme::riemann;
 }
 
 void check_top(const namelist::schema& schema, const options& o) {

@@ -23,7 +23,11 @@ namespace tetsuame::free_surface {
 
 using point = std::array<double, 3>;  // m; z is 0 in two dimensions
 
+// Whose sums over neighbours (docs/theory/water_schemes.md).
+enum class scheme { delta, riemann };
+
 struct flow_options {
+  std::string scheme = "delta";
   std::string start = "rest";
   std::array<std::vector<double>, 3> low, high;  // m, of blocks of water; none: the box's edges
   double gravity = 9.81;                         // m/s2, towards -y
@@ -106,8 +110,10 @@ struct parameters {
   std::vector<block> blocks;
   double height = 0.0;  // m, from the lowest to the highest water
   liquid water;
-  double smoothing_length = 0.0;     // m
+  double smoothing_length = 0.0;  // m
+  scheme by = scheme::delta;
   double kinematic_viscosity = 0.0;  // m2/s, physical and artificial
+  double density_diffusivity = 0.0;  // m2/s
   references measured;
   // Of the box's dimension.
   std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;

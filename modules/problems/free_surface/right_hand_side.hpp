@@ -1,7 +1,7 @@
 // One evaluation of the water, and what stands behind its walls:
 //   1. ghosts and images: places, velocities, densities
 //   2. pressure and volume of each density; those of images, with the weight of water up to them
-//   3. the sums over neighbours (terms.hpp)
+//   3. the sums over neighbours (terms.hpp, riemann_terms.hpp)
 //   4. rates of x, v, ρ
 // What the water does to bodies: loads.hpp, with evaluate(), which goes through all of this.
 #pragma once
@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <free_surface/moving.hpp>
+#include <free_surface/riemann_terms.hpp>
 #include <free_surface/terms.hpp>
 #include <volume/shape.hpp>
 #include <walls/bodies.hpp>
@@ -150,7 +151,26 @@ void refresh(water<D>& f) {
 }
 
 template <bool sticks, int D, class Rows>
+void sum_with_riemann_problems(water<D>& f, const Rows& rows) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  riemann_motion<D, sticks> all{pairs::pointers<D>(s.v),
+                                pairs::pointers<D>(f.viscous_velocity),
+                                s.p.data(),
+                                s.dV.data(),
+                                s.rho.data(),
+                                f.o.flow.density * f.p.kinematic_viscosity,
+                                f.gravity(),
+                                f.p.water.sound,
+                                {},
+                                f.density_rate.data()};
+  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
+  w.sum(rows, all);
+}
+
+template <bool sticks, int D, class Rows>
 void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
+  if (f.p.by == scheme::riemann) return sum_with_riemann_problems<sticks>(f, rows);
   auto& w = f.world.w;
   auto& s = w.s;
   motion<D, sticks> all{pairs::pointers<D>(s.v),

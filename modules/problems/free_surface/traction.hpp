@@ -1,12 +1,13 @@
 // The pressure that a gauge reads (docs/theory/pressure_gauges.md): the force by which pressure acts through a plane,
 // over an area about a point. As momentum is exchanged pair by pair (terms.hpp) that is, with the normal n into the
-// water,
+// water, and 2 p* for p_i + p_j where pairs have Riemann problems (riemann_terms.hpp),
 //   p(X) = Σ_{i before, j behind the plane} (p_i + p_j) V_i V_j (-F_ij) (x_ij·n) w(|c_ij - X|)
 // where x_ij crosses the plane at c_ij, and w, a cone or in two dimensions a hat, has the integral 1 over the plane. So
 // a wall's readings add up to the force on it, whether water lies on the wall densely or as spray.
 #pragma once
 
 #include <algorithm>
+#include <free_surface/riemann_terms.hpp>
 #include <free_surface/start.hpp>
 #include <numbers>
 
@@ -54,6 +55,19 @@ struct about_plane {
   }
 };
 
+// Pa, twice the pressure between a pair.
+template <int D>
+double pressures_between(const water<D>& f, std::size_t i, std::size_t j, const std::array<double, D>& x_ij,
+                         double r2) {
+  const auto& s = f.world.w.s;
+  if (f.p.by == scheme::delta) return s.p[i] + s.p[j];
+  double closing = 0.0;
+  for (std::size_t a = 0; a < D; ++a) closing += (s.v[a][i] - s.v[a][j]) * x_ij[a];
+  const auto star = contact_of_pair(s.rho[i], s.rho[j], s.p[i], s.p[j], closing, 1.0 / std::sqrt(r2),
+                                    f.gravity() * x_ij[1], f.p.water.sound);
+  return 2.0 * star.p;
+}
+
 // Pa; of pairs whose nearer one is this rank's.
 template <int D>
 void add_traction(const water<D>& f, const plane<D>& p, foundation::exact_sum& sum) {
@@ -71,14 +85,17 @@ void add_traction(const water<D>& f, const plane<D>& p, foundation::exact_sum& s
       const auto x_i = place(i), x_j = place(j);
       const double above = p.height(x_i), across = above - p.height(x_j);
       double r2 = 0.0, distance2 = 0.0;
+      std::array<double, D> x_ij;
       for (std::size_t a = 0; a < D; ++a) {
-        const double x_ij = x_i[a] - x_j[a], from_gauge = x_i[a] - above / across * x_ij - p.at[a];
-        r2 += x_ij * x_ij;
+        x_ij[a] = x_i[a] - x_j[a];
+        const double from_gauge = x_i[a] - above / across * x_ij[a] - p.at[a];
+        r2 += x_ij[a] * x_ij[a];
         distance2 += from_gauge * from_gauge;
       }
       if (!(r2 < support * support) || !(distance2 < radius * radius)) continue;
       const double F = std::visit([&](const auto& k) { return k.gradient_over_r(std::sqrt(r2)); }, w.kernel);
-      sum.add(-(s.p[i] + s.p[j]) * s.dV[i] * s.dV[j] * F * across * gauge_weight<D>(std::sqrt(distance2), radius));
+      sum.add(-pressures_between<D>(f, i, j, x_ij, r2) * s.dV[i] * s.dV[j] * F * across *
+              gauge_weight<D>(std::sqrt(distance2), radius));
     }
 }
 

@@ -1,0 +1,9 @@
+// The sums over neighbours of flow_2d.cpp.
+#include <free_surface/right_hand_side.hpp>
+
+namespace tetsuame::free_surface {
+
+template void sum_over_neighbours(water<2>&, const pairs::stretch&);
+template void sum_over_neighbours(water<2>&, const pairs::chosen&);
+
+}  // namespace tetsuame::free_surface
