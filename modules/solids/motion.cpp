@@ -272,7 +272,8 @@ free_body<D> filled(const body<D>& of, double density, const point<D>& lower, co
       inside.push_back(x);
       centre += x;
     }
-  if (inside.empty()) fail_input("body '" + of.name() + "' has no volume on a lattice of this spacing");
+  if (inside.empty())
+    fail_input("body '" + of.name() + "' lies outside the box, or is smaller than the spacing of the particles");
   centre = (1.0 / static_cast<double>(inside.size())) * centre;
   free_body<D> b;
   const double mass = density * volume;

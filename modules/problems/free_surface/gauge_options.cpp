@@ -125,6 +125,10 @@ std::vector<series> curves_of(const namelist::schema& schema, const options& o, 
 
 void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   auto& g = o.gauges;
+  if (g.impulse_from && g.impulse_until && *g.impulse_until <= *g.impulse_from)
+    schema.fail(
+        "gauges", "impulse_until",
+        fmt::format("expected a time behind impulse_from, {} s, found {} s", *g.impulse_from, *g.impulse_until));
   check_places(schema, o, "height_", g.height, {0, 2});
   check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
   p.measured.height.resize(g.height[0].size());

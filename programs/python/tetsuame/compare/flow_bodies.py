@@ -38,10 +38,15 @@ def period(times: np.ndarray, values: np.ndarray) -> float | None:
 
 
 def tank(outcome: Outcome) -> tuple[float, float]:
-    """Length and depth of the water, m."""
+    """Length and depth of the water when it was at rest, m."""
     keys = read_keys(outcome.folder / "resolved.nml")
     length, spacing = first(keys, "solids.length_x"), outcome.setting("domain.length_x") / outcome.setting("domain.particles_x")
     return length, outcome.number("fluid_particles") * spacing**2 / length
+
+
+def weight(outcome: Outcome) -> float:
+    """Of the water, N for each metre: its masses are those of water that is pressed together by its own weight."""
+    return float(outcome.snapshot["Masses"].sum()) * outcome.setting("flow.gravity")
 
 
 def frequency(length: float, depth: float, gravity: float) -> float:
@@ -56,7 +61,7 @@ def sloshing(outcome: Outcome, _outcomes: list[Outcome]) -> dict[str, float | No
     return {"slosh_period": period(readings["time"][free], (readings["height_2"] - readings["height_1"])[free]),
             "slosh_period_theory": 2.0 * math.pi / frequency(length, depth, gravity),
             "weight": -mean_from(readings["time"], readings["force_1_y"], FREE),
-            "weight_theory": outcome.setting("flow.density") * gravity * length * depth}
+            "weight_theory": weight(outcome)}
 
 
 def floating(outcome: Outcome, _outcomes: list[Outcome]) -> dict[str, float | None]:
@@ -118,7 +123,7 @@ def half_period(one: dict) -> float | None:
 
 
 def conserved(case: str, n: int) -> list[Question]:
-    return [Question(case, n, "mechanical energy above the start, over the largest kinetic one", 0.0,
+    return [Question(case, n, "energy gained, over the largest kinetic energy", 0.0,
                      lambda one: metric(one, "energy_above_start")),
             Question(case, n, "mass lost", 0.0, lambda one: one["mass"], form="number")]
 
@@ -128,7 +133,7 @@ QUESTIONS = (
              until=5.0, shorter=True),
     Question("sloshing", 20, "weight of the water on the tank", 0.01, against("weight", "_theory"),
              measured_beside("weight", "N/m", "{:.0f}", "_theory"), until=5.0, shorter=True),
-    Question("floating_box", 5, "first half period, about the middle of what theory allows", 0.5 * (HEAVES[1] - HEAVES[0]) / (0.5 * sum(HEAVES)),
+    Question("floating_box", 5, "first half period, off the middle of its bounds", 0.5 * (HEAVES[1] - HEAVES[0]) / (0.5 * sum(HEAVES)),
              half_period, lambda one: f"{metric(one, 'half_period'):.3f} for {HEAVES[0]:g} to {HEAVES[1]:g} s"),
     Question("floating_box", 5, "place about which it heaves, over the draught", 0.01, off_its_place, millimetres, until=5.0),
     Question("floating_box", 5, "weight carried", 0.01, against("carried", "_theory"), measured_beside("carried", "N/m", "{:.1f}", "_theory"),

@@ -1,4 +1,5 @@
 """The figures of bodies in water: a pushed tank, a floating box, the bowl, the building."""
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ from .. import gauges, pages, style
 from . import flow_bodies as bodies
 from . import flow_views as views
 from .flow_figures import by_n, curve, finest, of_case
-from .outcomes import Outcome, table
+from .outcomes import Outcome
 
 BOWL_TIMES = (0.2, 0.4, 0.6, 1.0, 1.5, 2.0)  # s
 BUILDING_TIMES = (0.25, 0.4, 0.6, 0.8, 1.1, 1.6)
@@ -27,6 +28,16 @@ def averaged(times: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
     return (sums[count:] - sums[:-count]) / count
 
 
+def decisions(path: Path, names: tuple[str, ...]) -> list[np.ndarray]:
+    """Columns of balance.csv, whose last one is a reason in words; empty without the file."""
+    if not path.is_file():
+        return [np.empty(0) for _ in names]
+    with open(path, newline="", encoding="utf-8") as file:
+        heads, *rows = csv.reader(file)
+    places = [[head.partition(" ")[0] for head in heads].index(name) for name in names]
+    return [np.array([float(row[place]) for row in rows]) for place in places]
+
+
 def swing(runs: list[Outcome]):
     """The difference of the depths at the tank's ends, beside a swing of the exact period; and the weight."""
     if not (runs := rest_of(runs, "height_2")):
@@ -35,8 +46,7 @@ def swing(runs: list[Outcome]):
     for look, label, o in by_n(runs):
         readings = gauges.read(o.folder)
         left.plot(readings["time"], 1e3 * (readings["height_2"] - readings["height_1"]), **look, label=label)
-        weight = o.setting("flow.density") * o.setting("flow.gravity") * np.prod(bodies.tank(o))
-        right.plot(readings["time"], -averaged(readings["time"], readings["force_1_y"], SMOOTHED) / weight, **look, label=label)
+        right.plot(readings["time"], -averaged(readings["time"], readings["force_1_y"], SMOOTHED) / bodies.weight(o), **look, label=label)
     readings, (length, depth) = gauges.read(runs[-1].folder), bodies.tank(runs[-1])
     turn, free = bodies.frequency(length, depth, runs[-1].setting("flow.gravity")), readings["time"] > bodies.FREE
     t, h = readings["time"][free], 1e3 * (readings["height_2"] - readings["height_1"])[free]
@@ -85,10 +95,10 @@ def energies(runs: list[Outcome], ranks: list[Outcome]):
     left.set(xlabel="time [s]", ylabel="energy beyond the start's [J]")
     left.legend(fontsize=8)
     for o in ranks:
-        decisions = table(o.folder / "balance.csv")
-        if len(decisions.get("step", ())):
-            right.plot(decisions["step"], decisions["max_over_mean"], label=f"load, {o.case.variant}")
-            right.plot(decisions["step"], decisions["particles_max_over_mean"], label="particles")
+        steps, *shares = decisions(o.folder / "balance.csv", ("step", "max_over_mean", "particles_max_over_mean"))
+        for share, label in zip(shares, (f"load, {o.case.variant}", "particles")):
+            if len(steps):
+                right.plot(steps, share, label=label)
     if right.lines:
         right.axhline(1.1, color=style.GREY, linestyle=":")
         right.set(xlabel="step", ylabel="largest over mean", ylim=(1.0, None))
