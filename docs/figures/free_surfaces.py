@@ -10,7 +10,7 @@ from PIL import Image
 
 # Name in docs/figures, and by how much it is made smaller.
 FIGURES = {"impact": 0.85, "impact_course": 0.8, "fronts": 0.7, "box_pressures": 0.85, "box_heights": 0.8, "box_course": 0.55, "rest": 0.7,
-           "sloshing": 0.6, "floating": 0.6, "bowl": 0.4, "building": 0.6, "building_loads": 0.65}
+           "floating": 0.6, "bowl": 0.4, "building": 0.6, "building_loads": 0.65}
 
 for name, share in FIGURES.items():
     drawn = Path(sys.argv[1], f"{name}.png")
