@@ -90,16 +90,16 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
   }
   std::array<particles::array, 2> force{particles::array(s.fluid), particles::array(s.fluid)};
   particles::array rate(s.fluid);
-  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
-                                    {},
-                                    s.p.data(),
-                                    s.dV.data(),
-                                    s.rho.data(),
-                                    0.0,
-                                    g,
-                                    0.1 * 0.065 / 20.0,
-                                    {force[0].data(), force[1].data()},
-                                    rate.data()});
+  w.sum(w.fluid(), motion<2, false>{{pairs::pointers<2>(s.v),
+                                     {},
+                                     s.p.data(),
+                                     s.dV.data(),
+                                     s.rho.data(),
+                                     0.0,
+                                     g,
+                                     {force[0].data(), force[1].data()},
+                                     rate.data()},
+                                    0.1 * 0.065 / 20.0});
   // Rounding of sums of some twenty terms of 1000 · 2 1/s.
   for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[i]) < 1e-9);
   // Expansion by 3 1/s along x and 1 1/s along y: ρ times the sums' own measure of these, -Σ V F x².
@@ -107,16 +107,16 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
     s.v[0][i] = 3.0 * s.x[0][i];
     s.v[1][i] = 1.0 * s.x[1][i];
   }
-  w.sum(w.fluid(), motion<2, false>{pairs::pointers<2>(s.v),
-                                    {},
-                                    s.p.data(),
-                                    s.dV.data(),
-                                    s.rho.data(),
-                                    0.0,
-                                    g,
-                                    0.0,
-                                    {force[0].data(), force[1].data()},
-                                    rate.data()});
+  w.sum(w.fluid(), motion<2, false>{{pairs::pointers<2>(s.v),
+                                     {},
+                                     s.p.data(),
+                                     s.dV.data(),
+                                     s.rho.data(),
+                                     0.0,
+                                     g,
+                                     {force[0].data(), force[1].data()},
+                                     rate.data()},
+                                    0.0});
   const auto& kernel = std::get<kernels::wendland_c2<2>>(w.kernel);
   for (std::size_t i = 0; i < s.fluid; i += 7) {
     double expected = 0.0;
@@ -132,11 +132,7 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
 BOOST_AUTO_TEST_CASE(momentum_is_exchanged_pair_by_pair) {
   scene<2> scene(block_in_the_middle);
   auto& s = scene.particles();
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    s.v[0][i] = noise(s.id[i], 1);
-    s.v[1][i] = noise(s.id[i], 2);
-    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
-  }
+  disturb(scene);
   const auto rate = scene.rates();
   const auto scale = scene.sum([&](std::size_t i) { return s.m[i] * std::hypot(rate[2][i], rate[3][i]); });
   BOOST_TEST(scale > 0.0);
@@ -155,11 +151,7 @@ BOOST_AUTO_TEST_CASE(energy_goes_where_it_should) {
   auto& o = scene.o;
   auto& s = scene.particles();
   o.flow.delta = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    s.v[0][i] = noise(s.id[i], 1);
-    s.v[1][i] = noise(s.id[i], 2);
-    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
-  }
+  disturb(scene);
   const auto power = [&](const auto& rate) {
     return scene.sum([&](std::size_t i) { return s.m[i] * (s.v[0][i] * rate[2][i] + s.v[1][i] * rate[3][i]); });
   };

@@ -67,4 +67,13 @@ inline std::string tank(const std::string& flow, const std::string& more = "") {
 // Within [-1, 1], of a particle's number.
 inline double noise(std::int64_t id, int salt) { return std::sin(static_cast<double>(id) * 12.9898 + 78.233 * salt); }
 
+// Velocities of some m/s, densities some per cent apart.
+inline void disturb(scene<2>& scene) {
+  auto& s = scene.particles();
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = noise(s.id[i], static_cast<int>(a) + 1);
+    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
+  }
+}
+
 }  // namespace tetsuame::free_surface

@@ -14,15 +14,6 @@ std::string block_in_the_middle(const std::string& more) {
               "jitter = 0.3 ");
 }
 
-// Velocities of some m/s, densities some per cent apart.
-void disturb(scene<2>& scene) {
-  auto& s = scene.particles();
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = noise(s.id[i], static_cast<int>(a) + 1);
-    s.rho[i] *= 1.0 + 0.02 * noise(s.id[i], 3);
-  }
-}
-
 }  // namespace
 
 // Forces come in pairs along the line between two particles.

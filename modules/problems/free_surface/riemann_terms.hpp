@@ -20,15 +20,10 @@ riemann::contact<R> contact_of_pair(const R& rho_i, const R& rho_j, const R& p_i
                                    riemann::liquid_side<R>{rho_j, 0.0 - u, p_j - weight}, c);
 }
 
-// sticks: as of motion (terms.hpp). Riemann problems take the velocities of continuity: a wall is no leak.
+// Riemann problems take the velocities of continuity: a wall is no leak.
 template <int D, bool sticks>
-struct riemann_motion {
-  std::array<const double*, D> v, v_viscous;  // m/s
-  const double *p, *V, *rho;                  // Pa, m^D, kg/m3
-  double eta;                                 // Pa s
-  double g, c;                                // m/s2, m/s
-  std::array<double*, D> force;               // N, without gravity
-  double* rho_rate;                           // kg/(m3 s)
+struct riemann_motion : sums_of_water<D, sticks> {
+  double c;  // m/s
 
   template <class R>
   struct me {
@@ -36,19 +31,10 @@ struct riemann_motion {
     R divergence;
     R viscous, g, c;  // 2 (D+2) η, g, c: the same for all
   };
-  auto reads() const {
-    using namespace pairs;
-    const auto of_all =
-        std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, V, D), read(of_density, rho)};
-    if constexpr (sticks)
-      return std::tuple_cat(of_all, std::tuple{read(of_viscous_velocity, v_viscous)});
-    else
-      return of_all;
-  }
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    return {foundation::zero<R, D>(), R(0.0), R(2.0 * (D + 2.0) * eta * i.lengths.to(-1)), R(g * i.lengths.to(1)),
-            R(c)};
+    return {foundation::zero<R, D>(), R(0.0), R(2.0 * (D + 2.0) * this->eta * i.lengths.to(-1)),
+            R(this->g * i.lengths.to(1)), R(c)};
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
@@ -62,9 +48,9 @@ struct riemann_motion {
     a.force += (VF * (a.viscous * sheared * per_r2 - 2.0 * star.p)) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
-    const auto V_i = i(V, D);
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], V_i * a.force[k], D - 1);
-    i.set(rho_rate, i(rho) * a.divergence, -1);
+    const auto V_i = i(this->V, D);
+    for (std::size_t k = 0; k < D; ++k) i.set(this->force[k], V_i * a.force[k], D - 1);
+    i.set(this->rho_rate, i(this->rho) * a.divergence, -1);
   }
 };
 

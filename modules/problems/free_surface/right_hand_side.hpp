@@ -151,40 +151,24 @@ void refresh(water<D>& f) {
 }
 
 template <bool sticks, int D, class Rows>
-void sum_with_riemann_problems(water<D>& f, const Rows& rows) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  riemann_motion<D, sticks> all{pairs::pointers<D>(s.v),
-                                pairs::pointers<D>(f.viscous_velocity),
-                                s.p.data(),
-                                s.dV.data(),
-                                s.rho.data(),
-                                f.o.flow.density * f.p.kinematic_viscosity,
-                                f.gravity(),
-                                f.p.water.sound,
-                                {},
-                                f.density_rate.data()};
-  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-  w.sum(rows, all);
-}
-
-template <bool sticks, int D, class Rows>
 void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
-  if (f.p.by == scheme::riemann) return sum_with_riemann_problems<sticks>(f, rows);
   auto& w = f.world.w;
   auto& s = w.s;
-  motion<D, sticks> all{pairs::pointers<D>(s.v),
-                        pairs::pointers<D>(f.viscous_velocity),
-                        s.p.data(),
-                        s.dV.data(),
-                        s.rho.data(),
-                        f.o.flow.density * f.p.kinematic_viscosity,
-                        f.gravity(),
-                        f.o.flow.delta * f.p.smoothing_length / f.p.water.sound,
-                        {},
-                        f.density_rate.data()};
+  sums_of_water<D, sticks> all{pairs::pointers<D>(s.v),
+                               pairs::pointers<D>(f.viscous_velocity),
+                               s.p.data(),
+                               s.dV.data(),
+                               s.rho.data(),
+                               f.o.flow.density * f.p.kinematic_viscosity,
+                               f.gravity(),
+                               {},
+                               f.density_rate.data()};
   for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
-  w.sum(rows, all);
+  const double c = f.p.water.sound;
+  if (f.p.by == scheme::riemann)
+    w.sum(rows, riemann_motion<D, sticks>{all, c});
+  else
+    w.sum(rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c});
 }
 
 template <int D, class Rows>

@@ -29,23 +29,17 @@ inline constexpr schemes::field<struct density_tag> of_density;
 inline constexpr schemes::field<struct eigenvalue_tag> of_eigenvalue;
 inline constexpr schemes::field<struct viscous_velocity_tag> of_viscous_velocity;
 
-// sticks: with walls of no slip, whose images have another velocity in the viscous sum than in continuity, to which
-// what moves along a wall is no compression.
+// What sums over pairs of water go by, whatever the scheme, and where they leave it. sticks: with walls of no slip,
+// whose images have another velocity in the viscous sum than in continuity, to which what moves along a wall is no
+// compression.
 template <int D, bool sticks>
-struct motion {
+struct sums_of_water {
   std::array<const double*, D> v, v_viscous;  // m/s
   const double *p, *V, *rho;                  // Pa, m^D, kg/m3
-  double eta;                                 // Pa s
-  double g, delta_h_per_c;                    // m/s2; δ h/c0, s
+  double eta, g;                              // Pa s, m/s2
   std::array<double*, D> force;               // N, without gravity
   double* rho_rate;                           // kg/(m3 s)
 
-  template <class R>
-  struct me {
-    pairs::vec<R, D> force;
-    R divergence, diffusion;
-    R viscous, g;  // 2 (D+2) η, g: the same for all
-  };
   auto reads() const {
     using namespace pairs;
     const auto of_all =
@@ -55,10 +49,23 @@ struct motion {
     else
       return of_all;
   }
+};
+
+// Of the default scheme.
+template <int D, bool sticks>
+struct motion : sums_of_water<D, sticks> {
+  double delta_h_per_c;  // δ h/c0, s
+
+  template <class R>
+  struct me {
+    pairs::vec<R, D> force;
+    R divergence, diffusion;
+    R viscous, g;  // 2 (D+2) η, g: the same for all
+  };
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    return {foundation::zero<R, D>(), R(0.0), R(0.0), R(2.0 * (D + 2.0) * eta * i.lengths.to(-1)),
-            R(g * i.lengths.to(1))};
+    return {foundation::zero<R, D>(), R(0.0), R(0.0), R(2.0 * (D + 2.0) * this->eta * i.lengths.to(-1)),
+            R(this->g * i.lengths.to(1))};
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
@@ -72,9 +79,9 @@ struct motion {
     a.force += (VF * (a.viscous * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
-    const auto V_i = i(V, D);
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], V_i * a.force[k], D - 1);
-    i.set(rho_rate, i(rho) * a.divergence + delta_h_per_c * i.lengths.to(-1) * a.diffusion, -1);
+    const auto V_i = i(this->V, D);
+    for (std::size_t k = 0; k < D; ++k) i.set(this->force[k], V_i * a.force[k], D - 1);
+    i.set(this->rho_rate, i(this->rho) * a.divergence + delta_h_per_c * i.lengths.to(-1) * a.diffusion, -1);
   }
 };
 
