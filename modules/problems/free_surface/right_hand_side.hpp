@@ -168,7 +168,7 @@ void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   if (f.p.by == scheme::riemann)
     w.sum(rows, riemann_motion<D, sticks>{all, c});
   else
-    w.sum(rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c});
+    w.sum(rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c, slow * c});
 }
 
 template <int D, class Rows>

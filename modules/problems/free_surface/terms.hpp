@@ -8,7 +8,8 @@
 //
 // Density by continuity, with diffusion of what the pressure has beyond the hydrostatic one [G. Fourtakas et al.,
 // Comput. Fluids 190, 346 (2019)], so that still water stays:
-//   dρ_i/dt = ρ_i Σ_j V_j v_ij·∇_i W_ij + δ (h/c0) Σ_j 2 [p_i - p_j + ½ (ρ_i + ρ_j) g (y_i - y_j)] V_j F_ij
+//   dρ_i/dt = ρ_i Σ_j V_j v_ij·∇_i W_ij + δ (h/c0) Σ_j 2 l_ij [p_i - p_j + ½ (ρ_i + ρ_j) g (y_i - y_j)] V_j F_ij
+// with l_ij = min[1, ½ (v_i² + v_j²)/(0.01 c0)²] (derived here): water at rest diffuses nothing.
 //
 // The arrangement of particles [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)]: λ is the smallest eigenvalue of
 //   M_i = -Σ_j V_j F_ij x_ij x_ijᵀ
@@ -51,21 +52,31 @@ struct sums_of_water {
   }
 };
 
+// Water slower than this part of c0 diffuses less, by the square of its speed. In water at rest the pressure that its
+// sums hold differs from the hydrostatic one, and diffusion of the difference makes energy out of nothing, at a rate
+// that does not depend on the speed; what viscosity takes falls with the square of the speed.
+inline constexpr double slow = 0.01;
+
 // Of the default scheme.
 template <int D, bool sticks>
 struct motion : sums_of_water<D, sticks> {
   double delta_h_per_c;  // δ h/c0, s
+  double slow_speed;     // m/s
 
   template <class R>
   struct me {
     pairs::vec<R, D> force;
     R divergence, diffusion;
-    R viscous, g;  // 2 (D+2) η, g: the same for all
+    R viscous, g, per_slow2;  // 2 (D+2) η, g, ½/(slow speed)²: the same for all
   };
   template <class R>
   me<R> begin(const pairs::cluster<R>& i) const {
-    return {foundation::zero<R, D>(), R(0.0), R(0.0), R(2.0 * (D + 2.0) * this->eta * i.lengths.to(-1)),
-            R(this->g * i.lengths.to(1))};
+    return {foundation::zero<R, D>(),
+            R(0.0),
+            R(0.0),
+            R(2.0 * (D + 2.0) * this->eta * i.lengths.to(-1)),
+            R(this->g * i.lengths.to(1)),
+            R(0.5 / (slow_speed * slow_speed))};
   }
   void add(auto& a, const auto& ij) const {
     using namespace pairs;
@@ -74,8 +85,12 @@ struct motion : sums_of_water<D, sticks> {
     auto sheared = closing;
     if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
     const auto p_i = ij.own(of_pressure), p_j = ij(of_pressure);
+    const auto v_i = ij.own(of_velocity), v_j = ij(of_velocity);
+    using R = std::remove_cvref_t<decltype(ij.F)>;
+    const R lively =
+        foundation::lesser(R(1.0), R(a.per_slow2 * (foundation::dot(v_i, v_i) + foundation::dot(v_j, v_j))));
     a.divergence += VF * closing;
-    a.diffusion += VF * (2.0 * (p_i - p_j) + a.g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
+    a.diffusion += lively * VF * (2.0 * (p_i - p_j) + a.g * (ij.own(of_density) + ij(of_density)) * ij.x_ij[1]);
     a.force += (VF * (a.viscous * sheared * per_r2 - (p_i + p_j))) * ij.x_ij;
   }
   void end(const auto& i, const auto& a) const {
