@@ -48,8 +48,14 @@ def at_rest(case: str, n: int) -> list[Question]:
             question("particles put back at a wall", 0.0, lambda one: metric(one, "wall_crossings"))]
 
 
+def closed_tank(case: str, n: int, until: float) -> list[Question]:
+    return [Question(case, n, "mass lost", 0.0, lambda one: one["mass"], until=until, shorter=True, form="number"),
+            Question(case, n, "largest rise of energy over that at the start", 0.0, lambda one: one["rise"],
+                     until=until, shorter=True, form="number")]
+
+
 QUESTIONS = (
-    *at_rest("still_wedge", 50), *at_rest("still_wedge_3d", 20),
+    *at_rest("still_wedge", 50), *at_rest("still_wedge_3d", 20), *closed_tank("tilted_tank", 50, 45.5), *closed_tank("stl_tank", 20, 114.0),
     Question("standing_wave", 50, "period", 0.01, against("period", "_theory"), measured_beside("period", "s", "{:.4f}", "_theory")),
     Question("standing_wave", 50, "decay of energy", 0.1, against("energy_decay", "_theory"),
              measured_beside("energy_decay", "1/s", "{:.4f}", "_theory")),
