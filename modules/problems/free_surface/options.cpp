@@ -64,6 +64,8 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
               .meaning = "of the water at zero pressure, some ten times its largest speed; not given: by "
                          "sound_factor"});
   schema.add("flow", "viscosity", o.viscosity, {.unit = "Pa s", .minimum = 0.0, .meaning = "of the water"});
+  schema.add("flow", "surface_tension", o.surface_tension,
+             {.unit = "N/m", .minimum = 0.0, .meaning = "of the free surface; walls are at 90 degrees to it"});
   schema.add("flow", "alpha", o.alpha, for_expert(between(0.0, 1.0, "scheme = 'delta': of the artificial viscosity")));
   schema.add("flow", "delta", o.delta, for_expert(between(0.0, 1.0, "scheme = 'delta': of the density's diffusion")));
   schema.add("flow", "shifting", o.shifting,
@@ -158,12 +160,17 @@ void check_drop(const namelist::schema& schema, const options& o, const paramete
     if (f.strain_rate > 0.0) schema.fail("flow", "strain_rate", "is of start = 'drop'");
     return;
   }
-  if (o.domain.dimension != 2) schema.fail("flow", "start", "the drop is one of two dimensions");
+  const bool tense = f.surface_tension > 0.0;
+  if (o.domain.dimension != 2 && !tense)
+    schema.fail("flow", "start", "the drop is one of two dimensions; with surface_tension it may be a ball");
   if (f.gravity > 0.0) schema.fail("flow", "gravity", "expected 0: the drop falls nowhere");
-  if (!(f.strain_rate > 0.0)) schema.fail("flow", "strain_rate", "the drop needs how fast it is drawn out");
+  if (!(f.strain_rate > 0.0) && !tense) schema.fail("flow", "strain_rate", "the drop needs how fast it is drawn out");
   const auto& b = p.blocks.front();
-  if (p.blocks.size() != 1 || std::abs((b.high[0] - b.low[0]) / (b.high[1] - b.low[1]) - 1.0) > 1e-9)
-    schema.fail("flow", "start", "the drop begins as a circle, within one block as wide as high");
+  const auto width = [&](std::size_t a) { return b.high[a] - b.low[a]; };
+  for (std::size_t a = 1; a < o.domain.axes(); ++a)
+    if (p.blocks.size() != 1 || std::abs(width(0) / width(a) - 1.0) > 1e-9)
+      schema.fail("flow", "start", a == 1 ? "the drop begins as a circle, within one block as wide as high"
+                                          : "the drop begins as a ball, within one block as wide as deep");
 }
 
 void find_liquid(const namelist::schema& schema, const options& o, parameters& p) {
@@ -183,6 +190,17 @@ void find_liquid(const namelist::schema& schema, const options& o, parameters& p
     if (value > 0.0 && schema.changed("flow", key))
       schema.fail("flow", key, "is of scheme = 'delta': Riemann problems dissipate by themselves; leave it out, or 0");
   p.by = scheme::riemann;
+}
+
+// Waves of two spacings, of speed √(σ k/ρ), are no faster than sound.
+void check_tension(const namelist::schema& schema, const options& o, const parameters& p) {
+  const auto& f = o.flow;
+  const double most = f.density * p.water.sound * p.water.sound * o.domain.dx() / std::numbers::pi;
+  if (f.surface_tension > most)
+    schema.fail("flow", "surface_tension",
+                fmt::format("its shortest waves, of two spacings, would be faster than sound: at most {:.4g} N/m with "
+                            "a speed of sound of {:.4g} m/s",
+                            most, p.water.sound));
 }
 
 void check_top(const namelist::schema& schema, const options& o) {
@@ -230,6 +248,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   }
   p.height = highest - lowest;
   find_liquid(schema, o, p);
+  check_tension(schema, o, p);
   check_wave(schema, o, p);
   check_drop(schema, o, p);
   check_top(schema, o);

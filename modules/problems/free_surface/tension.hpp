@@ -1,0 +1,167 @@
+// Surface tension of the free surface, a force along its normal alone (docs/theory/water_surface_tension.md):
+//   m_i dv_i/dt = … + 2 σ κ_i V_i G_i,   G_i = Σ_j V_j ∇_i W_ij, which points inwards
+// The pressure's sum of a uniform pressure p is -2 p V_i G_i: a drop under p = σ κ is at rest, whatever its arrangement.
+//
+// Curvature by the normals of its neighbours, of G smoothed once, g_i = Σ_j V_j W_ij G_j, i among them, n = g/|g|:
+//   κ_i = (D-1) Σ_j V_j F_ij g_j·t_ij / Σ_j V_j F_ij |g_j| t_ij²,   t_ij = x_ij - (x_ij·n_i) n_i
+// on a sphere exactly that of the neighbours' own distances from its centre. It is 0 where |g| < ε/h.
+#pragma once
+
+#include <free_surface/right_hand_side.hpp>
+
+namespace tetsuame::free_surface {
+
+inline constexpr double least_normal = 0.05;  // ε
+
+inline constexpr schemes::field<struct inward_tag> of_inward;
+
+// g.
+template <int D>
+struct smoothed_inward {
+  const double* V;                 // m^D
+  double W0;                       // 1/m^D, W(0)
+  std::array<const double*, D> G;  // 1/m
+  std::array<double*, D> g;        // 1/m
+
+  template <class R>
+  struct me {
+    pairs::vec<R, D> g;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_inward, G, -1)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    const R own = R(W0 * i.lengths.to(D)) * i(V, D);
+    return {pairs::vec<R, D>::of([&](std::size_t k) { return own * i(G[k], -1); })};
+  }
+  void add(auto& a, const auto& ij) const { a.g += (ij(pairs::of_volume) * ij.W) * ij(of_inward); }
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(g[k], a.g[k], -1);
+  }
+};
+
+// The force, of normals n = g/|g|.
+template <int D>
+struct tension {
+  const double* V;                    // m^D
+  std::array<const double*, D> G, g;  // 1/m
+  double sigma;                       // N/m
+  double least, most;                 // 1/m: of |g|, and of |κ| what is resolved
+  std::array<double*, D> force;       // N
+
+  template <class R>
+  struct me {
+    R bend, length;
+    pairs::vec<R, D> normal;  // the same for all
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_inward, g, -1)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    const auto mine = pairs::vec<R, D>::of([&](std::size_t k) { return i(g[k], -1); });
+    return {R(0.0), R(0.0), roots_of(mine).inverse * mine};
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto t = ij.x_ij - foundation::dot(ij.x_ij, a.normal) * a.normal;
+    const auto VF = ij(pairs::of_volume) * ij.F;
+    const auto of_j = ij(of_inward);
+    a.bend += VF * foundation::dot(of_j, t);
+    a.length += VF * roots_of(of_j).r * foundation::dot(t, t);
+  }
+  void end(const auto& i, const auto& a) const {
+    using R = std::remove_cvref_t<decltype(a.bend)>;
+    const R bound(most * i.lengths.to(1)), limit(least * i.lengths.to(1));
+    const R curvature = (D - 1.0) * a.bend / foundation::lesser(a.length, R(-foundation::tiny<R>));
+    const auto mine = pairs::vec<R, D>::of([&](std::size_t k) { return i(g[k], -1); });
+    const R resolved = foundation::lesser(foundation::greater(curvature, R(0.0 - bound)), bound);
+    const R there = foundation::select(limit < roots_of(mine).r, resolved, R(0.0));
+    for (std::size_t k = 0; k < D; ++k)
+      i.set(force[k], (2.0 * sigma) * there * i(V, D) * i(G[k], -1), D - 2);
+  }
+
+ private:
+  template <class R>
+  static foundation::roots<R> roots_of(const pairs::vec<R, D>& v) {
+    return foundation::both_roots(foundation::greater(foundation::dot(v, v), R(foundation::tiny<R>)));
+  }
+};
+
+// From sources to their images, as a vector; wall particles of bodies have none.
+template <int D>
+void mirror_inward(water<D>& f, std::array<particles::array, D>& values) {
+  const auto& walls = f.world.walls;
+  const std::size_t first = f.world.w.s.first_wall();
+  foundation::for_all(walls.body_particles, [&](std::size_t n) {
+    for (auto& component : values) component[first + n] = 0.0;
+  });
+  foundation::for_all(walls.source.size(), [&](std::size_t n) {
+    std::array<double, D> of_source;
+    for (std::size_t a = 0; a < D; ++a) of_source[a] = values[a][walls.source[n]];
+    const auto image = walls::reflected_velocity<D>(walls, n, of_source, false);
+    for (std::size_t a = 0; a < D; ++a) values[a][first + walls.body_particles + n] = image[a];
+  });
+}
+
+// Collective. To ghosts, and to what stands behind walls.
+template <int D>
+void share_inward(water<D>& f, std::array<particles::array, D>& values) {
+  std::array<double*, D> fields;
+  for (std::size_t a = 0; a < D; ++a) fields[a] = values[a].data();
+  domain::exchange<D>(f.world.w.d.ranks, f.world.w.d.fluid_halo, std::span<double* const>(fields));
+  mirror_inward<D>(f, values);
+}
+
+template <int D>
+double length_of_inward(const water<D>& f, std::size_t i) {
+  double squared = 0.0;
+  for (std::size_t a = 0; a < D; ++a) squared += f.inward[a][i] * f.inward[a][i];
+  return std::sqrt(squared);
+}
+
+// Clusters with a member that has G, or may have such a neighbour: of all others g is 0.
+template <int D>
+pairs::remainder clusters_with_tension(const water<D>& f) {
+  return clusters_where(f.world.w, [&](std::size_t i) {
+    for (std::size_t a = 0; a < D; ++a)
+      if (f.inward[a][i] != 0.0) return true;
+    return false;
+  });
+}
+
+// Collective, after the water's sums, which leave G. Forces of surface tension.
+template <int D>
+void find_tension(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const foundation::stage timed(w.times, "tension");
+  const double least = least_normal / f.p.smoothing_length;
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const bool inside = length_of_inward(f, i) < least;
+    for (std::size_t a = 0; a < D; ++a) {
+      if (inside) f.inward[a][i] = 0.0;
+      f.normal_within[a][i] = f.tension[a][i] = 0.0;
+    }
+  });
+  share_inward<D>(f, f.inward);
+  const auto near = clusters_with_tension(f);
+  const double W0 = std::visit([](const auto& k) { return k.self(); }, w.kernel);
+  const auto G = pairs::pointers<D>(f.inward);
+  w.sum(near, smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
+  share_inward<D>(f, f.normal_within);
+  w.sum(near, tension<D>{s.dV.data(), G, pairs::pointers<D>(f.normal_within), f.o.flow.surface_tension, least,
+                         (D - 1.0) / f.dx(), places_of(f.tension)});
+}
+
+// J, collective: σ times the area of the surface, Σ 2 |G| V.
+template <int D>
+double surface_energy(water<D>& f) {
+  if (!f.has_tension()) return 0.0;
+  auto& w = f.world.w;
+  refresh(f);
+  w.sum(w.fluid(), inward<D>{w.s.dV.data(), places_of(f.inward)});
+  const double least = least_normal / f.p.smoothing_length;
+  foundation::exact_sum area;
+  for (std::size_t i = 0; i < w.s.fluid; ++i)
+    if (const double G = length_of_inward(f, i); G >= least) area.add(2.0 * G * w.s.dV[i]);
+  return f.o.flow.surface_tension * f.ranks().exact(area);
+}
+
+}  // namespace tetsuame::free_surface
