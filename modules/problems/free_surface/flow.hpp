@@ -290,10 +290,11 @@ class flow : public run::problem_in_a_box<D> {
     if (interval > 0.0) next_reading_ = interval * (std::floor(time_ * (1.0 + 1e-9) / interval) + 1.0);
   }
 
-  // Over the kinetic energy of the start, or where there was none over what the weight could give.
+  // Over the kinetic energy of the start, or where there was none over what the weight could give; with surface tension
+  // over its energy beside that.
   double energy_change(const energies& now) const {
     const double weight = now.mass * f_.gravity() * f_.p.height;
-    const double scale = first_->kinetic > 0.0 ? first_->kinetic : weight;
+    const double scale = (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface;
     return (now.mechanical() - first_->mechanical()) / scale;
   }
 

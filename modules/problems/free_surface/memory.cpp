@@ -68,7 +68,7 @@ run::memory_need need_in(const options& o, const parameters& p) {
   // Of every particle: its fields, ID and material; sums of an evaluation (water.hpp); its record in the loop over
   // pairs, rounded up to four numbers.
   const double more =
-      (sticks ? D : 0.0) + (loads ? D + 1.0 : 0.0) + (o.flow.surface_tension > 0.0 ? 3.0 * D : 0.0);
+      (sticks ? D : 0.0) + (loads ? D + 1.0 : 0.0) + (o.flow.surface_tension > 0.0 ? 3.0 * D + 2.0 : 0.0);
   const double record = 4.0 * std::ceil((2.0 * D + 3.0 + (sticks ? D : 0.0)) / 4.0);
   const double each = a_double * (3.0 * D + 14.0) + 3.0 * a_number + a_double * (3.0 * D + 4.0 + more) +
                       (single ? 0.5 : 1.0) * a_double * record;

@@ -150,6 +150,14 @@ void refresh(water<D>& f) {
   end_motion(f);
 }
 
+// From sources to their images [first, last).
+template <int D>
+void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
+  const auto& walls = f.world.walls;
+  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
+  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
+}
+
 template <std::size_t N>
 std::array<double*, N> places_of(std::array<particles::array, N>& a) {
   std::array<double*, N> all;

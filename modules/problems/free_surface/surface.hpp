@@ -22,14 +22,6 @@ namespace tetsuame::free_surface {
 
 inline constexpr double of_spray = 0.4, inside = 0.75, alone = 0.2;  // λ
 
-// From sources to their images [first, last).
-template <int D>
-void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
-  const auto& walls = f.world.walls;
-  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
-  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
-}
-
 // To all that stands behind walls: images have what their sources have, wall particles of bodies what(wetness, mean at
 // their markers).
 template <int D, class What>

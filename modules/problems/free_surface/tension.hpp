@@ -14,6 +14,13 @@ namespace tetsuame::free_surface {
 inline constexpr double least_normal = 0.05;  // ε
 
 inline constexpr schemes::field<struct inward_tag> of_inward;
+inline constexpr schemes::field<struct curvature_tag> of_curvature;
+inline constexpr schemes::field<struct length_tag> of_length;
+
+template <class R, int D>
+foundation::roots<R> roots_of(const pairs::vec<R, D>& v) {
+  return foundation::both_roots(foundation::greater(foundation::dot(v, v), R(foundation::tiny<R>)));
+}
 
 // g.
 template <int D>
@@ -39,14 +46,13 @@ struct smoothed_inward {
   }
 };
 
-// The force, of normals n = g/|g|.
+// κ, of normals n = g/|g|.
 template <int D>
-struct tension {
-  const double* V;                    // m^D
-  std::array<const double*, D> G, g;  // 1/m
-  double sigma;                       // N/m
-  double least, most;                 // 1/m: of |g|, and of |κ| what is resolved
-  std::array<double*, D> force;       // N
+struct curvature {
+  const double* V;                 // m^D
+  std::array<const double*, D> g;  // 1/m
+  double least, most;              // 1/m: of |g|, and of |κ| what is resolved
+  double* kappa;                   // 1/m
 
   template <class R>
   struct me {
@@ -69,18 +75,44 @@ struct tension {
   void end(const auto& i, const auto& a) const {
     using R = std::remove_cvref_t<decltype(a.bend)>;
     const R bound(most * i.lengths.to(1)), limit(least * i.lengths.to(1));
-    const R curvature = (D - 1.0) * a.bend / foundation::lesser(a.length, R(-foundation::tiny<R>));
+    const R whole = (D - 1.0) * a.bend / foundation::lesser(a.length, R(-foundation::tiny<R>));
+    const R resolved = foundation::lesser(foundation::greater(whole, R(0.0 - bound)), bound);
     const auto mine = pairs::vec<R, D>::of([&](std::size_t k) { return i(g[k], -1); });
-    const R resolved = foundation::lesser(foundation::greater(curvature, R(0.0 - bound)), bound);
-    const R there = foundation::select(limit < roots_of(mine).r, resolved, R(0.0));
-    for (std::size_t k = 0; k < D; ++k)
-      i.set(force[k], (2.0 * sigma) * there * i(V, D) * i(G[k], -1), D - 2);
+    i.set(kappa, foundation::select(limit < roots_of(mine).r, resolved, R(0.0)), -1);
   }
+};
 
- private:
+// The force, by the mean of κ over |g|.
+template <int D>
+struct tension {
+  const double *V, *kappa, *length;  // m^D, 1/m, 1/m (|g|)
+  double W0;                         // 1/m^D, W(0)
+  std::array<const double*, D> G;    // 1/m
+  double sigma;                      // N/m
+  std::array<double*, D> force;      // N
+
   template <class R>
-  static foundation::roots<R> roots_of(const pairs::vec<R, D>& v) {
-    return foundation::both_roots(foundation::greater(foundation::dot(v, v), R(foundation::tiny<R>)));
+  struct me {
+    R kappa, all;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_volume, V, D), read(of_curvature, kappa, -1), read(of_length, length, -1)};
+  }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>& i) const {
+    const R own = R(W0 * i.lengths.to(D)) * i(V, D) * i(length, -1);
+    return {own * i(kappa, -1), own};
+  }
+  void add(auto& a, const auto& ij) const {
+    const auto share = ij(pairs::of_volume) * ij.W * ij(of_length);
+    a.kappa += share * ij(of_curvature);
+    a.all += share;
+  }
+  void end(const auto& i, const auto& a) const {
+    using R = std::remove_cvref_t<decltype(a.all)>;
+    const R scale = (2.0 * sigma) * i(V, D) * a.kappa / foundation::greater(a.all, R(foundation::tiny<R>));
+    for (std::size_t k = 0; k < D; ++k) i.set(force[k], scale * i(G[k], -1), D - 2);
   }
 };
 
@@ -110,9 +142,9 @@ void share_inward(water<D>& f, std::array<particles::array, D>& values) {
 }
 
 template <int D>
-double length_of_inward(const water<D>& f, std::size_t i) {
+double length_of(const std::array<particles::array, D>& v, std::size_t i) {
   double squared = 0.0;
-  for (std::size_t a = 0; a < D; ++a) squared += f.inward[a][i] * f.inward[a][i];
+  for (std::size_t a = 0; a < D; ++a) squared += v[a][i] * v[a][i];
   return std::sqrt(squared);
 }
 
@@ -134,11 +166,12 @@ void find_tension(water<D>& f) {
   const foundation::stage timed(w.times, "tension");
   const double least = least_normal / f.p.smoothing_length;
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    const bool inside = length_of_inward(f, i) < least;
+    const bool inside = length_of<D>(f.inward, i) < least;
     for (std::size_t a = 0; a < D; ++a) {
       if (inside) f.inward[a][i] = 0.0;
       f.normal_within[a][i] = f.tension[a][i] = 0.0;
     }
+    f.curvature[i] = 0.0;
   });
   share_inward<D>(f, f.inward);
   const auto near = clusters_with_tension(f);
@@ -146,8 +179,20 @@ void find_tension(water<D>& f) {
   const auto G = pairs::pointers<D>(f.inward);
   w.sum(near, smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
   share_inward<D>(f, f.normal_within);
-  w.sum(near, tension<D>{s.dV.data(), G, pairs::pointers<D>(f.normal_within), f.o.flow.surface_tension, least,
-                         (D - 1.0) / f.dx(), places_of(f.tension)});
+  w.sum(near, curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(),
+                           f.curvature.data()});
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    const double length = length_of<D>(f.normal_within, i);
+    f.surface_weight[i] = length < least ? 0.0 : length;
+  });
+  w.exchange_fluid({f.curvature.data(), f.surface_weight.data()});
+  const auto& walls = f.world.walls;
+  for (auto* values : {&f.curvature, &f.surface_weight}) {
+    std::fill_n(values->begin() + static_cast<std::ptrdiff_t>(s.first_wall()), walls.body_particles, 0.0);
+    to_images(f, values->data(), 0, walls.source.size());
+  }
+  w.sum(near, tension<D>{s.dV.data(), f.curvature.data(), f.surface_weight.data(), W0, G, f.o.flow.surface_tension,
+                         places_of(f.tension)});
 }
 
 // J, collective: σ times the area of the surface, Σ 2 |G| V.
@@ -160,7 +205,7 @@ double surface_energy(water<D>& f) {
   const double least = least_normal / f.p.smoothing_length;
   foundation::exact_sum area;
   for (std::size_t i = 0; i < w.s.fluid; ++i)
-    if (const double G = length_of_inward(f, i); G >= least) area.add(2.0 * G * w.s.dV[i]);
+    if (const double G = length_of<D>(f.inward, i); G >= least) area.add(2.0 * G * w.s.dV[i]);
   return f.o.flow.surface_tension * f.ranks().exact(area);
 }
 
