@@ -23,7 +23,9 @@ double round_drop::period() const {
   return 2.0 * std::numbers::pi / std::sqrt((dimension == 2 ? 6.0 : 8.0) * tension / cubed);
 }
 
-double round_drop::decay(double viscosity) const { return (dimension == 2 ? 4.0 : 5.0) * viscosity / (radius * radius); }
+double round_drop::decay(double viscosity) const {
+  return (dimension == 2 ? 4.0 : 5.0) * viscosity / (radius * radius);
+}
 
 // By the classical Runge-Kutta method, in steps of a hundredth of 1/A at most.
 semi_axes drawn_out(double radius, double strain_rate, double time) {

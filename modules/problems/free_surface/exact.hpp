@@ -1,8 +1,8 @@
 // What runs are held against.
 //
 // A small standing wave on water of depth d, wavenumber k = 2π/wavelength [H. Lamb, Hydrodynamics, 6th ed. (1932)]:
-//   ω² = (g k + σ k³/ρ) tanh kd (art. 228, 267);   energy ∝ exp(-4 ν k² t) (art. 348, where the floor is far away or slips)
-//   surface a sin ωt cos kx, velocity (a ω cos ωt/sinh kd) (-cosh ky sin kx, sinh ky cos kx)
+//   ω² = (g k + σ k³/ρ) tanh kd (art. 228, 267);   energy ∝ exp(-4 ν k² t) (art. 348, where the floor is far away or
+//   slips) surface a sin ωt cos kx, velocity (a ω cos ωt/sinh kd) (-cosh ky sin kx, sinh ky cos kx)
 //
 // A drop of semi-axes a along x, b along y and velocity (-A x, A y), without gravity [J. J. Monaghan, J. Comput. Phys.
 // 110, 399 (1994), section 5.1]:

@@ -146,8 +146,8 @@ class flow : public run::problem_in_a_box<D> {
     if (!f_.has_tension()) return {1.0 / both, name};
     // Half a spacing's way of the shortest waves [J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100, 335
     // (1992)], with nothing above the water.
-    const double waves = *time.cfl * std::sqrt(f_.o.flow.density * dx * dx * dx /
-                                               (4.0 * std::numbers::pi * f_.o.flow.surface_tension));
+    const double waves =
+        *time.cfl * std::sqrt(f_.o.flow.density * dx * dx * dx / (4.0 * std::numbers::pi * f_.o.flow.surface_tension));
     return {1.0 / std::hypot(both, 1.0 / waves), waves < std::min(sound, diffusive) ? "surface tension" : name};
   }
 
@@ -240,8 +240,8 @@ class flow : public run::problem_in_a_box<D> {
     to.reals["kinetic_most"] = kinetic_most_;
     if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
     if (first_)
-      to.blobs["first_energies"] = {first_->mass, first_->kinetic, first_->potential, first_->elastic,
-                                    first_->bodies, first_->surface};
+      to.blobs["first_energies"] = {first_->mass,    first_->kinetic, first_->potential,
+                                    first_->elastic, first_->bodies,  first_->surface};
   }
   void restore(const output::checkpoint_globals& from) override {
     base::restore(from);

@@ -39,7 +39,8 @@ energies energies_of(water<D>& f) {
     elastic.add(s.m[i] * f.p.water.elastic_energy(s.rho[i]));
   }
   const auto& ranks = f.ranks();
-  return {ranks.exact(mass), ranks.exact(kinetic), ranks.exact(potential), ranks.exact(elastic), energy_of_bodies(f), surface_energy(f)};
+  return {ranks.exact(mass),    ranks.exact(kinetic), ranks.exact(potential),
+          ranks.exact(elastic), energy_of_bodies(f),  surface_energy(f)};
 }
 
 template <int D>

@@ -169,8 +169,9 @@ void check_drop(const namelist::schema& schema, const options& o, const paramete
   const auto width = [&](std::size_t a) { return b.high[a] - b.low[a]; };
   for (std::size_t a = 1; a < o.domain.axes(); ++a)
     if (p.blocks.size() != 1 || std::abs(width(0) / width(a) - 1.0) > 1e-9)
-      schema.fail("flow", "start", a == 1 ? "the drop begins as a circle, within one block as wide as high"
-                                          : "the drop begins as a ball, within one block as wide as deep");
+      schema.fail("flow", "start",
+                  a == 1 ? "the drop begins as a circle, within one block as wide as high"
+                         : "the drop begins as a ball, within one block as wide as deep");
 }
 
 void find_liquid(const namelist::schema& schema, const options& o, parameters& p) {

@@ -1,6 +1,7 @@
 // Surface tension of the free surface, a force along its normal alone (docs/theory/water_surface_tension.md):
 //   m_i dv_i/dt = … + 2 σ κ_i V_i G_i,   G_i = Σ_j V_j ∇_i W_ij, which points inwards
-// The pressure's sum of a uniform pressure p is -2 p V_i G_i: a drop under p = σ κ is at rest, whatever its arrangement.
+// The pressure's sum of a uniform pressure p is -2 p V_i G_i: a drop under p = σ κ is at rest, whatever its
+// arrangement.
 //
 // Curvature by the normals of its neighbours, of G smoothed once, g_i = Σ_j V_j W_ij G_j, i among them, n = g/|g|:
 //   κ_i = (D-1) Σ_j V_j F_ij g_j·t_ij / Σ_j V_j F_ij |g_j| t_ij²,   t_ij = x_ij - (x_ij·n_i) n_i
@@ -179,8 +180,8 @@ void find_tension(water<D>& f) {
   const auto G = pairs::pointers<D>(f.inward);
   w.sum(near, smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
   share_inward<D>(f, f.normal_within);
-  w.sum(near, curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(),
-                           f.curvature.data()});
+  w.sum(near,
+        curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(), f.curvature.data()});
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double length = length_of<D>(f.normal_within, i);
     f.surface_weight[i] = length < least ? 0.0 : length;
