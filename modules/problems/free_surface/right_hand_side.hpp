@@ -165,9 +165,10 @@ std::array<double*, N> places_of(std::array<particles::array, N>& a) {
   return all;
 }
 
-// Clusters of the fluid with a member of which this is true, or which may have a neighbour of which it is.
+// Clusters of the fluid with a member of which this is true; or, with neighbours, which may have a neighbour of which
+// it is.
 template <int D, class Is>
-pairs::remainder clusters_where(const pairs::workspace<D>& w, const Is& is) {
+pairs::remainder clusters_where(const pairs::workspace<D>& w, bool with_neighbours, const Is& is) {
   pairs::remainder near;
   near.of = w.fluid();
   std::vector<char> is_near(near.of.clusters(), 0);
@@ -175,7 +176,8 @@ pairs::remainder clusters_where(const pairs::workspace<D>& w, const Is& is) {
     const auto m = near.of.cluster(r);
     bool found = false;
     for (std::size_t i = m.first; i < std::min(m.first + pairs::lanes, w.s.fluid); ++i) found = found || is(i);
-    w.list.for_each(m.first / pairs::lanes, [&](std::uint32_t j, auto...) { found = found || is(j); });
+    if (with_neighbours && !found)
+      w.list.for_each(m.first / pairs::lanes, [&](std::uint32_t j, auto...) { found = found || is(j); });
     is_near[r] = found ? 1 : 0;
   });
   for (std::size_t r = 0; r < is_near.size(); ++r)

@@ -54,7 +54,7 @@ void refresh_places(water<D>& f) {
 // sums that look for the surface would find none.
 template <int D>
 pairs::remainder clusters_near_surface(const water<D>& f) {
-  return clusters_where(f.world.w, [&](std::size_t i) { return f.eigenvalue[i] < inside; });
+  return clusters_where(f.world.w, true, [&](std::size_t i) { return f.eigenvalue[i] < inside; });
 }
 
 // Collective. λ and what shifting goes by; near the surface the outward normal and the least λ about each particle,

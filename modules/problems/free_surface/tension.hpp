@@ -149,16 +149,6 @@ double length_of(const std::array<particles::array, D>& v, std::size_t i) {
   return std::sqrt(squared);
 }
 
-// Clusters with a member that has G, or may have such a neighbour: of all others g is 0.
-template <int D>
-pairs::remainder clusters_with_tension(const water<D>& f) {
-  return clusters_where(f.world.w, [&](std::size_t i) {
-    for (std::size_t a = 0; a < D; ++a)
-      if (f.inward[a][i] != 0.0) return true;
-    return false;
-  });
-}
-
 // Collective, after the water's sums, which leave G. Forces of surface tension.
 template <int D>
 void find_tension(water<D>& f) {
@@ -175,25 +165,28 @@ void find_tension(water<D>& f) {
     f.curvature[i] = 0.0;
   });
   share_inward<D>(f, f.inward);
-  const auto near = clusters_with_tension(f);
+  const auto has_inward = [&](std::size_t i) {
+    return std::ranges::any_of(f.inward, [i](const auto& component) { return component[i] != 0.0; });
+  };
   const double W0 = std::visit([](const auto& k) { return k.self(); }, w.kernel);
   const auto G = pairs::pointers<D>(f.inward);
-  w.sum(near, smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
+  // Of all other clusters g is 0.
+  w.sum(clusters_where(w, true, has_inward), smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
   share_inward<D>(f, f.normal_within);
-  w.sum(near,
-        curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(), f.curvature.data()});
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double length = length_of<D>(f.normal_within, i);
     f.surface_weight[i] = length < least ? 0.0 : length;
   });
+  w.sum(clusters_where(w, false, [&](std::size_t i) { return f.surface_weight[i] > 0.0; }),
+        curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(), f.curvature.data()});
   w.exchange_fluid({f.curvature.data(), f.surface_weight.data()});
   const auto& walls = f.world.walls;
   for (auto* values : {&f.curvature, &f.surface_weight}) {
     std::fill_n(values->begin() + static_cast<std::ptrdiff_t>(s.first_wall()), walls.body_particles, 0.0);
     to_images(f, values->data(), 0, walls.source.size());
   }
-  w.sum(near, tension<D>{s.dV.data(), f.curvature.data(), f.surface_weight.data(), W0, G, f.o.flow.surface_tension,
-                         places_of(f.tension)});
+  w.sum(clusters_where(w, false, has_inward), tension<D>{s.dV.data(), f.curvature.data(), f.surface_weight.data(), W0,
+                                                         G, f.o.flow.surface_tension, places_of(f.tension)});
 }
 
 // J, collective: σ times the area of the surface, Σ 2 |G| V.
