@@ -173,14 +173,14 @@ class Flow(Case):
 
     def test_capillary_wave(self):
         """24 particles a length of 1 cm, where surface tension pulls with three times the weight. Its force stands 0.65 spacings beneath the
-        surface, where the wave is weaker: the period comes out 6 % too long."""
+        surface, where the wave is weaker: the period comes out 8 % too long."""
         result = self.run_program("flow", "standing_wave", {
             "domain.length_x": 0.0096, "domain.length_y": 0.0064, "domain.particles_x": 24, "domain.particles_y": 16, "flow.high_y": 0.0048,
             "flow.wavelength": 0.0096, "flow.amplitude": 2e-4, "flow.viscosity": 1e-3, "flow.sound_speed": 3, "flow.surface_tension": 0.072,
             "time.t_end": 0.1, "output.interval": 0})
         m = result.summary["metrics"]
-        self.assertAlmostEqual(m["period_theory"], 0.0387, delta=2e-4)
-        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.1)
+        self.assertAlmostEqual(m["period_theory"], 0.0386, delta=1e-4)  # 0.0787 s by its weight alone
+        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.12)
 
     def test_dam_break(self):
         """Over the open top and back, without a particle lost; the arrival of a coarse column's front, and its energy, which only falls."""

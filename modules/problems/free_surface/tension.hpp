@@ -5,14 +5,15 @@
 //
 // Curvature by the normals of its neighbours, of G smoothed once, g_i = Σ_j V_j W_ij G_j, i among them, n = g/|g|:
 //   κ_i = (D-1) Σ_j V_j F_ij g_j·t_ij / Σ_j V_j F_ij |g_j| t_ij²,   t_ij = x_ij - (x_ij·n_i) n_i
-// on a sphere exactly that of the neighbours' own distances from its centre. It is 0 where |g| < ε/h.
+// on a sphere exactly that of the neighbours' own distances from its centre. Its mean over V W |g| is what pulls.
 #pragma once
 
 #include <free_surface/right_hand_side.hpp>
 
 namespace tetsuame::free_surface {
 
-inline constexpr double least_normal = 0.05;  // ε
+// ε: G and g below ε/h are none [after J. P. Morris, Int. J. Numer. Methods Fluids 33, 333 (2000)].
+inline constexpr double least_normal = 0.05;
 
 inline constexpr schemes::field<struct inward_tag> of_inward;
 inline constexpr schemes::field<struct curvature_tag> of_curvature;
