@@ -142,7 +142,8 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
   const auto& s = w.s;
   const auto& bodies = set.bodies;
   const double support = w.support();
-  const auto find = [&](const auto& kernel, std::size_t r) {
+  const auto kernel = [&](double r) { return std::visit([&](const auto& k) { return k.value(r); }, w.kernel); };
+  foundation::for_all(bodies.places.size(), [&](std::size_t r) {
     const std::size_t i = s.first_wall() + r;
     const auto& of = bodies.places[r];
     double hats = 0.0;
@@ -153,16 +154,11 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
       double above = of.height;
       for (std::size_t a = 0; a < D; ++a) above += (s.x[a][j] - of.marker[a]) * of.normal[a];
       hats += std::max(0.0, 1.0 - away / w.dx);
-      sums.add(kernel.value(away) * s.dV[j], above / w.dx, value(j, i));
+      sums.add(kernel(away) * s.dV[j], above / w.dx, value(j, i));
     }
     const double wet = wetness(sums.filled / std::max(bodies.room[r], least_room), hats);
     put(i, of, wet, sums.at(of.height / w.dx));
-  };
-  std::visit(
-      [&](const auto& kernel) {
-        foundation::for_all(bodies.places.size(), [&](std::size_t r) { find(kernel, r); });
-      },
-      w.kernel);
+  });
 }
 
 // m/s, of a wall particle whose marker has this velocity: odd across the surface, and at one of no slip altogether.

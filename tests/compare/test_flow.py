@@ -210,7 +210,7 @@ def made_up(run, **more):
                     f"pressure_{k}_impulse_reference": 1000.0, f"height_{k}_mean_error": 0.01, f"height_{k}_largest_reference": 0.5}
     row = {"case": run.file, "variant": "", "n": run.n, "outcome": COMPLETED, "reason": None, "right_hand_sides": 100, "seconds": 1.0,
            "updates_per_second": 1e6, "time": float(setting(run, "time.t_end")), "particles": 100, "dimension": 2, "mass": 0.0, "energy": 0.001,
-           "metrics": metrics, "kinetic": {"end": 1e-9, "largest": 1e-7, "late": 1e-8},
+           "metrics": metrics, "kinetic": {"end": 1e-9, "largest": 1e-7, "late": 1e-8}, "rise": 0.0,
            "semi_axes": {str(t): b for t, b in questions.SEMI_AXIS.items()}}
     return row | more
 

@@ -157,6 +157,31 @@ class Flow(Case):
         self.assertEqual(header, ["step [1]", "time [s]", "semi_axis_x [m]", "semi_axis_y [m]"])
         self.assertEqual(len(rows), s["steps"] + 1)  # with the start
 
+    def test_oscillating_drop(self):
+        """Twelve particles a radius, for a period and a quarter: the period, the pressure within, and the energies in the history."""
+        result = self.run_program("flow", "oscillating_drop", {"domain.particles_x": 36, "domain.particles_y": 36, "time.t_end": 0.012,
+                                                               "output.interval": 0})
+        m = result.summary["metrics"]
+        self.assertAlmostEqual(m["oscillation_period_theory"], 9.56e-3, delta=0.1e-3)
+        self.assertLess(abs(m["oscillation_period"] / m["oscillation_period_theory"] - 1), 0.05)
+        self.assertAlmostEqual(m["oscillation_decay_theory"], 4 * 5e-6 / 1e-6, delta=5)  # with the artificial viscosity
+        self.assertLess(abs(m["laplace_pressure"] / m["laplace_pressure_theory"] - 1), 0.15)
+        self.assertNotIn("semi_axis_y_exact", m)
+        self.assertLess(abs(result.summary["conservation"]["energy"]), 0.05)
+        header, rows = result.rows("history.csv")
+        self.assertAlmostEqual(float(rows[0][header.index("surface_energy [J]")]) / (0.072 * 6.283e-3), 1, delta=0.06)
+
+    def test_capillary_wave(self):
+        """24 particles a length of 1 cm, where surface tension pulls with three times the weight. Its force stands 0.65 spacings beneath the
+        surface, where the wave is weaker: the period comes out 8 % too long."""
+        result = self.run_program("flow", "standing_wave", {
+            "domain.length_x": 0.0096, "domain.length_y": 0.0064, "domain.particles_x": 24, "domain.particles_y": 16, "flow.high_y": 0.0048,
+            "flow.wavelength": 0.0096, "flow.amplitude": 2e-4, "flow.viscosity": 1e-3, "flow.sound_speed": 3, "flow.surface_tension": 0.072,
+            "time.t_end": 0.1, "output.interval": 0})
+        m = result.summary["metrics"]
+        self.assertAlmostEqual(m["period_theory"], 0.0386, delta=1e-4)  # 0.0786 s by its weight alone
+        self.assertLess(abs(m["period"] / m["period_theory"] - 1), 0.12)
+
     def test_dam_break(self):
         """Over the open top and back, without a particle lost; the arrival of a coarse column's front, and its energy, which only falls."""
         result = self.run_program("flow", self.small())
@@ -198,6 +223,19 @@ class Flow(Case):
                 self.assert_exact("flow", name, settings, steps, [(3, 1), (2, 2)])
         settings = {"domain.particles_x": 44, "domain.particles_y": 44, "time.steps": 30, "output.interval": 0}
         self.assert_exact("flow", "elliptical_drop", settings, 11, [(3, 1)])
+
+    def test_ranks_and_restart_with_surface_tension(self):
+        drop = {"domain.particles_x": 36, "domain.particles_y": 36, "output.interval": 0, "time.steps": 30}
+        tense = {"flow.surface_tension": 0.072, "output.interval": 0}
+        for name, settings, steps in [
+                ("oscillating_drop", drop, 11), ("oscillating_drop", {**drop, "kernel.precision": "single"}, 11),
+                ("oscillating_drop", {**drop, "flow.scheme": "riemann", "flow.alpha": 0, "flow.sound_speed": 10}, 11),
+                ("oscillating_drop", {**drop, "domain.dimension": 3, "domain.length_z": 3e-3, "domain.particles_z": 24, "flow.low_z": 0.5e-3,
+                                      "flow.high_z": 2.5e-3, "domain.particles_x": 24, "domain.particles_y": 24, "time.steps": 8}, 3),
+                (self.small(DEEP), {**tense, "time.steps": 8, "walls.slip": "no_slip"}, 3),
+                ("still_wedge", {**WEDGE, **tense, "flow.high_x": 0.8, "time.steps": 40}, 15)]:
+            with self.subTest(name, **settings):
+                self.assert_exact("flow", name, settings, steps, [(3, 1)])
 
     def test_gauges_over_a_restart(self):
         """The table of a run that was continued is that of one that was not."""
@@ -330,6 +368,11 @@ class Flow(Case):
                 ("dam_break_2d", {"flow.scheme": "riemann"}, ["alpha", "scheme = 'delta'", "leave it out"]),
                 ("still_water", {"flow.scheme": "riemann", "flow.delta": 0.2}, ["delta", "scheme = 'delta'"]),
                 ("elliptical_drop", {"flow.strain_rate": 0}, ["strain_rate", "drawn out"]),
+                ("oscillating_drop", {"flow.surface_tension": -0.1}, ["&flow surface_tension"]),
+                ("oscillating_drop", {"flow.surface_tension": "NaN"}, ["&flow surface_tension"]),
+                ("oscillating_drop", {"flow.surface_tension": 1.0}, ["&flow surface_tension", "at most", "'delta'"]),
+                ("oscillating_drop", {"flow.scheme": "riemann"}, ["&flow surface_tension", "at most", "'riemann'"]),
+                ("floating_box", {"flow.surface_tension": 0.07}, ["&flow surface_tension", "moves freely"]),
                 ("elliptical_drop", {"flow.high_y": 3.0}, ["&flow start", "circle"])]:
             with self.subTest(name, **settings):
                 self.assert_says(self.run_program("flow", name, settings, "bad", expect=BAD_INPUT), BAD_INPUT, *parts)

@@ -4,7 +4,10 @@
 
 namespace tetsuame::free_surface {
 
-double standing_wave::frequency() const { return std::sqrt(gravity * wavenumber * std::tanh(wavenumber * depth)); }
+double standing_wave::frequency() const {
+  const double k = wavenumber;
+  return std::sqrt((gravity * k + tension * k * k * k) * std::tanh(k * depth));
+}
 
 double standing_wave::period() const { return 2.0 * std::numbers::pi / frequency(); }
 
@@ -13,6 +16,15 @@ double standing_wave::energy_decay(double viscosity) const { return 4.0 * viscos
 std::array<double, 2> standing_wave::velocity(double x, double y) const {
   const double k = wavenumber, size = amplitude * frequency() / std::sinh(k * depth);
   return {-size * std::cosh(k * y) * std::sin(k * x), size * std::sinh(k * y) * std::cos(k * x)};
+}
+
+double round_drop::period() const {
+  const double cubed = radius * radius * radius;
+  return 2.0 * std::numbers::pi / std::sqrt((dimension == 2 ? 6.0 : 8.0) * tension / cubed);
+}
+
+double round_drop::decay(double viscosity) const {
+  return (dimension == 2 ? 4.0 : 5.0) * viscosity / (radius * radius);
 }
 
 // By the classical Runge-Kutta method, in steps of a hundredth of 1/A at most.

@@ -141,7 +141,14 @@ class flow : public run::problem_in_a_box<D> {
     const double sound = *time.cfl * dx / c;
     const double diffusive =
         diffusivity > 0.0 ? *time.diffusive * dx * dx / diffusivity : std::numeric_limits<double>::infinity();
-    return {1.0 / std::hypot(1.0 / sound, 1.0 / diffusive), sound < diffusive ? "sound" : "viscosity"};
+    const double both = std::hypot(1.0 / sound, 1.0 / diffusive);
+    const char* name = sound < diffusive ? "sound" : "viscosity";
+    if (!f_.has_tension()) return {1.0 / both, name};
+    // Half a spacing's way of the shortest waves [J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100, 335
+    // (1992)], with nothing above the water.
+    const double waves =
+        *time.cfl * std::sqrt(f_.o.flow.density * dx * dx * dx / (4.0 * std::numbers::pi * f_.o.flow.surface_tension));
+    return {1.0 / std::hypot(both, 1.0 / waves), waves < std::min(sound, diffusive) ? "surface tension" : name};
   }
 
   bool set_time(double t) override {
@@ -181,6 +188,7 @@ class flow : public run::problem_in_a_box<D> {
                                             {"speed_max", "m/s"},
                                             {"compression_max", "1"}};
     if (!f_.free.empty()) all.push_back({"energy_of_bodies", "J"});
+    if (f_.has_tension()) all.push_back({"surface_energy", "J"});
     return all;
   }
   std::vector<double> row(double) override {
@@ -190,6 +198,7 @@ class flow : public run::problem_in_a_box<D> {
     std::vector<double> all{now.kinetic, now.potential, now.elastic, ranks().maximum(run::largest_speed(f_.world)),
                             largest_compression(f_)};
     if (!f_.free.empty()) all.push_back(now.bodies);
+    if (f_.has_tension()) all.push_back(now.surface);
     return all;
   }
 
@@ -231,7 +240,8 @@ class flow : public run::problem_in_a_box<D> {
     to.reals["kinetic_most"] = kinetic_most_;
     if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
     if (first_)
-      to.blobs["first_energies"] = {first_->mass, first_->kinetic, first_->potential, first_->elastic, first_->bodies};
+      to.blobs["first_energies"] = {first_->mass,    first_->kinetic, first_->potential,
+                                    first_->elastic, first_->bodies,  first_->surface};
   }
   void restore(const output::checkpoint_globals& from) override {
     base::restore(from);
@@ -240,7 +250,7 @@ class flow : public run::problem_in_a_box<D> {
     time_ = from.reals.at("time");
     if (!f_.moving.empty()) restore_bodies(f_, from.blobs.at("bodies"), time_);
     const auto& e = from.blobs.at("first_energies");
-    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.at(4)};
+    first_ = energies{e.at(0), e.at(1), e.at(2), e.at(3), e.at(4), e.at(5)};
   }
 
  protected:
@@ -280,10 +290,11 @@ class flow : public run::problem_in_a_box<D> {
     if (interval > 0.0) next_reading_ = interval * (std::floor(time_ * (1.0 + 1e-9) / interval) + 1.0);
   }
 
-  // Over the kinetic energy of the start, or where there was none over what the weight could give.
+  // Over the kinetic energy of the start, or where there was none over what the weight could give; with surface tension
+  // over its energy beside that.
   double energy_change(const energies& now) const {
     const double weight = now.mass * f_.gravity() * f_.p.height;
-    const double scale = first_->kinetic > 0.0 ? first_->kinetic : weight;
+    const double scale = (first_->kinetic > 0.0 ? first_->kinetic : weight) + first_->surface;
     return (now.mechanical() - first_->mechanical()) / scale;
   }
 
@@ -296,13 +307,32 @@ class flow : public run::problem_in_a_box<D> {
       m["energy_decay"] = run::or_null(measured.decay ? std::optional(2.0 * *measured.decay) : std::nullopt);
       m["energy_decay_theory"] = wave.energy_decay(f_.p.kinematic_viscosity);
     }
-    if (f_.o.flow.start == "drop") {
+    if (f_.o.flow.start == "drop" && f_.has_tension()) report_oscillation(m);
+    if (f_.o.flow.start == "drop" && !f_.has_tension()) {
       const auto now = semi_axes_of(f_), exact = drawn_out(drop_of(f_.p).radius, f_.o.flow.strain_rate, t);
       m["semi_axis_x"] = now.a;
       m["semi_axis_x_exact"] = exact.a;
       m["semi_axis_y"] = now.b;
       m["semi_axis_y_exact"] = exact.b;
     }
+  }
+
+  // Of the drop, by the difference of its semi-axes; where it starts at rest there is none.
+  void report_oscillation(nlohmann::ordered_json& m) const {
+    const round_drop drop = round_drop_of(f_);
+    m["semi_axis_x"] = semi_axes_of(f_).a;
+    m["semi_axis_y"] = semi_axes_of(f_).b;
+    m["laplace_pressure"] = mean_pressure_within(f_, 0.5 * drop.radius);
+    m["laplace_pressure_theory"] = (D - 1) * f_.o.flow.surface_tension / drop.radius;
+    if (!(f_.o.flow.strain_rate > 0.0)) return;
+    series out_of_round = read_.of("semi_axis_y");
+    const auto x = read_.of("semi_axis_x");
+    for (std::size_t k = 0; k < x.value.size(); ++k) out_of_round.value[k] -= x.value[k];
+    const auto measured = measured_oscillation(out_of_round);
+    m["oscillation_period"] = run::or_null(measured.period);
+    m["oscillation_period_theory"] = drop.period();
+    m["oscillation_decay"] = run::or_null(measured.decay);
+    m["oscillation_decay_theory"] = drop.decay(f_.p.kinematic_viscosity);
   }
 
   void report_gauges(nlohmann::ordered_json& m) const {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <free_surface/right_hand_side.hpp>
+#include <free_surface/tension.hpp>
 #include <map>
 #include <utility>
 
@@ -196,6 +197,7 @@ void evaluate(water<D>& f, std::span<double* const> rate) {
   sum_over_neighbours(f, w.interior());
   end_motion(f);
   sum_over_neighbours(f, w.at_border());
+  if (f.has_tension()) find_tension(f);
   if (!f.free.empty()) find_rates_of_bodies(f, accelerate_free_bodies(f), rate.subspan(2 * D + 1));
   find_rates(f, rate.first(2 * D + 1));
   w.agree();

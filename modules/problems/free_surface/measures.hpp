@@ -2,6 +2,7 @@
 #pragma once
 
 #include <free_surface/start.hpp>
+#include <free_surface/tension.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -9,8 +10,9 @@ namespace tetsuame::free_surface {
 struct energies {
   double mass = 0.0;  // kg
   double kinetic = 0.0, potential = 0.0, elastic = 0.0;
-  double bodies = 0.0;  // kinetic and potential, of those that move freely
-  double mechanical() const { return kinetic + potential + elastic + bodies; }
+  double bodies = 0.0;   // kinetic and potential, of those that move freely
+  double surface = 0.0;  // of surface tension
+  double mechanical() const { return kinetic + potential + elastic + bodies + surface; }
 };
 
 // J, of free bodies.
@@ -27,7 +29,7 @@ double energy_of_bodies(const water<D>& f) {
 }
 
 template <int D>
-energies energies_of(const water<D>& f) {
+energies energies_of(water<D>& f) {
   const auto& s = f.world.w.s;
   foundation::exact_sum mass, kinetic, potential, elastic;
   for (std::size_t i = 0; i < s.fluid; ++i) {
@@ -37,7 +39,8 @@ energies energies_of(const water<D>& f) {
     elastic.add(s.m[i] * f.p.water.elastic_energy(s.rho[i]));
   }
   const auto& ranks = f.ranks();
-  return {ranks.exact(mass), ranks.exact(kinetic), ranks.exact(potential), ranks.exact(elastic), energy_of_bodies(f)};
+  return {ranks.exact(mass),    ranks.exact(kinetic), ranks.exact(potential),
+          ranks.exact(elastic), energy_of_bodies(f),  surface_energy(f)};
 }
 
 template <int D>
@@ -70,7 +73,7 @@ double wave_of_now(const water<D>& f) {
   return f.ranks().exact(along) / f.ranks().exact(all);
 }
 
-// m, of an ellipse with the particles' second moments: a² = 4 <x²>.
+// m, of an ellipse with the particles' second moments: a² = 4 <x²>, of an ellipsoid 5 <x²>.
 template <int D>
 semi_axes semi_axes_of(const water<D>& f) {
   const auto& s = f.world.w.s;
@@ -83,9 +86,43 @@ semi_axes semi_axes_of(const water<D>& f) {
       second.add(s.m[i] * s.x[a][i] * s.x[a][i]);
     }
     const double m = f.ranks().exact(mass), mean = f.ranks().exact(first) / m;
-    axes[a] = 2.0 * std::sqrt(std::max(0.0, f.ranks().exact(second) / m - mean * mean));
+    axes[a] = (D == 2 ? 2.0 : std::sqrt(5.0)) * std::sqrt(std::max(0.0, f.ranks().exact(second) / m - mean * mean));
   }
   return {axes[0], axes[1]};
+}
+
+// As the water is that much, in one drop.
+template <int D>
+round_drop round_drop_of(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  foundation::exact_sum mass;
+  for (std::size_t i = 0; i < s.fluid; ++i) mass.add(s.m[i]);
+  const double V = f.ranks().exact(mass) / f.o.flow.density;
+  return {D, D == 2 ? std::sqrt(V / std::numbers::pi) : std::cbrt(0.75 * V / std::numbers::pi),
+          f.o.flow.surface_tension / f.o.flow.density};
+}
+
+// Pa, mean of what is nearer to the centre of mass than that (m).
+template <int D>
+double mean_pressure_within(const water<D>& f, double radius) {
+  const auto& s = f.world.w.s;
+  point centre{};
+  foundation::exact_sum mass;
+  for (std::size_t i = 0; i < s.fluid; ++i) mass.add(s.m[i]);
+  for (std::size_t a = 0; a < D; ++a) {
+    foundation::exact_sum first;
+    for (std::size_t i = 0; i < s.fluid; ++i) first.add(s.m[i] * s.x[a][i]);
+    centre[a] = f.ranks().exact(first) / f.ranks().exact(mass);
+  }
+  const ball within{centre, radius};
+  foundation::exact_sum V, pV;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    if (within.distance2(f.place(i)) > radius * radius) continue;
+    const double mine = s.m[i] / s.rho[i];
+    V.add(mine);
+    pV.add(mine * f.p.water.pressure(s.rho[i]));
+  }
+  return f.ranks().exact(pV) / f.ranks().exact(V);
 }
 
 // f(x) of a particle and of its images in the walls nearer to it than `reach` (m), at most one

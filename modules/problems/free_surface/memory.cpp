@@ -41,7 +41,7 @@ particle_numbers count(const options& o, const parameters& p) {
   const double reach = support + o.common.kernel.skin * dx;
   double each = 1.0 / places;  // particles that a place stands for
   for (std::size_t a = 0; a < D; ++a) each *= o.domain.length[a] / dx;
-  const double part = o.flow.start == "drop" ? 0.25 * std::numbers::pi : 1.0;  // of the block
+  const double part = o.flow.start == "drop" ? std::numbers::pi / (D == 2 ? 4.0 : 6.0) : 1.0;  // of the block
   particle_numbers all;
   for (std::size_t n = 0; n < places; ++n) {
     const auto x = place_in<D>(o.domain.length, n);
@@ -67,7 +67,8 @@ run::memory_need need_in(const options& o, const parameters& p) {
   const bool single = o.common.kernel.single_pairs();
   // Of every particle: its fields, ID and material; sums of an evaluation (water.hpp); its record in the loop over
   // pairs, rounded up to four numbers.
-  const double more = (sticks ? D : 0.0) + (loads ? D + 1.0 : 0.0);
+  const double more =
+      (sticks ? D : 0.0) + (loads ? D + 1.0 : 0.0) + (o.flow.surface_tension > 0.0 ? 3.0 * D + 2.0 : 0.0);
   const double record = 4.0 * std::ceil((2.0 * D + 3.0 + (sticks ? D : 0.0)) / 4.0);
   const double each = a_double * (3.0 * D + 14.0) + 3.0 * a_number + a_double * (3.0 * D + 4.0 + more) +
                       (single ? 0.5 : 1.0) * a_double * record;

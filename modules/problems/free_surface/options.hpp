@@ -38,6 +38,7 @@ struct flow_options {
   double viscosity = 0.0;                    // Pa s
   double alpha = 0.02, delta = 0.1;          // of artificial viscosity, of the density's diffusion
   double shifting = 2.0;                     // 0: none
+  double surface_tension = 0.0;              // N/m, of the free surface
   double wavelength = 0.0, amplitude = 0.0;  // m, of a standing wave
   double strain_rate = 0.0;                  // 1/s, of a drop
   bool around_bodies = false;                // blocks of water leave out what bodies cover

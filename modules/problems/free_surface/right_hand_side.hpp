@@ -150,6 +150,51 @@ void refresh(water<D>& f) {
   end_motion(f);
 }
 
+// From sources to their images [first, last).
+template <int D>
+void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
+  const auto& walls = f.world.walls;
+  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
+  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
+}
+
+template <std::size_t N>
+std::array<double*, N> places_of(std::array<particles::array, N>& a) {
+  std::array<double*, N> all;
+  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
+  return all;
+}
+
+// Clusters of the fluid with a member of which this is true; or, with neighbours, which may have a neighbour of which
+// it is.
+template <int D, class Is>
+pairs::remainder clusters_where(const pairs::workspace<D>& w, bool with_neighbours, const Is& is) {
+  pairs::remainder near;
+  near.of = w.fluid();
+  std::vector<char> is_near(near.of.clusters(), 0);
+  foundation::for_all(is_near.size(), [&](std::size_t r) {
+    const auto m = near.of.cluster(r);
+    bool found = false;
+    for (std::size_t i = m.first; i < std::min(m.first + pairs::lanes, w.s.fluid); ++i) found = found || is(i);
+    if (with_neighbours && !found)
+      w.list.for_each(m.first / pairs::lanes, [&](std::uint32_t j, auto...) { found = found || is(j); });
+    is_near[r] = found ? 1 : 0;
+  });
+  for (std::size_t r = 0; r < is_near.size(); ++r)
+    if (is_near[r] != 0) near.of_rows.push_back(near.of.cluster(r));
+  return near;
+}
+
+// Of these terms; with surface tension also where the surface is, in the same pass. What a gauge asks for has no need
+// of that.
+template <int D, class Rows, class Term>
+void sum_motion(water<D>& f, const Rows& rows, const Term& term) {
+  auto& w = f.world.w;
+  if constexpr (std::is_same_v<Rows, pairs::stretch>)
+    if (f.has_tension()) return w.sum(rows, term, inward<D>{w.s.dV.data(), places_of(f.inward)});
+  w.sum(rows, term);
+}
+
 template <bool sticks, int D, class Rows>
 void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   auto& w = f.world.w;
@@ -161,14 +206,13 @@ void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
                                s.rho.data(),
                                f.o.flow.density * f.p.kinematic_viscosity,
                                f.gravity(),
-                               {},
+                               places_of(f.force),
                                f.density_rate.data()};
-  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
   const double c = f.p.water.sound;
   if (f.p.by == scheme::riemann)
-    w.sum(rows, riemann_motion<D, sticks>{all, c});
+    sum_motion(f, rows, riemann_motion<D, sticks>{all, c});
   else
-    w.sum(rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c, slow * c});
+    sum_motion(f, rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c, slow * c});
 }
 
 template <int D, class Rows>
@@ -227,12 +271,14 @@ void find_rates(water<D>& f, std::span<double* const> rate) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
+  const bool tense = f.has_tension();
   bool sound = true;
 #pragma omp parallel for schedule(static) reduction(&& : sound) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][i] = s.v[a][i];
       rate[D + a][i] = f.force[a][i] / s.m[i] + w.g[a];
+      if (tense) rate[D + a][i] += f.tension[a][i] / s.m[i];
     }
     rate[2 * D][i] = f.density_rate[i];
     sound = sound && is_sound(f, i, rate);

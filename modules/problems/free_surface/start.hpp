@@ -25,33 +25,48 @@ inline double surface_above(const parameters& p, point x) {
 }
 
 inline standing_wave wave_of(const options& o, const parameters& p) {
-  return {2.0 * std::numbers::pi / o.flow.wavelength, p.height, o.flow.gravity, o.flow.amplitude};
+  return {2.0 * std::numbers::pi / o.flow.wavelength, p.height, o.flow.gravity, o.flow.amplitude,
+          o.flow.surface_tension / o.flow.density};
 }
 
-// The circle within the block.
-struct circle {
-  double x, y, radius;  // m
-  double distance2(const point& at) const { return (at[0] - x) * (at[0] - x) + (at[1] - y) * (at[1] - y); }
+// The circle or sphere within the block.
+struct ball {
+  point centre;   // m
+  double radius;  // m
+  double distance2(const point& at) const {
+    const double x = at[0] - centre[0], y = at[1] - centre[1], z = at[2] - centre[2];
+    return x * x + y * y + z * z;
+  }
 };
-inline circle drop_of(const parameters& p) {
+inline ball drop_of(const parameters& p) {
   const block& b = p.blocks.front();
-  return {0.5 * (b.low[0] + b.high[0]), 0.5 * (b.low[1] + b.high[1]), 0.5 * (b.high[0] - b.low[0])};
+  const auto middle = [&](std::size_t a) { return 0.5 * (b.low[a] + b.high[a]); };
+  return {{middle(0), middle(1), middle(2)}, 0.5 * (b.high[0] - b.low[0])};
 }
 
-// kg/m3: of water that its own weight compresses, and of the drop's pressure.
+// kg/m3: of water that its own weight compresses, and of the drop's pressure, which ∇²p = -ρ ∇v:∇v gives it beyond that
+// of its surface.
 inline double start_density(const options& o, const parameters& p, const point& x) {
   const auto& f = o.flow;
   if (f.start != "drop") return p.water.density_beneath(f.gravity * (surface_above(p, x) - x[1]));
-  const circle c = drop_of(p);
-  return p.water.density_at(0.5 * f.density * f.strain_rate * f.strain_rate * (c.radius * c.radius - c.distance2(x)));
+  const ball c = drop_of(p);
+  const bool flat = o.domain.dimension == 2;
+  const double of_surface = f.surface_tension * (flat ? 1.0 : 2.0) / c.radius;
+  return p.water.density_at((flat ? 0.5 : 0.25) * f.density * f.strain_rate * f.strain_rate *
+                                (c.radius * c.radius - c.distance2(x)) +
+                            of_surface);
 }
 
-// m/s, along x and y
-inline std::array<double, 2> start_velocity(const options& o, const parameters& p, const point& x) {
-  if (o.flow.start == "standing_wave") return wave_of(o, p).velocity(x[0], x[1]);
-  if (o.flow.start != "drop") return {0.0, 0.0};
-  const circle c = drop_of(p);
-  return {-o.flow.strain_rate * (x[0] - c.x), o.flow.strain_rate * (x[1] - c.y)};
+// m/s
+inline point start_velocity(const options& o, const parameters& p, const point& x) {
+  if (o.flow.start == "standing_wave") {
+    const auto v = wave_of(o, p).velocity(x[0], x[1]);
+    return {v[0], v[1], 0.0};
+  }
+  if (o.flow.start != "drop") return {};
+  const ball c = drop_of(p);
+  const double rate = o.flow.strain_rate, across = o.domain.dimension == 2 ? rate : 0.5 * rate;
+  return {-across * (x[0] - c.centre[0]), rate * (x[1] - c.centre[1]), -across * (x[2] - c.centre[2])};
 }
 
 // Blocks, and of them what is_water(place) keeps.
@@ -152,7 +167,7 @@ void set_up(water<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
   set_up_bodies(f);
   const bool has_bodies = f.world.walls.bodies.any();
-  std::optional<circle> drop;
+  std::optional<ball> drop;
   if (f.o.flow.start == "drop") drop = drop_of(f.p);
   place_blocks(f, [&](const point& x) {
     return !(drop && drop->distance2(x) >= drop->radius * drop->radius) &&
@@ -168,7 +183,7 @@ void set_up(water<D>& f) {
     s.rho[i] = start_density(f.o, f.p, x);
     s.m[i] = s.rho[i] * V;
     const auto v = start_velocity(f.o, f.p, x);
-    for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = v[a];
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
   }
 }
 

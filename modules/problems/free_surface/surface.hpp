@@ -13,6 +13,7 @@
 #pragma once
 
 #include <free_surface/moving.hpp>
+#include <free_surface/right_hand_side.hpp>
 #include <free_surface/terms.hpp>
 #include <walls/bodies.hpp>
 #include <walls/mirror.hpp>
@@ -20,14 +21,6 @@
 namespace tetsuame::free_surface {
 
 inline constexpr double of_spray = 0.4, inside = 0.75, alone = 0.2;  // λ
-
-// From sources to their images [first, last).
-template <int D>
-void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
-  const auto& walls = f.world.walls;
-  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
-  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
-}
 
 // To all that stands behind walls: images have what their sources have, wall particles of bodies what(wetness, mean at
 // their markers).
@@ -57,33 +50,11 @@ void refresh_places(water<D>& f) {
   behind_walls(f, s.dV.data(), [](double wet, double V) { return wet * V; });
 }
 
-template <std::size_t N>
-std::array<double*, N> places_of(std::array<particles::array, N>& a) {
-  std::array<double*, N> all;
-  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
-  return all;
-}
-
 // Clusters of the fluid of which a member has λ below `inside`, or may have a neighbour that does. Of all others the
 // sums that look for the surface would find none.
 template <int D>
 pairs::remainder clusters_near_surface(const water<D>& f) {
-  const auto& w = f.world.w;
-  pairs::remainder near;
-  near.of = w.fluid();
-  std::vector<char> is_near(near.of.clusters(), 0);
-  foundation::for_all(is_near.size(), [&](std::size_t r) {
-    const auto m = near.of.cluster(r);
-    double least = 1.0;
-    for (std::size_t i = m.first; i < std::min(m.first + pairs::lanes, w.s.fluid); ++i)
-      least = std::min(least, f.eigenvalue[i]);
-    w.list.for_each(m.first / pairs::lanes,
-                    [&](std::uint32_t j, auto...) { least = std::min(least, f.eigenvalue[j]); });
-    is_near[r] = least < inside ? 1 : 0;
-  });
-  for (std::size_t r = 0; r < is_near.size(); ++r)
-    if (is_near[r] != 0) near.of_rows.push_back(near.of.cluster(r));
-  return near;
+  return clusters_where(f.world.w, true, [&](std::size_t i) { return f.eigenvalue[i] < inside; });
 }
 
 // Collective. λ and what shifting goes by; near the surface the outward normal and the least λ about each particle,

@@ -100,6 +100,27 @@ struct motion : sums_of_water<D, sticks> {
   }
 };
 
+// Where the surface is near, Σ_j V_j ∇_i W_ij points away from it.
+template <int D>
+struct inward {
+  const double* V;           // m^D
+  std::array<double*, D> G;  // 1/m
+
+  template <class R>
+  struct me {
+    pairs::vec<R, D> G;
+  };
+  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D)}; }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {foundation::zero<R, D>()};
+  }
+  void add(auto& a, const auto& ij) const { a.G += (ij(pairs::of_volume) * ij.F) * ij.x_ij; }
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.set(G[k], a.G[k], -1);
+  }
+};
+
 // λ, and the sum that shifting goes by [P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, Comput. Methods Appl. Mech.
 // Eng. 315, 25 (2017)]:  Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij
 template <int D>

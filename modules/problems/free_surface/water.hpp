@@ -102,6 +102,10 @@ struct water {
   std::array<particles::array, D> force = {};             // N, but for gravity
   particles::array density_rate = {};                     // kg/(m3 s)
 
+  // With surface tension (tension.hpp): G, smoothed G, forces; curvature and its weight.
+  std::array<particles::array, D> inward = {}, normal_within = {}, tension = {};  // 1/m, 1/m, N
+  particles::array curvature = {}, surface_weight = {};                           // 1/m
+
   // Filled by what looks at the surface (surface.hpp).
   std::array<particles::array, D> slope = {}, normal = {};          // 1/m; of length 1
   particles::array eigenvalue = {}, least_near = {}, covered = {};  // λ, the least of the neighbourhood; 1 or 0
@@ -114,6 +118,11 @@ struct water {
       for (auto& a : *vectors) all.push_back(&a);
     if (sticks)
       for (auto& a : viscous_velocity) all.push_back(&a);
+    if (has_tension()) {
+      all.insert(all.end(), {&curvature, &surface_weight});
+      for (auto* vectors : {&inward, &normal_within, &tension})
+        for (auto& a : *vectors) all.push_back(&a);
+    }
     if (asks_loads) {
       all.push_back(&density_rate_without);
       for (auto& a : force_without) all.push_back(&a);
@@ -129,6 +138,7 @@ struct water {
   }
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
+  bool has_tension() const { return o.flow.surface_tension > 0.0; }
   double gravity() const { return o.flow.gravity; }
   double dx() const { return world.w.dx; }
   point place(std::size_t i) const {
