@@ -137,6 +137,22 @@ void find_beside_bodies(water<D>& f) {
     if (f.solid.level(of_solids<D>(f.place(i))) < near) f.beside_bodies.push_back(static_cast<std::uint32_t>(i));
 }
 
+// What a particle has risen by (m) when it is put back is taken out of its velocity u (m/s) relative to the body, first
+// of that along the normal: putting back makes no energy. A particle slower than this is left at rest.
+template <int D>
+void pay_for_rise(double g, double risen, const solids::point<D>& normal, solids::point<D>& u) {
+  const double due = 2.0 * g * std::max(0.0, risen);
+  const double across = foundation::dot(u, normal);
+  const double left = across * across - due;
+  const auto along = u - across * normal;
+  if (left >= 0.0) {
+    u = along + std::copysign(std::sqrt(left), across) * normal;
+    return;
+  }
+  const double along2 = foundation::dot(along, along);
+  u = along2 + left > 0.0 ? std::sqrt((along2 + left) / along2) * along : foundation::zero<double, D>();
+}
+
 // The last guard, as walls::reflect() is at plane sides: how many of this rank's particles had entered a body. Their
 // velocity towards it is reversed, as the body sees it.
 template <int D>
@@ -151,11 +167,13 @@ std::int64_t put_out_of_bodies(water<D>& f) {
     if (!surface.found) continue;
     const auto* b = mover_at(f, surface.nearest);
     const auto of_wall = b != nullptr ? b->rate.at(surface.nearest) : foundation::zero<double, D>();
-    double towards = 0.0;
-    for (std::size_t a = 0; a < D; ++a) towards += (s.v[a][i] - of_wall[a]) * surface.normal[a];
+    const auto back = surface.nearest - surface.distance * surface.normal;
+    auto u = solids::point<D>::of([&](std::size_t a) { return s.v[a][i] - of_wall[a]; });
+    if (const double towards = foundation::dot(u, surface.normal); towards < 0.0) u -= 2.0 * towards * surface.normal;
+    pay_for_rise<D>(f.gravity(), back[1] - x[1], surface.normal, u);
     for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = surface.nearest[a] - surface.distance * surface.normal[a];
-      if (towards < 0.0) s.v[a][i] -= 2.0 * towards * surface.normal[a];
+      s.x[a][i] = back[a];
+      s.v[a][i] = of_wall[a] + u[a];
     }
     ++crossings;
   }
