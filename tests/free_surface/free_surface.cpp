@@ -99,7 +99,8 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
                                      g,
                                      {force[0].data(), force[1].data()},
                                      rate.data()},
-                                    0.1 * 0.065 / 20.0});
+                                    0.1 * 0.065 / 20.0,
+                                    0.01 * 20.0});
   // Rounding of sums of some twenty terms of 1000 · 2 1/s.
   for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(std::abs(rate[i]) < 1e-9);
   // Expansion by 3 1/s along x and 1 1/s along y: ρ times the sums' own measure of these, -Σ V F x².
@@ -116,7 +117,8 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
                                      g,
                                      {force[0].data(), force[1].data()},
                                      rate.data()},
-                                    0.0});
+                                    0.0,
+                                    0.01 * 20.0});
   const auto& kernel = std::get<kernels::wendland_c2<2>>(w.kernel);
   for (std::size_t i = 0; i < s.fluid; i += 7) {
     double expected = 0.0;
@@ -126,6 +128,38 @@ BOOST_AUTO_TEST_CASE(exact_on_linear_fields) {
     }
     BOOST_TEST(rate[i] == expected, tt::tolerance(1e-10));
   }
+}
+
+// Water that moves as a whole is compressed nowhere: the density's rate is diffusion, which falls as the square of the
+// speed below a hundredth of sound's, and so does shifting; above, diffusion does not depend on the speed.
+BOOST_AUTO_TEST_CASE(slow_water_diffuses_and_shifts_less) {
+  scene<2> scene(block_in_the_middle);
+  auto& s = scene.particles();
+  disturb(scene);
+  const double limit = slow * scene.p.water.sound;
+  const auto diffused = [&](double speed) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = speed, s.v[1][i] = 0.0;
+    const auto rate = scene.rates()[4];
+    return scene.sum([&](std::size_t i) { return std::abs(rate[i]); });
+  };
+  const double full = diffused(limit);
+  BOOST_TEST(full > 1.0);
+  BOOST_TEST(diffused(7.0 * limit) == full, tt::tolerance(1e-9));
+  BOOST_TEST(diffused(0.5 * limit) == 0.25 * full, tt::tolerance(1e-9));
+  BOOST_TEST(diffused(0.0) == 0.0);
+
+  const auto shifted = [&](double speed) {
+    for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = speed, s.v[1][i] = 0.0;
+    const auto x = s.x;
+    shift(*scene.f, 1e-3);
+    const double all = scene.sum([&](std::size_t i) { return std::hypot(s.x[0][i] - x[0][i], s.x[1][i] - x[1][i]); });
+    s.x = x;
+    return all;
+  };
+  const double as_fast = shifted(limit);
+  BOOST_TEST(as_fast > 0.0);
+  BOOST_TEST(shifted(0.5 * limit) == 0.25 * as_fast, tt::tolerance(1e-6));
+  BOOST_TEST(shifted(2.0 * limit) == 2.0 * as_fast, tt::tolerance(1e-6));
 }
 
 // Without walls near, forces come in pairs along the line between two particles.
