@@ -370,9 +370,9 @@ class Flow(Case):
                 ("elliptical_drop", {"flow.strain_rate": 0}, ["strain_rate", "drawn out"]),
                 ("oscillating_drop", {"flow.surface_tension": -0.1}, ["&flow surface_tension"]),
                 ("oscillating_drop", {"flow.surface_tension": "NaN"}, ["&flow surface_tension"]),
-                ("oscillating_drop", {"flow.surface_tension": 1.0}, ["&flow surface_tension", "at most", "'delta'"]),
-                ("oscillating_drop", {"flow.scheme": "riemann"}, ["&flow surface_tension", "at most", "'riemann'"]),
-                ("floating_box", {"flow.surface_tension": 0.07}, ["&flow surface_tension", "moves freely"]),
+                ("oscillating_drop", {"flow.surface_tension": 1.0}, ["&expert surface_tension", "at most", "'delta'"]),
+                ("oscillating_drop", {"flow.scheme": "riemann"}, ["&expert surface_tension", "at most", "'riemann'"]),
+                ("floating_box", {"flow.surface_tension": 0.07}, ["&expert surface_tension", "moves freely"]),
                 ("elliptical_drop", {"flow.high_y": 3.0}, ["&flow start", "circle"])]:
             with self.subTest(name, **settings):
                 self.assert_says(self.run_program("flow", name, settings, "bad", expect=BAD_INPUT), BAD_INPUT, *parts)
