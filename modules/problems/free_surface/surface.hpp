@@ -1,10 +1,8 @@
 // The free surface: where it is, and how particles drift to where there are fewer, after each step, without crossing
 // it.
 //
-//   δx_i = -A h l_i |v_i| Δt Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij,   at most ½ |v_i| Δt
+//   δx_i = -A h |v_i| Δt Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij,   at most ½ |v_i| Δt
 //
-// with l_i = min[1, |v_i|/(0.01 c0)] (derived here: what shifting lifts against gravity falls with the square of the
-// speed, as what viscosity takes does),
 // the sum of P. N. Sun et al. [Comput. Methods Appl. Mech. Eng. 315, 25 (2017)] with the particle's own speed for their
 // largest one [A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, ibid. 265, 163 (2013)]: still water stays. Where λ is
 // below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
@@ -84,14 +82,14 @@ template <int D>
 void shift(water<D>& f, double dt) {
   find_arrangement(f);
   auto& s = f.world.w.s;
-  const double size = f.o.flow.shifting * f.p.smoothing_length * dt, slow_speed = slow * f.p.water.sound;
+  const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
-    const double speed = std::sqrt(f.speed2(i)), lively = speed * std::min(1.0, speed / slow_speed);
+    const double speed = std::sqrt(f.speed2(i));
     std::array<double, D> by;
     double across = 0.0, length2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {
-      by[a] = -size * lively * f.slope[a][i];
+      by[a] = -size * speed * f.slope[a][i];
       across += by[a] * f.normal[a][i];
     }
     const bool near = f.least_near[i] < inside;

@@ -52,10 +52,9 @@ struct sums_of_water {
   }
 };
 
-// Water slower than this part of c0 diffuses and shifts less, by the square of its speed. In water at rest the pressure
-// that its sums hold differs from the hydrostatic one, and diffusion of the difference makes energy out of nothing, at a
-// rate that does not depend on the speed; shifting does, by lifting particles, at one that falls as the speed. What
-// viscosity takes falls with its square.
+// Water slower than this part of c0 diffuses less, by the square of its speed. In water at rest the pressure that its
+// sums hold differs from the hydrostatic one, and diffusion of the difference makes energy out of nothing, at a rate
+// that does not depend on the speed; what viscosity takes falls with the square of the speed.
 inline constexpr double slow = 0.01;
 
 // Of the default scheme.
