@@ -223,6 +223,13 @@ COARSER = ("sloshing", "bowl", "bowl_ranks", "dam_break_building")  # than what 
 
 
 class Questions(unittest.TestCase):
+    def test_rise_of_energy(self):
+        """Above an earlier value, not above the first."""
+        energies = {"kinetic_energy": [2, 1, 1, 2, 0], "potential_energy": [7, 5, 6, 6, 5], "elastic_energy": [1, 1, 1, 1, 1]}
+        history = {"time": np.arange(5)} | {name: np.array(values, dtype=float) for name, values in energies.items()}
+        self.assertAlmostEqual(subject.rise(unittest.mock.Mock(history=history)), 0.2)  # 10, 7, 8, 9, 6
+        self.assertIsNone(subject.rise(unittest.mock.Mock(history={})))
+
     def verdicts(self, rows):
         return {(question.case, question.what): questions.verdict(question, one)[0] for question, one in questions.rows(rows)}
 

@@ -307,12 +307,13 @@ class flow : public run::problem_in_a_box<D> {
       m["energy_decay"] = run::or_null(measured.decay ? std::optional(2.0 * *measured.decay) : std::nullopt);
       m["energy_decay_theory"] = wave.energy_decay(f_.p.kinematic_viscosity);
     }
-    if (f_.o.flow.start == "drop" && f_.has_tension()) report_oscillation(m);
-    if (f_.o.flow.start == "drop" && !f_.has_tension()) {
-      const auto now = semi_axes_of(f_), exact = drawn_out(drop_of(f_.p).radius, f_.o.flow.strain_rate, t);
+    if (f_.o.flow.start == "drop") {
+      const auto now = semi_axes_of(f_);
       m["semi_axis_x"] = now.a;
-      m["semi_axis_x_exact"] = exact.a;
       m["semi_axis_y"] = now.b;
+      if (f_.has_tension()) return report_oscillation(m);
+      const auto exact = drawn_out(drop_of(f_.p).radius, f_.o.flow.strain_rate, t);
+      m["semi_axis_x_exact"] = exact.a;
       m["semi_axis_y_exact"] = exact.b;
     }
   }
@@ -320,8 +321,6 @@ class flow : public run::problem_in_a_box<D> {
   // Of the drop, by the difference of its semi-axes; where it starts at rest there is none.
   void report_oscillation(nlohmann::ordered_json& m) const {
     const round_drop drop = round_drop_of(f_);
-    m["semi_axis_x"] = semi_axes_of(f_).a;
-    m["semi_axis_y"] = semi_axes_of(f_).b;
     m["laplace_pressure"] = mean_pressure_within(f_, 0.5 * drop.radius);
     m["laplace_pressure_theory"] = (D - 1) * f_.o.flow.surface_tension / drop.radius;
     if (!(f_.o.flow.strain_rate > 0.0)) return;

@@ -137,8 +137,7 @@ void mirror_inward(water<D>& f, std::array<particles::array, D>& values) {
 // Collective. To ghosts, and to what stands behind walls.
 template <int D>
 void share_inward(water<D>& f, std::array<particles::array, D>& values) {
-  std::array<double*, D> fields;
-  for (std::size_t a = 0; a < D; ++a) fields[a] = values[a].data();
+  const auto fields = places_of(values);
   domain::exchange<D>(f.world.w.d.ranks, f.world.w.d.fluid_halo, std::span<double* const>(fields));
   mirror_inward<D>(f, values);
 }
