@@ -1,16 +1,8 @@
 // Water with a free surface: the liquid, the sums over neighbours, where the surface is, gauges, exact solutions.
-#include <mpi.h>
-
 #include <boost/test/unit_test.hpp>
-#include <free_surface/gauges.hpp>
 #include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
-#include <free_surface/memory.hpp>
-#include <free_surface/reference.hpp>
 #include <free_surface/surface.hpp>
-#include <free_surface/traction.hpp>
-#include <fstream>
-#include <namelist/document.hpp>
 #include <run/passes.hpp>
 
 #include "scene.hpp"

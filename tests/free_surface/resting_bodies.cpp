@@ -1,6 +1,4 @@
 // Water beside bodies that stand still: what stands in them, and who comes to them.
-#include <mpi.h>
-
 #include <boost/test/unit_test.hpp>
 #include <free_surface/loads.hpp>
 #include <free_surface/memory.hpp>
