@@ -45,7 +45,7 @@ std::string progress_line(const progress_state& now, const progress_state& begin
   if (now.last_step > 0 || now.t_end > 0.0)
     line += fmt::format(" ({:.0f} %)", std::floor(100.0 * fraction_done(now, progress_state{})));
   line += fmt::format("  t = {:.5g} s  dt = {:.2g} s", now.time, now.dt);
-  if (elapsed > 0.0) line += fmt::format("  {:.2g} updates/s", static_cast<double>(now.updates) / elapsed);
+  if (elapsed > 0.0) line += fmt::format("  {:.2g} updates/s", (now.updates - begin.updates) / elapsed);
   const double done = fraction_done(now, begin);
   if (done > 0.0) line += fmt::format("  {} left", duration_text(elapsed * (1.0 - done) / done));
   return line;

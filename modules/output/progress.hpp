@@ -13,11 +13,11 @@ struct progress_state {
   std::int64_t step = 0, last_step = 0;  // last_step 0: no limit
   double time = 0.0, t_end = 0.0;        // s; t_end 0: no limit
   double dt = 0.0;                       // s
-  std::uint64_t updates = 0;             // particle updates since the run began (or began again)
+  double updates = 0.0;                  // of particles
 };
 
 // "step 1200/5000 (24 %)  t = 1.25 s  dt = 1.0e-03 s  2.1e+06 updates/s  3:10 left".
-// begin: the state at which `elapsed` (s) was zero; the time left goes by what is done since.
+// begin: the state at which `elapsed` (s) was zero; updates a second and the time left go by what is done since.
 std::string progress_line(const progress_state& now, const progress_state& begin, double elapsed);
 
 class progress {

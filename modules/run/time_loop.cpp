@@ -221,8 +221,7 @@ struct loop {
 
   output::progress_state state() const {
     const auto& statistics = integrator->statistics();
-    return {step,    steps_asked().value_or(0), integrator->time(),
-            t_end(), statistics.last_dt,        static_cast<std::uint64_t>(updates())};
+    return {step, steps_asked().value_or(0), integrator->time(), t_end(), statistics.last_dt, updates()};
   }
 
   // Where it is they that end the run, or may.

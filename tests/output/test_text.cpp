@@ -160,8 +160,8 @@ BOOST_AUTO_TEST_CASE(run_log_goes_on) {
 }
 
 BOOST_AUTO_TEST_CASE(progress_counts_from_the_restart) {
-  const output::progress_state begin{1000, 5000, 10.0, 0.0, 0.01, 0};
-  const output::progress_state now{2000, 5000, 20.0, 0.0, 0.01, 2000000};
+  const output::progress_state begin{1000, 5000, 10.0, 0.0, 0.01, 1000000.0};
+  const output::progress_state now{2000, 5000, 20.0, 0.0, 0.01, 3000000.0};
   // 1000 of 4000 steps in 60 s: 180 s left.
   BOOST_TEST(output::progress_line(now, begin, 60.0) ==
              "step 2000/5000 (40 %)  t = 20 s  dt = 0.01 s  3.3e+04 updates/s  3:00 left");
