@@ -8,11 +8,10 @@
 
 #include <fmt/format.h>
 
-#include <free_surface/moving.hpp>
+#include <free_surface/behind_bodies.hpp>
 #include <free_surface/riemann_terms.hpp>
 #include <free_surface/terms.hpp>
 #include <volume/shape.hpp>
-#include <walls/bodies.hpp>
 #include <walls/reflected_velocity.hpp>
 
 namespace tetsuame::free_surface {
@@ -51,62 +50,6 @@ void fill_images(water<D>& f, std::size_t first, std::size_t last) {
     s.dV[i] = s.dV[j];
     s.p[i] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
   });
-}
-
-// m/s, of what of the body is at the particle i, and how its acceleration there, half way to j, and gravity let the
-// pressure rise to i (m2/s2).
-template <int D>
-solids::point<D> velocity_of_body(const water<D>& f, const moving_body<D>& b, std::size_t i) {
-  return b.rate.at(of_solids<D>(f.place(i)));
-}
-template <int D>
-double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std::size_t i) {
-  const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j));
-  return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j)), x_i - x_j);
-}
-
-// Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, as the
-// body sees it, its density, and as much of its volume as the marker is wet. Velocities are reflected about the body's.
-template <int D>
-void fill_bodies(water<D>& f) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  const auto water_at = [&](std::size_t j, std::size_t i) {
-    std::array<double, D + 3> values;
-    for (std::size_t a = 0; a < D; ++a) values[a] = s.v[a][j];
-    values[D] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
-    if (const auto* b = f.mover(s.material[i])) {
-      const auto u = velocity_of_body(f, *b, j);
-      for (std::size_t a = 0; a < D; ++a) values[a] -= u[a];
-      values[D] += s.rho[j] * inertia_to(f, *b, j, i);
-    }
-    values[D + 1] = s.rho[j];
-    values[D + 2] = s.dV[j];
-    return values;
-  };
-  walls::at_bodies<D + 3, D>(
-      w, f.world.walls, water_at, [&](std::size_t i, const auto& of, double wet, const auto& mean) {
-        std::array<double, D> source;
-        for (std::size_t a = 0; a < D; ++a) source[a] = mean[a];
-        const auto v = walls::reflected_velocity<D>(of, source, false);
-        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-        if (f.sticks) {
-          const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
-          for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
-        }
-        if (const auto* b = f.mover(s.material[i])) {
-          const auto u = velocity_of_body(f, *b, i);
-          for (std::size_t a = 0; a < D; ++a) {
-            s.v[a][i] += u[a];
-            if (f.sticks) f.viscous_velocity[a][i] += u[a];
-          }
-        }
-        s.p[i] = mean[D];
-        s.rho[i] = mean[D + 1];
-        s.dV[i] = wet * mean[D + 2];
-      });
-  w.exchange_walls(s.v, {s.p.data(), s.rho.data(), s.dV.data()});
-  if (f.sticks) w.exchange_walls(f.viscous_velocity, {});
 }
 
 // All that stands behind walls.

@@ -1,11 +1,12 @@
 // The free surface: where it is, and how particles drift to where there are fewer, after each step, without crossing
 // it.
 //
-//   δx_i = -A h |v_i| Δt Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij,   at most ½ |v_i| Δt
+//   δx_i = -A h l_i |v_i| Δt Σ_j V_j [1 + 0.2 (W_ij/W(Δx))⁴] ∇_i W_ij,   at most ½ |v_i| Δt
 //
 // the sum of P. N. Sun et al. [Comput. Methods Appl. Mech. Eng. 315, 25 (2017)] with the particle's own speed for their
-// largest one [A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, ibid. 265, 163 (2013)]: still water stays. Where λ is
-// below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
+// largest one [A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, ibid. 265, 163 (2013)]: still water stays. What it
+// lifts makes energy, which l_i = min[1, |v_i|/(0.01 c0)] lets fall as that of the motion does (derived here). Where λ
+// is below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
 // Comput. Phys. Commun. 224, 63 (2018)], and nothing where λ is below 0.4: a spray.
 //
 // A particle is on the surface [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)] where λ <= 0.2, or λ < 0.75 and
@@ -82,14 +83,15 @@ template <int D>
 void shift(water<D>& f, double dt) {
   find_arrangement(f);
   auto& s = f.world.w.s;
-  const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
+  const double size = f.o.flow.shifting * f.p.smoothing_length * dt, slow_speed = slow * f.p.water.sound;
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
     const double speed = std::sqrt(f.speed2(i));
+    const double of_path = size * speed * std::min(1.0, speed / slow_speed);
     std::array<double, D> by;
     double across = 0.0, length2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {
-      by[a] = -size * speed * f.slope[a][i];
+      by[a] = -of_path * f.slope[a][i];
       across += by[a] * f.normal[a][i];
     }
     const bool near = f.least_near[i] < inside;
