@@ -128,8 +128,8 @@ BOOST_AUTO_TEST_CASE(velocities_in_bodies) {
   BOOST_TEST(stuck[1] == -1.2, tt::tolerance(1e-12));
 }
 
-// What the pressure in a body takes from motion across its surface the densities get as elastic energy, whatever the
-// state; here above a floor that is not along the lattice. Reflected velocities leave a tenth of it.
+// What the pressure in a body takes from motion across its surface the densities get as elastic energy, but for what is
+// beyond the limit of the wall's velocities; here above a floor that is not along the lattice.
 BOOST_AUTO_TEST_CASE(bodies_take_no_energy) {
   scene<2> scene(
       "&domain length_x = 1.0 length_y = 1.0 particles_x = 40 particles_y = 40 /"
@@ -140,14 +140,14 @@ BOOST_AUTO_TEST_CASE(bodies_take_no_energy) {
   scene.p.kinematic_viscosity = 0.0;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     s.v[1][i] = noise(s.id[i], 1);
-    s.rho[i] *= 1.03 + 0.02 * noise(s.id[i], 2);
+    s.rho[i] *= 1.03 + 0.002 * noise(s.id[i], 2);
   }
   const auto rate = scene.rates();
   auto& f = *scene.f;
   const auto taken = [&](std::size_t i) { return -s.v[1][i] * s.m[i] * (rate[3][i] + f.gravity()); };
   const auto stored = [&](std::size_t i) { return s.m[i] * s.p[i] / (s.rho[i] * s.rho[i]) * rate[4][i]; };
   const double all = scene.sum([&](std::size_t i) { return std::abs(stored(i)); });
-  BOOST_TEST(std::abs(scene.sum(taken) - scene.sum(stored)) < 1e-5 * all);
+  BOOST_TEST(std::abs(scene.sum(taken) - scene.sum(stored)) < 2e-4 * all);
 }
 
 // What has entered a body is put back to its mirror image, and moves away, slower by what it has risen.

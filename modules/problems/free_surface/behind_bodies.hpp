@@ -25,8 +25,8 @@ double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std
 //   p_w B,  B = Σ_j V_j (n·v_j) ∂_j   and   -α A,  A = Σ_j V_j p_j ∂_j
 // They are the same (derived here) with
 //   α = -B (p_w A + ε² G)/(A² + ε² G²),  G = Σ_j V_j ∂_j
-// but for ε, by which water without pressure counts as if it had some; α is not beyond what would reverse the
-// velocities of the water about it.
+// but for ε, by which water without pressure counts as if it had some. α is not beyond what would reverse the
+// velocities of the water about it: with more the sound between a particle and the wall may grow.
 template <int D>
 std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of,
                                         const std::array<double, D>& at_marker, double pressure) {
@@ -54,7 +54,7 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
   }
   const double both = A * A + slight * slight * G * G;
   const double alpha = both > 0.0 ? -B * (pressure * A + slight * slight * G) / both : 0.0;
-  return (v_m + (std::clamp(alpha, 2.0 * least, 2.0 * most) - foundation::dot(v_m, n)) * n).c;
+  return (v_m + (std::clamp(alpha, least, most) - foundation::dot(v_m, n)) * n).c;
 }
 
 // Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, as the
