@@ -228,7 +228,7 @@ BOOST_AUTO_TEST_CASE(shifting) {
   scene<2> still(tank("high_x = 1.0 high_y = 0.75", jittered));
   auto& s = still.particles();
   const auto before = s.x;
-  shift(*still.f, 0.01);
+  arrange(*still.f, 0.01);
   for (std::size_t i = 0; i < s.fluid; ++i) BOOST_TEST(s.x[0][i] == before[0][i]);
 
   for (std::size_t i = 0; i < s.fluid; ++i) s.v[0][i] = 1.0;
@@ -240,7 +240,7 @@ BOOST_AUTO_TEST_CASE(shifting) {
     });
   };
   const double first = disorder();
-  for (int k = 0; k < 10; ++k) shift(*still.f, 0.002);
+  for (int k = 0; k < 10; ++k) arrange(*still.f, 0.002);
   for (std::size_t i = 0; i < s.fluid; ++i)
     BOOST_TEST(std::hypot(s.x[0][i] - before[0][i], s.x[1][i] - before[1][i]) <= 10.0 * 0.5 * 0.002 * (1.0 + 1e-12));
   BOOST_TEST(disorder() < 0.5 * first);

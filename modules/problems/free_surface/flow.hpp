@@ -161,7 +161,7 @@ class flow : public run::problem_in_a_box<D> {
   bool complete_step(std::int64_t step) override {
     bool changed = base::complete_step(step);
     if (f_.o.flow.shifting > 0.0) {
-      shift(f_, last_step_);
+      arrange(f_, last_step_);
       changed = true;
       base::complete_step(step);  // a drift ends at a wall
     }

@@ -9,6 +9,11 @@
 // is below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
 // Comput. Phys. Commun. 224, 63 (2018)], and nothing where λ is below 0.4: a spray.
 //
+// Water whose particles stand farther apart than its density says, after an impact or in a spray, has no neighbours to
+// hold it together or apart, and is no liquid under pressure (derived here): where λ is below 0.75 what the density has
+// above ρ0 falls within the time of sound over h,
+//   dρ_i/dt = -l_i² (c0/h) max(ρ_i - ρ0, 0)
+//
 // A particle is on the surface [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)] where λ <= 0.2, or λ < 0.75 and
 // no neighbour lies in the cone about n (terms.hpp).
 #pragma once
@@ -78,16 +83,34 @@ pairs::remainder find_arrangement(water<D>& f) {
   return near;
 }
 
-// Collective, after a step of length dt (s).
+// 1 of water that moves, less of slow water (terms.hpp).
+template <int D>
+double liveliness(const water<D>& f, double speed) {
+  return std::min(1.0, speed / (slow * f.p.water.sound));
+}
+
+// The pressure of water that has lost its concentration, after a step of length dt (s). At a surface under tension
+// there is one.
+template <int D>
+void slacken(water<D>& f, double dt) {
+  if (f.has_tension()) return;
+  auto& s = f.world.w.s;
+  const double left = std::exp(-dt * f.p.water.sound / f.p.smoothing_length), rest = f.o.flow.density;
+  foundation::for_all(s.fluid, [&](std::size_t i) {
+    if (!(f.eigenvalue[i] < inside && s.rho[i] > rest)) return;
+    const double l = liveliness(f, std::sqrt(f.speed2(i)));
+    s.rho[i] -= l * l * (1.0 - left) * (s.rho[i] - rest);
+  });
+}
+
+// Drift within a step of length dt (s).
 template <int D>
 void shift(water<D>& f, double dt) {
-  find_arrangement(f);
   auto& s = f.world.w.s;
-  const double size = f.o.flow.shifting * f.p.smoothing_length * dt, slow_speed = slow * f.p.water.sound;
+  const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
-    const double speed = std::sqrt(f.speed2(i));
-    const double of_path = size * speed * std::min(1.0, speed / slow_speed);
+    const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * liveliness(f, speed);
     std::array<double, D> by;
     double across = 0.0, length2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {
@@ -103,6 +126,14 @@ void shift(water<D>& f, double dt) {
     const double part = length > most ? most / length : 1.0;
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] += part * by[a];
   });
+}
+
+// Collective, after a step of length dt (s): what follows from how particles stand.
+template <int D>
+void arrange(water<D>& f, double dt) {
+  find_arrangement(f);
+  slacken(f, dt);
+  shift(f, dt);
 }
 
 // Collective. Of each of this rank's particles whether it is on the surface.
