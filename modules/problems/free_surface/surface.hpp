@@ -9,10 +9,10 @@
 // is below 0.75 anywhere within the kernel, only the part along the surface is left, (1 - n nᵀ) δx [P. N. Sun et al.,
 // Comput. Phys. Commun. 224, 63 (2018)], and nothing where λ is below 0.4: a spray.
 //
-// Water whose particles stand farther apart than its density says, after an impact or in a spray, has no neighbours to
-// hold it together or apart, and is no liquid under pressure (derived here): where λ is below 0.75 what the density has
-// above ρ0 falls within the time of sound over h,
-//   dρ_i/dt = -l_i² (c0/h) max(ρ_i - ρ0, 0)
+// Water whose particles stand farther apart than its density says, after an impact or in a spray, is no liquid under
+// pressure, and falls together (derived here): where λ is below 0.75 what the density has above ρ0 falls within the
+// time of sound across the support H of the kernel,
+//   dρ_i/dt = -l_i² (c0/H) max(ρ_i - ρ0, 0)
 //
 // A particle is on the surface [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)] where λ <= 0.2, or λ < 0.75 and
 // no neighbour lies in the cone about n (terms.hpp).
@@ -95,7 +95,7 @@ template <int D>
 void slacken(water<D>& f, double dt) {
   if (f.has_tension()) return;
   auto& s = f.world.w.s;
-  const double left = std::exp(-dt * f.p.water.sound / f.p.smoothing_length), rest = f.o.flow.density;
+  const double left = std::exp(-dt * f.p.water.sound / f.world.w.support()), rest = f.o.flow.density;
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (!(f.eigenvalue[i] < inside && s.rho[i] > rest)) return;
     const double l = liveliness(f, std::sqrt(f.speed2(i)));
