@@ -246,6 +246,32 @@ BOOST_AUTO_TEST_CASE(shifting) {
   BOOST_TEST(disorder() < 0.5 * first);
 }
 
+// Water of half its concentration loses its pressure, all the slower the slower it moves, but no tension; whole water
+// loses nothing.
+BOOST_AUTO_TEST_CASE(lost_concentration) {
+  scene<2> scene(tank("high_x = 1.0 high_y = 0.75"));
+  auto& f = *scene.f;
+  auto& s = scene.particles();
+  const double dt = 0.01, sound = f.p.water.sound, part = std::exp(-dt * sound / f.world.w.support());
+  for (const bool whole : {true, false}) {
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      if (!whole) s.m[i] *= 0.5;
+      s.rho[i] = s.id[i] % 2 == 0 ? 1010.0 : 995.0;
+      s.v[0][i] = s.id[i] % 4 == 0 ? 0.001 * sound : 1.0;
+    }
+    find_arrangement(f);
+    slacken(f, dt);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      const double lively = s.id[i] % 4 == 0 ? 0.01 : 1.0;
+      const double expected = s.id[i] % 2 != 0                     ? 995.0
+                              : whole && f.eigenvalue[i] >= inside ? 1010.0
+                                                                   : 1010.0 - 10.0 * lively * (1.0 - part);
+      BOOST_TEST(s.rho[i] == expected, tt::tolerance(1e-12));
+      BOOST_TEST((whole || f.eigenvalue[i] < inside));
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(exact_solutions) {
   const standing_wave wave{std::numbers::pi, 1.0, 9.81, 0.05};
   BOOST_TEST(wave.period() == 1.13391748, tt::tolerance(1e-8));
