@@ -1,5 +1,6 @@
-// What stands in bodies: wall particles have what the water at their markers has, and a velocity by which their
-// pressure neither makes energy nor takes any (docs/theory/water_and_bodies.md).
+// What stands in bodies: wall particles have what the water at their markers has, and a velocity by which, in
+// the default scheme, their pressure makes no energy of motion across the surface and takes none
+// (docs/theory/water_and_bodies.md).
 #pragma once
 
 #include <free_surface/moving.hpp>

@@ -1,5 +1,6 @@
 // Water with a free surface in a box of plane walls (docs/theory/free_surface.md), as a problem of the time loop:
-//   dx/dt = v, dv/dt and dρ/dt by terms.hpp; after each step particles drift (surface.hpp)
+//   dx/dt = v, dv/dt and dρ/dt by terms.hpp; after each step particles drift, and what has lost its concentration its
+//   pressure (surface.hpp)
 #pragma once
 
 #include <free_surface/gauges.hpp>
