@@ -4,7 +4,9 @@
 #pragma once
 
 #include <free_surface/moving.hpp>
+#include <free_surface/terms.hpp>
 #include <walls/bodies.hpp>
+#include <walls/reflected_velocity.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -20,48 +22,103 @@ double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std
   return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j)), x_i - x_j);
 }
 
-// m/s, of the wall particle i as its body sees it, where its pressure is this (Pa) and the water at its marker has this
-// velocity: that along the surface, and α across it. With ∂_j = n·∇_j W_jw the sums of terms.hpp let p_w take from the
-// motion across the surface, and v_w give to the densities as elastic energy, for each V_w,
-//   p_w B,  B = Σ_j V_j (n·v_j) ∂_j   and   -α A,  A = Σ_j V_j p_j ∂_j
-// They are the same (derived here) with
-//   α = -B (p_w A + ε² G)/(A² + ε² G²),  G = Σ_j V_j ∂_j
-// but for ε, by which water without pressure counts as if it had some. α is not beyond what would reverse the
+// From sources to their images, as a vector; wall particles of bodies have none.
+template <int D>
+void mirror_vectors(water<D>& f, std::array<particles::array, D>& values) {
+  const auto& walls = f.world.walls;
+  const std::size_t first = f.world.w.s.first_wall();
+  foundation::for_all(walls.body_particles, [&](std::size_t n) {
+    for (auto& component : values) component[first + n] = 0.0;
+  });
+  foundation::for_all(walls.source.size(), [&](std::size_t n) {
+    std::array<double, D> of_source;
+    for (std::size_t a = 0; a < D; ++a) of_source[a] = values[a][walls.source[n]];
+    const auto image = walls::reflected_velocity<D>(walls, n, of_source, false);
+    for (std::size_t a = 0; a < D; ++a) values[a][first + walls.body_particles + n] = image[a];
+  });
+}
+
+// Collective. To ghosts, and to what stands behind walls.
+template <int D>
+void share_vectors(water<D>& f, std::array<particles::array, D>& values) {
+  const auto fields = places_of(values);
+  domain::exchange<D>(f.world.w.d.ranks, f.world.w.d.fluid_halo, std::span<double* const>(fields));
+  mirror_vectors<D>(f, values);
+}
+
+// Collective. Of the water beside bodies the direction in which they press it, that of Σ_w V_w ∇_j W_jw over their wall
+// particles; 0 where there are none.
+template <int D>
+void find_pressed(water<D>& f) {
+  auto& w = f.world.w;
+  const auto& s = w.s;
+  const auto& walls = f.world.walls;
+  const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
+  const auto& V = s.dV;
+  for (std::size_t i = first; i < behind; ++i) f.volume_in_bodies[i] = V[i];
+  for (std::size_t r = walls.images_of_fluid; r < walls.source.size(); ++r)
+    f.volume_in_bodies[behind + r] = V[walls.source[r]];
+  w.sum(f.beside, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
+  for (const std::size_t i : f.beside.rows) {
+    const double length = length_of<D>(f.pressed, i);
+    for (std::size_t a = 0; a < D; ++a) f.pressed[a][i] = length > 0.0 ? f.pressed[a][i] / length : 0.0;
+  }
+  share_vectors<D>(f, f.pressed);
+}
+
+// m/s, of the wall particle i as its body sees it, where its pressure is p_w (Pa) and the water at its marker has the
+// velocity v_m: v_m along the surface, and α across it. By the sums of terms.hpp the water has of each V_w the power
+//   -Σ_j V_j (p_w v_j + p_j v_w)·∇_j W_jw
+// of which what goes from one place to another along the surface, with m_j of find_pressed(),
+//   -Σ_j V_j p_j (v_j - m_j m_j·v_j)·∇_j W_jw
+// is nothing when summed over w. The two are equal (derived here) with
+//   α = -(P A + ε² G B)/(A² + ε² G²),   P = Σ_j V_j [p_w v_j + p_j (v_m - n n·v_m) - p_j (v_j - m_j m_j·v_j)]·∇_j W_jw
+//   A = Σ_j V_j p_j ∂_j,   B = Σ_j V_j n·v_j ∂_j,   G = Σ_j V_j ∂_j,   ∂_j = n·∇_j W_jw
+// but for ε, by which water without pressure counts as if it had some. What P has beyond the part across, p_w B, is of
+// first order in the velocity, as what viscosity takes is not: it counts by 1 - l² with l of liveliness(), in full in
+// slow water, and not at all in fast water, whose jets would pay for it. α is not beyond what would reverse the
 // velocities of the water about it: with more the sound between a particle and the wall may grow.
 template <int D>
-std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of,
-                                        const std::array<double, D>& at_marker, double pressure) {
+std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of) {
   const auto& w = f.world.w;
   const auto& s = w.s;
   const auto* b = f.mover(s.material[i]);
-  const solids::point<D> n{of.normal}, v_m{at_marker};
-  const auto x_w = of_solids<D>(f.place(i));
+  const solids::point<D> n{of.normal};
+  const auto vector = [](const std::array<particles::array, D>& from, std::size_t j) {
+    return solids::point<D>::of([&](std::size_t a) { return from[a][j]; });
+  };
+  const auto v_m = vector(s.v, i);
+  const auto along = v_m - foundation::dot(v_m, n) * n, x_w = of_solids<D>(f.place(i));
   const double support = w.support(), slight = 1e-5 * f.o.flow.density * f.p.water.sound * f.p.water.sound;
-  double A = 0.0, B = 0.0, G = 0.0, least = 0.0, most = 0.0;
+  const double p_w = s.p[i];
+  double A = 0.0, B = 0.0, G = 0.0, P = 0.0, least = 0.0, most = 0.0;
   for (const std::uint32_t j : f.world.walls.bodies.near.row(i - s.first_wall())) {
-    const auto x_j = of_solids<D>(f.place(j));
-    const auto apart = x_j - x_w;
+    const auto apart = of_solids<D>(f.place(j)) - x_w;
     const double away = solids::norm<D>(apart);
     if (!(away < support)) continue;
-    auto v_j = solids::point<D>::of([&](std::size_t a) { return s.v[a][j]; });
+    auto v_j = vector(s.v, j);
     if (b != nullptr) v_j -= velocity_of_body(f, *b, j);
-    const double VF = s.dV[j] * std::visit([&](const auto& k) { return k.gradient_over_r(away); }, w.kernel);
-    const double across = VF * foundation::dot(n, apart), reversed = -foundation::dot(v_j, n);
+    const auto m_j = vector(f.pressed, j);
+    const auto slope = s.dV[j] * std::visit([&](const auto& k) { return k.gradient_over_r(away); }, w.kernel) * apart;
+    const double across = foundation::dot(slope, n), outwards = foundation::dot(v_j, n);
     A += s.p[j] * across;
+    B += outwards * across;
     G += across;
-    B -= reversed * across;
-    least = std::min(least, reversed);
-    most = std::max(most, reversed);
+    P += foundation::dot(p_w * v_j + s.p[j] * (along - v_j + foundation::dot(m_j, v_j) * m_j), slope);
+    least = std::min(least, -outwards);
+    most = std::max(most, -outwards);
   }
   const double both = A * A + slight * slight * G * G;
-  const double alpha = both > 0.0 ? -B * (pressure * A + slight * slight * G) / both : 0.0;
-  return (v_m + (std::clamp(alpha, least, most) - foundation::dot(v_m, n)) * n).c;
+  const double l = liveliness(f, solids::norm<D>(v_m));
+  P = p_w * B + (1.0 - l * l) * (P - p_w * B);
+  const double alpha = both > 0.0 ? -(P * A + slight * slight * G * B) / both : 0.0;
+  return (along + std::clamp(alpha, least, most) * n).c;
 }
 
 // Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, as the
-// body sees it, its density, and as much of its volume as the marker is wet.
+// body sees it, its density, and as much of its volume as the marker is wet; its velocity, until it is balanced.
 template <int D>
-void fill_bodies(water<D>& f) {
+void take_from_markers(water<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const auto water_at = [&](std::size_t j, std::size_t i) {
@@ -77,30 +134,45 @@ void fill_bodies(water<D>& f) {
     values[D + 2] = s.dV[j];
     return values;
   };
-  walls::at_bodies<D + 3, D>(
-      w, f.world.walls, water_at, [&](std::size_t i, const auto& of, double wet, const auto& mean) {
-        std::array<double, D> source;
-        for (std::size_t a = 0; a < D; ++a) source[a] = mean[a];
-        const auto v = f.p.by == scheme::riemann ? walls::reflected_velocity<D>(of, source, false)
-                                                 : balanced_velocity<D>(f, i, of, source, mean[D]);
-        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-        if (f.sticks) {
-          const auto dragged = walls::reflected_velocity<D>(of, source, f.world.walls.bodies.no_slip);
-          for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
-        }
-        if (const auto* b = f.mover(s.material[i])) {
-          const auto u = velocity_of_body(f, *b, i);
-          for (std::size_t a = 0; a < D; ++a) {
-            s.v[a][i] += u[a];
-            if (f.sticks) f.viscous_velocity[a][i] += u[a];
-          }
-        }
-        s.p[i] = mean[D];
-        s.rho[i] = mean[D + 1];
-        s.dV[i] = wet * mean[D + 2];
-      });
-  w.exchange_walls(s.v, {s.p.data(), s.rho.data(), s.dV.data()});
-  if (f.sticks) w.exchange_walls(f.viscous_velocity, {});
+  walls::at_bodies<D + 3, D>(w, f.world.walls, water_at, [&](std::size_t i, const auto&, double wet, const auto& mean) {
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = mean[a];
+    s.p[i] = mean[D];
+    s.rho[i] = mean[D + 1];
+    s.dV[i] = wet * mean[D + 2];
+  });
+}
+
+// Collective. What stands in bodies.
+template <int D>
+void fill_bodies(water<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const auto& bodies = f.world.walls.bodies;
+  const bool balanced = f.p.by != scheme::riemann;
+  take_from_markers(f);
+  w.exchange_walls({s.p.data(), s.rho.data(), s.dV.data()});
+  if (balanced) find_pressed(f);
+  foundation::for_all(bodies.places.size(), [&](std::size_t r) {
+    const std::size_t i = s.first_wall() + r;
+    const auto& of = bodies.places[r];
+    std::array<double, D> at_marker;
+    for (std::size_t a = 0; a < D; ++a) at_marker[a] = s.v[a][i];
+    const auto v = balanced ? balanced_velocity<D>(f, i, of) : walls::reflected_velocity<D>(of, at_marker, false);
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+    if (f.two_velocities) {
+      const auto dragged = walls::reflected_velocity<D>(of, at_marker, bodies.no_slip);
+      for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
+    }
+    if (const auto* b = f.mover(s.material[i])) {
+      const auto u = velocity_of_body(f, *b, i);
+      for (std::size_t a = 0; a < D; ++a) {
+        s.v[a][i] += u[a];
+        if (f.two_velocities) f.viscous_velocity[a][i] += u[a];
+      }
+    }
+  });
+  w.exchange_walls(s.v, {});
+  if (f.two_velocities) w.exchange_walls(f.viscous_velocity, {});
 }
 
 }  // namespace tetsuame::free_surface

@@ -166,6 +166,7 @@ class flow : public run::problem_in_a_box<D> {
       changed = true;
       base::complete_step(step);  // a drift ends at a wall
     }
+    changed = changed || !f_.held.empty();
     if (table_ && time_ >= next_reading_ * (1.0 - 1e-9)) read_gauges(step);
     return changed;
   }

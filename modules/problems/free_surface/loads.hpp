@@ -22,7 +22,7 @@ struct load {
 // With new lists: wall particles by their bodies, and the water beside them.
 template <int D>
 void group_walls(water<D>& f) {
-  if (!f.asks_loads) return;
+  if (!f.world.walls.bodies.any()) return;
   const auto& w = f.world.w;
   const auto& s = w.s;
   const auto& walls = f.world.walls;

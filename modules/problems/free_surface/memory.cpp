@@ -60,16 +60,18 @@ particle_numbers count(const options& o, const parameters& p) {
 template <int D>
 run::memory_need need_in(const options& o, const parameters& p) {
   constexpr double a_double = sizeof(double), a_number = 4.0;
-  const auto any_sticks = [](const auto& side) { return side.slip == "no_slip"; };
-  const bool sticks = o.walls.slip == "no_slip" || std::ranges::any_of(o.walls.sides, any_sticks);
+  const bool bodies = !p.bodies_in<D>().empty();
+  const auto sticks = [](const auto& side) { return side.slip == "no_slip"; };
+  const bool two_velocities =
+      (bodies && p.by != scheme::riemann) || o.walls.slip == "no_slip" || std::ranges::any_of(o.walls.sides, sticks);
   const bool loads =
       !p.force.empty() || std::ranges::any_of(p.motions_in<D>(), [](const auto& m) { return m.free.has_value(); });
   const bool single = o.common.kernel.single_pairs();
   // Of every particle: its fields, ID and material; sums of an evaluation (water.hpp); its record in the loop over
   // pairs, rounded up to four numbers.
-  const double more =
-      (sticks ? D : 0.0) + (loads ? D + 1.0 : 0.0) + (o.flow.surface_tension > 0.0 ? 3.0 * D + 2.0 : 0.0);
-  const double record = 4.0 * std::ceil((2.0 * D + 3.0 + (sticks ? D : 0.0)) / 4.0);
+  const double more = (two_velocities ? D : 0.0) + (bodies ? D + 1.0 : 0.0) + (loads ? D + 1.0 : 0.0) +
+                      (o.flow.surface_tension > 0.0 ? 3.0 * D + 2.0 : 0.0);
+  const double record = 4.0 * std::ceil((2.0 * D + 3.0 + (two_velocities ? D : 0.0)) / 4.0);
   const double each = a_double * (3.0 * D + 14.0) + 3.0 * a_number + a_double * (3.0 * D + 4.0 + more) +
                       (single ? 0.5 : 1.0) * a_double * record;
   // Of the fluid: the integrator's vectors of x, v, ρ; a list; what writing a snapshot takes.

@@ -21,8 +21,8 @@ riemann::contact<R> contact_of_pair(const R& rho_i, const R& rho_j, const R& p_i
 }
 
 // Riemann problems take the velocities of continuity: a wall is no leak.
-template <int D, bool sticks>
-struct riemann_motion : sums_of_water<D, sticks> {
+template <int D, bool two_velocities>
+struct riemann_motion : sums_of_water<D, two_velocities> {
   double c;  // m/s
 
   template <class R>
@@ -41,7 +41,7 @@ struct riemann_motion : sums_of_water<D, sticks> {
     using R = std::remove_cvref_t<decltype(ij.F)>;
     const R VF = ij(of_volume) * ij.F, closing = ij.along(of_velocity), per_r2 = ij.per_r * ij.per_r;
     R sheared = closing;
-    if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
+    if constexpr (two_velocities) sheared = ij.along(of_viscous_velocity);
     const auto star = contact_of_pair<R>(ij.own(of_density), ij(of_density), ij.own(of_pressure), ij(of_pressure),
                                          closing, ij.per_r, a.g * ij.x_ij[1], a.c);
     a.divergence += VF * (closing + 2.0 * star.u * ij.r);

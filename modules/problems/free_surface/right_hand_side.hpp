@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <free_surface/behind_bodies.hpp>
+#include <free_surface/contact.hpp>
 #include <free_surface/riemann_terms.hpp>
 #include <free_surface/terms.hpp>
 #include <volume/shape.hpp>
@@ -42,7 +43,7 @@ void fill_images(water<D>& f, std::size_t first, std::size_t last) {
     };
     const auto v = walls::reflected_velocity<D>(walls, r, of_source(s.v), false);
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    if (f.sticks) {
+    if (f.two_velocities) {
       const auto dragged = walls::reflected_velocity<D>(walls, r, of_source(f.viscous_velocity), true);
       for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
     }
@@ -69,7 +70,7 @@ template <int D>
 void find_own(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   find_pressures(f.p.water, first, last, s.rho.data(), s.m.data(), s.p.data(), s.dV.data());
-  if (f.sticks)
+  if (f.two_velocities)
     for (std::size_t a = 0; a < D; ++a)
       std::copy(s.v[a].begin() + static_cast<std::ptrdiff_t>(first), s.v[a].begin() + static_cast<std::ptrdiff_t>(last),
                 f.viscous_velocity[a].begin() + static_cast<std::ptrdiff_t>(first));
@@ -99,13 +100,6 @@ void to_images(const water<D>& f, double* values, std::size_t first, std::size_t
   const auto& walls = f.world.walls;
   double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
   foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
-}
-
-template <std::size_t N>
-std::array<double*, N> places_of(std::array<particles::array, N>& a) {
-  std::array<double*, N> all;
-  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
-  return all;
 }
 
 // Clusters of the fluid with a member of which this is true; or, with neighbours, which may have a neighbour of which
@@ -138,30 +132,30 @@ void sum_motion(water<D>& f, const Rows& rows, const Term& term) {
   w.sum(rows, term);
 }
 
-template <bool sticks, int D, class Rows>
+template <bool two_velocities, int D, class Rows>
 void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   auto& w = f.world.w;
   auto& s = w.s;
-  sums_of_water<D, sticks> all{pairs::pointers<D>(s.v),
-                               pairs::pointers<D>(f.viscous_velocity),
-                               s.p.data(),
-                               s.dV.data(),
-                               s.rho.data(),
-                               f.o.flow.density * f.p.kinematic_viscosity,
-                               f.gravity(),
-                               places_of(f.force),
-                               f.density_rate.data()};
+  sums_of_water<D, two_velocities> all{pairs::pointers<D>(s.v),
+                                       pairs::pointers<D>(f.viscous_velocity),
+                                       s.p.data(),
+                                       s.dV.data(),
+                                       s.rho.data(),
+                                       f.o.flow.density * f.p.kinematic_viscosity,
+                                       f.gravity(),
+                                       places_of(f.force),
+                                       f.density_rate.data()};
   const double c = f.p.water.sound;
   if (f.p.by == scheme::riemann)
-    sum_motion(f, rows, riemann_motion<D, sticks>{all, c});
+    sum_motion(f, rows, riemann_motion<D, two_velocities>{all, c});
   else
-    sum_motion(f, rows, motion<D, sticks>{all, f.o.flow.delta * f.p.smoothing_length / c, slow * c});
+    sum_motion(f, rows, motion<D, two_velocities>{all, f.o.flow.delta * f.p.smoothing_length / c, slow * c});
 }
 
 template <int D, class Rows>
 void sum_over_neighbours(water<D>& f, const Rows& rows) {
   const foundation::stage timed(f.world.w.times, "forces");
-  f.sticks ? sum_over_neighbours_of<true>(f, rows) : sum_over_neighbours_of<false>(f, rows);
+  f.two_velocities ? sum_over_neighbours_of<true>(f, rows) : sum_over_neighbours_of<false>(f, rows);
 }
 
 // Water that rises above an open top stays between the sides, which have no end, and falls back. What goes farther than
@@ -226,6 +220,7 @@ void find_rates(water<D>& f, std::span<double* const> rate) {
     rate[2 * D][i] = f.density_rate[i];
     sound = sound && is_sound(f, i, rate);
   }
+  hold(f, rate.subspan(D, D));
   if (sound) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!is_sound(f, i, rate)) report_fault(f, i);

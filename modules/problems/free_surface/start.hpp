@@ -126,60 +126,6 @@ void set_up_bodies(water<D>& f) {
   f.resting = walls.places.size();
 }
 
-// With new lists.
-template <int D>
-void find_beside_bodies(water<D>& f) {
-  f.beside_bodies.clear();
-  if (!f.world.walls.bodies.any()) return;
-  // Particles move half of the skin about where lists found them, and so may bodies.
-  const double near = (f.moving.empty() ? 1.5 : 2.0) * f.world.skin;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i)
-    if (f.solid.level(of_solids<D>(f.place(i))) < near) f.beside_bodies.push_back(static_cast<std::uint32_t>(i));
-}
-
-// What a particle has risen by (m) when it is put back is taken out of its velocity u (m/s) relative to the body, first
-// of that along the normal: putting back makes no energy. A particle slower than this is left at rest.
-template <int D>
-void pay_for_rise(double g, double risen, const solids::point<D>& normal, solids::point<D>& u) {
-  const double due = 2.0 * g * std::max(0.0, risen);
-  const double across = foundation::dot(u, normal);
-  const double left = across * across - due;
-  const auto along = u - across * normal;
-  if (left >= 0.0) {
-    u = along + std::copysign(std::sqrt(left), across) * normal;
-    return;
-  }
-  const double along2 = foundation::dot(along, along);
-  u = along2 + left > 0.0 ? std::sqrt((along2 + left) / along2) * along : foundation::zero<double, D>();
-}
-
-// The last guard, as walls::reflect() is at plane sides: how many of this rank's particles had entered a body. Their
-// velocity towards it is reversed, as the body sees it.
-template <int D>
-std::int64_t put_out_of_bodies(water<D>& f) {
-  auto& s = f.world.w.s;
-  std::int64_t crossings = 0;
-  if (!f.moving.empty()) f.solid = solid_with(f, [](const auto& b) { return b.now; });
-  for (const std::uint32_t i : f.beside_bodies) {
-    const auto x = of_solids<D>(f.place(i));
-    if (!f.solid.solid(x)) continue;
-    const auto surface = f.solid.at(x);
-    if (!surface.found) continue;
-    const auto* b = mover_at(f, surface.nearest);
-    const auto of_wall = b != nullptr ? b->rate.at(surface.nearest) : foundation::zero<double, D>();
-    const auto back = surface.nearest - surface.distance * surface.normal;
-    auto u = solids::point<D>::of([&](std::size_t a) { return s.v[a][i] - of_wall[a]; });
-    if (const double towards = foundation::dot(u, surface.normal); towards < 0.0) u -= 2.0 * towards * surface.normal;
-    pay_for_rise<D>(f.gravity(), back[1] - x[1], surface.normal, u);
-    for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = back[a];
-      s.v[a][i] = of_wall[a] + u[a];
-    }
-    ++crossings;
-  }
-  return crossings;
-}
-
 template <int D>
 void set_up(water<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
@@ -192,8 +138,8 @@ void set_up(water<D>& f) {
            !(has_bodies && f.solid.solid(of_solids<D>(x)));
   });
   f.world.w.g[1] = -f.gravity();
-  f.sticks = f.world.walls.bodies.no_slip ||
-             std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
+  f.two_velocities = f.world.walls.bodies.no_slip || (has_bodies && f.p.by != scheme::riemann) ||
+                     std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {

@@ -83,12 +83,6 @@ pairs::remainder find_arrangement(water<D>& f) {
   return near;
 }
 
-// 1 of water that moves, less of slow water (terms.hpp).
-template <int D>
-double liveliness(const water<D>& f, double speed) {
-  return std::min(1.0, speed / (slow * f.p.water.sound));
-}
-
 // The pressure of water that has lost its concentration, after a step of length dt (s). At a surface under tension
 // there is one.
 template <int D>
@@ -108,6 +102,8 @@ template <int D>
 void shift(water<D>& f, double dt) {
   auto& s = f.world.w.s;
   const double size = f.o.flow.shifting * f.p.smoothing_length * dt;
+  std::vector<solids::point<D>> before;
+  for (const auto& h : f.held) before.push_back(of_solids<D>(f.place(h.i)));
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
     const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * liveliness(f, speed);
@@ -126,6 +122,12 @@ void shift(water<D>& f, double dt) {
     const double part = length > most ? most / length : 1.0;
     for (std::size_t a = 0; a < D; ++a) s.x[a][i] += part * by[a];
   });
+  // What lies on a body does not drift into it.
+  for (std::size_t k = 0; k < f.held.size(); ++k) {
+    const auto& h = f.held[k];
+    const double into = foundation::dot(of_solids<D>(f.place(h.i)) - before[k], h.normal);
+    for (std::size_t a = 0; a < D; ++a) s.x[a][h.i] -= std::min(0.0, into) * h.normal[a];
+  }
 }
 
 // Collective, after a step of length dt (s): what follows from how particles stand.

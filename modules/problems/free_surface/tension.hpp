@@ -118,37 +118,6 @@ struct tension {
   }
 };
 
-// From sources to their images, as a vector; wall particles of bodies have none.
-template <int D>
-void mirror_inward(water<D>& f, std::array<particles::array, D>& values) {
-  const auto& walls = f.world.walls;
-  const std::size_t first = f.world.w.s.first_wall();
-  foundation::for_all(walls.body_particles, [&](std::size_t n) {
-    for (auto& component : values) component[first + n] = 0.0;
-  });
-  foundation::for_all(walls.source.size(), [&](std::size_t n) {
-    std::array<double, D> of_source;
-    for (std::size_t a = 0; a < D; ++a) of_source[a] = values[a][walls.source[n]];
-    const auto image = walls::reflected_velocity<D>(walls, n, of_source, false);
-    for (std::size_t a = 0; a < D; ++a) values[a][first + walls.body_particles + n] = image[a];
-  });
-}
-
-// Collective. To ghosts, and to what stands behind walls.
-template <int D>
-void share_inward(water<D>& f, std::array<particles::array, D>& values) {
-  const auto fields = places_of(values);
-  domain::exchange<D>(f.world.w.d.ranks, f.world.w.d.fluid_halo, std::span<double* const>(fields));
-  mirror_inward<D>(f, values);
-}
-
-template <int D>
-double length_of(const std::array<particles::array, D>& v, std::size_t i) {
-  double squared = 0.0;
-  for (std::size_t a = 0; a < D; ++a) squared += v[a][i] * v[a][i];
-  return std::sqrt(squared);
-}
-
 // Collective, after the water's sums, which leave G. Forces of surface tension.
 template <int D>
 void find_tension(water<D>& f) {
@@ -164,7 +133,7 @@ void find_tension(water<D>& f) {
     }
     f.curvature[i] = 0.0;
   });
-  share_inward<D>(f, f.inward);
+  share_vectors<D>(f, f.inward);
   const auto has_inward = [&](std::size_t i) {
     return std::ranges::any_of(f.inward, [i](const auto& component) { return component[i] != 0.0; });
   };
@@ -172,7 +141,7 @@ void find_tension(water<D>& f) {
   const auto G = pairs::pointers<D>(f.inward);
   // Of all other clusters g is 0.
   w.sum(clusters_where(w, true, has_inward), smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
-  share_inward<D>(f, f.normal_within);
+  share_vectors<D>(f, f.normal_within);
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double length = length_of<D>(f.normal_within, i);
     f.surface_weight[i] = length < least ? 0.0 : length;

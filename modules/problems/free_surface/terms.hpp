@@ -30,10 +30,10 @@ inline constexpr schemes::field<struct density_tag> of_density;
 inline constexpr schemes::field<struct eigenvalue_tag> of_eigenvalue;
 inline constexpr schemes::field<struct viscous_velocity_tag> of_viscous_velocity;
 
-// What sums over pairs of water go by, whatever the scheme, and where they leave it. sticks: with walls of no slip,
-// whose images have another velocity in the viscous sum than in continuity, to which what moves along a wall is no
-// compression.
-template <int D, bool sticks>
+// What sums over pairs of water go by, whatever the scheme, and where they leave it. two_velocities: what stands behind
+// walls has another velocity in the viscous sum than in continuity, as that of walls of no slip, to which what moves
+// along them is no compression, and of all bodies in the default scheme.
+template <int D, bool two_velocities>
 struct sums_of_water {
   std::array<const double*, D> v, v_viscous;  // m/s
   const double *p, *V, *rho;                  // Pa, m^D, kg/m3
@@ -45,21 +45,16 @@ struct sums_of_water {
     using namespace pairs;
     const auto of_all =
         std::tuple{read(of_velocity, v), read(of_pressure, p), read(of_volume, V, D), read(of_density, rho)};
-    if constexpr (sticks)
+    if constexpr (two_velocities)
       return std::tuple_cat(of_all, std::tuple{read(of_viscous_velocity, v_viscous)});
     else
       return of_all;
   }
 };
 
-// Water slower than this part of c0 diffuses less, by the square of its speed. In water at rest the pressure that its
-// sums hold differs from the hydrostatic one, and diffusion of the difference makes energy out of nothing, at a rate
-// that does not depend on the speed; what viscosity takes falls with the square of the speed.
-inline constexpr double slow = 0.01;
-
 // Of the default scheme.
-template <int D, bool sticks>
-struct motion : sums_of_water<D, sticks> {
+template <int D, bool two_velocities>
+struct motion : sums_of_water<D, two_velocities> {
   double delta_h_per_c;  // δ h/c0, s
   double slow_speed;     // m/s
 
@@ -83,7 +78,7 @@ struct motion : sums_of_water<D, sticks> {
     const auto VF = ij(of_volume) * ij.F;
     const auto closing = ij.along(of_velocity), per_r2 = ij.per_r * ij.per_r;
     auto sheared = closing;
-    if constexpr (sticks) sheared = ij.along(of_viscous_velocity);
+    if constexpr (two_velocities) sheared = ij.along(of_viscous_velocity);
     const auto p_i = ij.own(of_pressure), p_j = ij(of_pressure);
     const auto v_i = ij.own(of_velocity), v_j = ij(of_velocity);
     using R = std::remove_cvref_t<decltype(ij.F)>;

@@ -77,7 +77,14 @@ struct water {
 
   solids::body<D> solid = {};  // all bodies and, beyond the sides, the tank; without pieces where there are no bodies
   std::vector<std::uint32_t> beside_bodies = {};  // fluid that may come to them before the next lists
-  bool sticks = false;                            // a wall is one of no slip
+  // Of them those that lie on one now (contact.hpp); no body: on one that stands still.
+  struct held_particle {
+    std::uint32_t i;
+    solids::point<D> normal;
+    const moving_body<D>* body;
+  };
+  std::vector<held_particle> held = {};
+  bool two_velocities = false;  // what stands behind walls has another one in the viscous sum (terms.hpp)
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
   std::vector<moving_body<D>> moving = {};
@@ -98,8 +105,10 @@ struct water {
   particles::array density_rate_without = {};
 
   // Filled by evaluations, with room for every particle.
-  std::array<particles::array, D> viscous_velocity = {};  // m/s, where a wall sticks: of images as they are dragged
+  std::array<particles::array, D> viscous_velocity = {};  // m/s, with two velocities
   std::array<particles::array, D> force = {};             // N, but for gravity
+  std::array<particles::array, D> pressed = {};           // beside bodies: of length 1, or 0 (behind_bodies.hpp)
+  particles::array volume_in_bodies = {};                 // m^D, of their wall particles; of all others 0
   particles::array density_rate = {};                     // kg/(m3 s)
 
   // With surface tension (tension.hpp): G, smoothed G, forces; curvature and its weight.
@@ -116,7 +125,11 @@ struct water {
     std::vector<particles::array*> all{&density_rate, &eigenvalue, &least_near, &covered};
     for (auto* vectors : {&force, &slope, &normal})
       for (auto& a : *vectors) all.push_back(&a);
-    if (sticks)
+    if (world.walls.bodies.any()) {
+      all.push_back(&volume_in_bodies);
+      for (auto& a : pressed) all.push_back(&a);
+    }
+    if (two_velocities)
       for (auto& a : viscous_velocity) all.push_back(&a);
     if (has_tension()) {
       all.insert(all.end(), {&curvature, &surface_weight});
@@ -152,5 +165,29 @@ struct water {
     return v2;
   }
 };
+
+// Water slower than this part of c0 counts as less lively, by the square of its speed, where a sum would else make or
+// take energy at a rate that does not fall as that of viscosity does: its density diffuses less (in water at rest the
+// pressure that its sums hold differs from the hydrostatic one), it drifts less, and walls balance more of its power.
+inline constexpr double slow = 0.01;
+// 1 of water that moves, less of slow water.
+template <int D>
+double liveliness(const water<D>& f, double speed) {
+  return std::min(1.0, speed / (slow * f.p.water.sound));
+}
+
+// Vectors as arrays of components.
+template <std::size_t N>
+std::array<double*, N> places_of(std::array<particles::array, N>& a) {
+  std::array<double*, N> all;
+  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
+  return all;
+}
+template <int D>
+double length_of(const std::array<particles::array, D>& v, std::size_t i) {
+  double squared = 0.0;
+  for (std::size_t a = 0; a < D; ++a) squared += v[a][i] * v[a][i];
+  return std::sqrt(squared);
+}
 
 }  // namespace tetsuame::free_surface
