@@ -37,6 +37,7 @@ struct scene {
     run::rebuild(f->world, false);
     f->make_room();
     find_beside_bodies(*f);
+    find_rows_beside(*f);
     group_walls(*f);
   }
   particles::particles<D>& particles() { return f->world.w.s; }

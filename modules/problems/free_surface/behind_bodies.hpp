@@ -1,6 +1,5 @@
-// What stands in bodies: wall particles have what the water at their markers has, and a velocity by which, in
-// the default scheme, their pressure makes no energy of motion across the surface and takes none
-// (docs/theory/water_and_bodies.md).
+// What stands in bodies: wall particles have what the water at their markers has, and a velocity by which, in the
+// default scheme, their pressure makes no energy and takes none (docs/theory/water_and_bodies.md).
 #pragma once
 
 #include <free_surface/moving.hpp>
@@ -46,6 +45,27 @@ void share_vectors(water<D>& f, std::array<particles::array, D>& values) {
   mirror_vectors<D>(f, values);
 }
 
+// With new lists: the water with wall particles of bodies, or their images, in its lists.
+template <int D>
+void find_rows_beside(water<D>& f) {
+  if (!f.world.walls.bodies.any()) return;
+  const auto& w = f.world.w;
+  const auto& s = w.s;
+  const auto& walls = f.world.walls;
+  const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
+  const auto of_body = [&](std::uint32_t j) {
+    return (j >= first && j < behind) || (j >= behind + walls.images_of_fluid && j < s.null());
+  };
+  std::vector<std::size_t> rows;
+  for (std::size_t r = 0; r < w.list.rows(); ++r) {
+    bool near = false;
+    w.list.for_each(r, [&](std::uint32_t j, auto...) { near = near || of_body(j); });
+    for (std::size_t i = r * pairs::lanes; near && i < std::min(s.fluid, (r + 1) * pairs::lanes); ++i)
+      rows.push_back(i);
+  }
+  f.beside = pairs::choose(w.list, std::move(rows), s.total());
+}
+
 // Collective. Of the water beside bodies the direction in which they press it, that of Σ_w V_w ∇_j W_jw over their wall
 // particles; 0 where there are none.
 template <int D>
@@ -55,14 +75,16 @@ void find_pressed(water<D>& f) {
   const auto& walls = f.world.walls;
   const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
   const auto& V = s.dV;
-  for (std::size_t i = first; i < behind; ++i) f.volume_in_bodies[i] = V[i];
-  for (std::size_t r = walls.images_of_fluid; r < walls.source.size(); ++r)
-    f.volume_in_bodies[behind + r] = V[walls.source[r]];
+  const std::size_t images = walls.images_of_fluid;
+  foundation::for_all(walls.body_particles, [&](std::size_t r) { f.volume_in_bodies[first + r] = V[first + r]; });
+  foundation::for_all(walls.source.size() - images,
+                      [&](std::size_t n) { f.volume_in_bodies[behind + images + n] = V[walls.source[images + n]]; });
   w.sum(f.beside, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
-  for (const std::size_t i : f.beside.rows) {
+  foundation::for_all(f.beside.rows.size(), [&](std::size_t r) {
+    const std::size_t i = f.beside.rows[r];
     const double length = length_of<D>(f.pressed, i);
     for (std::size_t a = 0; a < D; ++a) f.pressed[a][i] = length > 0.0 ? f.pressed[a][i] / length : 0.0;
-  }
+  });
   share_vectors<D>(f, f.pressed);
 }
 

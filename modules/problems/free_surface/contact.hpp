@@ -3,7 +3,6 @@
 #pragma once
 
 #include <free_surface/moving.hpp>
-#include <free_surface/terms.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -83,7 +82,7 @@ std::int64_t put_out_of_bodies(water<D>& f) {
   f.held.clear();
   find_solid(f);
   for (const std::uint32_t i : f.beside_bodies) {
-    auto e = entry_of(f, i);
+    const auto e = entry_of(f, i);
     if (!e) continue;
     const auto& n = e->surface.normal;
     auto u = e->u;

@@ -261,6 +261,7 @@ class flow : public run::problem_in_a_box<D> {
     run::rebuild(f_.world, as_they_were);
     f_.make_room();
     find_beside_bodies(f_);
+    find_rows_beside(f_);
     group_walls(f_);
   }
   void place_walls() override { hand_over_walls(f_); }

@@ -19,32 +19,22 @@ struct load {
   solids::about<D> moment = foundation::zero < double, D == 2 ? 1 : 3 > ();  // N m, about a point
 };
 
-// With new lists: wall particles by their bodies, and the water beside them.
+// With new lists: wall particles by their bodies.
 template <int D>
 void group_walls(water<D>& f) {
-  if (!f.world.walls.bodies.any()) return;
+  if (!f.asks_loads) return;
   const auto& w = f.world.w;
   const auto& s = w.s;
   const auto& walls = f.world.walls;
   const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
   std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::size_t>> found;
-  std::vector<char> of_body(s.total() + 1, 0);
   const auto add = [&](std::size_t i, std::uint32_t mirrored) {
     found[{static_cast<std::size_t>(s.material[i]), mirrored}].push_back(i);
-    of_body[i] = 1;
   };
   for (std::size_t i = first; i < behind; ++i) add(i, 0);
   for (std::size_t r = walls.images_of_fluid; r < walls.source.size(); ++r) add(behind + r, walls.mirrored[r]);
   f.groups.clear();
   for (auto& [of, members] : found) f.groups.push_back({of.first, of.second, std::move(members)});
-  std::vector<std::size_t> rows;
-  for (std::size_t r = 0; r < w.list.rows(); ++r) {
-    bool near = false;
-    w.list.for_each(r, [&](std::uint32_t j, auto...) { near = near || of_body[j] != 0; });
-    for (std::size_t i = r * pairs::lanes; near && i < std::min(s.fluid, (r + 1) * pairs::lanes); ++i)
-      rows.push_back(i);
-  }
-  f.beside = pairs::choose(w.list, std::move(rows), s.total());
 }
 
 // The sums of the water beside bodies as if these wall particles had no volume, to force_without.

@@ -84,6 +84,7 @@ struct water {
     const moving_body<D>* body;
   };
   std::vector<held_particle> held = {};
+  pairs::chosen beside = {};    // fluid with wall particles of bodies in its lists
   bool two_velocities = false;  // what stands behind walls has another one in the viscous sum (terms.hpp)
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
@@ -100,7 +101,6 @@ struct water {
   // Where forces on bodies are asked for (loads.hpp).
   bool asks_loads = false;
   std::vector<wall_group<D>> groups = {};
-  pairs::chosen beside = {};                           // fluid with wall particles of bodies in its lists
   std::array<particles::array, D> force_without = {};  // N
   particles::array density_rate_without = {};
 
