@@ -390,11 +390,6 @@ class Flow(Case):
         for t, b in times.items():
             nearest = min(rows, key=lambda row: abs(float(row[1]) - t))
             self.assertLess(abs(float(nearest[3]) / b - 1), 0.01)
-        m = self.summary("dam_break_2d")["metrics"]
-        for n, most in ((1, 0.03), (2, 0.03), (3, 0.05)):  # the third reads the spray above the stream: 1 to 3.4 % late in variants
-            self.assertLess(abs(m[f"pressure_{n}_arrival"] / m[f"pressure_{n}_arrival_reference"] - 1), most)
-        for n in (1, 2):
-            self.assertLess(abs(m[f"pressure_{n}_impulse"] / m[f"pressure_{n}_impulse_reference"] - 1), 0.15)
 
 
 if __name__ == "__main__":
