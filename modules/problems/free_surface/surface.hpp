@@ -13,6 +13,8 @@
 // pressure, and falls together (derived here): where λ is below 0.75 what the density has above ρ0 falls within the
 // time of sound across the support H of the kernel,
 //   dρ_i/dt = -l_i² (c0/H) max(ρ_i - ρ0, 0)
+// Nor does it hold tension, by which drops would stick to walls: what the density lacks of ρ0 there comes back at once,
+// l_i² of it in each step. Both take elastic energy.
 //
 // A particle is on the surface [S. Marrone et al., J. Comput. Phys. 229, 3652 (2010)] where λ <= 0.2, or λ < 0.75 and
 // no neighbour lies in the cone about n (terms.hpp).
@@ -83,17 +85,17 @@ pairs::remainder find_arrangement(water<D>& f) {
   return near;
 }
 
-// The pressure of water that has lost its concentration, after a step of length dt (s). At a surface under tension
-// there is one.
+// The pressure and tension of water that has lost its concentration, after a step of length dt (s). At a surface under
+// tension there is a pressure.
 template <int D>
 void slacken(water<D>& f, double dt) {
   if (f.has_tension()) return;
   auto& s = f.world.w.s;
   const double left = std::exp(-dt * f.p.water.sound / f.world.w.support()), rest = f.o.flow.density;
   foundation::for_all(s.fluid, [&](std::size_t i) {
-    if (!(f.eigenvalue[i] < inside && s.rho[i] > rest)) return;
-    const double l = liveliness(f, std::sqrt(f.speed2(i)));
-    s.rho[i] -= l * l * (1.0 - left) * (s.rho[i] - rest);
+    if (!(f.eigenvalue[i] < inside)) return;
+    const double l = liveliness(f, std::sqrt(f.speed2(i))), beyond = s.rho[i] - rest;
+    s.rho[i] -= l * l * (beyond > 0.0 ? 1.0 - left : 1.0) * beyond;
   });
 }
 
