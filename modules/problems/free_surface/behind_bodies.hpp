@@ -98,8 +98,9 @@ void find_pressed(water<D>& f) {
 //   A = Σ_j V_j p_j ∂_j,   B = Σ_j V_j n·v_j ∂_j,   G = Σ_j V_j ∂_j,   ∂_j = n·∇_j W_jw
 // but for ε, by which water without pressure counts as if it had some. What P has beyond the part across, p_w B, is of
 // first order in the velocity, as what viscosity takes is not: it counts by 1 - l² with l of liveliness(), in full in
-// slow water, and not at all in fast water, whose jets would pay for it. α is not beyond what would reverse the
-// velocities of the water about it: with more the sound between a particle and the wall may grow.
+// slow water, and not at all in fast water, whose jets would pay for it. α is beyond what would reverse the velocities
+// of the water about it, with which the sound between a particle and the wall may grow, by no more than that part of
+// the speed along the wall; not at bodies that move, which it throws about.
 template <int D>
 std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of) {
   const auto& w = f.world.w;
@@ -131,10 +132,11 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
     most = std::max(most, -outwards);
   }
   const double both = A * A + slight * slight * G * G;
-  const double l = liveliness(f, solids::norm<D>(v_m));
-  P = p_w * B + (1.0 - l * l) * (P - p_w * B);
+  const double l = liveliness(f, solids::norm<D>(v_m)), counted = 1.0 - l * l;
+  P = p_w * B + counted * (P - p_w * B);
   const double alpha = both > 0.0 ? -(P * A + slight * slight * G * B) / both : 0.0;
-  return (along + std::clamp(alpha, least, most) * n).c;
+  const double more = b == nullptr ? counted * solids::norm<D>(along) : 0.0;
+  return (along + std::clamp(alpha, least - more, most + more) * n).c;
 }
 
 // Wall particles of bodies, by the water at their markers: its pressure with the weight of water from there, as the
