@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <concepts>
 #include <cstdint>
 #include <foundation/error.hpp>
 #include <foundation/exact_sum.hpp>
@@ -25,6 +26,8 @@ struct communicator {
   void maximum(std::span<double> values) const;  // each by itself, in place
   double minimum(double value) const;
   std::int64_t sum(std::int64_t value) const;
+  template <std::floating_point T>
+  void sum(T value) const = delete;               // would be cut to an integer; exact() adds terms that are not whole
   void sum(std::span<double> values) const;       // each by itself, in place; its last bits depend on the ranks
   std::vector<double> every(double value) const;  // each rank's, by rank
   // Each rank's values, as many on all, one rank's behind the other's.

@@ -396,7 +396,13 @@ BOOST_AUTO_TEST_CASE(all_ranks_throw_the_fault_of_the_lowest_particle) {
                         told("rank 0", bad_input));
 }
 
+template <class T>
+concept adds = requires(const domain::communicator& c, T value) {
+  c.sum(value);
+};
+
 BOOST_AUTO_TEST_CASE(reductions) {
+  static_assert(adds<int> && adds<std::int64_t> && adds<std::span<double>> && !adds<double> && !adds<float>);
   const auto world = domain::communicator::world();
   BOOST_TEST(world.maximum(world.rank) == world.size - 1);
   BOOST_TEST(world.minimum(-world.rank) == 1 - world.size);
