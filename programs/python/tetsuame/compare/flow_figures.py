@@ -60,8 +60,8 @@ def kinetic(runs: list[Outcome]):
         ax.plot(o.history["time"][1:] * math.sqrt(9.81), energy[1:], **look | {"linestyle": "--" if three else "-"},
                 label=label.replace(" 3d", ", 3-D"))
     ax.axhline(1e-6, color=style.GREY, linestyle=":")
-    ax.set(yscale="log", xlabel="t √(g/H)", xlim=(0, None))
-    ax.legend(fontsize=8)
+    ax.set(yscale="log", xlabel="t √(g/H)", xlim=(0, None), ylim=(None, 3e-5))
+    ax.legend(fontsize=8, ncol=3, loc="upper right")
     return figure
 
 
