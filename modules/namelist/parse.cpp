@@ -24,10 +24,11 @@ class reader {
  public:
   reader(std::string_view text, std::string name, syntax mode) : text_(text), name_(std::move(name)), mode_(mode) {}
 
-  // As in Fortran, what stands between groups is ignored, save for what can only be meant
-  // as a group.
+  // As in Fortran, what stands between groups is ignored, save for what can only be meant as a group or as a key of
+  // one, and for what a / leaves behind on its line.
   std::vector<group> groups() {
     if (text_.size() > maximum_bytes) fail(fmt::format("longer than {} bytes: this is no input", maximum_bytes));
+    expect_text();
     constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
     if (text_.starts_with(byte_order_mark)) at_ = byte_order_mark.size();
     std::vector<group> result;
@@ -35,24 +36,28 @@ class reader {
     bool line_begins = true;
     while (!ended()) {
       if (starts_comment(at_)) {
-        while (!ended() && next() != '\n') step();
+        step_to(after_comment(at_));
         continue;
       }
       if (!next_is('&') && !next_is('$')) {
         line_begins = next() == '\n' || (line_begins && is_blank(next()));
+        if (next() == '=' && lost_.empty()) lost_ = excerpt(line_at(at_)), lost_in_ = line_;
         step();
         continue;
       }
       group found{read_group_name(line_begins), line_, {}};
       line_begins = false;
       if (found.name.empty() || found.name == "end") continue;
+      expect_nothing_lost();
       const auto [earlier, first] = lines.emplace(found.name, line_);
       if (!first) fail(fmt::format("group &{} was given before, in line {}", found.name, earlier->second));
       count_item();
       read_group(found);
+      expect_nothing_behind(found.name);
       result.push_back(std::move(found));
     }
     if (result.empty()) fail("the input has no group (&name ... /): is this a namelist file?");
+    expect_nothing_lost();
     return result;
   }
 
@@ -82,6 +87,49 @@ class reader {
     foundation::fail_input(fmt::format("{}:{}: {}", name_, line, message));
   }
 
+  // Other files are easily given for an input.
+  void expect_text() const {
+    if (text_.starts_with("\x89HDF\r\n\x1a\n") || text_.starts_with("tetsuame checkpoint "))
+      foundation::fail_input(
+          name_ + ": is an HDF5 file, where a namelist is expected: a checkpoint is continued by --restart " + name_ +
+          ", without INPUT");
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+      foundation::fail_input(name_ + ": is text in UTF-16: save it as UTF-8 or ASCII");
+    if (text_.find('\0') != std::string_view::npos)
+      foundation::fail_input(name_ + ": is a binary file, where a namelist (a text file) is expected");
+  }
+
+  // The line around that place, without blanks at its ends and without a comment.
+  std::string_view line_at(std::size_t at) const {
+    const std::size_t before = text_.find_last_of("\r\n", at);
+    std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
+    std::size_t end = std::min(text_.find_first_of("\r\n!", at), text_.size());
+    while (begin < end && is_blank(text_[begin])) ++begin;
+    while (end > begin && is_blank(text_[end - 1])) --end;
+    return text_.substr(begin, end - begin);
+  }
+
+  void expect_nothing_lost() const {
+    if (!lost_.empty())
+      fail(lost_in_, fmt::format("'{}' stands outside of all groups and would be lost: a group begins with & and its "
+                                 "name, and ends with /",
+                                 lost_));
+  }
+
+  // But for a comment and a further group.
+  void expect_nothing_behind(const std::string& group_name) const {
+    std::size_t at = at_;
+    while (at < text_.size() && is_blank(text_[at]) && text_[at] != '\n') ++at;
+    if (at == text_.size() || text_[at] == '\n' || starts_comment(at)) return;
+    const bool group_begins = text_[at] == '&' || text_[at] == '$';
+    if (group_begins && at + 1 < text_.size() && is_letter(text_[at + 1])) return;
+    const auto rest = text_.substr(at, line_at(at).data() + line_at(at).size() - (text_.data() + at));
+    fail(
+        fmt::format("'{}' stands behind the end of group &{} and would be lost: a / closes the group unless it is in "
+                    "quotes (write numbers out, not as 1/4), and a comment begins with !",
+                    excerpt(rest), group_name));
+  }
+
   bool is_separator(char c) const {
     return is_blank(c) || c == ',' || (mode_ == syntax::file && (c == ';' || c == '/' || c == '!'));
   }
@@ -89,8 +137,21 @@ class reader {
   // Past blanks, ends of lines and comments, which all mean the same between items.
   std::size_t after_blanks(std::size_t at) const {
     while (at < text_.size() && (is_blank(text_[at]) || starts_comment(at)))
-      at = starts_comment(at) ? std::min(text_.find('\n', at), text_.size()) : at + 1;
+      at = starts_comment(at) ? after_comment(at) : at + 1;
     return at;
+  }
+
+  // The end of its line.
+  std::size_t after_comment(std::size_t at) const {
+    const std::size_t end = std::min(text_.find('\n', at), text_.size());
+    const std::size_t turn = text_.substr(at, end - at).find('\r');
+    if (turn != std::string_view::npos &&
+        text_.substr(at + turn, end - at - turn).find_first_not_of('\r') != std::string_view::npos)
+      fail("a comment goes on behind a carriage return, and would swallow the next line: end lines with a line feed");
+    return end;
+  }
+  void step_to(std::size_t at) {
+    while (at_ < at) step();
   }
 
   void skip_blanks() {
@@ -312,6 +373,8 @@ class reader {
   std::string name_;
   syntax mode_;
   std::size_t at_ = 0, line_ = 1, items_ = 0;
+  std::string lost_;         // the first line with = outside of all groups; empty: none
+  std::size_t lost_in_ = 0;  // its number
 };
 
 std::string place(const std::string& name, const std::string& set, std::size_t line) {

@@ -16,7 +16,7 @@ class writer {
     result += mark + spelled("sample") + blank();
     for (std::uint64_t k = below(8); k > 0; --k) result += assignment() + (one_in(3) ? "," : "") + blank();
     result += one_in(4) ? mark + spelled("end") : "/";
-    return result + " text behind it\n";
+    return result + blank() + "\ntext behind it\n";
   }
 
  private:

@@ -110,13 +110,34 @@ BOOST_AUTO_TEST_CASE(syntax_errors) {
   BOOST_TEST(told("&a x = 3&end") == "f:1: expected a blank before & or $ in '3&end'");
   BOOST_TEST(told("& a x = 3 /") == "f:1: expected the name of a group directly behind &");
   BOOST_TEST(told("&a=3 /") == "f:1: expected a blank behind the name of group &a");
+  const std::string lost =
+      " and would be lost: a / closes the group unless it is in quotes (write numbers out, not as "
+      "1/4), and a comment begins with !";
+  BOOST_TEST(told("&a x = 1/4000\n y = 2 /") == "f:1: '4000' stands behind the end of group &a" + lost);
+  BOOST_TEST(told("&a\n x = 1.0   / box ! of water\n y = 2 /") ==
+             "f:2: 'box' stands behind the end of group &a" + lost);
+  BOOST_TEST(told("&a x = 1 &end,\n") == "f:1: ',' stands behind the end of group &a" + lost);
+  const std::string outside =
+      " stands outside of all groups and would be lost: a group begins with & and its name, and "
+      "ends with /";
+  BOOST_TEST(told("&a /\nflow\n high_y = 0.5\n/\n&b /") == "f:3: 'high_y = 0.5'" + outside);
+  BOOST_TEST(told("flow high_y=0.5 /\n&a /") == "f:1: 'flow high_y=0.5 /'" + outside);
+  BOOST_TEST(told("&a /\n\n x = 3 ! y\n") == "f:3: 'x = 3'" + outside);
+  BOOST_TEST(told("! one\r&a x = 3 /\n") ==
+             "f:1: a comment goes on behind a carriage return, and would swallow the next line: end lines with a line "
+             "feed");
+  BOOST_TEST(told("\x89HDF\r\n\x1a\n").starts_with("f: is an HDF5 file, where a namelist is expected"));
+  BOOST_TEST(told("tetsuame checkpoint 1 ").starts_with("f: is an HDF5 file, where a namelist is expected"));
+  BOOST_TEST(told("\xff\xfe&") == "f: is text in UTF-16: save it as UTF-8 or ASCII");
+  BOOST_TEST(told(std::string("&a x = \0 /", 11)) == "f: is a binary file, where a namelist (a text file) is expected");
   BOOST_TEST(told("time step: 3\n") == "f:2: the input has no group (&name ... /): is this a namelist file?");
   BOOST_TEST(told("&a " + std::string(64, 'k') + " = 1 /") ==
              "f:1: the name '" + std::string(40, 'k') + "...' has more than 63 letters");
 }
 
 BOOST_AUTO_TEST_CASE(text_between_groups) {
-  const auto d = namelist::parse_text("R&D(1) costs $5 & more\n&a /  b = 2 'x\n ! &c /\n&end\n&d / $e $end", "f");
+  const auto d =
+      namelist::parse_text("R&D(1) costs $5 & more\n&a /\n  b is 2 'x\n ! &c / x = 3\n&end\n&d / $e $end", "f");
   BOOST_REQUIRE_EQUAL(d.groups().size(), 3U);
   BOOST_TEST(d.groups()[0].name == "a");
   BOOST_TEST(d.groups()[2].name == "e");
