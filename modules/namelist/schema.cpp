@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <foundation/error.hpp>
 #include <functional>
 #include <map>
@@ -63,6 +64,13 @@ std::string_view without_trailing_blanks(std::string_view text) {
   return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
+// From the folder of the input, or that of --set from the current one.
+std::string completed(const context& c, const std::string& path) {
+  namespace fs = std::filesystem;
+  if (path.empty() || fs::path(path).is_absolute() || !c.from.set.empty()) return path;
+  return (fs::path(c.input.name()).parent_path() / path).lexically_normal().string();
+}
+
 std::string convert(const context& c, const value& v, std::string*) {
   const std::vector<std::string>& choices = c.to.info.choices;
   const bool bare = v.what == value::kind::word;
@@ -71,6 +79,7 @@ std::string convert(const context& c, const value& v, std::string*) {
     c.fail(&v, fmt::format("expected {} in quotes, found {}; did you mean {}?", c.to.expected(), excerpt(v.content),
                            quote(excerpt(meant))));
   }
+  if (c.to.info.file != file_of::nothing) return completed(c, std::string(without_trailing_blanks(v.content)));
   if (choices.empty()) return v.content;
   const std::string wanted = lower(without_trailing_blanks(v.content));
   for (const std::string& choice : choices)
@@ -374,6 +383,22 @@ bool schema::given(const std::string& group, const std::string& key) const {
 bool schema::changed(const std::string& group, const std::string& key) const {
   const auto& k = find(group, key);
   return k.value() != k.default_text;
+}
+
+std::vector<named_file> schema::files() const {
+  std::vector<named_file> all;
+  for (const key_group& g : groups_)
+    for (const key& k : g.keys) {
+      if (k.info.file == file_of::nothing) continue;
+      const auto add = [&](std::string& path) {
+        if (!path.empty())
+          all.push_back({fmt::format("{}: &{} {}", k.origin, k.declared_in, k.declared_as), &path, k.info.file});
+      };
+      if (auto* const* one = std::get_if<std::string*>(&k.bound)) add(**one);
+      if (auto* const* list = std::get_if<std::vector<std::string>*>(&k.bound))
+        for (std::string& path : **list) add(path);
+    }
+  return all;
 }
 
 void schema::fail(const std::string& group, const std::string& name, const std::string& message) const {

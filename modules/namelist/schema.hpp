@@ -28,6 +28,10 @@
 
 namespace tetsuame::namelist {
 
+// What a text names: nothing, a file that the run reads, or one that it reads only where it does not go on from a
+// checkpoint.
+enum class file_of { nothing, run, start };
+
 struct key_info {
   std::string unit = "";
   double minimum = -std::numeric_limits<double>::infinity();
@@ -35,13 +39,17 @@ struct key_info {
   bool exclusive_minimum = false;
   std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
   std::size_t maximum_size = 4096;        // of an array; at least its default's size
-  // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no error.
+  // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no
+  // error.
   bool sparse = false;
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
   bool expert = false;           // stands in &expert
   std::string expert_name = "";  // there, where the key's own says too little without its group
+  // Of a text, or of each of a list: a path that begins at the folder of the input, or that of --set at the current
+  // one.
+  file_of file = file_of::nothing;
   std::string meaning = "";
 };
 // Of a number above 0.
@@ -80,6 +88,13 @@ struct key {
   std::string expected() const;   // type, unit and limits, for messages
   std::string value() const;      // as in a namelist; empty if there is none or it is not finite
   bool allows(double number) const;
+};
+
+// A file that the input names.
+struct named_file {
+  std::string where;  // "file:line: &group key"
+  std::string* path;  // of the option that holds it, completed; not empty
+  file_of what;
 };
 
 struct key_group {
@@ -123,6 +138,8 @@ class schema {
   bool given(const std::string& group, const std::string& key) const;
   // Whether the target holds another value than the default: a resolved input gives every key.
   bool changed(const std::string& group, const std::string& key) const;
+  // In the order of their declaration; before read() there are none.
+  std::vector<named_file> files() const;
   // For checks that span keys: an error placed at this key, exit status 2.
   [[noreturn]] void fail(const std::string& group, const std::string& key, const std::string& message) const;
   // work() on what the input says, before anything else has begun: what it fails at, where the input is not known, is

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv",
-                                    "series.xdmf",  "run.log",      "balance.csv"};
+                                    "series.xdmf",  "run.log",      "balance.csv", "gauges.csv"};
 
 // The digits of PREFIX<digits>SUFFIX, as a number.
 std::optional<std::int64_t> number_in(const std::string& name, const std::string& prefix, const std::string& suffix) {
@@ -148,9 +148,10 @@ claimed_directory::~claimed_directory() {
     if (::rmdir(path.c_str()) != 0) break;
 }
 
-void claimed_directory::clear(directory_mode mode, const std::string& kept) {
+void claimed_directory::clear(directory_mode mode, const std::string& kept, const std::vector<std::string>& copies) {
   const auto belongs = [&](const std::string& name) {
-    const bool own = std::find(own_names_.begin(), own_names_.end(), final_name(name)) != own_names_.end();
+    const bool own = std::ranges::count(own_names_, final_name(name)) > 0 ||
+                     (mode == directory_mode::force && std::ranges::count(copies, final_name(name)) > 0);
     if (!own && !is_our_file(name)) return false;
     if (mode == directory_mode::restart) return name.ends_with(".tmp");
     return name != kept && (own || written_by_a_run(fs::path(directory_) / name));

@@ -33,9 +33,9 @@ class claimed_directory {
   claimed_directory& operator=(const claimed_directory&) = delete;
 
   // Collective. Removes what a killed run left half written (*.tmp of our own names), and with `force` the results of
-  // an earlier run, but for the file `kept`. A table, a snapshot or a checkpoint that no run wrote stays, whatever it
-  // is called.
-  void clear(directory_mode mode, const std::string& kept = {});
+  // an earlier run, but for the file `kept`, and its copies of files that its input named. A table, a snapshot or a
+  // checkpoint that no run wrote stays, whatever it is called.
+  void clear(directory_mode mode, const std::string& kept = {}, const std::vector<std::string>& copies = {});
 
  private:
   MPI_Comm comm_;

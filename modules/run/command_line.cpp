@@ -16,7 +16,6 @@
 #include <namelist/text.hpp>
 #include <new>
 #include <run/command_line.hpp>
-#include <sstream>
 
 namespace {
 
@@ -69,9 +68,22 @@ void start_mpi(int& argc, char**& argv) {
   unsetenv(mark);
 }
 
+namespace fs = std::filesystem;
+
+std::string output_of(const command_line& line) {
+  return line.output.empty() ? "output/" + line.program + "/" + fs::path(line.input).stem().string() : line.output;
+}
+
+// Of a run that goes on; empty: it begins.
+std::string folder_of_earlier_run(const command_line& line) {
+  if (line.restart.empty()) return "";
+  if (line.restart == "latest") return output_of(line);
+  const auto folder = fs::path(line.restart).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 // A run that goes on has its input in its directory.
 void take_input_of_run(command_line& line) {
-  namespace fs = std::filesystem;
   if (line.restart != "latest" && line.output.empty())
     line.output = fs::path(line.restart).has_parent_path() ? fs::path(line.restart).parent_path().string() : ".";
   if (line.output.empty()) throw CLI::RequiredError("INPUT, or --output DIR of the run that is to go on,");
@@ -167,17 +179,16 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
       foundation::fail_input(
           fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
   schema.read(document);
+  line.files = find_input_files(schema, folder_of_earlier_run(line));
   in.complete(schema);
-  if (in.keep && !line.check) line.kept = in.keep();
-  std::ostringstream resolved;
-  resolved << "! " << in.program << ", every key as run\n";
-  schema.write_resolved(resolved);
+  const auto resolved = resolved_with_copies(schema, line.check ? std::vector<input_file>() : line.files,
+                                             fmt::format("! {}, every key as run", in.program));
   if (line.check) {
-    if (speaks) std::cout << resolved.str();
+    if (speaks) std::cout << resolved;
     return "";
   }
   if (in.need) line.particles_at = schema.where("domain", "particles_x") + ": &domain particles_x";
-  return resolved.str();
+  return resolved;
 }
 
 // The status of the work; an error is told by one.
@@ -200,8 +211,7 @@ void run_input(const domain::communicator& ranks, command_line& line, const prog
   };
   const auto resolved = read_input(text_of, ranks.rank == 0, line, in);
   if (in.need) check_memory(ranks, in.program, in.need(), line.particles_at);
-  if (line.output.empty())
-    line.output = "output/" + line.program + "/" + std::filesystem::path(line.input).stem().string();
+  line.output = output_of(line);
   run(line, resolved);
 }
 
@@ -213,26 +223,6 @@ void end_all(const domain::communicator& ranks) {
 }
 
 }  // namespace
-
-std::vector<kept_file> keep_beside(const std::vector<std::string*>& keys) {
-  namespace fs = std::filesystem;
-  const std::string mark = "input_";
-  std::vector<kept_file> all;
-  for (std::string* key : keys) {
-    if (key->empty()) continue;
-    auto found = std::ranges::find(all, *key, &kept_file::from);
-    if (found == all.end()) {
-      const std::string own = fs::path(*key).filename().string(),
-                        bare = own.starts_with(mark) ? own.substr(mark.size()) : own;
-      std::string name = mark + bare;
-      for (int n = 2; std::ranges::find(all, name, &kept_file::name) != all.end(); ++n)
-        name = fmt::format("{}{}_{}", mark, n, bare);
-      found = all.insert(all.end(), {*key, name});
-    }
-    *key = found->name;
-  }
-  return all;
-}
 
 std::string program_of_group(const std::string& group) {
   static const std::map<std::string, std::string> of = {{"shock", "shock"},

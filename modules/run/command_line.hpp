@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <run/amounts.hpp>
+#include <run/input_files.hpp>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,6 @@ class App;
 
 namespace tetsuame::run {
 
-// A file that the input names, and what its copy beside the results is called.
-struct kept_file {
-  std::string from, name;
-};
-// Of keys that hold files' paths, or nothing: each is given the name of its file's copy, by which the resolved input
-// finds it wherever the results are.
-std::vector<kept_file> keep_beside(const std::vector<std::string*>& keys);
-
 struct command_line {
   std::string program;           // disph_c
   std::string started_as;        // build/programs/disph_c
@@ -28,8 +21,8 @@ struct command_line {
   std::string output;            // directory
   std::string restart;           // checkpoint file, or "latest"; empty: none
   bool check = false, describe = false, force = false, plan = false;
-  std::string particles_at;  // where their number was given
-  std::vector<kept_file> kept;
+  std::string particles_at;       // where their number was given
+  std::vector<input_file> files;  // that the input names
 };
 
 // A program with an input of its own.
@@ -39,8 +32,6 @@ struct program_input {
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
   std::function<memory_need()> need = {};                 // after complete; none: it is no matter
-  // After complete, of what is to run: by keep_beside(). None: the input names no files.
-  std::function<std::vector<kept_file>()> keep = {};
   // Before declare: what the input's groups say of the problem. None: there is but one.
   std::function<void(const namelist::document&)> choose = {};
   std::function<void(CLI::App&, command_line&)> add_options = {};  // of its own

@@ -120,7 +120,8 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
 void declare(namelist::schema& schema, start_options& o) {
   schema.group("initial", "start state");
   schema.add("initial", "file", o.file,
-             {.meaning = "a snapshot of the same box, of this program or another: places, velocities, temperatures, "
+             {.file = namelist::file_of::start,
+              .meaning = "a snapshot of the same box, of this program or another: places, velocities, temperatures, "
                          "densities and masses are those of its particles"});
 }
 

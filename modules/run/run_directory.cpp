@@ -5,8 +5,7 @@
 #include <filesystem>
 #include <foundation/agree.hpp>
 #include <foundation/error.hpp>
-#include <fstream>
-#include <iterator>
+#include <foundation/files.hpp>
 #include <limits>
 #include <output/file.hpp>
 #include <run/interrupt.hpp>
@@ -27,6 +26,9 @@ std::string told_by(double reason) {
   if (reason == file_reason) return "by the file stop";
   return "by " + signal_name(static_cast<int>(reason - first_signal_reason));
 }
+
+// In a checkpoint, before the name of a file that the input names.
+constexpr std::string_view hash_prefix = "hash of ";
 
 bool is_inside(const std::string& file, const std::string& directory) {
   std::error_code ignored;
@@ -111,6 +113,7 @@ std::optional<output::latest_checkpoint> run_directory::open() {
   if (line.restart.empty()) {
     mode_ = line.force ? force : fresh;
     place_.emplace(ranks.comm, line.output, mode_);
+    hash_files();
     return {};
   }
   if (line.restart == "latest") {
@@ -134,23 +137,29 @@ bool run_directory::continues_here() const {
   return line.restart == "latest" || (mode_ == output::directory_mode::restart && is_inside(line.restart, line.output));
 }
 
-// Those of rank 0; others have nothing.
-std::vector<std::string> run_directory::kept_contents() const {
-  std::vector<std::string> contents(line.kept.size());
+// The same on all ranks, as what a checkpoint holds must be.
+void run_directory::hash_files() {
+  std::map<std::string, std::string> found;
+  foundation::on_rank_0(ranks.comm, [&] { found = hashes_of(line.files); });
+  for (const auto& f : line.files)
+    if (const auto hash = ranks.broadcast(found[f.name]); !hash.empty()) hashes_[f.name] = hash;
+}
+
+// Of those that are copied; those of rank 0: others have nothing.
+std::vector<std::string> run_directory::contents_of_files() const {
+  std::vector<std::string> contents(line.files.size());
   foundation::on_rank_0(ranks.comm, [&] {
-    for (std::size_t n = 0; n < contents.size(); ++n) {
-      std::ifstream file(line.kept[n].from, std::ios::binary);
-      contents[n].assign(std::istreambuf_iterator<char>(file), {});
-      if (!file) foundation::fail_file("cannot read " + line.kept[n].from);
-    }
+    for (std::size_t n = 0; n < contents.size(); ++n)
+      if (line.files[n].copied) contents[n] = foundation::read_plain_file(line.files[n].from);
   });
   return contents;
 }
 
 void run_directory::begin() {
-  const auto contents = kept_contents();  // which may stand here
+  const auto contents = contents_of_files();  // which may stand here
   const bool named = !line.restart.empty() && line.restart != "latest" && is_inside(line.restart, line.output);
-  place_->clear(mode_, named ? fs::path(line.restart).filename().string() : "");
+  place_->clear(mode_, named ? fs::path(line.restart).filename().string() : "",
+                ranks.rank == 0 ? copies_in(line.output) : std::vector<std::string>());
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   log_.emplace(ranks.comm, path_of("run.log"));
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
@@ -158,12 +167,12 @@ void run_directory::begin() {
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
   if (ranks.rank == 0) std::fputs(fmt::format("{}: results go to {}\n", line.program, line.output).c_str(), stderr);
   for (std::size_t n = 0; n < contents.size(); ++n)
-    output::write_text(ranks.comm, path_of(line.kept[n].name), contents[n]);
+    if (line.files[n].copied) output::write_text(ranks.comm, path_of(line.files[n].name), contents[n]);
   output::write_text(ranks.comm, path_of("resolved.nml"), resolved);
   keep_good(good_checkpoint_);
 }
 
-output::latest_checkpoint run_directory::read_saved() const {
+output::latest_checkpoint run_directory::read_saved() {
   output::latest_checkpoint saved;
   if (line.restart == "latest")
     saved = output::find_latest(ranks.comm, line.output);
@@ -171,6 +180,9 @@ output::latest_checkpoint run_directory::read_saved() const {
     saved = {line.restart, output::read_checkpoint(ranks.comm, line.restart), {}};
   const auto& texts = saved.state.globals.texts;
   check_restart(texts.at("program"), texts.at("input"), line.program, resolved);
+  for (const auto& [name, hash] : texts)
+    if (name.starts_with(hash_prefix)) hashes_[name.substr(hash_prefix.size())] = hash;
+  foundation::on_rank_0(ranks.comm, [&] { expect_same_files(line.files, hashes_); });
   return saved;
 }
 
@@ -257,6 +269,7 @@ void run_directory::write_checkpoint(std::int64_t step, const integrators::expli
   g.texts["program"] = line.program;
   g.texts["input"] = resolved;
   g.texts["version"] = version();
+  for (const auto& [name, hash] : hashes_) g.texts[fmt::format("{}{}", hash_prefix, name)] = hash;
   for (auto& [name, table] : tables_) {
     const auto mark = table.mark();
     g.integers["bytes of " + name] = mark.bytes;

@@ -98,9 +98,10 @@ struct run_directory {
   [[noreturn]] void fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save);
 
  private:
-  std::vector<std::string> kept_contents() const;
+  void hash_files();
+  std::vector<std::string> contents_of_files() const;
   std::string path_of(const std::string& name) const { return line.output + "/" + name; }
-  output::latest_checkpoint read_saved() const;
+  output::latest_checkpoint read_saved();
   bool holds_another_run(const output::checkpoint& saved) const;
   void keep_good(const std::string& checkpoint);
   bool stop_file_is_there();
@@ -113,6 +114,7 @@ struct run_directory {
   std::map<std::string, output::table_mark> marks_;
   std::map<std::string, output::history> tables_;
   output::history* history_ = nullptr;
+  std::map<std::string, std::string> hashes_;    // of the files that the input names
   std::vector<output::history_column> columns_;  // of the history
   output::series series_;
   std::string good_checkpoint_;  // the newest; empty: none

@@ -96,10 +96,11 @@ void summary::print(const std::string& directory) const {
 
 namespace {
 
-// Whether a key of this group may be another at a restart: all of how long, of how to write, and of who does the work.
+// Whether a key of this group may be another at a restart: all of how long, of the file that only a start reads, of how to write, and of who does the work.
 // In &expert the names of the keys of &time and &balancer begin with their group's.
 bool may_change(const std::string& group, const std::string& key) {
   if (group == "&domain") return key == "ranks_x" || key == "balance";
+  if (group == "&initial") return key == "file";
   if (group == "&expert") return key.starts_with("balancer_") || key.starts_with("time_");
   return group == "&time" || group == "&output" || group == "&run";
 }

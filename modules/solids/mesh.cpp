@@ -12,13 +12,11 @@
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/IO/STL.h>
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Surface_mesh.h>
-#include <sstream>
 
 namespace tetsuame::solids {
 
@@ -32,18 +30,6 @@ using box_tree = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
 namespace processing = CGAL::Polygon_mesh_processing;
 
 }  // namespace
-
-triangles read_stl(const std::string& bytes, const std::string& name) {
-  std::istringstream in(bytes);
-  std::vector<cgal_point> points;
-  std::vector<std::array<std::uint32_t, 3>> corners;
-  if (!CGAL::IO::read_STL(in, points, corners) || corners.empty())
-    foundation::fail_input(name + ": no STL file, or a damaged one (broken off, or other than triangles in it)");
-  triangles all;
-  for (const auto& p : points) all.points.push_back({p.x(), p.y(), p.z()});
-  all.corners = std::move(corners);
-  return all;
-}
 
 struct mesh::tree {
   surface_mesh surface;
@@ -67,8 +53,8 @@ mesh::mesh(const triangles& of, const std::string& name) : tree_(std::make_uniqu
     const auto [a, b] = *std::min_element(cuts.begin(), cuts.end());
     const auto at = surface.point(target(halfedge(a, surface), surface));
     foundation::fail_input(
-        fmt::format("{}: the surface cuts through itself, first in triangles {} and {} near ({:.6g}, {:.6g}, {:.6g})",
-                    name, a.idx() + 1, b.idx() + 1, at.x(), at.y(), at.z()));
+        fmt::format("{}: the surface cuts through itself, first in facets {} and {} near ({:.6g}, {:.6g}, {:.6g})",
+                    name, of.facet(a.idx()), of.facet(b.idx()), at.x(), at.y(), at.z()));
   }
   tree_->boxes.insert(faces(surface).begin(), faces(surface).end(), surface);
   tree_->boxes.build();
@@ -114,8 +100,6 @@ namespace {
                          ": this program is built without CGAL (libcgal-dev), which reads surfaces of triangles");
 }
 }  // namespace
-
-triangles read_stl(const std::string&, const std::string& name) { fail_without(name); }
 
 struct mesh::tree {};
 mesh::mesh(const triangles&, const std::string& name) { fail_without(name); }

@@ -1,6 +1,6 @@
 // A closed surface of triangles, as an STL file holds it: read, checked, and its signed distance.
 //
-// Reading, self-intersections and distances are CGAL's, which a program may be built without: then every call that
+// Self-intersections and distances are CGAL's, which a program may be built without: then every call that
 // needs it is an error that says so. The distance is that to the nearest triangle, from a tree of boxes about
 // triangles, and its sign that of a ray through all of them, by exact predicates [CGAL, Polygon Mesh Processing; 3D
 // Fast Intersection and Distance Computation].
@@ -20,10 +20,17 @@ bool reads_triangles();
 struct triangles {
   std::vector<std::array<double, 3>> points;          // m, each once
   std::vector<std::array<std::uint32_t, 3>> corners;  // of each triangle, counterclockwise seen from outside
+  std::vector<std::uint32_t> facets = {};             // which of the file each is, from 1; empty: their order
+
+  std::size_t facet(std::size_t triangle) const { return facets.empty() ? triangle + 1 : facets[triangle]; }
 };
 
-// An STL file's content, ASCII or binary; corners that are equal are one point. The normals in it are not read: the
-// order of corners says where outside is. `name` is what messages call it. All errors are of status bad_input.
+// Corners that are nearer to each other than this part of the surface's extent are one point.
+inline constexpr double weld_tolerance = 1e-6;
+
+// An STL file's content, ASCII (keywords in any case, several solids) or binary. A facet two of whose corners are one
+// point is left out: its neighbours meet there. The normals in it are not read: the order of corners says where outside
+// is. `name` is what messages call it. All errors are of status bad_input, with line or facet.
 triangles read_stl(const std::string& bytes, const std::string& name);
 
 // Fails unless every edge joins two triangles that agree on which side is outside, no triangle is without an area, and

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <math.h>  // isnan, which Boost 1.74 takes from there
 
 #include <Eigen/Dense>
@@ -6,10 +7,8 @@
 #include <boost/math/interpolators/pchip.hpp>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <namelist/text.hpp>
 #include <numbers>
 #include <solids/motion.hpp>
-#include <sstream>
 
 namespace tetsuame::solids {
 
@@ -73,38 +72,39 @@ body<D> placed(const body<D>& of, const pose<D>& now) {
   return {of.name(), std::move(pieces)};
 }
 
-motion_table read_motion(const std::string& text, const std::string& name) {
+namespace {
+
+// Of t, x, y, z, angle; none of z in two dimensions.
+std::array<std::optional<std::size_t>, 5> columns_of_motion(const tables::table& of, int dimension) {
+  std::array named{of.column_of({"t", "time"}), of.column_of({"x"}), of.column_of({"y"}), of.column_of({"z"}),
+                   of.column_of({"angle"})};
+  if (dimension == 2) named[3].reset();
+  const auto has = [](const auto& column) { return column.has_value(); };
+  const auto found = std::ranges::count_if(named, has);
+  if (found == (dimension == 2 ? 4 : 5)) return named;
+  if (found > 0 || of.columns() != 5)
+    of.fail(
+        fmt::format("expected the columns t, x, y, z, angle (s, m, m, m, degrees), in this order or with these names; "
+                    "there are {}{}",
+                    of.columns(), of.headings().empty() ? "" : fmt::format(": {}", fmt::join(of.headings(), ", "))));
+  for (std::size_t k = 0; k < named.size(); ++k) named[k] = k;
+  if (dimension == 2) named[3].reset();
+  return named;
+}
+
+}  // namespace
+
+motion_table read_motion(const tables::table& of, int dimension) {
+  constexpr std::array<const char*, 5> units{"s", "m", "m", "m", "degrees"};
+  const auto columns = columns_of_motion(of, dimension);
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (columns[k]) of.expect_unit(*columns[k], units[k], 1.0);
+  if (of.rows() < 4) of.fail(fmt::format("holds {} rows; a motion takes at least four", of.rows()));
   motion_table table;
-  std::istringstream in(text);
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    const auto first = line.find_first_not_of(" \t");
-    if (first == std::string::npos || line[first] == '#') continue;
-    if (table.time.empty() && namelist::is_letter(line[first])) continue;  // names of the columns
-    std::array<double, 5> row{};
-    std::istringstream words(line);
-    std::string word;
-    std::size_t count = 0;
-    while (std::getline(words, word, ',')) {
-      const auto begin = word.find_first_not_of(" \t"), end = word.find_last_not_of(" \t");
-      const auto value =
-          begin == std::string::npos ? std::nullopt : namelist::to_real(word.substr(begin, end - begin + 1));
-      if (count == row.size() || !value || !std::isfinite(*value))
-        fail_input(fmt::format("{}:{}: expected five numbers (s, m, m, m, degrees) with commas between, found {}", name,
-                               number, namelist::quote(namelist::excerpt(line))));
-      row[count++] = *value;
-    }
-    if (count != row.size())
-      fail_input(fmt::format("{}:{}: expected five numbers (s, m, m, m, degrees), found {}", name, number, count));
-    if (!table.time.empty() && row[0] <= table.time.back())
-      fail_input(fmt::format("{}:{}: time {} s does not lie behind that of the row before", name, number, row[0]));
-    table.time.push_back(row[0]);
-    for (std::size_t k = 0; k < 3; ++k) table.shift[k].push_back(row[1 + k]);
-    table.angle.push_back(row[4]);
-  }
-  if (table.time.size() < 4)
-    fail_input(fmt::format("{}: holds {} rows; a motion takes at least four", name, table.time.size()));
+  table.time = of.ascending(*columns[0], "time");
+  for (std::size_t k = 0; k < 3; ++k)
+    table.shift[k] = columns[1 + k] ? of.numbers(*columns[1 + k]) : std::vector<double>(of.rows(), 0.0);
+  table.angle = of.numbers(*columns[4]);
   return table;
 }
 

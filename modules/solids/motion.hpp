@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <solids/body.hpp>
+#include <tables/table.hpp>
 
 namespace tetsuame::solids {
 
@@ -87,9 +88,9 @@ struct motion_table {
   std::array<std::vector<double>, 3> shift;
   std::vector<double> angle;
 };
-// Of lines "t, x, y, z, angle" with at least four of them, times that increase; lines that begin with #, and names
-// before the first of them, are passed over. Errors of status bad_input name the line.
-motion_table read_motion(const std::string& text, const std::string& name);
+// Of a table with columns t (or time), x, y, z and angle by name, or else of five columns in this order; z is not read
+// in two dimensions. Four rows at least, of times that increase.
+motion_table read_motion(const tables::table& of, int dimension);
 
 // Prescribed: A sin(2π t/T + β) in displacement and angle, or by a table, between whose rows cubics without overshoot
 // run [F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984), by Boost]; before its first and after

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <foundation/files.hpp>
 #include <numbers>
 #include <solids/options.hpp>
 
 namespace tetsuame::solids {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 3> axes{"x", "y", "z"};
 
@@ -23,6 +21,11 @@ namelist::key_info list(std::size_t most, std::string unit, std::string meaning,
 }
 namelist::key_info names(std::size_t most, std::vector<std::string> choices, std::string meaning) {
   return {.choices = std::move(choices), .maximum_size = most, .sparse = true, .meaning = std::move(meaning)};
+}
+namelist::key_info files(std::size_t most, std::string meaning) {
+  auto info = names(most, {}, std::move(meaning));
+  info.file = namelist::file_of::run;
+  return info;
 }
 
 void declare_axes(namelist::schema& schema, const char* group, const std::string& name,
@@ -41,22 +44,10 @@ point<D> vector_of(const std::array<std::vector<double>, 3>& components, std::si
   return point<D>::of([&](std::size_t k) { return of(components[k], n); });
 }
 
-std::string read_named(const namelist::schema& schema, const char* group, const std::string& name,
-                       const fs::path& path) {
-  std::error_code fault;
-  if (!fs::is_regular_file(path, fault)) schema.fail(group, "file", "there is no file " + name);
-  std::string content(static_cast<std::size_t>(fs::file_size(path, fault)), '\0');
-  std::ifstream in(path, std::ios::binary);
-  if (fault || !in.read(content.data(), static_cast<std::streamsize>(content.size())))
-    schema.fail(group, "file", name + " cannot be read");
-  return content;
-}
-
 // The pieces' lists, and what goes wrong with piece n of them.
 struct reader {
   const namelist::schema& schema;
   const options& o;
-  const fs::path& folder;
 
   std::string body(std::size_t n) const { return of(o.body, n, "solid"); }
 
@@ -84,10 +75,9 @@ struct reader {
 
   faces<3> from_file(std::size_t n, const rotation<3>& R, const point<3>& shift) const {
     if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of an STL file");
-    const auto bytes = read_named(schema, "solids", o.file[n], folder / o.file[n]);
     const double scale = of(o.scale, n) == 0.0 ? 1.0 : of(o.scale, n);
     return schema.placed("solids", "file", [&] {
-      auto all = read_stl(bytes, o.file[n]);
+      auto all = read_stl(foundation::read_plain_file(o.file[n]), o.file[n]);
       expect_closed(all, o.file[n]);
       for (auto& p : all.points) p = (shift + turn<3>(R, scale * point<3>{p})).c;
       return triangulated(std::make_shared<const mesh>(all, o.file[n]));
@@ -145,7 +135,6 @@ struct reader {
 struct motion_reader {
   const namelist::schema& schema;
   const motion_options& o;
-  const fs::path& folder;
 
   [[noreturn]] void fail(const std::string& key, std::size_t n, const std::string& message) const {
     schema.fail("motions", key, fmt::format("motion {} (of body '{}'): {}", n + 1, o.body[n], message));
@@ -200,9 +189,9 @@ struct motion_reader {
     const auto pivot = vector_of<D>(o.pivot, n);
     if (of(o.kind, n, "harmonic") == "table") {
       if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of a table");
-      const auto text = read_named(schema, "motions", o.file[n], folder / o.file[n]);
-      return schema.placed("motions", "file",
-                           [&] { return prescribed<D>(pivot, axis<D>(n), read_motion(text, o.file[n])); });
+      return schema.placed("motions", "file", [&] {
+        return prescribed<D>(pivot, axis<D>(n), read_motion(tables::table::read(o.file[n]), D));
+      });
     }
     if (!of(o.file, n, "").empty()) fail("file", n, "a harmonic motion has none");
     if (!(of(o.period, n) > 0.0)) fail("period", n, "expected a time above 0");
@@ -237,8 +226,11 @@ void declare_pieces(namelist::schema& schema, options& o) {
   schema.add("solids", "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
   schema.add("solids", "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
   schema.add("solids", "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
-  schema.add("solids", "file", o.file,
-             names(most_pieces, {}, "an STL file: a closed surface, normals outwards (3-D only)"));
+  schema.add(
+      "solids", "file", o.file,
+      files(most_pieces,
+            "an STL file, ASCII or binary: a closed surface, normals outwards (3-D only); corners nearer to each "
+            "other than 1e-6 of its size are one"));
   schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
 }
 
@@ -258,9 +250,8 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
              numbers("degrees", "of a harmonic rotation about the pivot"));
   declare_axes(schema, "motions", "pivot", m.pivot, numbers("m", "a point that rotations leave where it is"));
   declare_axes(schema, "motions", "axis", m.axis, numbers("", "direction of the axis of rotation; none: z"));
-  schema.add(
-      "motions", "file", m.file,
-      names(most_motions, {}, "of a table: lines of time (s), displacement (m, m, m), angle (degrees), with commas"));
+  schema.add("motions", "file", m.file,
+             files(most_motions, "a table of t (s), x, y, z (m), angle (degrees), by these names or in this order"));
   schema.add("motions", "density", m.density, numbers("kg/m^3", "of a free body", 0.0));
   schema.add("motions", "mass", m.mass,
              numbers("kg", "of a free body, for each metre of depth in 2-D; in place of density", 0.0));
@@ -278,8 +269,8 @@ void declare(namelist::schema& schema, options& o, motion_options& m) {
 }
 
 template <int D>
-std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o, const fs::path& folder) {
-  const reader in{schema, o, folder};
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o) {
+  const reader in{schema, o};
   in.expect_no_more_than_shapes();
   std::vector<std::string> names;
   std::vector<std::vector<piece<D>>> pieces;
@@ -326,8 +317,7 @@ std::size_t body_of(const motion_reader& in, const std::vector<std::string>& bod
 
 std::vector<std::optional<free_options>> make_free(const namelist::schema& schema, const motion_options& o,
                                                    int dimension, const std::vector<std::string>& names) {
-  const fs::path nowhere;
-  const motion_reader in{schema, o, nowhere};
+  const motion_reader in{schema, o};
   std::vector<std::optional<free_options>> all(names.size());
   for (std::size_t n = 0; n < o.body.size(); ++n)
     if (in.is_free(n)) all[body_of(in, names, n)] = in.free(n, dimension);
@@ -336,8 +326,8 @@ std::vector<std::optional<free_options>> make_free(const namelist::schema& schem
 
 template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
-                                        const std::vector<body<D>>& bodies, const fs::path& folder) {
-  const motion_reader in{schema, o, folder};
+                                        const std::vector<body<D>>& bodies) {
+  const motion_reader in{schema, o};
   std::vector<prescribed<D>> all(bodies.size());
   std::vector<std::string> names;
   for (const auto& b : bodies) names.push_back(b.name());
@@ -348,13 +338,13 @@ std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const mo
   return all;
 }
 
-template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&, const fs::path&);
-template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&, const fs::path&);
+template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&);
+template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&);
 template void expect_sound<2>(const namelist::schema&, const std::vector<body<2>>&, const lattice<2>&, double);
 template void expect_sound<3>(const namelist::schema&, const std::vector<body<3>>&, const lattice<3>&, double);
 template std::vector<prescribed<2>> make_motions<2>(const namelist::schema&, const motion_options&,
-                                                    const std::vector<body<2>>&, const fs::path&);
+                                                    const std::vector<body<2>>&);
 template std::vector<prescribed<3>> make_motions<3>(const namelist::schema&, const motion_options&,
-                                                    const std::vector<body<3>>&, const fs::path&);
+                                                    const std::vector<body<3>>&);
 
 }  // namespace tetsuame::solids

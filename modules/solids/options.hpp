@@ -9,7 +9,6 @@
 //   /
 #pragma once
 
-#include <filesystem>
 #include <namelist/schema.hpp>
 #include <solids/wall_particles.hpp>
 
@@ -40,11 +39,10 @@ struct free_options {
 // Declares groups &solids and &motions.
 void declare(namelist::schema& schema, options& o, motion_options& m);
 
-// Files are looked for from `folder`. What cannot be is an error of status bad_input, at its key and with the number of
+// What cannot be is an error of status bad_input, at its key and with the number of
 // the piece. One body for each name, in the order in which names appear.
 template <int D>
-std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o,
-                                 const std::filesystem::path& folder = {});
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o);
 // expect_in_box and expect_thick (wall_particles.hpp), placed at &solids.
 template <int D>
 void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bodies, const lattice<D>& box,
@@ -52,7 +50,7 @@ void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bo
 // Of each body; those that no motion names are at rest, as those that move freely.
 template <int D>
 std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const motion_options& o,
-                                        const std::vector<body<D>>& bodies, const std::filesystem::path& folder = {});
+                                        const std::vector<body<D>>& bodies);
 // Of each body; none of those that do not move freely.
 std::vector<std::optional<free_options>> make_free(const namelist::schema& schema, const motion_options& o,
                                                    int dimension, const std::vector<std::string>& names);

@@ -32,8 +32,7 @@ void expect_areas(const triangles& of, const std::string& name) {
     const double longest = std::max({norm<3>(a), norm<3>(b), norm<3>(b - a)});
     // As high as the rounding of its corners in single precision, of which binary files are.
     if (norm<3>(cross(a, b)) > 1e-7 * longest * longest) continue;
-    fail_input(fmt::format("{}: triangle {} of {} has no area, at {}", name, t + 1, of.corners.size(),
-                           place_text<3>(corner(of, t, 0))));
+    fail_input(fmt::format("{}: facet {} has no area, at {}", name, of.facet(t), place_text<3>(corner(of, t, 0))));
   }
 }
 
@@ -93,8 +92,8 @@ void expect_one_orientation(const triangles& of, const std::map<edge, std::vecto
       for (const auto& [t, agree] : neighbours[part[k]]) {
         const int wanted = agree ? turn[part[k]] : -turn[part[k]];
         if (turn[t] == -wanted)
-          fail_input(fmt::format("{}: the surface has one side only, as a Möbius strip: at triangle {}, {}", name,
-                                 t + 1, place_text<3>(middle(of, t))));
+          fail_input(fmt::format("{}: the surface has one side only, as a Möbius strip: at facet {}, {}", name,
+                                 of.facet(t), place_text<3>(middle(of, t))));
         if (turn[t] != 0) continue;
         turn[t] = wanted;
         others += wanted < 0;
@@ -110,8 +109,8 @@ void expect_one_orientation(const triangles& of, const std::map<edge, std::vecto
   if (flipped > 0)
     fail_input(
         fmt::format("{}: normals of {} triangles point the other way than those of their neighbours, the first of "
-                    "triangle {}, about {}",
-                    name, flipped, first + 1, place_text<3>(middle(of, first))));
+                    "facet {}, about {}",
+                    name, flipped, of.facet(first), place_text<3>(middle(of, first))));
 }
 
 }  // namespace

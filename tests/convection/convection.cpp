@@ -366,19 +366,22 @@ BOOST_AUTO_TEST_CASE(table_from_a_file) {
     BOOST_TEST(table.log(600.0, 0.0) == std::log(1e19), tt::tolerance(1e-12));
     BOOST_TEST(table.log(300.0, 5e5) == std::log(1e21), tt::tolerance(1e-12));
   }
+  const table_file by_name("depth (m);temperature (K);viscosity;source\n0;300;1e20;a\n0;900;1e18;nan\n");
+  BOOST_TEST(viscosity_table::read(by_name.path).log(600.0, 7e5) == std::log(1e19), tt::tolerance(1e-12));
   const table_file one_depth("300 0 1e20\n900 0 1e18\n");
   BOOST_TEST(viscosity_table::read(one_depth.path).log(600.0, 7e5) == std::log(1e19), tt::tolerance(1e-12));
   for (const auto& [text, why] : std::vector<std::pair<std::string, std::string>>{
-           {"", "no values"},
-           {"300 0\n", "line 1: three numbers"},
-           {"300 0 abc\n", "'abc' is not a finite number"},
-           {"300 0 inf\n", "'inf' is not a finite number"},
-           {"300 0 1e20\n300 1 -5\n", "line 2: the viscosity must be above 0"},
+           {"", "no line of numbers"},
+           {"300 0\n", "three columns are wanted"},
+           {"depth, temperature, eta\n300, 0, 1e20\n", "three columns are wanted"},
+           {"300 0 abc\n", ":1: column 3: expected a finite number, found 'abc'"},
+           {"300 0 inf\n", ":1: column 3: expected a finite number, found 'inf'"},
+           {"300 0 1e20\n300 1 -5\n", ":2: column 3: the viscosity must be above 0"},
            {"300 5 1e20\n300 1 1e20\n", "depths must ascend"},
            {"300 0 1e20\n200 0 1e20\n", "temperatures must ascend"},
            {"300 0 1e20\n300 1 1e20\n400 0 1e20\n", "there are 1 of 2 depths"},
-           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n400 2 1e20\n", "line 4: the table is not rectangular"},
-           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n500 1 1e20\n", "line 4: the table is not rectangular"}})
+           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n400 2 1e20\n", ":4: the table is not rectangular"},
+           {"300 0 1e20\n300 1 1e20\n400 0 1e20\n500 1 1e20\n", ":4: the table is not rectangular"}})
     BOOST_TEST(complaint(text).find(why) != std::string::npos, "'" << text << "': " << complaint(text));
   BOOST_CHECK_THROW(viscosity_table::read("/nowhere/at all"), foundation::error);
 }

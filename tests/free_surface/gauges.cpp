@@ -2,7 +2,6 @@
 #include <boost/test/unit_test.hpp>
 #include <free_surface/gauges.hpp>
 #include <free_surface/measures.hpp>
-#include <free_surface/reference.hpp>
 #include <free_surface/traction.hpp>
 #include <fstream>
 
@@ -73,7 +72,7 @@ BOOST_AUTO_TEST_CASE(curves) {
   BOOST_TEST(!first_above(run, 6.0));
   BOOST_TEST(integral(run, 0.5, 3.0) == 0.75 + 2.0 + 3.0);
   BOOST_TEST(*rms_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == std::sqrt(0.5));
-  BOOST_TEST(mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
+  BOOST_TEST(*mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
   series wave;
   for (int k = 0; k < 4000; ++k) {
     const double t = 0.002 * k;
@@ -85,21 +84,35 @@ BOOST_AUTO_TEST_CASE(curves) {
   BOOST_TEST(*measured.decay == 0.1, tt::tolerance(1e-4));
 }
 
-BOOST_AUTO_TEST_CASE(tables) {
-  const std::string path =
-      TETSUAME_BINARY_DIR "/tests/curves_" + std::to_string(domain::communicator::world().rank) + ".csv";
-  const auto read = [&](const std::string& text) {
-    std::ofstream(path) << text;
-    return read_table(path);
-  };
-  const auto t = read("# source\nt, a,b\n0.0,1, 2\n1e-1,-3,4\r\n");
-  BOOST_TEST(*t.place("b") == 2U);
-  BOOST_TEST(!t.place("c"));
-  BOOST_TEST(t.columns[1][1] == -3.0);
-  for (const auto& [text, says] :
-       {std::pair{"t,a\n0,1\n1\n", ":3: expected 2 numbers, found 1"},
-        std::pair{"t,a\n0,x\n1,2\n", ":2: expected a number, found 'x'"},
-        std::pair{"t,a\n1,1\n1,2\n", ":3: expected a later time"}, std::pair{"t,a\n1,1\n", "two lines"}})
-    BOOST_CHECK_EXCEPTION(read(text), foundation::error,
-                          [&](const auto& e) { return std::string(e.what()).find(says) != std::string::npos; });
+// What is not known over all of the times that are asked for is null, with a reason, and not what there is of it.
+BOOST_AUTO_TEST_CASE(curves_that_do_not_cover_the_times) {
+  const series run{{0.0, 0.1, 0.2, 0.3}, {0.0, 200.0, 200.0, 200.0}}, later{{1.0, 2.0, 3.0}, {5.0, 5.0, 5.0}};
+  BOOST_TEST(!mean_difference(run, later));
+  BOOST_TEST(covers(run, 0.0, 0.4));  // to within a reading
+  BOOST_TEST(!covers(run, 0.0, 0.5));
+  BOOST_TEST(!covers(later, 0.1, 2.0));
+  options o;
+  nlohmann::ordered_json m;
+  report_height("h", run, later, m);
+  BOOST_TEST(m["h_mean_error"].is_null());
+  BOOST_TEST(m["h_mean_error_reason"] ==
+             "the measured curve, 1 to 3 s, and the run, 0 to 0.3 s, have no time in common");
+  report_pressure(o, "p", run, later, m);
+  BOOST_TEST(m["p_impulse"].get<double>() == integral(run, 0.0, 0.3), tt::tolerance(1e-12));
+  BOOST_TEST(m["p_impulse_reference"].is_null());
+  report_force(o, "f", run, later, m);
+  BOOST_TEST(m["f_mean_error"].is_null());
+  BOOST_TEST(m["f_impulse_reference"].is_null());
+  parameters p;
+  p.measured.front = later;
+  report_front(p, run, m);
+  BOOST_TEST((m["front_rms"].is_null() && m["front_rms_reason"].is_string()));
+  o.gauges.impulse_from = 0.0;
+  o.gauges.impulse_until = 2.5;
+  nlohmann::ordered_json longer;
+  const series known{{0.0, 1.0, 2.0, 3.0}, {5.0, 5.0, 5.0, 5.0}};
+  report_pressure(o, "p", run, known, longer);
+  BOOST_TEST(longer["p_impulse"].is_null());
+  BOOST_TEST(longer["p_impulse_reason"] == "asked for from 0 to 2.5 s, and known from 0 to 0.3 s");
+  BOOST_TEST(longer["p_impulse_reference"].get<double>() == 12.5, tt::tolerance(1e-12));
 }

@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!std::isfinite(surface.at({0.1, 0.2, 0.3}).distance)) std::abort();
   });
   expect_no_other_error([&] {
-    const solids::prescribed<2> motion({{0.0, 0.0}}, {{1.0}}, solids::read_motion(bytes, "fuzzed.csv"));
+    const solids::prescribed<2> motion({{0.0, 0.0}}, {{1.0}}, solids::read_motion({bytes, "fuzzed.csv"}, 2));
     motion.rate_at(0.5);
   });
   return 0;

@@ -72,24 +72,37 @@ BOOST_AUTO_TEST_CASE(rotation_vectors) {
 }
 
 BOOST_AUTO_TEST_CASE(motion_by_a_table) {
-  const auto table = read_motion(rows, "wall.csv");
+  const auto table = read_motion({rows, "wall.csv"}, 3);
   const prescribed<3> motion({{0.0, 0.0, 0.0}}, {{0.0, 0.0, 1.0}}, table);
   check_velocity<3>(motion, {{1.0, 0.7, -0.2}}, 0.0, 3.0);
   BOOST_TEST(norm<3>(motion.at(2.0).shift - point<3>{{0.4, 0.1, 0.0}}) < 1e-14);
   BOOST_TEST(norm<3>(motion.at(9.0).shift - point<3>{{0.5, 0.2, 0.1}}) < 1e-14);
   BOOST_TEST(norm<3>(motion.rate_at(9.0).velocity) == 0.0);
   const auto fails = [](const std::string& text, const std::string& part) {
-    BOOST_CHECK_EXCEPTION(read_motion(text, "wall.csv"), foundation::error, [&](const foundation::error& e) {
+    BOOST_CHECK_EXCEPTION(read_motion({text, "wall.csv"}, 3), foundation::error, [&](const foundation::error& e) {
       return e.status() == foundation::exit_status::bad_input && std::string(e.what()).find(part) != std::string::npos;
     });
   };
   fails("0, 0, 0, 0, 0\n", "holds 1 rows");
-  fails("0, 0, 0, 0, 0\n0, 0, 0, 0, 0\n", "wall.csv:2: time 0 s");
-  fails("0, 0, 0, 0\n", "wall.csv:1: expected five numbers");
-  fails("0, 0, 0, 0, 0, 0\n", "wall.csv:1: expected five numbers");
-  fails("0, 0, 0, inf, 0\n", "wall.csv:1: expected five numbers");
-  fails("0, 0, 0, 1x, 0\n", "wall.csv:1: expected five numbers");
-  fails("t\n0, 0, 0, 0, 0\nnan, 0, 0, 0, 0\n", "wall.csv:3: expected five numbers");
+  const std::string three = "1, 0, 0, 0, 0\n2, 0, 0, 0, 0\n3, 0, 0, 0, 0\n";
+  fails("1, 0, 0, 0, 0\n" + three, "wall.csv:2: column 1: time 1 does not lie behind");
+  fails("0, 0, 0, 0\n", "wall.csv: expected the columns t, x, y, z, angle");
+  fails("0, 0, 0, 0, 0, 0\n", "wall.csv: expected the columns t, x, y, z, angle");
+  fails("0, 0, 0, inf, 0\n" + three, "wall.csv:1: column 4: expected a finite number, found 'inf'");
+  fails("0, 0, 0, 1x, 0\n" + three, "wall.csv:1: column 4: expected a finite number, found '1x'");
+  fails("t,x,y,z,w\n0,0,0,0,0\n" + three, "wall.csv: expected the columns t, x, y, z, angle");
+  fails("t,x,y,z,angle\ns,mm,m,m,degrees\n0,0,0,0,0\n" + three, "wall.csv: column 2 ('x') is in mm");
+}
+
+// Columns are found by their names, and what is not used may be anything.
+BOOST_AUTO_TEST_CASE(columns_of_a_motion) {
+  const auto by_name =
+      read_motion({"Time [s];angle;z;y;x;by\n0;1;2;3;4;me\n1;1;2;3;4;\n2;1;2;3;4;\n3;1;2;3;4;nan\n", "m"}, 3);
+  BOOST_TEST((by_name.shift[0][2] == 4.0 && by_name.shift[2][2] == 2.0 && by_name.angle[0] == 1.0));
+  const auto flat = read_motion({"t x y z angle\n0 4 3 nan 1\n1 4 3 - 1\n2 4 3 9 1\n3 4 3 9 1\n", "m"}, 2);
+  BOOST_TEST((flat.shift[0][3] == 4.0 && flat.shift[2][3] == 0.0));
+  const auto unnamed = read_motion({"a b c d e\n0 4 3 2 1\n1 4 3 2 1\n2 4 3 2 1\n3 4 3 2 1\n", "m"}, 3);
+  BOOST_TEST((unnamed.shift[0][3] == 4.0 && unnamed.angle[3] == 1.0));
 }
 
 BOOST_AUTO_TEST_CASE(free_bodies_conserve_momentum) {

@@ -18,9 +18,9 @@ struct input {
   motion_options m;
   namelist::schema schema;
 
-  explicit input(const std::string& text) {
+  explicit input(const std::string& text, const std::string& name = "case.nml") {
     declare(schema, o, m);
-    schema.read(namelist::parse_text(text, "case.nml"));
+    schema.read(namelist::parse_text(text, name));
   }
 };
 
@@ -149,12 +149,14 @@ BOOST_AUTO_TEST_CASE(files_of_the_input) {
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "torn.stl") << "solid torn\n  facet normal 0 0 1\n    outer loop\n";
   std::ofstream(folder / "wave.csv") << "t, x, y, z, angle\n0,0,0,0,0\n1,1,0,0,0\n2,0,0,0,0\n3,0,0,0,0\n";
-  const input torn("&solids shape = 'file' file = 'torn.stl' /");
-  BOOST_CHECK_EXCEPTION(make_bodies<3>(torn.schema, torn.o, folder), foundation::error, [](const foundation::error& e) {
+  const auto name = (folder / "case.nml").string(), file = (folder / "torn.stl").string();
+  const input torn("&solids shape = 'file' file = 'torn.stl' /", name);
+  BOOST_CHECK_EXCEPTION(make_bodies<3>(torn.schema, torn.o), foundation::error, [&](const foundation::error& e) {
     return e.status() == foundation::exit_status::bad_input &&
-           std::string(e.what()).find("case.nml:1: &solids file: torn.stl: ") != std::string::npos;
+           std::string(e.what()).find(name + ":1: &solids file: " + file + ":4: facet 1: ") != std::string::npos;
   });
-  const input moved("&solids shape = 'sphere' radius = 1 / &motions body = 'solid' kind = 'table' file = 'wave.csv' /");
-  const auto motions = make_motions<2>(moved.schema, moved.m, make_bodies<2>(moved.schema, moved.o), folder);
+  const input moved("&solids shape = 'sphere' radius = 1 / &motions body = 'solid' kind = 'table' file = 'wave.csv' /",
+                    name);
+  const auto motions = make_motions<2>(moved.schema, moved.m, make_bodies<2>(moved.schema, moved.o));
   BOOST_TEST(motions[0].at(1.0).shift[0] == 1.0, tt::tolerance(1e-12));
 }

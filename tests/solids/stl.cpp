@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(faults_are_named) {
   std::swap(flipped.corners[4][0], flipped.corners[4][1]);
   expect_message(
       [&] { expect_closed(flipped, "cube.stl"); },
-      "normals of 1 triangles point the other way than those of their neighbours, the first of triangle 5, about (");
+      "normals of 1 triangles point the other way than those of their neighbours, the first of facet 5, about (");
   auto inwards = cube();
   for (auto& c : inwards.corners) std::swap(c[0], c[1]);
   expect_message([&] { expect_closed(inwards, "cube.stl"); }, "normals point inwards");
@@ -62,11 +62,11 @@ BOOST_AUTO_TEST_CASE(faults_are_named) {
   expect_message([&] { expect_closed(twice, "cube.stl"); }, "3 triangles meet at the edge");
   auto flat = cube();
   flat.corners[2][1] = flat.corners[2][0];
-  expect_message([&] { expect_closed(flat, "cube.stl"); }, "triangle 3 of 12 has no area, at (");
+  expect_message([&] { expect_closed(flat, "cube.stl"); }, "facet 3 has no area, at (");
   auto line = cube();
   line.points.push_back({0.5, 0.0, 0.0});
   line.corners.push_back({0, 8, 1});
-  expect_message([&] { expect_closed(line, "cube.stl"); }, "triangle 13 of 13 has no area");
+  expect_message([&] { expect_closed(line, "cube.stl"); }, "facet 13 has no area");
   auto endless = cube();
   endless.points[3][1] = NAN;
   expect_message([&] { expect_closed(endless, "cube.stl"); }, "a corner is at nan");
@@ -74,11 +74,10 @@ BOOST_AUTO_TEST_CASE(faults_are_named) {
 }
 
 BOOST_AUTO_TEST_CASE(without_the_library, *boost::unit_test::precondition(lacks_cgal)) {
-  expect_message([&] { read_stl(ascii(cube()), "cube.stl"); }, "cube.stl: this program is built without CGAL");
   expect_message([&] { mesh(cube(), "cube.stl"); }, "built without CGAL");
 }
 
-BOOST_AUTO_TEST_CASE(read_as_written, *boost::unit_test::precondition(has_cgal)) {
+BOOST_AUTO_TEST_CASE(read_as_written) {
   for (const auto& bytes : {ascii(cube()), binary(cube())}) {
     const auto read = read_stl(bytes, "cube.stl");
     BOOST_TEST(read.points.size() == 8U);
@@ -86,12 +85,6 @@ BOOST_AUTO_TEST_CASE(read_as_written, *boost::unit_test::precondition(has_cgal))
     expect_closed(read, "cube.stl");
   }
   expect_closed(read_stl(binary(ball(2)), "ball.stl"), "ball.stl");
-  expect_message([&] { read_stl(binary(cube()).substr(0, 300), "cube.stl"); },
-                 "cube.stl: no STL file, or a damaged one");
-  expect_message([&] { read_stl(ascii(cube()).substr(0, 300), "cube.stl"); },
-                 "cube.stl: no STL file, or a damaged one");
-  expect_message([&] { read_stl("", "cube.stl"); }, "cube.stl: no STL file");
-  expect_message([&] { read_stl("solid of nothing\nendsolid\n", "cube.stl"); }, "cube.stl: no STL file");
 }
 
 BOOST_AUTO_TEST_CASE(distances_from_triangles, *boost::unit_test::precondition(has_cgal)) {
@@ -150,7 +143,7 @@ BOOST_AUTO_TEST_CASE(surfaces_that_cut_themselves, *boost::unit_test::preconditi
   for (const auto& p : other.points) two.points.push_back({p[0] + 0.5, p[1] + 0.4, p[2] + 0.3});
   for (const auto& c : other.corners) two.corners.push_back({c[0] + size, c[1] + size, c[2] + size});
   expect_closed(two, "two.stl");
-  expect_message([&] { mesh(two, "two.stl"); }, "two.stl: the surface cuts through itself, first in triangles ");
+  expect_message([&] { mesh(two, "two.stl"); }, "two.stl: the surface cuts through itself, first in facets ");
 }
 
 // By the input: a cube of millimetres, turned by 45° about z and moved.
@@ -166,16 +159,17 @@ BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal
     motion_options m;
     namelist::schema schema;
     declare(schema, o, m);
-    schema.read(namelist::parse_text(
-        "&solids shape = 'file' scale = 1d-3 angle_z = 45 centre_x = 2 file = '" + file + "' /", "case.nml"));
-    return make_bodies<3>(schema, o, folder);
+    schema.read(
+        namelist::parse_text("&solids shape = 'file' scale = 1d-3 angle_z = 45 centre_x = 2 file = '" + file + "' /",
+                             (folder / "case.nml").string()));
+    return make_bodies<3>(schema, o);
   };
   const auto body = bodies_of("cube.stl").front();
   // Its corner (1, 1, 0) comes to (2, √2/1000, 0).
   BOOST_TEST(body.at({{2.0, 0.001 * std::sqrt(2.0) + 0.5, 0.0005}}).distance == 0.5, tt::tolerance(1e-9));
   BOOST_TEST(body.at({{2.0, 0.0005 * std::sqrt(2.0), 0.0005}}).distance == -0.0005, tt::tolerance(1e-9));
-  expect_message([&] { bodies_of("flipped.stl"); },
-                 "case.nml:1: &solids file: flipped.stl: normals of 1 triangles point the other way");
+  expect_message([&] { bodies_of("flipped.stl"); }, "case.nml:1: &solids file: " + (folder / "flipped.stl").string() +
+                                                        ": normals of 1 triangles point the other way");
 }
 
 // The fuzz entry over changed copies of small files: the same ones in every run.

@@ -75,8 +75,9 @@ void declare_viscosity(namelist::schema& schema, convection_options& o) {
                   "viscosity_file; or by melt fraction between the mantle's solidus and liquidus at the pressure of a "
                   "column at rest (temperatures are absolute then); a Rayleigh number given scales the last two"});
   schema.add(g, "viscosity_file", o.viscosity_file,
-             {.meaning = "law 'table': temperature (K), depth (m), viscosity (Pa s), a line for each pair, ascending, "
-                         "depth fastest; ln nu is bilinear between"});
+             {.file = namelist::file_of::run,
+              .meaning = "law 'table': a table of temperature (K), depth (m), viscosity (Pa s), a line for each pair, "
+                         "ascending, depth fastest; ln nu is bilinear between"});
   const auto limit = [&](const char* key, double& value, const char* meaning) {
     schema.add(g, key, value, for_expert(positive("Pa s", meaning)));
   };

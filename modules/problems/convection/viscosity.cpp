@@ -1,22 +1,17 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <convection/options.hpp>
-#include <cstdlib>
-#include <foundation/error.hpp>
-#include <fstream>
-#include <iterator>
 #include <melting/melting.hpp>
-#include <sstream>
+#include <tables/table.hpp>
 #include <utility>
 
 namespace tetsuame::convection {
 
 namespace {
-
-using foundation::fail_input;
 
 // Between values `first` and the next of a list: part s of the way. One value only: nothing depends on it.
 struct place {
@@ -33,51 +28,22 @@ place find(const std::vector<double>& x, double at) {
   return {next - 1, next, (held - x[next - 1]) / (x[next] - x[next - 1])};
 }
 
-struct row {
-  double T, depth, viscosity;
-  std::size_t line;
-};
-
-std::vector<std::string> words_of(std::string text) {
-  text.resize(std::min(text.find('#'), text.size()));
-  std::ranges::replace(text, ',', ' ');
-  std::istringstream words(text);
-  return {std::istream_iterator<std::string>(words), {}};
-}
-
-[[noreturn]] void fail_at(const std::string& path, std::size_t line, const std::string& why) {
-  fail_input(fmt::format("viscosity table '{}', line {}: {}", path, line, why));
-}
-
-std::vector<row> rows_of(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) fail_input(fmt::format("viscosity table '{}' cannot be opened", path));
-  std::vector<row> rows;
-  std::size_t line = 0;
-  bool named = false;
-  for (std::string text; std::getline(in, text);) {
-    ++line;
-    const auto words = words_of(text);
-    if (words.empty()) continue;
-    const bool names = rows.empty() && !named && words.front().starts_with("temperature");
-    if (names ? words.size() < 3 : words.size() != 3)
-      fail_at(path, line,
-              fmt::format("three {} are wanted, temperature (K), depth (m), viscosity (Pa s); there are {}",
-                          names ? "columns" : "numbers", words.size()));
-    named = named || names;
-    if (names) continue;
-    std::array<double, 3> value{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      char* end = nullptr;
-      value[k] = std::strtod(words[k].c_str(), &end);
-      if (*end != '\0' || !std::isfinite(value[k]))
-        fail_at(path, line, fmt::format("'{}' is not a finite number", words[k]));
-    }
-    if (!(value[2] > 0.0)) fail_at(path, line, fmt::format("the viscosity must be above 0, not {}", value[2]));
-    rows.push_back({value[0], value[1], value[2], line});
-  }
-  if (rows.empty()) fail_input(fmt::format("viscosity table '{}' has no values", path));
-  return rows;
+// Of temperature, depth and viscosity: by their names, or else three in this order.
+std::array<std::size_t, 3> columns_of(const tables::table& text) {
+  const auto T = text.column_of({"temperature", "t"}), depth = text.column_of({"depth"}),
+             viscosity = text.column_of({"viscosity"});
+  std::array<std::size_t, 3> all{0, 1, 2};
+  if (T && depth && viscosity)
+    all = {*T, *depth, *viscosity};
+  else if (T || depth || viscosity || text.columns() != 3)
+    text.fail(fmt::format(
+        "three columns are wanted, temperature (K), depth (m), viscosity (Pa s), in this order or with these names; "
+        "there are {}{}",
+        text.columns(), text.headings().empty() ? "" : fmt::format(": {}", fmt::join(text.headings(), ", "))));
+  text.expect_unit(all[0], "K", 1.0);
+  text.expect_unit(all[1], "m", 1.0);
+  text.expect_unit(all[2], "Pa s", 1.0);
+  return all;
 }
 
 }  // namespace
@@ -91,34 +57,32 @@ viscosity_table::viscosity_table(std::vector<double> T, std::vector<double> dept
 }
 
 viscosity_table viscosity_table::read(const std::string& path) {
-  const auto rows = rows_of(path);
+  const auto text = tables::table::read(path);
+  const auto columns = columns_of(text);
+  const auto T = text.numbers(columns[0]), depth = text.numbers(columns[1]), viscosity = text.numbers(columns[2]);
   viscosity_table table;
   auto& depths = table.depth_;
-  const auto append = [&](std::vector<double>& list, double value, std::size_t line, const char* what, char unit) {
+  const auto append = [&](std::vector<double>& list, double value, std::size_t row, const char* what, char unit) {
     if (!list.empty() && !(value > list.back()))
-      fail_at(path, line, fmt::format("{} must ascend: {} {} comes after {} {}", what, value, unit, list.back(), unit));
+      text.fail_at(row, fmt::format("{} must ascend: {} {} comes after {} {}", what, value, unit, list.back(), unit));
     list.push_back(value);
   };
-  for (const auto& r : rows) {
-    if (r.T != rows.front().T) break;
-    append(depths, r.depth, r.line, "depths", 'm');
-  }
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const auto& r = rows[n];
+  for (std::size_t n = 0; n < text.rows() && T[n] == T.front(); ++n) append(depths, depth[n], n, "depths", 'm');
+  for (std::size_t n = 0; n < text.rows(); ++n) {
     const std::size_t k = n % depths.size();
-    if (k == 0) append(table.T_, r.T, r.line, "temperatures", 'K');
-    if (r.T != table.T_.back() || r.depth != depths[k])
-      fail_at(
-          path, r.line,
-          fmt::format("the table is not rectangular: {} K, {} m is wanted here, for every temperature has the depths "
-                      "of the first",
-                      table.T_.back(), depths[k]));
-    table.log_.push_back(std::log(r.viscosity));
+    if (k == 0) append(table.T_, T[n], n, "temperatures", 'K');
+    if (T[n] != table.T_.back() || depth[n] != depths[k])
+      text.fail_at(n,
+                   fmt::format("the table is not rectangular: {} K, {} m is wanted here, for every temperature has the "
+                               "depths of the first",
+                               table.T_.back(), depths[k]));
+    if (!(viscosity[n] > 0.0))
+      text.fail_at(n, columns[2], fmt::format("the viscosity must be above 0, not {}", viscosity[n]));
+    table.log_.push_back(std::log(viscosity[n]));
   }
-  if (rows.size() % depths.size() != 0)
-    fail_at(path, rows.back().line,
-            fmt::format("the table is not rectangular: at {} K there are {} of {} depths", table.T_.back(),
-                        rows.size() % depths.size(), depths.size()));
+  if (text.rows() % depths.size() != 0)
+    text.fail_at(text.rows() - 1, fmt::format("the table is not rectangular: at {} K there are {} of {} depths",
+                                              table.T_.back(), text.rows() % depths.size(), depths.size()));
   return table;
 }
 

@@ -149,7 +149,6 @@ bool reaches_a_side(const options& o, const solids::body<D>& of) {
 template <int D>
 std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, options& o,
                                           const std::vector<solids::body<D>>& bodies) {
-  for (auto& file : o.motions.file) complete_path(schema, "motions", "file", file);
   const auto courses = solids::make_motions<D>(schema, o.motions, bodies);
   std::vector<std::string> names;
   for (const auto& b : bodies) names.push_back(b.name());
@@ -202,7 +201,6 @@ void resolve_body_gauges(const namelist::schema& schema, const options& o, param
 template <int D>
 void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto& all = std::get<D - 2>(p.bodies);
-  for (auto& file : o.solids.file) complete_path(schema, "solids", "file", file);
   all = solids::make_bodies<D>(schema, o.solids);
   auto& motions = std::get<D - 2>(p.motions);
   motions = motions_of<D>(schema, o, all);

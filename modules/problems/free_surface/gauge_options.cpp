@@ -2,10 +2,9 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <filesystem>
 #include <free_surface/gauges.hpp>
 #include <free_surface/input.hpp>
-#include <free_surface/reference.hpp>
+#include <tables/table.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -14,16 +13,6 @@ using namelist::positive;
 std::string along(const char* what, std::size_t axis) {
   constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
   return std::string(what) + axis_names[axis];
-}
-
-void complete_path(const namelist::schema& schema, const std::string& group, const std::string& key,
-                   std::string& path) {
-  namespace fs = std::filesystem;
-  if (path.empty() || fs::path(path).is_absolute()) return;
-  const std::string where = schema.where(group, key);
-  const bool in_a_file = !where.starts_with("--");
-  const auto folder = in_a_file ? fs::path(where.substr(0, where.rfind(':'))).parent_path() : fs::path();
-  path = fs::absolute(folder / path).lexically_normal().string();
 }
 
 void declare_gauges(namelist::schema& schema, gauge_options& o) {
@@ -52,7 +41,8 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
                            (a == 2 ? " (3-D only)" : "")});
   schema.add("gauges", "motion", o.motion, {.meaning = "bodies of &solids: displacement and angle of each"});
   schema.add("gauges", "file", o.file,
-             {.meaning = "measured curves, a table with the times in its first column; from the input's folder"});
+             {.file = namelist::file_of::run,
+              .meaning = "measured curves, a table with named columns, the times in the first"});
   schema.add("gauges", "front_column", o.front_column, {.meaning = "of the file, for the front"});
   schema.add("gauges", "height_columns", o.height_columns, {.meaning = "for the depths, '' for none"});
   schema.add("gauges", "pressure_columns", o.pressure_columns, {.meaning = "for the pressures, '' for none"});
@@ -99,25 +89,38 @@ void check_places(const namelist::schema& schema, const options& o, const char* 
   }
 }
 
-series column_of(const namelist::schema& schema, const std::string& key, const table& t, const std::string& name,
-                 double time_unit, double unit) {
+// What is 1 in a column, in a unit of SI.
+struct scale {
+  const char* unit;
+  double factor;
+};
+
+series column_of(const namelist::schema& schema, const std::string& key, const tables::table& t,
+                 const std::string& name, double time_unit, const scale& of) {
   if (name.empty()) return {};
-  const auto place = t.place(name);
+  const auto place = t.column(name);
   if (!place || *place == 0)
-    schema.fail("gauges", key, fmt::format("the file has no column '{}': it has {}", name, fmt::join(t.names, ", ")));
-  series s{t.columns.front(), t.columns[*place]};
+    schema.fail("gauges", key,
+                t.headings().empty()
+                    ? fmt::format("{} has no line with the names of its columns", t.name())
+                    : fmt::format("the file has no column '{}': it has {}", name, fmt::join(t.headings(), ", ")));
+  t.expect_unit(0, "s", time_unit);
+  t.expect_unit(*place, of.unit, of.factor);
+  series s{t.ascending(0, "time"), t.numbers(*place)};
   for (double& time : s.time) time *= time_unit;
-  for (double& value : s.value) value *= unit;
+  for (double& value : s.value) value *= of.factor;
   return s;
 }
 
-std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key, const table& t,
-                              const std::vector<std::string>& names, std::size_t number, double unit) {
+std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key,
+                              const tables::table& t, const std::vector<std::string>& names,
+                              const std::vector<scale>& of) {
+  const std::size_t number = of.size();
   std::vector<series> all(number);
   if (names.empty()) return all;
   if (names.size() != number)
     schema.fail("gauges", key, fmt::format("expected {} names, one a gauge, found {}", number, names.size()));
-  for (std::size_t n = 0; n < number; ++n) all[n] = column_of(schema, key, t, names[n], o.gauges.time_unit, unit);
+  for (std::size_t n = 0; n < number; ++n) all[n] = column_of(schema, key, t, names[n], o.gauges.time_unit, of[n]);
   return all;
 }
 
@@ -142,16 +145,22 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   if (!named) return;
   if (!g.front_column.empty() && !g.front)
     schema.fail("gauges", "front_column", "front = .true. reads what this is compared with");
-  complete_path(schema, "gauges", "file", g.file);
-  const auto t = schema.placed("gauges", "file", [&] { return read_table(g.file); });
-  p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, g.length_unit);
-  p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, g.height[0].size(), g.length_unit);
-  p.measured.pressure =
-      curves_of(schema, o, "pressure_columns", t, g.pressure_columns, g.pressure[0].size(), g.stress_unit);
-  p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, forces.size(), 1.0);
-  for (std::size_t n = 0; n < forces.size(); ++n)
-    for (double& value : p.measured.force[n].value)
-      value *= forces[n].starts_with("force") ? g.force_unit : g.moment_unit;
+  schema.placed("gauges", "file", [&] {
+    const auto t = tables::table::read(g.file);
+    if (t.rows() < 2) t.fail("expected two lines of numbers at least");
+    const auto number = [](const std::vector<double>& places, const scale& of) {
+      return std::vector<scale>(places.size(), of);
+    };
+    const scale length{"m", g.length_unit};
+    std::vector<scale> of_forces;
+    for (const auto& name : forces)
+      of_forces.push_back(name.starts_with("force") ? scale{"N", g.force_unit} : scale{"N m", g.moment_unit});
+    p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, length);
+    p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, number(g.height[0], length));
+    p.measured.pressure =
+        curves_of(schema, o, "pressure_columns", t, g.pressure_columns, number(g.pressure[0], {"Pa", g.stress_unit}));
+    p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, of_forces);
+  });
 }
 
 }  // namespace tetsuame::free_surface

@@ -72,14 +72,21 @@ std::optional<double> rms_difference(const series& run, const series& reference)
   return n > 0.0 ? std::optional(std::sqrt(sum / n)) : std::nullopt;
 }
 
-double mean_difference(const series& run, const series& reference) {
+std::optional<double> mean_difference(const series& run, const series& reference) {
   double sum = 0.0, n = 0.0;
   for (std::size_t k = 0; k < reference.time.size(); ++k)
     if (const auto value = value_at(run, reference.time[k])) {
       sum += std::abs(*value - reference.value[k]);
       n += 1.0;
     }
-  return n > 0.0 ? sum / n : 0.0;
+  return n > 0.0 ? std::optional(sum / n) : std::nullopt;
+}
+
+bool covers(const series& s, double from, double until) {
+  if (s.time.size() < 2) return false;
+  const std::size_t n = s.time.size();
+  const double first = s.time[1] - s.time[0], last = s.time[n - 1] - s.time[n - 2];
+  return from >= s.time[0] - first && until <= s.time[n - 1] + last;
 }
 
 namespace {
@@ -132,6 +139,36 @@ oscillation measured_oscillation(const series& s) {
   return o;
 }
 
+namespace {
+
+std::string times_of(const series& s) {
+  return s.empty() ? "no time" : fmt::format("{:.6g} to {:.6g} s", s.time.front(), s.time.back());
+}
+
+void put(nlohmann::ordered_json& metrics, const std::string& name, std::optional<double> value,
+         const std::string& reason) {
+  metrics[name] = run::or_null(value);
+  if (!value) metrics[name + "_reason"] = reason;
+}
+
+void put_difference(nlohmann::ordered_json& metrics, const std::string& name, std::optional<double> value,
+                    const series& run, const series& reference) {
+  put(metrics, name, value,
+      fmt::format("the measured curve, {}, and the run, {}, have no time in common", times_of(reference),
+                  times_of(run)));
+}
+
+// Over all of the span, or not at all: what is held against it is.
+void put_impulse(nlohmann::ordered_json& metrics, const std::string& name, const series& s, std::optional<double> from,
+                 double until) {
+  if (!from) return put(metrics, name, {}, "the water has not arrived");
+  const bool known = *from < until && covers(s, *from, until);
+  put(metrics, name, known ? std::optional(integral(s, *from, until)) : std::nullopt,
+      fmt::format("asked for from {:.6g} to {:.6g} s, and known from {}", *from, until, times_of(s)));
+}
+
+}  // namespace
+
 void report_pressure(const options& o, const std::string& name, const series& run, const series& reference,
                      nlohmann::ordered_json& metrics) {
   const auto& g = o.gauges;
@@ -144,7 +181,7 @@ void report_pressure(const options& o, const std::string& name, const series& ru
     metrics[name + "_largest" + end] = *largest;
     metrics[name + "_largest_time" + end] = s.time[static_cast<std::size_t>(largest - s.value.begin())];
     const auto from = g.impulse_from ? g.impulse_from : arrival;
-    metrics[name + "_impulse" + end] = run::or_null(from ? std::optional(integral(s, *from, until)) : std::nullopt);
+    put_impulse(metrics, name + "_impulse" + end, s, from, until);
   };
   report(run, "");
   report(reference, "_reference");
@@ -155,7 +192,7 @@ void report_height(const std::string& name, const series& run, const series& ref
   const auto largest = std::ranges::max_element(run.value);
   metrics[name + "_largest"] = *largest;
   if (reference.empty()) return;
-  metrics[name + "_mean_error"] = mean_difference(run, reference);
+  put_difference(metrics, name + "_mean_error", mean_difference(run, reference), run, reference);
   metrics[name + "_largest_reference"] = std::ranges::max(reference.value);
 }
 
@@ -179,19 +216,20 @@ void report_force(const options& o, const std::string& name, const series& run, 
     const auto largest = std::ranges::max_element(s.value, {}, [](double v) { return std::abs(v); });
     metrics[name + "_largest" + end] = *largest;
     metrics[name + "_largest_time" + end] = s.time[static_cast<std::size_t>(largest - s.value.begin())];
-    metrics[name + "_impulse" + end] =
-        integral(s, g.impulse_from.value_or(s.time.front()), g.impulse_until.value_or(run.time.back()));
+    put_impulse(metrics, name + "_impulse" + end, s, g.impulse_from.value_or(run.time.front()),
+                g.impulse_until.value_or(run.time.back()));
   };
   report(run, "");
   report(reference, "_reference");
-  if (!reference.empty()) metrics[name + "_mean_error"] = mean_difference(run, reference);
+  if (!reference.empty())
+    put_difference(metrics, name + "_mean_error", mean_difference(run, reference), run, reference);
 }
 
 void report_front(const parameters& p, const series& run, nlohmann::ordered_json& metrics) {
   metrics["front_largest"] = std::ranges::max(run.value);
   if (p.measured.front.empty()) return;
   const auto rms = rms_difference(run, p.measured.front);
-  metrics["front_rms"] = run::or_null(rms);
+  put_difference(metrics, "front_rms", rms, run, p.measured.front);
   metrics["front_rms_over_height"] = run::or_null(rms ? std::optional(*rms / p.height) : std::nullopt);
 }
 

@@ -32,7 +32,9 @@ std::optional<double> first_above(const series& s, double value);  // s
 double integral(const series& s, double from, double until);       // over what there is of it
 // Root of the mean squared difference at those of the reference's times that the run has come to.
 std::optional<double> rms_difference(const series& run, const series& reference);
-double mean_difference(const series& run, const series& reference);  // of absolute values; 0: no times in common
+std::optional<double> mean_difference(const series& run, const series& reference);  // of absolute values, at the same
+// Whether it has been read from then until then, to within the time between two of its readings.
+bool covers(const series& s, double from, double until);
 
 // A cosine that dies away: from its zero crossings, and from a line through the logarithms of its largest values.
 struct oscillation {
@@ -41,6 +43,8 @@ struct oscillation {
 oscillation measured_oscillation(const series& s);
 
 // ---- what is told at the end ------------------------------------------------------------------------
+
+// A metric that cannot be told is null, and beside it NAME_reason says why in words.
 
 // Of pressure gauges: arrival, largest value, impulse; with the reference's own, by the same rules.
 void report_pressure(const options& o, const std::string& name, const series& run, const series& reference,

@@ -9,9 +9,6 @@ namespace tetsuame::free_surface {
 // A key of this axis: what, with x, y or z.
 std::string along(const char* what, std::size_t axis);
 
-// From the folder of the input, as a whole path: where a run goes on from its resolved input, the file is the same.
-void complete_path(const namelist::schema& schema, const std::string& group, const std::string& key, std::string& path);
-
 void declare_gauges(namelist::schema& schema, gauge_options& o);
 void resolve_gauges(const namelist::schema& schema, options& o, parameters& p);
 
