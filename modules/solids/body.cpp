@@ -65,21 +65,20 @@ std::optional<point<D>> meet(const faces<D>& all, std::span<const std::size_t> o
 }  // namespace
 
 template <int D>
-double level(const piece<D>& of, const point<D>& x) {
+bool solid(const piece<D>& of, const point<D>& x) {
   double inside = -std::numeric_limits<double>::infinity();
-  for (const auto& face : of.bounds) inside = std::max(inside, face.at(x).distance);
-  return of.outside ? -inside : inside;
+  for (const auto& face : of.bounds) inside = std::max(inside, face.side(x));
+  return (of.outside ? -inside : inside) < 0.0;
 }
 
 template <int D>
 body<D>::body(std::string name, std::vector<piece<D>> pieces) : name_(std::move(name)), pieces_(std::move(pieces)) {
-  double size = 0.0;
   for (const auto& p : pieces_)
     for (const auto& face : p.bounds) {
       all_.push_back(face);
-      size = std::max({size, norm<D>(face.place), face.radius, face.triangles ? face.triangles->size() : 0.0});
+      size_ = std::max({size_, norm<D>(face.place), face.radius, face.triangles ? face.triangles->size() : 0.0});
     }
-  small_ = 1e-10 * (size > 0.0 ? size : 1.0);
+  small_ = 1e-10 * (size_ > 0.0 ? size_ : 1.0);
 }
 
 // of_face(k): signed distance from face k.
@@ -118,6 +117,11 @@ body<D> joined(const std::vector<body<D>>& bodies) {
 template <int D>
 double body<D>::level(const point<D>& x) const {
   return combine([&](std::size_t k) { return all_[k].at(x).distance; });
+}
+
+template <int D>
+bool body<D>::solid(const point<D>& x) const {
+  return combine([&](std::size_t k) { return all_[k].side(x); }) < 0.0;
 }
 
 // The best candidate so far, and whether another is one.
@@ -183,7 +187,7 @@ point<D> body<D>::into_fluid(const point<D>& p) const {
 template <int D>
 foot<D> body<D>::at(const point<D>& x, double reach) const {
   std::vector<at_surface<D>> near(all_.size());
-  for (std::size_t k = 0; k < all_.size(); ++k) near[k] = all_[k].at(x);
+  for (std::size_t k = 0; k < all_.size(); ++k) near[k] = all_[k].at(x, reach);
   const double bound = combine([&](std::size_t k) { return near[k].distance; });
   if (std::abs(bound) >= reach) return {bound, {}, x, false};
   std::vector<std::size_t> order(all_.size());
@@ -215,7 +219,7 @@ template class body<2>;
 template class body<3>;
 template body<2> joined(const std::vector<body<2>>&);
 template body<3> joined(const std::vector<body<3>>&);
-template double level<2>(const piece<2>&, const point<2>&);
-template double level<3>(const piece<3>&, const point<3>&);
+template bool solid<2>(const piece<2>&, const point<2>&);
+template bool solid<3>(const piece<3>&, const point<3>&);
 
 }  // namespace tetsuame::solids

@@ -53,10 +53,12 @@ class body {
 
   const std::string& name() const { return name_; }
   const std::vector<piece<D>>& pieces() const { return pieces_; }
+  double size() const { return size_; }  // m, the largest coordinate or radius of its surfaces
 
   // m; of the right sign, and nowhere farther from zero than the distance.
   double level(const point<D>& x) const;
-  bool solid(const point<D>& x) const { return level(x) < 0.0; }
+  // Whether the level is below zero.
+  bool solid(const point<D>& x) const;
   // reach: m, beyond which no surface is looked for.
   foot<D> at(const point<D>& x, double reach = std::numeric_limits<double>::infinity()) const;
 
@@ -72,6 +74,7 @@ class body {
   std::string name_;
   std::vector<piece<D>> pieces_;
   faces<D> all_;          // of all pieces, one after the other
+  double size_ = 0.0;     // m
   double small_ = 1e-12;  // m: what counts as nothing beside the body's size
 };
 
@@ -81,6 +84,6 @@ body<D> joined(const std::vector<body<D>>& bodies);
 
 // Of a piece alone.
 template <int D>
-double level(const piece<D>& of, const point<D>& x);
+bool solid(const piece<D>& of, const point<D>& x);
 
 }  // namespace tetsuame::solids

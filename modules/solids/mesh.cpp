@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <solids/triangle_grid.hpp>
 
 #if TETSUAME_CGAL
 
@@ -35,12 +36,20 @@ struct mesh::tree {
   surface_mesh surface;
   box_tree boxes;
   std::unique_ptr<CGAL::Side_of_triangle_mesh<surface_mesh, kernel>> side;
+  triangle_grid grid;
+
+  bool inside(const cgal_point& p) const { return (*side)(p) == CGAL::ON_BOUNDED_SIDE; }
 };
 
 mesh::mesh(const triangles& of, const std::string& name) : tree_(std::make_unique<tree>()) {
   std::vector<cgal_point> points;
+  low_ = high_ = of.points.at(0);
   for (const auto& p : of.points) {
     points.emplace_back(p[0], p[1], p[2]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      low_[k] = std::min(low_[k], p[k]);
+      high_[k] = std::max(high_[k], p[k]);
+    }
     for (const double x : p) size_ = std::max(size_, std::abs(x));
   }
   auto& surface = tree_->surface;
@@ -60,14 +69,22 @@ mesh::mesh(const triangles& of, const std::string& name) : tree_(std::make_uniqu
   tree_->boxes.build();
   tree_->boxes.accelerate_distance_queries();
   tree_->side = std::make_unique<CGAL::Side_of_triangle_mesh<surface_mesh, kernel>>(tree_->boxes);
+  tree_->grid = triangle_grid(of, [&](const auto& x) { return tree_->inside({x[0], x[1], x[2]}); });
 }
 
-mesh::place mesh::at(const std::array<double, 3>& x) const {
+bool mesh::inside(const std::array<double, 3>& x) const {
+  const auto known = tree_->grid.at(x);
+  return known.distance > 0.0 ? known.inside : tree_->inside({x[0], x[1], x[2]});
+}
+
+mesh::place mesh::at(const std::array<double, 3>& x, double reach) const {
+  const auto known = tree_->grid.at(x);
+  if (known.distance > reach) return {known.inside ? -known.distance : known.distance, {0.0, 0.0, 1.0}};
   const cgal_point p(x[0], x[1], x[2]);
   const auto [nearest, face] = tree_->boxes.closest_point_and_primitive(p);
   const auto offset = p - nearest;
   const double distance = std::sqrt(offset.squared_length());
-  const double sign = (*tree_->side)(p) == CGAL::ON_BOUNDED_SIDE ? -1.0 : 1.0;
+  const double sign = inside(x) ? -1.0 : 1.0;
   if (distance > 1e-12 * size_) {
     const double per = sign / distance;
     return {sign * distance, {per * offset.x(), per * offset.y(), per * offset.z()}};
@@ -103,7 +120,8 @@ namespace {
 
 struct mesh::tree {};
 mesh::mesh(const triangles&, const std::string& name) { fail_without(name); }
-mesh::place mesh::at(const std::array<double, 3>&) const { return {}; }
+mesh::place mesh::at(const std::array<double, 3>&, double) const { return {}; }
+bool mesh::inside(const std::array<double, 3>&) const { return false; }
 
 #endif
 

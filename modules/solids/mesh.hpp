@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,13 +50,19 @@ class mesh {
     double distance;               // m, negative inside
     std::array<double, 3> normal;  // its gradient
   };
-  place at(const std::array<double, 3>& x) const;
+  // reach: m, beyond which a bound of the distance with the right sign will do, with any normal.
+  place at(const std::array<double, 3>& x, double reach = std::numeric_limits<double>::infinity()) const;
+  bool inside(const std::array<double, 3>& x) const;
   double size() const { return size_; }  // m, the largest coordinate
+  // m, of the smallest box along the axes that holds it.
+  const std::array<double, 3>& low() const { return low_; }
+  const std::array<double, 3>& high() const { return high_; }
 
  private:
   struct tree;
   std::unique_ptr<tree> tree_;
   double size_ = 0.0;
+  std::array<double, 3> low_{}, high_{};
 };
 
 }  // namespace tetsuame::solids

@@ -131,7 +131,8 @@ struct prescribed<D>::course {
     const double w = 2.0 * std::numbers::pi / swing.period, s = std::sin(w * t + swing.phase);
     return {s, w * std::cos(w * t + swing.phase), -w * w * s};
   }
-  bool outside(double t) const { return t <= begin || t >= end; }
+  // At its first time it has the velocity with which it goes on: a step is chosen by that.
+  bool outside(double t) const { return t < begin || t >= end; }
   double value(const cubic& of, double t) const { return of(std::clamp(t, begin, end)); }
   double derivative(const cubic& of, double t) const { return outside(t) ? 0.0 : of.prime(t); }
   // Of the cubic between two rows, from values and slopes there.

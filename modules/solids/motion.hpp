@@ -93,8 +93,8 @@ struct motion_table {
 motion_table read_motion(const tables::table& of, int dimension);
 
 // Prescribed: A sin(2π t/T + β) in displacement and angle, or by a table, between whose rows cubics without overshoot
-// run [F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984), by Boost]; before its first and after
-// its last row the body stands still.
+// run [F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984), by Boost]; before its first and from its
+// last row on the body stands still.
 template <int D>
 class prescribed {
  public:

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <foundation/error.hpp>
 #include <foundation/files.hpp>
 #include <numbers>
 #include <solids/options.hpp>
@@ -44,6 +46,19 @@ point<D> vector_of(const std::array<std::vector<double>, 3>& components, std::si
   return point<D>::of([&](std::size_t k) { return of(components[k], n); });
 }
 
+// Of triangles where they stand, m: what products of their coordinates can hold, and not lost beside them.
+void expect_known_places(const std::string& name, double extent, double reach) {
+  constexpr double most = 1e30, least = 1e-30, lost = 1e-9;
+  if (!(reach <= most))
+    foundation::fail_input(
+        fmt::format("{}: with its scale and place the surface reaches {:.3g} m far; expected: at most {:.0e} m", name,
+                    reach, most));
+  if (!(extent >= std::max(least, lost * reach)))
+    foundation::fail_input(fmt::format(
+        "{}: with its scale the surface is {:.3g} m large, and stands {:.3g} m away: rounding would lose it", name,
+        extent, reach));
+}
+
 // The pieces' lists, and what goes wrong with piece n of them.
 struct reader {
   const namelist::schema& schema;
@@ -79,7 +94,14 @@ struct reader {
     return schema.placed("solids", "file", [&] {
       auto all = read_stl(foundation::read_plain_file(o.file[n]), o.file[n]);
       expect_closed(all, o.file[n]);
-      for (auto& p : all.points) p = (shift + turn<3>(R, scale * point<3>{p})).c;
+      double extent = 0.0, reach = 0.0;  // m
+      for (auto& p : all.points) {
+        const auto scaled = scale * point<3>{p};
+        extent = std::max(extent, norm<3>(scaled - scale * point<3>{all.points.back()}));
+        p = (shift + turn<3>(R, scaled)).c;
+        reach = std::max({reach, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+      }
+      expect_known_places(o.file[n], extent, reach);
       return triangulated(std::make_shared<const mesh>(all, o.file[n]));
     });
   }

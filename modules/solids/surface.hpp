@@ -15,6 +15,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <solids/mesh.hpp>
 #include <solids/vectors.hpp>
@@ -39,10 +40,18 @@ struct surface {
   std::shared_ptr<const solids::mesh> triangles = {};  // turned by `orientation` about their origin, which is `place`
   rotation<D> orientation = no_rotation<D>();          // of a mesh
 
-  at_surface<D> at(const point<D>& x) const {
-    auto a = of_form(x);
+  // reach: m, beyond which a bound of the distance with the right sign will do, with any normal.
+  at_surface<D> at(const point<D>& x, double reach = std::numeric_limits<double>::infinity()) const {
+    auto a = of_form(x, reach);
     if (!turned) return a;
     return {-a.distance, -1.0 * a.normal};
+  }
+
+  // Of the distance's sign alone; what surfaces without triangles have is the distance.
+  double side(const point<D>& x) const {
+    if constexpr (D == 3)
+      if (what == form::mesh) return triangles->inside(turn_back<D>(orientation, x - place).c) == turned ? 1.0 : -1.0;
+    return at(x).distance;
   }
 
  private:
@@ -56,10 +65,10 @@ struct surface {
     return (1.0 / norm<D>(square)) * square;
   }
 
-  at_surface<D> of_form(const point<D>& x) const {
+  at_surface<D> of_form(const point<D>& x, [[maybe_unused]] double reach) const {
     if constexpr (D == 3)
       if (what == form::mesh) {
-        const auto a = triangles->at(turn_back<D>(orientation, x - place).c);
+        const auto a = triangles->at(turn_back<D>(orientation, x - place).c, reach);
         return {a.distance, turn<D>(orientation, point<D>{a.normal})};
       }
     const auto r = x - place;

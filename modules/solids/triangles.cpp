@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
-#include <map>
+#include <optional>
 #include <solids/mesh.hpp>
 #include <solids/vectors.hpp>
+#include <span>
 
 namespace tetsuame::solids {
 
@@ -36,36 +37,52 @@ void expect_areas(const triangles& of, const std::string& name) {
   }
 }
 
+using edge = std::pair<std::uint32_t, std::uint32_t>;
+
 struct side {
+  edge of;
   std::size_t triangle;
   bool forward;  // it runs from the point of the lower number to the other
 };
-using edge = std::pair<std::uint32_t, std::uint32_t>;
 
 std::string edge_text(const triangles& of, const edge& e) {
   return fmt::format("from {} to {}", place_text<3>({of.points[e.first]}), place_text<3>({of.points[e.second]}));
 }
 
-std::map<edge, std::vector<side>> edges(const triangles& of) {
-  std::map<edge, std::vector<side>> all;
+// Those of an edge follow one another, in the order of their triangles.
+std::vector<side> sides_by_edge(const triangles& of) {
+  std::vector<side> all;
+  all.reserve(3 * of.corners.size());
   for (std::size_t t = 0; t < of.corners.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto a = of.corners[t][k], b = of.corners[t][(k + 1) % 3];
-      all[std::minmax(a, b)].push_back({t, a < b});
+      all.push_back({std::minmax(a, b), t, a < b});
     }
+  std::ranges::stable_sort(all, {}, &side::of);
   return all;
 }
 
-void expect_two_at_each(const triangles& of, const std::map<edge, std::vector<side>>& all, const std::string& name) {
+// f(sides) of each edge.
+template <class F>
+void for_each_edge(const std::vector<side>& all, F&& f) {
+  for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
+    while (last < all.size() && all[last].of == all[first].of) ++last;
+    f(std::span(all).subspan(first, last - first));
+  }
+}
+
+void expect_two_at_each(const triangles& of, const std::vector<side>& all, const std::string& name) {
   std::size_t open = 0;
-  const edge* first = nullptr;
-  for (const auto& [e, sides] : all) {
+  std::optional<edge> first;
+  for_each_edge(all, [&](std::span<const side> sides) {
+    const edge& e = sides.front().of;
     if (sides.size() > 2)
       fail_input(
           fmt::format("{}: {} triangles meet at the edge {}; expected two", name, sides.size(), edge_text(of, e)));
-    if (sides.size() == 2) continue;
-    if (open++ == 0) first = &e;
-  }
+    if (sides.size() == 2) return;
+    ++open;
+    if (!first) first = e;
+  });
   if (open > 0)
     fail_input(fmt::format("{}: the surface has a hole: {} of its edges belong to one triangle alone, the first {}",
                            name, open, edge_text(of, *first)));
@@ -73,14 +90,13 @@ void expect_two_at_each(const triangles& of, const std::map<edge, std::vector<si
 
 // Neighbours agree where the edge between them runs one way in the one and the other way in the other. Of each
 // connected part, those in the minority are the flipped ones.
-void expect_one_orientation(const triangles& of, const std::map<edge, std::vector<side>>& all,
-                            const std::string& name) {
+void expect_one_orientation(const triangles& of, const std::vector<side>& all, const std::string& name) {
   std::vector<std::vector<std::pair<std::size_t, bool>>> neighbours(of.corners.size());
-  for (const auto& [e, sides] : all) {
+  for_each_edge(all, [&](std::span<const side> sides) {
     const bool agree = sides[0].forward != sides[1].forward;
     neighbours[sides[0].triangle].emplace_back(sides[1].triangle, agree);
     neighbours[sides[1].triangle].emplace_back(sides[0].triangle, agree);
-  }
+  });
   std::vector<int> turn(of.corners.size(), 0);  // 1: as the first of its part, -1: the other way
   std::size_t flipped = 0, first = of.corners.size();
   for (std::size_t seed = 0; seed < of.corners.size(); ++seed) {
@@ -123,7 +139,7 @@ void expect_closed(const triangles& of, const std::string& name) {
       if (!(std::abs(x) <= farthest))
         fail_input(fmt::format("{}: a corner is at {} (expected: at most 1e12)", name, x));
   expect_areas(of, name);
-  const auto all = edges(of);
+  const auto all = sides_by_edge(of);
   expect_two_at_each(of, all, name);
   expect_one_orientation(of, all, name);
   double volume = 0.0;

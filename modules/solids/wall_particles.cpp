@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <foundation/error.hpp>
+#include <solids/extents.hpp>
 #include <solids/wall_particles.hpp>
 
 namespace tetsuame::solids {
@@ -61,8 +62,7 @@ double way(const body<D>& all, const point<D>& from, const point<D>& along, doub
 
 template <int D>
 std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double depth) {
-  const double bound = all.level(x);
-  if (bound >= 0.0 || bound <= -depth) return {};
+  if (!all.solid(x)) return {};
   const auto surface = all.at(x, depth);
   if (!surface.found) return {};
   const double below = -surface.distance;
@@ -111,7 +111,7 @@ void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
       body_seen[b] = body_seen[b] || here;
       solid = solid || here;
       for (std::size_t p = 0; p < bodies[b].pieces().size(); ++p)
-        if (!seen[b][p]) seen[b][p] = level<D>(bodies[b].pieces()[p], x) < 0.0;
+        if (!seen[b][p]) seen[b][p] = solids::solid<D>(bodies[b].pieces()[p], x);
     }
     fluid = fluid || !solid;
   });
@@ -119,11 +119,11 @@ void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
     for (std::size_t p = 0; p < seen[b].size(); ++p)
       if (!seen[b][p])
         fail_input(
-            fmt::format("piece {} of body '{}' lies outside the box, or is smaller than the spacing of the particles",
-                        p + 1, bodies[b].name()));
+            fmt::format("piece {} of body '{}' lies outside the box, or is smaller than the spacing of the particles{}",
+                        p + 1, bodies[b].name(), extents_text<D>({bodies[b]}, box.length)));
     if (!body_seen[b]) fail_input(fmt::format("body '{}' has no solid in the box", bodies[b].name()));
   }
-  if (!bodies.empty() && !fluid) fail_input("solids fill the whole box");
+  if (!bodies.empty() && !fluid) fail_input("solids fill the whole box" + extents_text(bodies, box.length));
 }
 
 template <int D>

@@ -94,6 +94,17 @@ BOOST_AUTO_TEST_CASE(motion_by_a_table) {
   fails("t,x,y,z,angle\ns,mm,m,m,degrees\n0,0,0,0,0\n" + three, "wall.csv: column 2 ('x') is in mm");
 }
 
+// At its first time a body goes on as the table says: it does not begin its way at rest.
+BOOST_AUTO_TEST_CASE(velocity_at_the_first_time) {
+  const prescribed<2> motion(
+      {{0.0, 0.0}}, {{1.0}},
+      read_motion({"0,0,0,0,0\n0.1,0,0.453,0,0\n0.2,0,0.906,0,0\n0.3,0,1.359,0,0\n", "gate"}, 2));
+  BOOST_TEST(motion.rate_at(0.0).velocity[1] == 4.53, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(motion.rate_at(1e-9).velocity[1] == 4.53, boost::test_tools::tolerance(1e-9));
+  BOOST_TEST(motion.rate_at(-1e-9).velocity[1] == 0.0);
+  BOOST_TEST(motion.rate_at(0.3).velocity[1] == 0.0);
+}
+
 // Columns are found by their names, and what is not used may be anything.
 BOOST_AUTO_TEST_CASE(columns_of_a_motion) {
   const auto by_name =

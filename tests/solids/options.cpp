@@ -4,6 +4,7 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <namelist/schema.hpp>
+#include <solids/extents.hpp>
 #include <solids/options.hpp>
 #include <sstream>
 
@@ -159,4 +160,19 @@ BOOST_AUTO_TEST_CASE(files_of_the_input) {
                     name);
   const auto motions = make_motions<2>(moved.schema, moved.m, make_bodies<2>(moved.schema, moved.o));
   BOOST_TEST(motions[0].at(1.0).shift[0] == 1.0, tt::tolerance(1e-12));
+}
+
+// Wall particles of larger ones would be lost to rounding.
+BOOST_AUTO_TEST_CASE(bodies_beyond_all_sizes) {
+  for (const char* text :
+       {"shape = 'sphere' radius = 1e10 centre_y = -1e10", "shape = 'box' length_x = 1e13 length_y = 1",
+        "shape = 'plane' centre_x = 1e12 angle_z = 30", "shape = 'sphere' radius = 1e200"}) {
+    const input in(std::string("&solids ") + text + " /");
+    const auto bodies = make_bodies<2>(in.schema, in.o);
+    BOOST_CHECK_EXCEPTION(expect_sizes<2>(bodies, {{1.0, 0.5}}), foundation::error, [](const foundation::error& e) {
+      return std::string(e.what()).find("more than 1e+09 times the box, 1 m") != std::string::npos;
+    });
+  }
+  const input in("&solids shape = 'sphere' radius = 1e6 centre_y = -1e6 /");
+  BOOST_CHECK_NO_THROW(expect_sizes<2>(make_bodies<2>(in.schema, in.o), {{1.0, 0.5}}));
 }

@@ -8,6 +8,7 @@
 #include <foundation/error.hpp>
 #include <fstream>
 #include <random>
+#include <solids/extents.hpp>
 #include <solids/options.hpp>
 
 #include "scene.hpp"
@@ -146,6 +147,29 @@ BOOST_AUTO_TEST_CASE(surfaces_that_cut_themselves, *boost::unit_test::preconditi
   expect_message([&] { mesh(two, "two.stl"); }, "two.stl: the surface cuts through itself, first in facets ");
 }
 
+// What cells say of a place agrees with the triangles: the side always, and the distance as a bound.
+BOOST_AUTO_TEST_CASE(places_by_cells, *boost::unit_test::precondition(has_cgal)) {
+  for (const auto& [of, half] : {std::pair{ball(4), 1.2}, std::pair{cube(), 1.3}}) {
+    const mesh surface(of, "surface.stl");
+    std::mt19937_64 bits(11);
+    std::uniform_real_distribution<double> along(-half, half);
+    for (int k = 0; k < 2000; ++k) {
+      const std::array x{along(bits), along(bits), along(bits)};
+      const auto exact = surface.at(x);
+      for (const double reach : {0.0, 0.05, 0.3}) {
+        const auto known = surface.at(x, reach);
+        const bool right = std::abs(exact.distance) > reach
+                               ? known.distance * exact.distance > 0.0 && std::abs(known.distance) > reach &&
+                                     std::abs(known.distance) <= std::abs(exact.distance) * (1.0 + 1e-12)
+                               : known.distance == exact.distance;
+        BOOST_TEST(right, exact.distance << " " << known.distance << " " << reach);
+      }
+      BOOST_TEST(surface.inside(x) == (exact.distance < 0.0));
+      if (half == 1.2) BOOST_TEST((norm<3>(point<3>{x}) < 0.99) <= surface.inside(x));
+    }
+  }
+}
+
 // By the input: a cube of millimetres, turned by 45° about z and moved.
 BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal)) {
   const std::filesystem::path folder = TETSUAME_BINARY_DIR "/tests/solids_stl_files";
@@ -153,6 +177,9 @@ BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal
   auto flipped = cube();
   std::swap(flipped.corners[4][0], flipped.corners[4][1]);
   std::ofstream(folder / "cube.stl", std::ios::binary) << binary(cube());
+  auto around = cube();
+  for (auto& p : around.points) p = {p[0] - 0.5, p[1] - 0.5, p[2] - 0.5};
+  std::ofstream(folder / "around.stl", std::ios::binary) << binary(around);
   std::ofstream(folder / "flipped.stl") << ascii(flipped);
   const auto bodies_of = [&](const std::string& file) {
     options o;
@@ -170,6 +197,20 @@ BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal
   BOOST_TEST(body.at({{2.0, 0.0005 * std::sqrt(2.0), 0.0005}}).distance == -0.0005, tt::tolerance(1e-9));
   expect_message([&] { bodies_of("flipped.stl"); }, "case.nml:1: &solids file: " + (folder / "flipped.stl").string() +
                                                         ": normals of 1 triangles point the other way");
+  expect_message([&] { bodies_of("cube.stl", "1e150"); },
+                 "the surface reaches 1.41e+150 m far; expected: at most 1e+30 m");
+  expect_message([&] { bodies_of("cube.stl", "1e-150"); }, "rounding would lose it");
+  expect_message([&] { bodies_of("cube.stl", "1e-12"); }, "rounding would lose it");
+  // Beside the box, and more than a billion times as large.
+  const lattice<3> box{{{1.0, 0.5, 0.5}}, 0.1};
+  expect_message(
+      [&] { expect_in_box<3>(bodies_of("cube.stl"), box); },
+      "is smaller than the spacing of the particles; the triangles of body 'solid' reach from (1.999, 0, 0) to "
+      "(2.001, 0.001414, 0.001) m, and the box to (1, 0.5, 0.5) m: is &solids scale missing");
+  expect_message([&] { expect_in_box<3>(bodies_of("around.stl", "1000"), box); },
+                 "solids fill the whole box; the triangles of body 'solid' reach from (");
+  expect_message([&] { expect_sizes<3>(bodies_of("cube.stl", "1e10"), box.length); },
+                 "body 'solid' reaches 1.41e+10 m far, more than 1e+09 times the box, 1 m");
 }
 
 // The fuzz entry over changed copies of small files: the same ones in every run.

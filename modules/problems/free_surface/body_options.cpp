@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <free_surface/input.hpp>
+#include <solids/extents.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -202,6 +203,7 @@ template <int D>
 void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto& all = std::get<D - 2>(p.bodies);
   all = solids::make_bodies<D>(schema, o.solids);
+  schema.placed("solids", "shape", [&] { solids::expect_sizes<D>(all, in_dimensions<D>(o.domain.length)); });
   auto& motions = std::get<D - 2>(p.motions);
   motions = motions_of<D>(schema, o, all);
   if (all.empty()) {
