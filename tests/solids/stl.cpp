@@ -181,14 +181,14 @@ BOOST_AUTO_TEST_CASE(files_of_an_input, *boost::unit_test::precondition(has_cgal
   for (auto& p : around.points) p = {p[0] - 0.5, p[1] - 0.5, p[2] - 0.5};
   std::ofstream(folder / "around.stl", std::ios::binary) << binary(around);
   std::ofstream(folder / "flipped.stl") << ascii(flipped);
-  const auto bodies_of = [&](const std::string& file) {
+  const auto bodies_of = [&](const std::string& file, const std::string& scale = "1d-3") {
     options o;
     motion_options m;
     namelist::schema schema;
     declare(schema, o, m);
-    schema.read(
-        namelist::parse_text("&solids shape = 'file' scale = 1d-3 angle_z = 45 centre_x = 2 file = '" + file + "' /",
-                             (folder / "case.nml").string()));
+    schema.read(namelist::parse_text(
+        "&solids shape = 'file' scale = " + scale + " angle_z = 45 centre_x = 2 file = '" + file + "' /",
+        (folder / "case.nml").string()));
     return make_bodies<3>(schema, o);
   };
   const auto body = bodies_of("cube.stl").front();
