@@ -223,7 +223,7 @@ class Convection(Case):
             self.assertAlmostEqual(float(a), float(b), delta=1e-8 * abs(float(a)) + 1e-9)
         table.write_text(table.read_text().replace("2000 2000000.0", "2000 1000000.0"))
         wrong = self.run_program("convection", "blankenbach_2a", {"convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"}, expect=BAD_INPUT)
-        self.assertIn("line 13: the table is not rectangular", wrong.stderr)
+        self.assertIn(":13: the table is not rectangular", wrong.stderr)
         table.write_text("0 0 1e23\n900 0 1e20\n")
         wrong = self.run_program("convection", "blankenbach_2a", {"convection.viscosity_law": "table", "convection.viscosity_file": f"'{table}'"}, expect=BAD_INPUT)
         self.assertIn("the layer has 1000 K", wrong.stderr)

@@ -323,7 +323,7 @@ class Flow(Case):
         turned = lambda triangle: tuple(reversed(triangle))
         for triangles, more, parts in [
                 (whole[1:], "", ["&solids file", ".stl", "hole", "3 of its edges", "(0.7, -0.2, 0.5)"]),
-                (whole[:4] + [turned(whole[4])] + whole[5:], "", ["&solids file", ".stl", "normals of 1 triangles", "triangle 5"]),
+                (whole[:4] + [turned(whole[4])] + whole[5:], "", ["&solids file", ".stl", "normals of 1 triangles", "facet 5"]),
                 ([turned(t) for t in whole], "", ["&solids file", ".stl", "normals point inwards"]),
                 (whole, "centre_x = 3.0", ["&solids shape", "'solid' lies outside the box"]),
                 (whole, "scale = 0.1", ["&solids shape", "outside the box, or is smaller"]),
@@ -349,7 +349,7 @@ class Flow(Case):
                 ("dam_break_2d", {"gauges.height_x": "0.3, 2.0"}, ["&gauges height_x", "gauge 2 is outside"]),
                 ("dam_break_2d", {"gauges.height_z": "0.3"}, ["&gauges height_z", "expected 0"]),
                 ("dam_break_2d", {"gauges.pressure_columns": "'a', 'b', 'c', 'd'"}, ["&gauges pressure_columns", "no column 'a'"]),
-                ("dam_break_2d", {"gauges.file": "nowhere.csv"}, ["&gauges file", "cannot read", "nowhere.csv"]),
+                ("dam_break_2d", {"gauges.file": "nowhere.csv"}, ["&gauges file", "there is no file", "nowhere.csv"]),
                 ("dam_break_2d", {"domain.periodic_y": "T"}, ["&domain periodic_y", "floor"]),
                 ("dam_break_2d", {"flow.gravity": 0}, ["sound_speed", "without gravity"]),
                 ("dam_break_2d", {"flow.gravity": 0, "flow.sound_speed": 10}, ["&walls slip_top", "gravity"]),

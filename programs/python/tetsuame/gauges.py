@@ -1,10 +1,9 @@
 """Gauges of a run of `flow`: what they read (gauges.csv), and the measurements that its input names beside them."""
-import csv
 from pathlib import Path
 
 import numpy as np
 
-from . import fields, style
+from . import fields, style, tables
 from .reading import Columns, read_keys, real
 
 KINDS = {"front": ("front_column", "length_unit"), "height": ("height_columns", "length_unit"), "pressure": ("pressure_columns", "stress_unit")}
@@ -24,7 +23,7 @@ def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     path = folder / keys.get("gauges.file", "")  # which may be absolute
     if not path.is_file():
         return {}
-    table, found = reference(path), {}
+    table, found = tables.read(path), {}
     times = next(iter(table.values())) * unit(keys, "time_unit")
     for kind, (key, its_unit) in KINDS.items():
         for number, name in enumerate(listed(keys.get(f"gauges.{key}", "")), 1):
@@ -41,13 +40,6 @@ def unit(keys: dict[str, str], name: str) -> float:
 def listed(text: str) -> list[str]:
     """The words of a list of resolved.nml, with quotes or without."""
     return [word.strip().strip("'\"") for word in text.split(",")] if text.strip() else []
-
-
-def reference(path: Path) -> dict[str, np.ndarray]:
-    """Columns by name; lines that begin with # say where they are from."""
-    with open(path, newline="", encoding="utf-8") as file:
-        head, *rows = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
-    return dict(zip(head, np.array([[float(value or "nan") for value in row] for row in rows]).T))
 
 
 def until(curve: tuple[np.ndarray, np.ndarray], last: float) -> tuple[np.ndarray, np.ndarray]:
