@@ -116,14 +116,18 @@ std::vector<std::string> copies_in(const std::string& folder) {
 std::map<std::string, std::string> hashes_of(const std::vector<input_file>& files) {
   std::map<std::string, std::string> all;
   for (const auto& f : files)
-    if (is_there(f.from)) all[f.name] = hash_of(f.from);
+    if (is_there(f.from)) all[f.label()] = hash_of(f.from);
   return all;
 }
 
 void expect_same_files(const std::vector<input_file>& files, const std::map<std::string, std::string>& saved) {
+  if (saved.contains("initial.file") && std::ranges::count(files, true, &input_file::of_start) == 0)
+    foundation::fail_input("the run was begun from a snapshot, and this input gives no &initial file: give that one");
   for (const auto& f : files) {
-    if (f.of_start) continue;
-    const auto then = saved.find(f.name);
+    if (f.of_start && !is_there(f.from)) continue;
+    const auto then = saved.find(f.label());
+    if (then == saved.end() && f.of_start)
+      foundation::fail_input(fmt::format("{}: the run was not begun from a snapshot: leave {} out", f.where, f.from));
     if (then == saved.end())
       foundation::fail_file(
           fmt::format("the checkpoint has no hash of {}: another version of the program wrote it", f.name));

@@ -19,6 +19,8 @@ struct input_file {
   std::string name;   // of its copy; of a file that is not copied its own
   bool copied = true;
   bool of_start = false;
+
+  std::string label() const { return of_start ? "initial.file" : name; }  // of its hash
 };
 
 // At a restart copies in `earlier`, the folder of the run that goes on, take the place of files that are gone. Fails,
@@ -32,10 +34,11 @@ std::string resolved_with_copies(const namelist::schema& schema, const std::vect
 // Names of the copies that the run in this folder made, as far as its resolved input tells them.
 std::vector<std::string> copies_in(const std::string& folder);
 
-// By the files' names; of those that are there.
+// By the files' labels; of those that are there.
 std::map<std::string, std::string> hashes_of(const std::vector<input_file>& files);
 
-// Fails where a file is another than that of the checkpoint, whose hashes are `saved`.
+// Fails where a file is another than that of the checkpoint, whose hashes are `saved`. A snapshot that the run started
+// from may be gone.
 void expect_same_files(const std::vector<input_file>& files, const std::map<std::string, std::string>& saved);
 
 }  // namespace tetsuame::run

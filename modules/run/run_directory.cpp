@@ -142,7 +142,7 @@ void run_directory::hash_files() {
   std::map<std::string, std::string> found;
   foundation::on_rank_0(ranks.comm, [&] { found = hashes_of(line.files); });
   for (const auto& f : line.files)
-    if (const auto hash = ranks.broadcast(found[f.name]); !hash.empty()) hashes_[f.name] = hash;
+    if (const auto hash = ranks.broadcast(found[f.label()]); !hash.empty()) hashes_[f.label()] = hash;
 }
 
 // Of those that are copied; those of rank 0: others have nothing.

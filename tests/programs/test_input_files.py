@@ -4,7 +4,7 @@ import json
 import os
 import shutil
 
-from running import BAD_INPUT, FILE_FAILED, INPUTS, Case
+from running import BAD_INPUT, INPUTS, Case
 
 TANK = """&domain length_x = 1.6 length_y = 0.8 particles_x = 32 particles_y = 16 /
 &flow low_x = 0.2 high_x = 1.4 low_y = 0.1 high_y = 0.5 /
@@ -122,6 +122,12 @@ class Files(Case):
         source.write_text(text)
         on = self.run_program("disph_f", source, {}, "on")
         self.assertIn("file = 'input_start.h5'", (on.directory / "resolved.nml").read_text())
+        whole = (self.case / "start.h5").read_bytes()
+        (self.case / "start.h5").write_bytes(whole + b" ")
+        refused = self.run_program("disph_f", source, {"time.steps": 3}, "on", ["--restart", "latest"], expect=BAD_INPUT)
+        self.assert_says(refused, BAD_INPUT, "&initial file", "start.h5 is another file")
+        refused = self.run_program("disph_f", source, {"time.steps": 3, "initial.file": "''"}, "on", ["--restart", "latest"], expect=BAD_INPUT)
+        self.assert_says(refused, BAD_INPUT, "the run was begun from a snapshot")
         (self.case / "start.h5").unlink()
         self.run_program("disph_f", source, {"time.steps": 3}, "on", ["--restart", "latest"])
         self.run_program("disph_f", on.directory / "resolved.nml", {}, "anew")
