@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, pages, plots, runs, style
-from .reading import Unreadable, read_keys
+from . import COMPLETED, fields, pages, plots, runs, style, writing
+from .reading import Unreadable, Keys
 
 SHOWN = 4  # maps of so many runs fit beside each other
 
@@ -30,7 +30,7 @@ def that_differ(each: list[dict], form: str) -> list[list[str]]:
 
 def inputs(of: list[tuple[str, runs.Run]]) -> str:
     """Keys of resolved.nml."""
-    rows = that_differ([read_keys(run.directory / "resolved.nml") for _, run in of], "")
+    rows = that_differ([Keys(run.directory / "resolved.nml") for _, run in of], "")
     return pages.text_table(["key", *(title for title, _ in of)], rows, words=1) if rows else pages.paragraph("None: the inputs are the same.")
 
 
@@ -104,10 +104,11 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--time", type=float, help="of the snapshots, s (the last that all have)")
     parser.add_argument("--output", metavar="FOLDER", type=Path, default=Path("output/runs"), help="for report.html (%(default)s)")
     o = parser.parse_args(arguments)
+    if o.time is not None and not np.isfinite(o.time):
+        parser.error("--time is a number")
     if len(o.directories) < 2:
         raise Unreadable("one run has nothing to be compared with: give two directories or more")
     of = [runs.Run(directory) for directory in o.directories]
     text = page(list(zip(titles(of), of)), o.time, o.fields)
-    o.output.mkdir(parents=True, exist_ok=True)
-    print(pages.write(o.output, text))
+    print(pages.write(writing.folder(o.output), text))
     return COMPLETED

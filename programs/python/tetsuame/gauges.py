@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from . import fields, style
-from .reading import Columns, read_keys, real
+from .reading import Columns, Keys, real
 
 KINDS = {"front": ("front_column", "length_unit"), "height": ("height_columns", "length_unit"), "pressure": ("pressure_columns", "stress_unit")}
 ROOM = 1.6   # of the largest value measured: no panel is higher
@@ -20,7 +20,7 @@ def read(folder: Path) -> Columns | dict:
 
 def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there."""
-    keys = read_keys(folder / "resolved.nml")
+    keys = Keys(folder / "resolved.nml")
     path = folder / keys.get("gauges.file", "")  # which may be absolute
     if not path.is_file():
         return {}

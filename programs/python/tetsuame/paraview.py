@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from . import COMPLETED, fields, runs, style, view
+from . import COMPLETED, fields, runs, style, view, writing
 from .reading import Unreadable
 
 PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
@@ -106,8 +106,6 @@ class State:
 
 def state(run: runs.Run, name: str) -> str:
     last, path = run.snapshot(), series(run)
-    if name != "Speed" and last[name].ndim > 1:
-        raise Unreadable(f"{last.path}: {name} is a vector; colours are of a number (Speed is the length of Velocities)")
     array = "Velocities" if name == "Speed" else name
     flat = last.dimension < 3
     times = [snapshot.time for snapshot in run.snapshots]
@@ -163,6 +161,6 @@ def main(arguments: list[str]) -> int:
     run = runs.Run(o.directory)
     text = state(run, fields.shown(run.snapshot(), o.field and [o.field], most=1)[0])
     target = run.directory / "series.pvsm"
-    target.write_text(text, encoding="utf-8")
+    writing.text(target, text)
     print(target)
     return COMPLETED

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, gauges, runs, scene, style
+from . import COMPLETED, fields, gauges, runs, scene, style, writing
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -161,13 +161,11 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
         if last.dimension == 3 and fields.is_water(last):
             figures["view"] = views(last)
         figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
-    target.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, figure in figures.items():
-        if figure is not None:
-            style.save(figure, target / f"{name}.png")
-            written.append(target / f"{name}.png")
-    return written
+    drawn = {writing.folder(target) / f"{name}.png": picture for name, picture in
+             {name: style.png(figure) for name, figure in figures.items() if figure is not None}.items()}
+    for path, picture in drawn.items():
+        writing.contents(path, picture)
+    return list(drawn)
 
 
 def main(arguments: list[str]) -> int:
@@ -177,6 +175,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--time", type=float, help="of the snapshot that is drawn, s (the last)")
     parser.add_argument("--output", metavar="FOLDER", type=Path, help="for the pictures (DIR/plots)")
     o = parser.parse_args(arguments)
+    if o.time is not None and not np.isfinite(o.time):
+        parser.error("--time is a number")
     run = runs.Run(o.directory)
     print("\n".join(map(str, make(run, o.output or run.directory / "plots", o.fields, o.time))))
     return COMPLETED

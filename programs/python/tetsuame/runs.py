@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from . import rendering
-from .reading import Columns, Unreadable, read_json, read_keys, real
+from .reading import Columns, Damaged, Keys, Unreadable, as_hdf5, read_json, read_text, regular
 
 FLUID, WALL = "PartType0", "PartType1"
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # of each axis: at its low end, at its high end
@@ -27,26 +27,26 @@ class Snapshot:
 
     def __init__(self, path: Path):
         self.path = path
-        with self._open() as file:
-            try:
-                header = dict(file["Header"].attrs)
-                self.time, self.step = float(header["Time"]), int(header["Step"])
-                self.dimension = int(header["Dimension"])
-                self.lengths = np.array(header["BoxLengths"], float)[: self.dimension]  # of the box, m
-                self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
-                fluid = file[FLUID]
-                self.names = sorted(fluid)
-                units = {name: fluid[name].attrs.get("units", "") for name in self.names}
-                self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
-                self.particles = len(fluid["ParticleIDs"])
-            except (KeyError, OSError, ValueError) as problem:
-                raise Unreadable(f"{path}: not a snapshot of these programs ({_first_line(problem)})") from None
+        with self._open() as file, as_hdf5(path, "not a snapshot of these programs"):
+            header = dict(file["Header"].attrs)
+            self.time, self.step = float(header["Time"]), int(header["Step"])
+            self.dimension = int(header["Dimension"])
+            self.lengths = np.array(header["BoxLengths"], float)[: self.dimension]  # of the box, m
+            self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
+            fluid = file[FLUID]
+            self.names = sorted(fluid)
+            units = {name: fluid[name].attrs.get("units", "") for name in self.names}
+            self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
+            self.particles = len(fluid["ParticleIDs"])
+            if not (1 <= self.dimension == len(self.lengths) == len(self.periodic) <= 3 and np.isfinite(self.time)
+                    and np.isfinite(self.lengths).all() and (self.lengths > 0).all()):
+                raise ValueError(f"Time {self.time:g}, Dimension {self.dimension}, BoxLengths {self.lengths}")
 
     def __repr__(self):
         return f"<snapshot {self.path.name}: t = {self.time:g} s, {self.particles} particles>"
 
     def __contains__(self, name):
-        return name in self.names or name == "Speed"
+        return ("Velocities" if name == "Speed" else name) in self.names
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A field of the fluid; "Speed" is the length of Velocities."""
@@ -78,8 +78,8 @@ class Snapshot:
         """What the temperature does at the walls, from the resolved.nml beside: none where no heat is conducted, nor at sides that
         give a flux."""
         path = self.path.parent / "resolved.nml"
-        keys = read_keys(path) if path.is_file() else {}
-        conducts = any(key.endswith((".conductivity", ".diffusivity")) and real(value) > 0 for key, value in keys.items())
+        keys = Keys(path) if path.is_file() else {}
+        conducts = any(key.endswith((".conductivity", ".diffusivity")) and keys.real(key) > 0 for key in keys)
         if not conducts or "walls.thermal" not in keys:
             return ()
         found = []
@@ -89,7 +89,7 @@ class Snapshot:
                 thermal = keys["walls.thermal"] if own == "inherit" else own
                 known = thermal == "adiabatic" or (thermal == "fixed" and f"walls.temperature_{side}" in keys)
                 if known and not self.periodic[axis] and keys.get(f"walls.slip_{side}") != "free_surface":
-                    value = real(keys[f"walls.temperature_{side}"]) if thermal == "fixed" else None
+                    value = keys.real(f"walls.temperature_{side}") if thermal == "fixed" else None
                     found.append(rendering.Mirror(axis, place, inward, value))
         return tuple(found)
 
@@ -111,18 +111,22 @@ class Snapshot:
         return (np.arange(bins) + 0.5) * self.lengths[axis] / bins, values
 
     def _read(self, group: str, name: str) -> np.ndarray:
-        with self._open() as file:
-            try:
-                values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
-            except OSError as problem:
-                raise Unreadable(f"{self.path}: {name} is damaged ({_first_line(problem)})") from None
+        with self._open() as file, as_hdf5(self.path, f"{name} is damaged"):
+            values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
+            if group == FLUID and len(values) != self.particles:
+                raise ValueError(f"{len(values)} values for {self.particles} particles")
+            if values.dtype.kind not in "iuf" or values.ndim not in (1, 2):
+                raise ValueError(f"{values.ndim} dimensions of {values.dtype}")
+            if name == "Coordinates" and len(values):
+                if values.ndim != 2 or values.shape[1] < self.dimension:
+                    raise ValueError(f"{values.shape} numbers in {self.dimension} dimensions")
+                if not np.isfinite(values[:, : self.dimension]).all():
+                    raise ValueError("a place is not finite")
         return values[:, : self.dimension] if values.ndim == 2 else values
 
     def _open(self):
-        try:
-            return h5py.File(self.path, "r")
-        except OSError as problem:
-            raise Unreadable(f"{self.path}: cannot be read as HDF5 ({_first_line(problem)})") from None
+        with as_hdf5(self.path, "cannot be read as HDF5"):
+            return h5py.File(regular(self.path), "r")
 
 
 class Run:
@@ -146,22 +150,19 @@ class Run:
     @functools.cached_property
     def program(self) -> str:
         """From the first line of resolved.nml: `! rti, every key as run`."""
-        with open(self.directory / "resolved.nml", encoding="utf-8") as file:
-            return file.readline().lstrip("! ").partition(",")[0].strip() or "unknown"
+        return read_text(self.directory / "resolved.nml").partition("\n")[0].lstrip("! ").partition(",")[0].strip() or "unknown"
 
     @functools.cached_property
     def history(self) -> Columns:
-        path = self.directory / "history.csv"
-        try:
-            return Columns(path)
-        except OSError as problem:
-            raise Unreadable(f"{path}: {problem.strerror}") from None
-        except ValueError as problem:
-            raise Unreadable(f"{path}: not a table that a program writes ({problem})") from None
+        return Columns(self.directory / "history.csv")
 
     @functools.cached_property
     def snapshots(self) -> list[Snapshot]:
-        return sorted((Snapshot(path) for path in self.directory.glob("snapshot_[0-9]*.h5")), key=lambda s: (s.time, s.step))
+        found = sorted((Snapshot(path) for path in self.directory.glob("snapshot_[0-9]*.h5")), key=lambda s: (s.time, s.step))
+        for other in found[1:]:
+            if other.dimension != found[0].dimension:
+                raise Damaged(f"{other.path}: has {other.dimension} dimensions, {found[0].path.name} {found[0].dimension}: not of one run")
+        return found
 
     def snapshot(self, time: float | None = None) -> Snapshot:
         """The one nearest in time; the last without a time."""
@@ -177,7 +178,8 @@ class Run:
         """Numbers of summary.json by name: errors, conservation and metrics."""
         found = {}
         for group in ("errors", "conservation", "metrics"):
-            for name, value in ((self.summary or {}).get(group) or {}).items():
+            values = (self.summary or {}).get(group)
+            for name, value in (values.items() if isinstance(values, dict) else ()):
                 if isinstance(value, (int, float)) and not isinstance(value, bool):
                     found[name] = value
         return found
@@ -189,8 +191,4 @@ def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.
         raise Unreadable(f"{first.path} has {first.dimension} dimensions, {second.path} {second.dimension}: no particle is the same")
     _, here, there = np.intersect1d(first["ParticleIDs"], second["ParticleIDs"], return_indices=True)
     return first[name][here], second[name][there]
-
-
-def _first_line(problem: Exception) -> str:
-    return str(problem).strip("'\"").partition("\n")[0]
 

@@ -1,10 +1,10 @@
 """One look for all figures: a colour and a marker for each program, the same everywhere."""
 import io
+import os
 
-import matplotlib
 import numpy as np
 
-matplotlib.use("Agg")
+os.environ["MPLBACKEND"] = "Agg"  # figures go to files; a name that matplotlib does not know would end it
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 from matplotlib.collections import PolyCollection  # noqa: E402
@@ -41,6 +41,7 @@ STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#
 ABOUT_ONE = "RdBu_r"  # the colours of a ratio to a mean: more and less are told apart
 WIDTH = 10.4  # inches: the report's column
 
+plt.rcdefaults()  # whatever a user's matplotlibrc says
 plt.rcParams.update({
     "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
@@ -163,13 +164,14 @@ def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     ax.grid(False)
 
 
-def save(figure, path) -> None:
-    figure.savefig(path)
-    plt.close(figure)
+def plain(text: str) -> str:
+    """Of a name that is not ours: nothing in it is an equation."""
+    return text.replace("$", r"\$")
 
 
 def png(figure) -> bytes:
     """The picture of a figure, which is closed."""
     buffer = io.BytesIO()
-    save(figure, buffer)
+    figure.savefig(buffer)
+    plt.close(figure)
     return buffer.getvalue()

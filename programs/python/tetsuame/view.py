@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import COMPLETED, fields, plots, runs, style
-from .reading import Unreadable
+from .reading import Unreadable, read_text
 
 LIBRARIES = [Path("/usr/share/javascript/three/three.min.js"), Path("/usr/share/nodejs/three/build/three.min.js")]
 TEMPLATE = Path(__file__).parent / "viewer.html"
@@ -20,7 +20,7 @@ COLUMNS, POINTS = 12, 1000  # of the history: more would be too small to see
 def library(named: Path | None) -> str:
     for path in [named] if named else LIBRARIES:
         if path.is_file():
-            return path.read_text(encoding="utf-8")
+            return read_text(path)
     raise Unreadable(f"{named}: no such file" if named else
                      "no three.min.js on this machine: install Debian's package libjs-three, or name the file by --three")
 
@@ -135,8 +135,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--three", metavar="FILE", type=Path, help="three.min.js of three.js, if not from Debian's libjs-three")
     parser.add_argument("--output", metavar="FILE", type=Path, help="instead of DIR/view.html")
     o = parser.parse_args(arguments)
-    if not o.megabytes >= 2:
-        parser.error("--megabytes: at least 2")
+    if not 2 <= o.megabytes <= 2000:
+        parser.error("--megabytes: 2 to 2000")
     run = runs.Run(o.directory)
     text = page(run, o.fields, library(o.three), o.megabytes)
     target = o.output or run.directory / "view.html"
