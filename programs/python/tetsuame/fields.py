@@ -45,7 +45,7 @@ def scaled(unit: str, largest: float) -> tuple[float, str]:
 
 
 def label(name: str, unit: str) -> str:
-    return look(name).label + bracketed(unit)
+    return (look(name).label + bracketed(unit)).replace("$", r"\$")  # no equation
 
 
 def bracketed(unit: str) -> str:

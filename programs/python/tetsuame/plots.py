@@ -33,7 +33,7 @@ def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, 
             if name in run.history:
                 ax.plot(run.history["time"] / size, run.history[name], **style.numbered(index), label=title)
                 units = run.history.units[name]
-        ax.set_title(name.replace("_", " ") + fields.bracketed(units))
+        style.entitle(ax, name.replace("_", " ") + fields.bracketed(units))
         ax.margins(x=0)
     for ax in panels[-3:]:
         ax.set_xlabel(f"time [{unit}]")

@@ -16,7 +16,7 @@ import platform
 from html import escape
 from pathlib import Path
 
-from .. import ROOT, pages, writing
+from .. import OUTPUT, ROOT, pages, writing
 from ..reading import beside
 from . import (balance_study, continuity_of_y, convection, flow, godunov_in_earnest, gravity_density, hydrostatic, letters, orders, precision,
                relaxation_map, rti, runner, shock, slides_convection, slowed_overturn, table, time_stepping)
@@ -37,7 +37,7 @@ def options(name: str, subject) -> argparse.ArgumentParser:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
     else:
         parser.add_argument("--all", action="store_true", help="this and all other comparisons, their runs in one queue (with --quick: smaller)")
-    common_options(parser, f"output/compare/{name}".rstrip("/"))
+    common_options(parser, str(OUTPUT / "compare" / name))
     return parser
 
 
@@ -79,7 +79,7 @@ def everything(arguments: list[str]) -> int:
     """All subjects, their runs in one queue: each gets the options of this command line, and a folder of its own."""
     parser = argparse.ArgumentParser(prog="./run compare --all", description="All comparisons, each into a folder of its own, its page last.")
     parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
-    common_options(parser, "output/compare")
+    common_options(parser, str(OUTPUT / "compare"))
     output = parser.parse_args(arguments).output
     comparisons = []
     for name in ("", *SUBJECTS):

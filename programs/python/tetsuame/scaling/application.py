@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from .. import COMPLETED, ROOT, pages, writing
+from .. import COMPLETED, OUTPUT, ROOT, pages, writing
 from ..reading import Unreadable
 from . import analysis, runner
 
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
                    help="starts MPI programs; {ranks} and {threads} are put in (default: mpirun, each rank bound to its cores "
                         "where there are enough)")
     p.add_argument("--binaries", type=Path, default=ROOT / "build/programs", metavar="DIR", help="folder of the programs")
-    p.add_argument("--output", type=Path, default=ROOT / "output/scaling", metavar="DIR", help="default output/scaling")
+    p.add_argument("--output", type=Path, default=OUTPUT / "scaling", metavar="DIR", help="default output/scaling")
     return p
 
 
