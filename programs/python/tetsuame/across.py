@@ -80,6 +80,8 @@ def differences(of: list[tuple[str, runs.Run]], time: float) -> str:
             if name == "ParticleIDs" or name not in b:
                 continue
             here, there = runs.by_id(a, b, name)
+            if here.shape != there.shape:
+                continue
             if not len(here):
                 return pages.paragraph(f"No particle of {escape(title)} is one of {escape(first_title)} by its ID.")
             difference = np.abs(there.astype(float) - here)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from . import COMPLETED, fields, gauges, runs, scene, style, writing
+from .reading import Damaged
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -17,6 +18,9 @@ def varies(values: np.ndarray) -> bool:
 
 def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, most: int = 12):
     """A panel for each column that varies in any of the runs, a line for each run; None without any."""
+    for _, run in of:
+        if run.history and "time" not in run.history:
+            raise Damaged(f"{run.directory / 'history.csv'}: has no column time")
     if columns is None:
         columns = []
         for _, run in of:

@@ -19,6 +19,9 @@ from . import rendering
 from .reading import Columns, Damaged, Keys, Unreadable, as_hdf5, read_json, read_text, regular
 
 FLUID, WALL = "PartType0", "PartType1"
+LAYERS = 10_000  # of a profile
+VECTORS = {"Coordinates", "Velocities"}
+NUMBERS = {"ParticleIDs", "Masses", "Density", "Volume", "SmoothingLength"}  # that more is made of than pictures
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # of each axis: at its low end, at its high end
 
 
@@ -66,8 +69,12 @@ class Snapshot:
     @functools.cached_property
     def spacing(self) -> np.ndarray:
         """Of each particle's neighbours, from its volume, m."""
-        volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
-        return np.abs(volume) ** (1 / self.dimension)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
+            spacing = np.abs(volume) ** (1 / self.dimension)
+        if not ((spacing > 0) & (spacing < 4 * self.lengths.max())).all():
+            raise Damaged(f"{self.path}: a particle's volume is none in a box of {' x '.join(f'{length:g}' for length in self.lengths)} m")
+        return spacing
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
@@ -102,8 +109,10 @@ class Snapshot:
     def profile(self, name: str, axis: int | None = None, bins: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Means over layers normal to `axis` (y, along which gravity points; in 1-D x), weighted with volume: places, m, and values (nan in an empty layer)."""
         axis = min(1, self.dimension - 1) if axis is None else axis
-        bins = bins or max(int(self.lengths[axis] / np.median(self.spacing)), 1)
-        place = np.clip((self["Coordinates"][:, axis] / self.lengths[axis] * bins).astype(int), 0, bins - 1)
+        if not self.particles:
+            raise Unreadable(f"{self.path}: holds no particle")
+        bins = bins or max(int(min(self.lengths[axis] / np.median(self.spacing), LAYERS)), 1)
+        place = np.clip(self["Coordinates"][:, axis] / self.lengths[axis] * bins, 0, bins - 1).astype(int)
         volume = self.spacing**self.dimension
         weight = np.bincount(place, volume, bins)
         with np.errstate(invalid="ignore"):
@@ -115,13 +124,13 @@ class Snapshot:
             values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
             if group == FLUID and len(values) != self.particles:
                 raise ValueError(f"{len(values)} values for {self.particles} particles")
-            if values.dtype.kind not in "iuf" or values.ndim not in (1, 2):
-                raise ValueError(f"{values.ndim} dimensions of {values.dtype}")
-            if name == "Coordinates" and len(values):
-                if values.ndim != 2 or values.shape[1] < self.dimension:
-                    raise ValueError(f"{values.shape} numbers in {self.dimension} dimensions")
-                if not np.isfinite(values[:, : self.dimension]).all():
-                    raise ValueError("a place is not finite")
+            columns = values.shape[1:]
+            if values.dtype.kind not in "iuf" or name in NUMBERS and columns or len(columns) > 1 or columns and columns[0] < self.dimension:
+                raise ValueError(f"{values.dtype} of shape {values.shape}")
+            if name in VECTORS and len(values) and not columns:
+                raise ValueError("no vector")
+            if name == "Coordinates" and not np.isfinite(values[..., : self.dimension]).all():
+                raise ValueError("a place is not finite")
         return values[:, : self.dimension] if values.ndim == 2 else values
 
     def _open(self):
