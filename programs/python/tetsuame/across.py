@@ -114,6 +114,8 @@ def page(of: list[tuple[str, runs.Run]], time: float | None, wanted: list[str] |
         time = min(run.snapshot().time for _, run in of)
     common = [name for name in [*of[0][1].snapshot(time).names, "Speed"] if all(name in run.snapshot(time) for _, run in of)]
     names = fields.shown(of[0][1].snapshot(time), wanted or [name for name in fields.shown(of[0][1].snapshot(time)) if name in common] or None)
+    for _, run in of:
+        fields.shown(run.snapshot(time), names)  # refused by name where one is not there, or no number
     mapped = [] if dimensions == {1} else names
     return pages.document("runs side by side", [
         pages.head("Runs side by side", [], ""),

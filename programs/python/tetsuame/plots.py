@@ -142,8 +142,8 @@ def profiles(of: list, names: list[str], axis: int | None = None):
             places, values = snapshot.profile(name, axis)
             filled = np.isfinite(values)  # a layer may lie between two particles
             lines.append((title, places[filled], values[filled]))
-        size, unit = fields.scaled(of[0][1].unit(name), max(np.nanmax(np.abs(values)) for _, _, values in lines))
-        across, length = fields.scaled("m", max(places.max() for _, places, _ in lines))
+        size, unit = fields.scaled(of[0][1].unit(name), max((np.abs(values).max() for _, _, values in lines if len(values)), default=0.0))
+        across, length = fields.scaled("m", max((places.max() for _, places, _ in lines if len(places)), default=1.0))
         for index, (title, places, values) in enumerate(lines):
             # A height stands upright.
             ax.plot(*((places / across, values / size) if last == 0 else (values / size, places / across)), **style.numbered(index), label=title)

@@ -40,7 +40,7 @@ class Snapshot:
             self.names = sorted(fluid)
             units = {name: fluid[name].attrs.get("units", "") for name in self.names}
             self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
-            self.particles = len(fluid["ParticleIDs"])
+            (self.particles,) = fluid["ParticleIDs"].shape
             if not (1 <= self.dimension == len(self.lengths) == len(self.periodic) <= 3 and np.isfinite(self.time)
                     and np.isfinite(self.lengths).all() and (self.lengths > 0).all()):
                 raise ValueError(f"Time {self.time:g}, Dimension {self.dimension}, BoxLengths {self.lengths}")
@@ -198,6 +198,6 @@ def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.
     """A field of both, for the particles that both hold, in the order of their IDs."""
     if first.dimension != second.dimension:
         raise Unreadable(f"{first.path} has {first.dimension} dimensions, {second.path} {second.dimension}: no particle is the same")
-    _, here, there = np.intersect1d(first["ParticleIDs"], second["ParticleIDs"], return_indices=True)
+    _, here, there = np.intersect1d(*(snapshot["ParticleIDs"].astype(np.int64) for snapshot in (first, second)), return_indices=True)
     return first[name][here], second[name][there]
 
