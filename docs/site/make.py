@@ -79,6 +79,8 @@ def sections(folder: Path) -> list[list[str]]:
 
 
 def make(site: Path) -> Path:
+    if site.is_symlink() or site.exists() and not site.is_dir() or site.is_dir() and any(site.iterdir()) and not (site / "sections.js").is_file():
+        sys.exit(f"run docs: {site}: holds something else than these pages, and is not replaced; give a new folder")
     shutil.rmtree(site, ignore_errors=True)
     with tempfile.TemporaryDirectory() as name:
         folder, settings = Path(name, "pages"), Path(name, "mkdocs.yml")

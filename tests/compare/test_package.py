@@ -75,7 +75,7 @@ class Reading(unittest.TestCase):
     def test_keys_of_a_resolved_input(self):
         self.file.write_text("! rti, every key as run\n&domain\n  length_x = 1.5d6  ! m\n/\n&walls\n  thermal = 'fixed'  ! not 'adiabatic'\n"
                              "  Name = 'a ! b'\n  list = 1, 2\n/\n")
-        self.assertEqual(reading.read_keys(self.file), {"domain.length_x": "1.5d6", "walls.thermal": "fixed", "walls.name": "a ! b",
+        self.assertEqual(reading.Keys(self.file), {"domain.length_x": "1.5d6", "walls.thermal": "fixed", "walls.name": "a ! b",
                                                         "walls.list": "1, 2"})
         self.assertEqual(reading.real("1.5D6"), 1.5e6)
 

@@ -103,9 +103,9 @@ class Case(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.here = Path(scratch.name)
 
-    def assert_refused(self, said, *words):
-        """One sentence and exit 2."""
-        self.assertEqual((said.returncode, said.stdout), (2, ""), said.stderr)
+    def assert_refused(self, said, *words, status=2):
+        """One sentence, and exit 2, or 4 where a file is at fault."""
+        self.assertEqual((said.returncode, said.stdout), (status, ""), said.stderr)
         self.assertEqual(len(said.stderr.strip().splitlines()), 1, said.stderr)
         for word in words:
             self.assertIn(word, said.stderr)
@@ -134,13 +134,13 @@ class Loading(Case):
             for size in (0, 100, len(whole) // 2):
                 with self.subTest(command, size=size):
                     (run / "snapshot_0002.h5").write_bytes(whole[:size])
-                    self.assert_refused(inside.call(command, run, *options), "snapshot_0002.h5")
+                    self.assert_refused(inside.call(command, run, *options), "snapshot_0002.h5", status=4)
         with h5py.File(run / "snapshot_0002.h5", "w") as file:
             file["something"] = 1
-        self.assert_refused(inside.call("view", run, "--three", three), "not a snapshot of these programs")
+        self.assert_refused(inside.call("view", run, "--three", three), "not a snapshot of these programs", status=4)
         (run / "snapshot_0002.h5").unlink()
         (run / "history.csv").write_text("time [s]\nzero\n")
-        self.assert_refused(inside.call("plot", run), "history.csv", "not a table")
+        self.assert_refused(inside.call("plot", run), "history.csv", "not a table", status=4)
 
     def test_runs_of_different_dimensions(self):
         a, b = write_run(self.here / "a"), write_run(self.here / "b", dimension=3, n=4)
@@ -341,16 +341,16 @@ class ForParaView(Case):
     def test_what_cannot_be_shown(self):
         run = write_run(self.here / "a")
         self.assert_refused(inside.call("paraview", self.here), "no resolved.nml")
-        self.assert_refused(inside.call("paraview", run), "series.xdmf", "No such file")
+        self.assert_refused(inside.call("paraview", run), "series.xdmf", "No such file", status=4)
         write_series(run)
         self.assert_refused(inside.call("paraview", run, "--field", "Magnetism"), "no field 'Magnetism'")
         self.assert_refused(inside.call("paraview", run, "--field", "Velocities"), "Velocities is a vector")
         whole = (run / "series.xdmf").read_text()
         (run / "series.xdmf").write_text(whole[:700])
-        self.assert_refused(inside.call("paraview", run), "series.xdmf", "damaged")
+        self.assert_refused(inside.call("paraview", run), "series.xdmf", "damaged", status=4)
         (run / "series.xdmf").write_text(whole)
         (run / "snapshot_0002.h5").unlink()
-        self.assert_refused(inside.call("paraview", run), "names snapshot_0002.h5, which is not there")
+        self.assert_refused(inside.call("paraview", run), "names snapshot_0002.h5, which is not there", status=4)
         for path in run.glob("snapshot_*.h5"):
             path.unlink()
         self.assert_refused(inside.call("paraview", run), "no snapshot in it")
@@ -485,21 +485,64 @@ class Viewing(Case):
         self.assertEqual(said.returncode, 0, said.stderr)
         page = (run / "view.html").read_text()
         about = json.loads(re.search(r'id="about">(.*?)</script>', page).group(1))
-        self.assertEqual((about["times"], about["particles"]), ([0, 10, 20, 30], 144))
-        places, values = np.zeros((2, 144), np.uint16), np.zeros(144, np.uint8)
+        self.assertEqual((about["times"], about["particles"], about["slots"]), ([0, 10, 20, 30], [144] * 4, [144, 0]))
+        places, values, there = np.zeros((2, 144), np.uint16), np.zeros(144, np.uint8), np.zeros(144, np.uint8)
         low, high = np.array(about["low"]), np.array(about["high"])
         field = about["fields"][0]
         for index, snapshot in enumerate(tetsuame.load(run).snapshots):
             chunk = re.search(rf'id="frame{index}">(.*?)</script>', page).group(1)
-            planes = np.frombuffer(zlib.decompress(base64.b64decode(chunk)), np.uint8).reshape(5, 144)
+            planes = np.frombuffer(zlib.decompress(base64.b64decode(chunk)), np.uint8).reshape(6, 144)
             places += planes[[0, 2]] + 256 * planes[[1, 3]].astype(np.uint16)
-            values += planes[4]
+            there += planes[4]
+            values += planes[5]
+            self.assertTrue((there == 1).all())
             order = np.argsort(snapshot["ParticleIDs"])
             here = low + places.T / 65535 * (high - low)
             self.assertLess(np.abs(here - snapshot["Coordinates"][order]).max(), LENGTH / 60000)
             shown = field["low"] + values / 255 * (field["high"] - field["low"])
             inside = np.clip(snapshot["Temperature"][order], field["low"], field["high"])
             self.assertLess(np.abs(shown - inside).max(), (field["high"] - field["low"]) / 500)
+
+    def decoded(self, page):
+        """Of each frame, of fluid and bodies: places in metres of those that are there, and how many places there are in all."""
+        about = json.loads(re.search(r'id="about">(.*?)</script>', page).group(1))
+        low, high, dimension = np.array(about["low"]), np.array(about["high"]), about["dimension"]
+        kinds = [[np.zeros((dimension, count), np.uint16), np.zeros(count, np.uint8)] for count in about["slots"]]
+        for chunk in re.findall(r'id="frame\d+">(.*?)</script>', page):
+            left, found = np.frombuffer(zlib.decompress(base64.b64decode(chunk)), np.uint8), []
+            for kind, (places, there) in enumerate(kinds):
+                count = len(there)
+                planes = left[: (2 * dimension + 1) * count].reshape(-1, count)
+                left = left[(2 * dimension + 1 + (len(about["fields"]) if kind == 0 else 0)) * count:]
+                places += planes[:-1:2] + 256 * planes[1:-1:2].astype(np.uint16)
+                there += planes[-1]
+                found.append(low + places.T[there == 1] / 65535 * (high - low))
+            self.assertEqual(len(left), 0)
+            yield found
+
+    def test_particles_that_come_and_go(self):
+        """As in a run of convection that begins on fewer particles, or where others have left. Bodies may move, and be seen anew."""
+        for dimension in (2, 3):
+            run = write_run(self.here / str(dimension), dimension=dimension, n=4, times=(0, 10))
+            write_snapshot(run / "snapshot_0002.h5", 20, places_of(6, dimension), Pressure=np.arange(6.0**dimension))
+            write_snapshot(run / "snapshot_0003.h5", 30, places_of(3, dimension), Pressure=np.arange(3.0**dimension))
+            snapshots = tetsuame.load(run).snapshots
+            blocks = []
+            for index, snapshot in enumerate(snapshots):
+                block = np.pad(places_of(3, dimension)[: 5 + index] / 4 + index, [(0, 0), (0, 3 - dimension)])
+                behind = block - (0, LENGTH, 0)  # a wall below the box is none of the bodies
+                with h5py.File(snapshot.path, "a") as file:
+                    file["PartType1/Coordinates"] = np.concatenate([block, behind])
+                    file["PartType1/ParticleIDs"] = np.arange(2 * len(block))
+                blocks.append(block[:, :dimension])
+            said = call("view", run, *self.three())
+            self.assertEqual(said.returncode, 0, said.stderr)
+            frames = list(self.decoded((run / "view.html").read_text()))
+            self.assertEqual(len(frames), 4)
+            for (fluid, bodies), snapshot, block in zip(frames, snapshots, blocks):
+                order = np.argsort(snapshot["ParticleIDs"])
+                self.assertLess(np.abs(fluid - snapshot["Coordinates"][order]).max(), LENGTH / 30000)
+                self.assertLess(np.abs(bodies - block).max(), LENGTH / 30000)
 
     def test_a_page_too_large_leaves_snapshots_out(self):
         run = write_run(self.here / "a", n=60, times=range(40))
@@ -552,7 +595,30 @@ class Viewing(Case):
         self.assertFalse(page.execute_script("return viewer.playing"))
         Select(page.find_element(By.ID, "field")).select_by_index(0)
         page.execute_script("show(14)")
+        self.assertTrue(page.execute_script("return of('cuts').hidden && of('shown').hidden"))
         self.assertEqual(page.find_element(By.ID, "time").text, "t = 28 s")
+        self.assertEqual(page.get_log("browser"), [])
+
+        # In 3-D y is upwards, and each cut takes its own side away: the right (x), the top (y), the near (z).
+        deep = write_run(self.here / "deep", dimension=3, n=8, times=(0, 10))
+        self.assertEqual(call("view", deep).returncode, 0)
+        page.get((deep / "view.html").as_uri())
+        self.wait(lambda: page.execute_script("return window.viewer && viewer.ready"))
+
+        def left_of(axis):
+            page.execute_script(f"of('along').value = {axis}; of('cut').value = 0.5; cut()")
+            # Without the lines of the box and letters: what is drawn in colours.
+            return np.nonzero(np.ptp(picture(), axis=2) > 40)
+
+        page.execute_script("of('cut').value = 1; cut()")
+        all_rows, all_columns = np.nonzero(np.ptp(picture(), axis=2) > 40)
+        cut_rows, cut_columns = left_of(0)
+        self.assertLess(cut_columns.max(), all_columns.max() - 0.3 * np.ptp(all_columns))
+        cut_rows, cut_columns = left_of(1)
+        self.assertGreater(cut_rows.min(), all_rows.min() + 0.3 * np.ptp(all_rows))
+        self.assertAlmostEqual(cut_rows.max(), all_rows.max(), delta=3)
+        cut_rows, cut_columns = left_of(2)
+        self.assertLess(cut_rows.max(), all_rows.max() - 10)
         self.assertEqual(page.get_log("browser"), [])
 
     def wait(self, until, seconds=30):

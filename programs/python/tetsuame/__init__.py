@@ -7,12 +7,16 @@
     reading         files that the programs write                        style, pages    one look for all figures and pages
     gauges          of flow, beside measurements                         scene           water in three dimensions
 """
+import os
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]  # of the repository
 # Where the programs are: built, or installed beside this package.
 PROGRAMS = next((folder for folder in (ROOT / "build/programs", Path(__file__).resolve().parents[2]) if (folder / "rti").exists()),
                 ROOT / "build/programs")
+
+# Where pages go that are given no place; ./run, which may be called in another folder, says where that is.
+OUTPUT = Path(os.environ.get("TETSUAME_OUTPUT", "output"))
 
 # Exit statuses, the same as the programs'.
 COMPLETED, BAD_INPUT, FAILED, FILE_FAILED = 0, 2, 3, 4

@@ -4,7 +4,7 @@ import importlib
 import sys
 from pathlib import Path
 
-from . import BAD_INPUT, COMPLETED, FILE_FAILED
+from . import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED
 from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
@@ -33,15 +33,22 @@ def main(arguments: list[str]) -> int:
                "  scaling   measure program C over ranks and threads; write report.html\n"
                "  building  write a building of columns and floors as an STL surface, for flow")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
+    for stream in (sys.stdout, sys.stderr):  # where letters are not those of UTF-8, and for names of files in other letters
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
     command = parser.parse_args(arguments[:1]).command
     try:
-        return run(command, arguments[1:])
+        status = run(command, arguments[1:])
+        sys.stdout.flush()
+        return status
     except Unreadable as problem:
         status, said = problem.status, problem
     except ModuleNotFoundError as problem:
         status, said = BAD_INPUT, f"needs the Python package {problem.name}, which is not here"
+    except MemoryError:
+        status, said = FAILED, "the memory is not enough"
     except OSError as problem:
-        status, said = FILE_FAILED, f"{problem.filename}: {problem.strerror}"
+        status, said = FILE_FAILED, f"{problem.filename or 'what is said here'}: {problem.strerror}"
     print(f"{CALLED.get(command, f'tetsuame {command}')}: {said}", file=sys.stderr)
     return status
 

@@ -4,13 +4,15 @@ Boxes that touch or overlap are one solid. Its surface is made of rectangles bet
 edge to edge, and no face lies inside."""
 import argparse
 import itertools
+import math
 import struct
 from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED
+from . import COMPLETED, writing
 
+MOST = 100  # bays and storeys: the triangles are counted over all planes of all boxes
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]  # lowest and highest corner, m
 
 
@@ -57,7 +59,7 @@ def write_stl(path: Path, triangles: np.ndarray) -> None:
     """Binary; normals are left zero, since the corners' order tells them."""
     records = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     records["corners"] = triangles
-    path.write_bytes(b"columns and floors".ljust(80) + struct.pack("<I", len(triangles)) + records.tobytes())
+    writing.contents(path, b"columns and floors".ljust(80) + struct.pack("<I", len(triangles)) + records.tobytes())
 
 
 def main(arguments: list[str]) -> int:
@@ -74,7 +76,9 @@ def main(arguments: list[str]) -> int:
     given = parser.parse_args(arguments)
     if min(*given.bays, given.storeys) < 1:
         parser.error("--bays and --storeys are at least 1")
-    if not min(given.opening, given.clear, given.thickness, given.foundation) > 0.0:
+    if max(*given.bays, given.storeys) > MOST:
+        parser.error(f"--bays and --storeys are at most {MOST}")
+    if not all(0.0 < length < math.inf for length in (given.opening, given.clear, given.thickness, given.foundation)):
         parser.error("--opening, --clear, --thickness and --foundation are lengths above 0")
     triangles = surface(frame(tuple(given.bays), given.storeys, given.opening, given.clear, given.thickness, given.foundation))
     write_stl(given.file, triangles)

@@ -3,6 +3,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .reading import Unreadable
+
 
 @dataclass
 class Look:
@@ -43,7 +45,7 @@ def scaled(unit: str, largest: float) -> tuple[float, str]:
 
 
 def label(name: str, unit: str) -> str:
-    return look(name).label + bracketed(unit)
+    return (look(name).label + bracketed(unit)).replace("$", r"\$")  # no equation
 
 
 def bracketed(unit: str) -> str:
@@ -57,7 +59,8 @@ def is_water(snapshot) -> bool:
 
 def limits(snapshots: list, name: str) -> tuple[float, float]:
     """Of a field over several snapshots, without the outermost thousandth: one particle's excess would hide the rest."""
-    each = [np.quantile(snapshot[name], [0.001, 0.999]) for snapshot in snapshots]
+    finite = [values[np.isfinite(values)] for values in (snapshot[name] for snapshot in snapshots)]
+    each = [np.quantile(values, [0.001, 0.999]) for values in finite if len(values)] or [(0.0, 0.0)]
     low, high = min(pair[0] for pair in each), max(pair[1] for pair in each)
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
@@ -66,13 +69,15 @@ def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]
     """The fields to show: those wanted, or the first few that are not the same everywhere."""
     if wanted:
         for name in wanted:
-            snapshot[name]  # refused by its name if it is not there
+            if snapshot[name].ndim > 1:  # refused by its name if it is not there
+                raise Unreadable(f"{snapshot.path}: {name} is a vector, and what is drawn is a number (Speed is the length of Velocities)")
         return wanted
     others = [name for name in snapshot.names if name not in FIRST and name not in NOT_SHOWN]
-    found = []
-    for name in OF_WATER if is_water(snapshot) else [*FIRST, *others]:
-        if name in snapshot and len(found) < most:
-            values = snapshot[name]
-            if values.ndim == 1 and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():
-                found.append(name)
-    return found or ["Pressure"]
+    there, found = [name for name in [*FIRST, *others] if name in snapshot and snapshot[name].ndim == 1], []
+    for name in [name for name in OF_WATER if name in there] if is_water(snapshot) else there:
+        values = snapshot[name][np.isfinite(snapshot[name])]
+        if len(found) < most and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():
+            found.append(name)
+    if not there:
+        raise Unreadable(f"{snapshot.path}: holds no field that can be drawn (only {', '.join(snapshot.names)}); &output fields chooses them")
+    return found or there[:1]

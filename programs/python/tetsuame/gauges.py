@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 
 from . import fields, style, tables
-from .reading import Columns, read_keys, real
+from .reading import Columns, Keys
 
 KINDS = {"front": ("front_column", "length_unit"), "height": ("height_columns", "length_unit"), "pressure": ("pressure_columns", "stress_unit")}
 ROOM = 1.6   # of the largest value measured: no panel is higher
@@ -18,8 +18,9 @@ def read(folder: Path) -> Columns | dict:
 
 
 def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there."""
-    keys = read_keys(folder / "resolved.nml")
+    """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there, and
+    where it has numbers."""
+    keys = Keys(folder / "resolved.nml")
     path = folder / keys.get("gauges.file", "")  # which may be absolute
     if not path.is_file():
         return {}
@@ -28,13 +29,15 @@ def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     for kind, (key, its_unit) in KINDS.items():
         for number, name in enumerate(listed(keys.get(f"gauges.{key}", "")), 1):
             if name in table:
-                found[kind if kind == "front" else f"{kind}_{number}"] = times, table[name] * unit(keys, its_unit)
+                there = np.isfinite(table[name])
+                if there.any():
+                    found[kind if kind == "front" else f"{kind}_{number}"] = times[there], table[name][there] * unit(keys, its_unit)
     return found
 
 
 def unit(keys: dict[str, str], name: str) -> float:
     """What is 1 in the file, in SI units; an expert's key."""
-    return real(keys[f"expert.{name}"])
+    return keys.real(f"expert.{name}")
 
 
 def listed(text: str) -> list[str]:
@@ -49,7 +52,7 @@ def until(curve: tuple[np.ndarray, np.ndarray], last: float) -> tuple[np.ndarray
 
 def largest_measured(known: dict, kind: str) -> float:
     """Of all gauges of a kind."""
-    return max((float(np.nanmax(values)) for name, (_, values) in known.items() if name.startswith(kind)), default=0.0)
+    return max((float(values.max()) for name, (_, values) in known.items() if name.startswith(kind)), default=0.0)
 
 
 def panel(ax, curves: list[tuple[dict, np.ndarray, np.ndarray]], of_measurement: tuple[np.ndarray, np.ndarray] | None,
@@ -59,7 +62,8 @@ def panel(ax, curves: list[tuple[dict, np.ndarray, np.ndarray]], of_measurement:
     last = max(time[-1] for _, time, _ in curves)
     for look, time, values in curves:
         ax.plot(time, values, **look)
-    ax.set_xlim(0, last)
+    if 0 < last < np.inf:
+        ax.set_xlim(0, last)
     if of_measurement is None:
         return
     time, values = until(of_measurement, last)
@@ -68,7 +72,8 @@ def panel(ax, curves: list[tuple[dict, np.ndarray, np.ndarray]], of_measurement:
     ax.plot(time, values, color=style.INK, linewidth=1.0 if len(time) > 30 else 0, marker=None if len(time) > 30 else "o", markersize=3.5,
             label="measured", zorder=4)
     low, high = min(0.0, float(values.min())), max(float(values.max()), LEAST * largest, 1e-300)
-    runs_high, runs_low = max(np.max(v) for *_, v in curves), min(np.min(v) for *_, v in curves)
+    of_runs = np.concatenate([[low], *(v[np.isfinite(v)] for *_, v in curves)])
+    runs_high, runs_low = of_runs.max(), of_runs.min()
     ax.set_ylim(max(1.05 * runs_low, low - 0.3 * high) if runs_low < 0 else low - 0.02 * high, min(max(1.05 * runs_high, 1.1 * high), ROOM * high))
     if runs_high > ROOM * high:
         ax.text(0.98, 0.97, f"to {runs_high:.3g}", transform=ax.transAxes, ha="right", va="top", fontsize=7.5, color=style.GREY,
@@ -89,7 +94,7 @@ def draw(of: list[tuple[str, Path]], columns: list[str] | None = None):
         panel(ax, [(style.numbered(index) | {"label": title or "run", "linewidth": 1.0}, found["time"], found[name] / size)
                    for index, (title, found) in enumerate(each) if name in found],
               (known[name][0], known[name][1] / size) if name in known else None, peak / size)
-        ax.set_title(name.replace("_", " ") + fields.bracketed(unit))
+        style.entitle(ax, name.replace("_", " ") + fields.bracketed(unit))
     for ax in panels[-(4 if len(names) % 4 == 0 else 3):]:
         ax.set_xlabel("time [s]")
     if len(of) > 1 or known:

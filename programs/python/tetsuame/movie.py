@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, plots, runs, scene, style
+from . import COMPLETED, fields, plots, runs, scene, style, writing
 from .reading import Unreadable
 
 VIEW = 960  # pixels, of a view's width
@@ -54,27 +54,33 @@ def views(snapshots: list, columns: int, fastest: float, cut: float | None = Non
 def write_mp4(pictures, target: Path, rate: float) -> None:
     """Even sides, as H.264 wants them, by repeating the last row or column."""
     encoder = None
-    try:
-        for picture in pictures:
-            picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
-            if encoder is None:
-                encoder = subprocess.Popen(
-                    ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{picture.shape[1]}x{picture.shape[0]}",
-                     "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "18", str(target)],
-                    stdin=subprocess.PIPE, stderr=subprocess.PIPE)
-            encoder.stdin.write(picture.tobytes())
-    except BrokenPipeError:
-        pass  # it has said why, below
-    _, said = encoder.communicate()
-    if encoder.returncode:
-        raise OSError(0, "ffmpeg: " + said.decode(errors="replace").strip().partition("\n")[0], str(target))
+    with writing.replacing(target) as path:
+        try:
+            for picture in pictures:
+                picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
+                if encoder is None:
+                    encoder = subprocess.Popen(
+                        ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{picture.shape[1]}x{picture.shape[0]}",
+                         "-r", str(rate), "-i", "-", "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "18", str(path)],
+                        stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+                encoder.stdin.write(picture.tobytes())
+        except BrokenPipeError:
+            pass  # it has said why, below
+        except BaseException:
+            if encoder:
+                encoder.kill()
+            raise
+        _, said = encoder.communicate()
+        if encoder.returncode:
+            raise OSError(0, "ffmpeg: " + said.decode(errors="replace").strip().partition("\n")[0])
 
 
 def write_gif(pictures, target: Path, rate: float) -> None:
     from PIL import Image  # comes with matplotlib
 
     first, *rest = [Image.fromarray(picture).quantize(128) for picture in pictures]
-    first.save(target, save_all=True, append_images=rest, duration=round(1000 / rate), loop=0)
+    with writing.replacing(target) as path:
+        first.save(path, "GIF", save_all=True, append_images=rest, duration=round(1000 / rate), loop=0)
 
 
 def main(arguments: list[str]) -> int:
@@ -90,6 +96,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--cut", type=float, metavar="Z", help="with --view: what has a larger z (m) is cut away")
     parser.add_argument("--output", metavar="FILE", type=Path, help="instead of DIR/movie.mp4 or DIR/movie.gif")
     o = parser.parse_args(arguments)
+    if o.cut is not None and not np.isfinite(o.cut):
+        parser.error("--cut is a number")
     if not 0.1 <= o.rate <= 200 or not 16 <= o.pixels <= 4000:
         parser.error("--rate is 0.1 to 200, --pixels 16 to 4000")
     if o.view and o.fields or o.cut is not None and not o.view:
@@ -108,8 +116,7 @@ def main(arguments: list[str]) -> int:
         pictures = views(run.snapshots, VIEW, fields.limits(run.snapshots, "Speed")[1], o.cut)
     else:
         pictures = frames(run, names, o.pixels, "xyz".index(o.axis))
-    pictures = told(pictures, len(run.snapshots))
-    (write_gif if as_gif else write_mp4)(pictures, target, o.rate)
+    (write_gif if as_gif else write_mp4)(told(pictures, len(run.snapshots)), target, o.rate)
     print(target)
     return COMPLETED
 

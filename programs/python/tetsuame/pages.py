@@ -7,6 +7,8 @@ import time
 from html import escape
 from pathlib import Path
 
+from . import writing
+
 STYLE = Path(__file__).parent / "report.css"
 FULL = 1560  # pixels of a picture as wide as the page (style.WIDTH)
 LEAST = 640  # its width on a narrow window, where it scrolls: smaller letters could not be read
@@ -65,7 +67,7 @@ def commands(text: str) -> str:
 def write(folder: Path, page: str) -> str:
     """report.html of a folder; what is said of it."""
     target = folder / "report.html"
-    target.write_text(page, encoding="utf-8")
+    writing.text(target, page)
     return f"Report: {target}"
 
 
@@ -78,7 +80,7 @@ def figure(drawn, path: Path | None = None, caption: str = "") -> str:
 
     png = style.png(drawn)
     if path:
-        path.write_bytes(png)
+        writing.contents(path, png)
     return _image(png, "png", struct.unpack(">I", png[16:20])[0], caption)
 
 

@@ -4,13 +4,14 @@ A state names each proxy (a source, a view, …) and the properties that are not
 file as one in the folder where it was started, so the state has the absolute one.
 """
 import argparse
+import os
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
-from . import COMPLETED, fields, runs, style, view
-from .reading import Unreadable
+from . import COMPLETED, fields, runs, style, view, writing
+from .reading import Damaged, regular
 
 PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
 TOP_LEFT, POINT_DATA, RGB, NEVER, AT_SNAPSHOTS, CIRCLE, SPHERE = 4, 0, 0, -1, 2, 3, 1  # as ParaView numbers them
@@ -23,14 +24,14 @@ def series(run: runs.Run) -> Path:
     """The absolute path of series.xdmf, which is whole and names files that are there."""
     path = run.directory.resolve() / "series.xdmf"
     try:
-        named = {item.text.partition(":/")[0].strip() for item in ElementTree.parse(path).iter("DataItem") if item.text}
+        named = {item.text.partition(":/")[0].strip() for item in ElementTree.parse(regular(path)).iter("DataItem") if item.text}
     except OSError as problem:
-        raise Unreadable(f"{path}: {problem.strerror}") from None
-    except ElementTree.ParseError as problem:
-        raise Unreadable(f"{path}: is damaged ({problem}); `--restart` writes it anew") from None
+        raise Damaged(f"{path}: {problem.strerror}") from None
+    except (ElementTree.ParseError, ValueError, LookupError) as problem:
+        raise Damaged(f"{path}: is damaged ({problem}); `--restart` writes it anew") from None
     for name in sorted(named):
-        if not (path.parent / name).is_file():
-            raise Unreadable(f"{path}: names {name}, which is not there")
+        if not os.path.isfile(path.parent / name):
+            raise Damaged(f"{path}: names {name}, which is not there")
     return path
 
 
@@ -106,8 +107,6 @@ class State:
 
 def state(run: runs.Run, name: str) -> str:
     last, path = run.snapshot(), series(run)
-    if name != "Speed" and last[name].ndim > 1:
-        raise Unreadable(f"{last.path}: {name} is a vector; colours are of a number (Speed is the length of Velocities)")
     array = "Velocities" if name == "Speed" else name
     flat = last.dimension < 3
     times = [snapshot.time for snapshot in run.snapshots]
@@ -163,6 +162,6 @@ def main(arguments: list[str]) -> int:
     run = runs.Run(o.directory)
     text = state(run, fields.shown(run.snapshot(), o.field and [o.field], most=1)[0])
     target = run.directory / "series.pvsm"
-    target.write_text(text, encoding="utf-8")
+    writing.text(target, text)
     print(target)
     return COMPLETED

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import COMPLETED, fields, gauges, runs, scene, style
+from . import COMPLETED, fields, gauges, runs, scene, style, writing
+from .reading import Damaged
 from .style import plt
 
 OF_THE_RUN = {"step", "time", "dt"}  # columns of a history that say nothing of the flow
@@ -17,6 +18,9 @@ def varies(values: np.ndarray) -> bool:
 
 def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, most: int = 12):
     """A panel for each column that varies in any of the runs, a line for each run; None without any."""
+    for _, run in of:
+        if run.history and "time" not in run.history:
+            raise Damaged(f"{run.directory / 'history.csv'}: has no column time")
     if columns is None:
         columns = []
         for _, run in of:
@@ -33,7 +37,7 @@ def histories(of: list[tuple[str, runs.Run]], columns: list[str] | None = None, 
             if name in run.history:
                 ax.plot(run.history["time"] / size, run.history[name], **style.numbered(index), label=title)
                 units = run.history.units[name]
-        ax.set_title(name.replace("_", " ") + fields.bracketed(units))
+        style.entitle(ax, name.replace("_", " ") + fields.bracketed(units))
         ax.margins(x=0)
     for ax in panels[-3:]:
         ax.set_xlabel(f"time [{unit}]")
@@ -138,8 +142,8 @@ def profiles(of: list, names: list[str], axis: int | None = None):
             places, values = snapshot.profile(name, axis)
             filled = np.isfinite(values)  # a layer may lie between two particles
             lines.append((title, places[filled], values[filled]))
-        size, unit = fields.scaled(of[0][1].unit(name), max(np.nanmax(np.abs(values)) for _, _, values in lines))
-        across, length = fields.scaled("m", max(places.max() for _, places, _ in lines))
+        size, unit = fields.scaled(of[0][1].unit(name), max((np.abs(values).max() for _, _, values in lines if len(values)), default=0.0))
+        across, length = fields.scaled("m", max((places.max() for _, places, _ in lines if len(places)), default=1.0))
         for index, (title, places, values) in enumerate(lines):
             # A height stands upright.
             ax.plot(*((places / across, values / size) if last == 0 else (values / size, places / across)), **style.numbered(index), label=title)
@@ -161,13 +165,11 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
         if last.dimension == 3 and fields.is_water(last):
             figures["view"] = views(last)
         figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
-    target.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, figure in figures.items():
-        if figure is not None:
-            style.save(figure, target / f"{name}.png")
-            written.append(target / f"{name}.png")
-    return written
+    drawn = {writing.folder(target) / f"{name}.png": picture for name, picture in
+             {name: style.png(figure) for name, figure in figures.items() if figure is not None}.items()}
+    for path, picture in drawn.items():
+        writing.contents(path, picture)
+    return list(drawn)
 
 
 def main(arguments: list[str]) -> int:
@@ -177,6 +179,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--time", type=float, help="of the snapshot that is drawn, s (the last)")
     parser.add_argument("--output", metavar="FOLDER", type=Path, help="for the pictures (DIR/plots)")
     o = parser.parse_args(arguments)
+    if o.time is not None and not np.isfinite(o.time):
+        parser.error("--time is a number")
     run = runs.Run(o.directory)
     print("\n".join(map(str, make(run, o.output or run.directory / "plots", o.fields, o.time))))
     return COMPLETED

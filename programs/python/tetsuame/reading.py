@@ -1,12 +1,16 @@
-"""Files that the programs write, JSON and tables of comma-separated values; and tables that are written here."""
+"""Files that the programs write: JSON, inputs as run, tables of numbers. What cannot be read is Unreadable, with one sentence."""
+import contextlib
 import csv
 import json
+import math
+import os
 import re
+import stat
 from pathlib import Path
 
 import numpy as np
 
-from . import BAD_INPUT
+from . import BAD_INPUT, FILE_FAILED
 
 
 class Unreadable(Exception):
@@ -14,27 +18,81 @@ class Unreadable(Exception):
     status = BAD_INPUT
 
 
-def read_json(path: Path, writer: str):
-    """`writer`: the command that writes the file, for the message."""
+class Damaged(Unreadable):
+    """A file that is there, but cannot be read or written, or does not hold what it should."""
+    status = FILE_FAILED
+
+
+def regular(path: Path) -> Path:
+    """The same, if it is a file with an end: a pipe would be waited for."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        mode = os.stat(path).st_mode
     except OSError as problem:
-        raise Unreadable(f"{path}: {problem.strerror}; run {writer} first, it writes this file") from None
-    except ValueError as problem:
-        raise Unreadable(f"{path}: not the JSON that {writer} writes ({problem}); run it again") from None
+        raise Damaged(f"{path}: {problem.strerror}") from None
+    if not stat.S_ISREG(mode):
+        raise Damaged(f"{path}: is {'a directory' if stat.S_ISDIR(mode) else 'no regular file'}")
+    return Path(path)
 
 
-def read_keys(path: Path) -> dict[str, str]:
+@contextlib.contextmanager
+def as_hdf5(path: Path, what: str):
+    """Whatever h5py makes of a damaged file, as Damaged: `what` is wrong with it."""
+    try:
+        yield
+    except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError) as problem:
+        raise Damaged(f"{path}: {what} ({first_line(problem)})") from None
+
+
+def first_line(problem: Exception) -> str:
+    return (str(problem).strip("'\"").splitlines() or [type(problem).__name__])[0]
+
+
+def read_text(path: Path) -> str:
+    """In UTF-8, with or without a mark of the order of its bytes."""
+    try:
+        return regular(path).read_text(encoding="utf-8-sig")
+    except OSError as problem:
+        raise Damaged(f"{path}: {problem.strerror}") from None
+    except UnicodeDecodeError as problem:
+        raise Damaged(f"{path}: is no text in UTF-8 (byte {problem.start})") from None
+
+
+def read_json(path: Path, writer: str, kind: type = dict):
+    """`writer`: the command that writes the file, for the message; `kind`: of what the file holds."""
+    if not Path(path).exists():
+        raise Unreadable(f"{path}: No such file or directory; run {writer} first, it writes this file")
+    try:
+        content = json.loads(read_text(path))
+    except (ValueError, RecursionError) as problem:
+        raise Damaged(f"{path}: not the JSON that {writer} writes ({problem}); run it again") from None
+    if not isinstance(content, kind):
+        raise Damaged(f"{path}: not the JSON that {writer} writes; run it again")
+    return content
+
+
+class Keys(dict):
     """group.key and its value as text, without quotes, of a resolved.nml, which holds every key as run, one to a line."""
-    found, group = {}, ""
-    for line in path.read_text(encoding="utf-8").splitlines():
-        line = line.strip()
-        if line.startswith("&"):
-            group = line[1:].split()[0].lower() if line[1:].split() else ""
-        elif match := re.match(r"""(\w+)\s*=\s*((?:'[^']*'|"[^"]*"|[^!'"])*)""", line):
-            value = match[2].strip()
-            found[f"{group}.{match[1].lower()}"] = value[1:-1] if re.fullmatch(r"""'[^']*'|"[^"]*\"""", value) else value
-    return found
+
+    def __init__(self, path: Path):
+        super().__init__()
+        self.path, group = path, ""
+        for line in read_text(path).splitlines():
+            line = line.strip()
+            if line.startswith("&"):
+                group = line[1:].split()[0].lower() if line[1:].split() else ""
+            elif match := re.match(r"""(\w+)\s*=\s*((?:'[^']*'|"[^"]*"|[^!'"])*)""", line):
+                value = match[2].strip()
+                self[f"{group}.{match[1].lower()}"] = value[1:-1] if re.fullmatch(r"""'[^']*'|"[^"]*\"""", value) else value
+
+    def real(self, name: str) -> float:
+        """A finite number."""
+        try:
+            value = real(self[name])
+            if math.isfinite(value):
+                return value
+        except (KeyError, ValueError):
+            pass
+        raise Damaged(f"{self.path}: {name} = {self.get(name, '')} is no number")
 
 
 def real(text: str) -> float:
@@ -47,20 +105,14 @@ class Columns(dict):
     whole is left out: a run that was killed may end in one."""
 
     def __init__(self, path: Path):
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = csv.reader(file)
+        try:
+            rows = csv.reader(read_text(path).splitlines())
             heads = [head.rstrip("]").partition(" [") for head in next(rows, [])]
             values = [[float(value) for value in row] for row in rows if len(row) == len(heads)]
+        except (ValueError, csv.Error) as problem:
+            raise Damaged(f"{path}: not a table that a program writes ({problem})") from None
         super().__init__(zip((name for name, *_ in heads), np.array(values).T) if values else {})
         self.units = {name: unit for name, _, unit in heads}
-
-
-def write_csv(path: Path, rows: list[dict]) -> None:
-    """Columns by the rows' keys; empty where a row has none."""
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, dict.fromkeys(name for row in rows for name in row))
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def beside(folder: Path, ending: str) -> Path:

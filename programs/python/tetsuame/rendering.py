@@ -158,7 +158,7 @@ def _solve(moments: np.ndarray, right: np.ndarray, empty: np.ndarray) -> np.ndar
         value = right[0] / moments[0, 0]
         # Of the matrix over its weight: a unit sphere of particles about the pixel has a determinant of about 0.1.
         spread = np.linalg.det(matrix / np.where(moments[0, 0] > 0, moments[0, 0], 1)[:, None, None])
-    good = (spread > 1e-4) & ~empty
+    good = (spread > 1e-4) & np.isfinite(spread) & ~empty
     if good.any():
         value[good] = np.linalg.solve(matrix[good], right.T[good][:, :, None])[:, 0, 0]
     value[empty] = np.nan

@@ -16,9 +16,12 @@ import h5py
 import numpy as np
 
 from . import rendering
-from .reading import Columns, Unreadable, read_json, read_keys, real
+from .reading import Columns, Damaged, Keys, Unreadable, as_hdf5, read_json, read_text, regular
 
 FLUID, WALL = "PartType0", "PartType1"
+LAYERS = 10_000  # of a profile
+VECTORS = {"Coordinates", "Velocities"}
+NUMBERS = {"ParticleIDs", "Masses", "Density", "Volume", "SmoothingLength"}  # that more is made of than pictures
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))  # of each axis: at its low end, at its high end
 
 
@@ -27,26 +30,26 @@ class Snapshot:
 
     def __init__(self, path: Path):
         self.path = path
-        with self._open() as file:
-            try:
-                header = dict(file["Header"].attrs)
-                self.time, self.step = float(header["Time"]), int(header["Step"])
-                self.dimension = int(header["Dimension"])
-                self.lengths = np.array(header["BoxLengths"], float)[: self.dimension]  # of the box, m
-                self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
-                fluid = file[FLUID]
-                self.names = sorted(fluid)
-                units = {name: fluid[name].attrs.get("units", "") for name in self.names}
-                self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
-                self.particles = len(fluid["ParticleIDs"])
-            except (KeyError, OSError, ValueError) as problem:
-                raise Unreadable(f"{path}: not a snapshot of these programs ({_first_line(problem)})") from None
+        with self._open() as file, as_hdf5(path, "not a snapshot of these programs"):
+            header = dict(file["Header"].attrs)
+            self.time, self.step = float(header["Time"]), int(header["Step"])
+            self.dimension = int(header["Dimension"])
+            self.lengths = np.array(header["BoxLengths"], float)[: self.dimension]  # of the box, m
+            self.periodic = np.array(header["Periodic"], bool)[: self.dimension]
+            fluid = file[FLUID]
+            self.names = sorted(fluid)
+            units = {name: fluid[name].attrs.get("units", "") for name in self.names}
+            self.units = {name: unit.decode() if isinstance(unit, bytes) else str(unit) for name, unit in units.items()}
+            (self.particles,) = fluid["ParticleIDs"].shape
+            if not (1 <= self.dimension == len(self.lengths) == len(self.periodic) <= 3 and np.isfinite(self.time)
+                    and np.isfinite(self.lengths).all() and (self.lengths > 0).all()):
+                raise ValueError(f"Time {self.time:g}, Dimension {self.dimension}, BoxLengths {self.lengths}")
 
     def __repr__(self):
         return f"<snapshot {self.path.name}: t = {self.time:g} s, {self.particles} particles>"
 
     def __contains__(self, name):
-        return name in self.names or name == "Speed"
+        return ("Velocities" if name == "Speed" else name) in self.names
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A field of the fluid; "Speed" is the length of Velocities."""
@@ -66,8 +69,12 @@ class Snapshot:
     @functools.cached_property
     def spacing(self) -> np.ndarray:
         """Of each particle's neighbours, from its volume, m."""
-        volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
-        return np.abs(volume) ** (1 / self.dimension)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
+            spacing = np.abs(volume) ** (1 / self.dimension)
+        if not ((spacing > 0) & (spacing < 4 * self.lengths.max())).all():
+            raise Damaged(f"{self.path}: a particle's volume is none in a box of {' x '.join(f'{length:g}' for length in self.lengths)} m")
+        return spacing
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
@@ -78,8 +85,8 @@ class Snapshot:
         """What the temperature does at the walls, from the resolved.nml beside: none where no heat is conducted, nor at sides that
         give a flux."""
         path = self.path.parent / "resolved.nml"
-        keys = read_keys(path) if path.is_file() else {}
-        conducts = any(key.endswith((".conductivity", ".diffusivity")) and real(value) > 0 for key, value in keys.items())
+        keys = Keys(path) if path.is_file() else {}
+        conducts = any(key.endswith((".conductivity", ".diffusivity")) and keys.real(key) > 0 for key in keys)
         if not conducts or "walls.thermal" not in keys:
             return ()
         found = []
@@ -89,7 +96,7 @@ class Snapshot:
                 thermal = keys["walls.thermal"] if own == "inherit" else own
                 known = thermal == "adiabatic" or (thermal == "fixed" and f"walls.temperature_{side}" in keys)
                 if known and not self.periodic[axis] and keys.get(f"walls.slip_{side}") != "free_surface":
-                    value = real(keys[f"walls.temperature_{side}"]) if thermal == "fixed" else None
+                    value = keys.real(f"walls.temperature_{side}") if thermal == "fixed" else None
                     found.append(rendering.Mirror(axis, place, inward, value))
         return tuple(found)
 
@@ -102,8 +109,10 @@ class Snapshot:
     def profile(self, name: str, axis: int | None = None, bins: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Means over layers normal to `axis` (y, along which gravity points; in 1-D x), weighted with volume: places, m, and values (nan in an empty layer)."""
         axis = min(1, self.dimension - 1) if axis is None else axis
-        bins = bins or max(int(self.lengths[axis] / np.median(self.spacing)), 1)
-        place = np.clip((self["Coordinates"][:, axis] / self.lengths[axis] * bins).astype(int), 0, bins - 1)
+        if not self.particles:
+            raise Unreadable(f"{self.path}: holds no particle")
+        bins = bins or max(int(min(self.lengths[axis] / np.median(self.spacing), LAYERS)), 1)
+        place = np.clip(self["Coordinates"][:, axis] / self.lengths[axis] * bins, 0, bins - 1).astype(int)
         volume = self.spacing**self.dimension
         weight = np.bincount(place, volume, bins)
         with np.errstate(invalid="ignore"):
@@ -111,18 +120,22 @@ class Snapshot:
         return (np.arange(bins) + 0.5) * self.lengths[axis] / bins, values
 
     def _read(self, group: str, name: str) -> np.ndarray:
-        with self._open() as file:
-            try:
-                values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
-            except OSError as problem:
-                raise Unreadable(f"{self.path}: {name} is damaged ({_first_line(problem)})") from None
+        with self._open() as file, as_hdf5(self.path, f"{name} is damaged"):
+            values = file[group][name][:] if group in file and name in file[group] else np.empty(0)
+            if group == FLUID and len(values) != self.particles:
+                raise ValueError(f"{len(values)} values for {self.particles} particles")
+            columns = values.shape[1:]
+            if values.dtype.kind not in "iuf" or name in NUMBERS and columns or len(columns) > 1 or columns and columns[0] < self.dimension:
+                raise ValueError(f"{values.dtype} of shape {values.shape}")
+            if name in VECTORS and len(values) and not columns:
+                raise ValueError("no vector")
+            if name == "Coordinates" and not np.isfinite(values[..., : self.dimension]).all():
+                raise ValueError("a place is not finite")
         return values[:, : self.dimension] if values.ndim == 2 else values
 
     def _open(self):
-        try:
-            return h5py.File(self.path, "r")
-        except OSError as problem:
-            raise Unreadable(f"{self.path}: cannot be read as HDF5 ({_first_line(problem)})") from None
+        with as_hdf5(self.path, "cannot be read as HDF5"):
+            return h5py.File(regular(self.path), "r")
 
 
 class Run:
@@ -146,22 +159,19 @@ class Run:
     @functools.cached_property
     def program(self) -> str:
         """From the first line of resolved.nml: `! rti, every key as run`."""
-        with open(self.directory / "resolved.nml", encoding="utf-8") as file:
-            return file.readline().lstrip("! ").partition(",")[0].strip() or "unknown"
+        return read_text(self.directory / "resolved.nml").partition("\n")[0].lstrip("! ").partition(",")[0].strip() or "unknown"
 
     @functools.cached_property
     def history(self) -> Columns:
-        path = self.directory / "history.csv"
-        try:
-            return Columns(path)
-        except OSError as problem:
-            raise Unreadable(f"{path}: {problem.strerror}") from None
-        except ValueError as problem:
-            raise Unreadable(f"{path}: not a table that a program writes ({problem})") from None
+        return Columns(self.directory / "history.csv")
 
     @functools.cached_property
     def snapshots(self) -> list[Snapshot]:
-        return sorted((Snapshot(path) for path in self.directory.glob("snapshot_[0-9]*.h5")), key=lambda s: (s.time, s.step))
+        found = sorted((Snapshot(path) for path in self.directory.glob("snapshot_[0-9]*.h5")), key=lambda s: (s.time, s.step))
+        for other in found[1:]:
+            if other.dimension != found[0].dimension:
+                raise Damaged(f"{other.path}: has {other.dimension} dimensions, {found[0].path.name} {found[0].dimension}: not of one run")
+        return found
 
     def snapshot(self, time: float | None = None) -> Snapshot:
         """The one nearest in time; the last without a time."""
@@ -177,7 +187,8 @@ class Run:
         """Numbers of summary.json by name: errors, conservation and metrics."""
         found = {}
         for group in ("errors", "conservation", "metrics"):
-            for name, value in ((self.summary or {}).get(group) or {}).items():
+            values = (self.summary or {}).get(group)
+            for name, value in (values.items() if isinstance(values, dict) else ()):
                 if isinstance(value, (int, float)) and not isinstance(value, bool):
                     found[name] = value
         return found
@@ -187,10 +198,6 @@ def by_id(first: Snapshot, second: Snapshot, name: str) -> tuple[np.ndarray, np.
     """A field of both, for the particles that both hold, in the order of their IDs."""
     if first.dimension != second.dimension:
         raise Unreadable(f"{first.path} has {first.dimension} dimensions, {second.path} {second.dimension}: no particle is the same")
-    _, here, there = np.intersect1d(first["ParticleIDs"], second["ParticleIDs"], return_indices=True)
+    _, here, there = np.intersect1d(*(snapshot["ParticleIDs"].astype(np.int64) for snapshot in (first, second)), return_indices=True)
     return first[name][here], second[name][there]
-
-
-def _first_line(problem: Exception) -> str:
-    return str(problem).strip("'\"").partition("\n")[0]
 

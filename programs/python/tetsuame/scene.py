@@ -14,6 +14,7 @@ STONE = 0.72                               # of bodies: white is 1
 BALL, BLUR, EDGE = 0.9, 0.55, 1.5          # spacings: a sphere's radius, what is smoothed over, a step in depth that is an edge
 ROUNDS = 3                                 # of smoothing
 PIXELS = 10.0                              # a spacing, at most: more would only cost time
+TALLEST = 4.0                              # a picture's height over its width
 NOTHING = -np.inf                          # the depth where nothing is
 
 
@@ -33,7 +34,7 @@ class Eye:
         corners = np.array(np.meshgrid(*zip(low, high))).reshape(3, -1).T
         flat = self.turned(corners)[:, :2]
         self.low, size = flat.min(axis=0), np.ptp(flat, axis=0)
-        self.pixel = size[0] / columns
+        self.pixel = max(size[0], size[1] / TALLEST) / columns
         self.shape = (int(np.ceil(size[1] / self.pixel)) + 1, columns)  # rows from the bottom up
         self.extent = (self.low[0], self.low[0] + columns * self.pixel, self.low[1], self.low[1] + self.shape[0] * self.pixel)
 

@@ -1,10 +1,11 @@
 """One look for all figures: a colour and a marker for each program, the same everywhere."""
 import io
+import os
+import textwrap
 
-import matplotlib
 import numpy as np
 
-matplotlib.use("Agg")
+os.environ["MPLBACKEND"] = "Agg"  # figures go to files; a name that matplotlib does not know would end it
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 from matplotlib.collections import PolyCollection  # noqa: E402
@@ -40,7 +41,9 @@ STAGE = {"lists": "#8C8C6E", "halo": "#DDD8B8", "volume": "#99C7DB", "walls": "#
 
 ABOUT_ONE = "RdBu_r"  # the colours of a ratio to a mean: more and less are told apart
 WIDTH = 10.4  # inches: the report's column
+TALLEST = 7.0  # inches: a map
 
+plt.rcdefaults()  # whatever a user's matplotlibrc says
 plt.rcParams.update({
     "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
@@ -86,7 +89,7 @@ def map_panels(count: int, wide: float = 1.0, columns: int = 3, bars: bool = Tru
     columns = min(near, key=lambda few: (-count % few / few, abs(few - columns), few == 1, few))
     beside, for_all = (1.7, 0.0) if bars else (0.5, 1.0)
     width = min((WIDTH - for_all) / columns, max(3.5 * wide, 2.0) + beside)
-    figure, axes = panels(count, columns, (width - beside) / wide + 0.8, **options)
+    figure, axes = panels(count, columns, min((width - beside) / wide, TALLEST) + 1.0, **options)  # with a line of title, ticks and a label
     figure.set_size_inches(width * columns + for_all, figure.get_size_inches()[1])
     return figure, axes
 
@@ -125,7 +128,7 @@ def legend_beside(ax) -> None:
 
 def legend_above(figure, axes) -> None:
     """Of all panels, each label once, in a strip above: there it covers no line."""
-    found = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels())}
+    found = {plain(label): handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels())}
     labels, handles = list(found), list(found.values())
     width, height = figure.get_size_inches()
     columns = min(max(int(width / (0.6 + 0.075 * max(map(len, labels)))), 1), len(labels))
@@ -133,6 +136,19 @@ def legend_above(figure, axes) -> None:
     figure.set_size_inches(width, height + strip)
     figure.get_layout_engine().set(rect=(0, 0, 1, height / (height + strip)))
     figure.legend(handles, labels, loc="upper left", ncol=columns, fontsize=8)
+
+
+def entitle(ax, *lines: str) -> None:
+    """A title over its panel alone: what is longer goes on in the next line."""
+    wide = ax.figure.get_size_inches()[0] / ax.get_subplotspec().get_gridspec().ncols - 0.9
+    ax.set_title("\n".join(part for line in lines for part in textwrap.wrap(plain(line), max(int(wide / 0.093), 10))))
+
+
+def room_for_titles(figure, axes) -> None:
+    """A figure higher by what titles of several lines take from their panels."""
+    more = max(ax.get_title(loc="left").count("\n") for ax in axes)
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + 0.17 * more * axes[0].get_subplotspec().get_gridspec().nrows)
 
 
 def stopped(ax, x: float, y: float | None, colour: str, below: int = 0) -> None:
@@ -163,13 +179,14 @@ def as_map(ax, x: tuple[float, float], y: tuple[float, float]) -> None:
     ax.grid(False)
 
 
-def save(figure, path) -> None:
-    figure.savefig(path)
-    plt.close(figure)
+def plain(text: str) -> str:
+    """Of a name that is not ours: nothing in it is an equation."""
+    return text.replace("$", r"\$")
 
 
 def png(figure) -> bytes:
     """The picture of a figure, which is closed."""
     buffer = io.BytesIO()
-    save(figure, buffer)
+    figure.savefig(buffer)
+    plt.close(figure)
     return buffer.getvalue()

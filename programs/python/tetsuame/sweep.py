@@ -1,6 +1,8 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
+import contextlib
+import fcntl
 import itertools
 import json
 import os
@@ -12,8 +14,8 @@ import threading
 from html import escape
 from pathlib import Path
 
-from . import COMPLETED, FAILED, PROGRAMS, pages, runs
-from .reading import Unreadable, beside, last_line, read_json, real, write_csv
+from . import COMPLETED, FAILED, PROGRAMS, pages, runs, writing
+from .reading import Damaged, Unreadable, beside, last_line, read_json, read_text, real
 
 MOST = 9  # measures on the page
 ENDED = {0: "completed", 3: "failed"}  # statuses after which the same run again would end the same
@@ -54,22 +56,21 @@ class Sweep:
                 *(["--restart", "latest"] if going_on else ["--force"] if folder.exists() else [])]
 
     def asked(self, folder: Path) -> dict:
-        return {"program": self.o.program, "input": self.o.input.read_text(encoding="utf-8"), "settings": list(self.runs[folder])}
+        return {"program": self.o.program, "input": read_text(self.o.input), "settings": list(self.runs[folder])}
 
     def note(self, folder: Path) -> None:
-        self.o.output.mkdir(parents=True, exist_ok=True)
-        beside(folder, ".json").write_text(json.dumps(self.asked(folder), indent=1), encoding="utf-8")
+        writing.text(beside(folder, ".json"), json.dumps(self.asked(folder), indent=1))
 
     def status(self, folder: Path) -> str | None:
         """How it ended, if what stands there is this run at its end."""
         try:
-            if json.loads(beside(folder, ".json").read_text(encoding="utf-8")) != self.asked(folder):
+            if json.loads(read_text(beside(folder, ".json"))) != self.asked(folder):
                 raise Unreadable(f"{folder}: holds a run of another input or program; give another --output, or remove it")
-        except (OSError, ValueError):
+        except (Damaged, ValueError, RecursionError):
             return None
         summary = folder / "summary.json"
-        ended = read_json(summary, "the program")["status"] if summary.exists() else None
-        return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(ended)
+        ended = read_json(summary, "the program").get("status") if summary.exists() else None
+        return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(str(ended))
 
     def one(self, folder: Path) -> str:
         status = self.status(folder)
@@ -77,7 +78,8 @@ class Sweep:
         if not status:
             command, terminal = self.command(folder), beside(folder, ".log")
             self.note(folder)
-            with open(terminal, "w", encoding="utf-8") as log:
+            terminal.unlink(missing_ok=True)  # a link too
+            with open(terminal, "x", encoding="utf-8") as log:
                 code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env={"OMP_NUM_THREADS": "1"} | os.environ).returncode
             status = ENDED.get(code, f"exit {code}")
             said = status if code in ENDED else f"{status}: {last_line(terminal) or 'nothing said'}"
@@ -93,7 +95,7 @@ class Sweep:
             line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
             if status in ENDED.values() and (folder / "summary.json").exists():
                 run = runs.Run(folder)
-                line |= {"steps": run.summary["steps"], "wall_seconds": run.summary["wall_seconds"]} | run.metrics()
+                line |= {name: run.summary.get(name) for name in ("steps", "wall_seconds")} | run.metrics()
             lines.append(line)
         return lines
 
@@ -180,11 +182,38 @@ def main(arguments: list[str]) -> int:
                         "'--scheduler slurm --time 02:00:00'")
     parser.add_argument("--programs", metavar="FOLDER", type=Path, default=PROGRAMS, help="where the programs are (%(default)s)")
     o = parser.parse_args(arguments)
+    if o.jobs < 0 or o.ranks < 1:
+        parser.error("--jobs is 1 or more (0: as many as cores), --ranks 1 or more")
     if not o.input.is_file():
         raise Unreadable(f"{o.input}: no such file")
     if not (o.programs / o.program).is_file():
         raise Unreadable(f"no program '{o.program}' in {o.programs}; ./run build makes them, --programs says where they are")
     sweep = Sweep(o)
+    with alone_in(writing.folder(o.output)):
+        return carry_out(sweep, o)
+
+
+@contextlib.contextmanager
+def alone_in(folder: Path):
+    """Two sweeps at a time would start each run twice. The lock ends with the process."""
+    lock = folder / ".sweep.lock"
+    try:
+        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    except OSError as problem:
+        raise Damaged(f"{lock}: {problem.strerror}") from None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise Unreadable(f"{folder}: another sweep is at work there; wait until it has ended, or give another --output") from None
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+def carry_out(sweep: Sweep, o: argparse.Namespace) -> int:
     if o.submit:
         print("\n".join(sweep.scripts()))
         return COMPLETED
@@ -197,7 +226,7 @@ def main(arguments: list[str]) -> int:
             print("\ninterrupted; the same command goes on", file=sys.stderr)
             return 130
     lines = sweep.lines(statuses)
-    write_csv(o.output / "sweep.csv", lines)
+    writing.table(o.output / "sweep.csv", lines)
     print(o.output / "sweep.csv")
     print(sweep.page(lines))
     return COMPLETED if all(status == "completed" for status in statuses) else FAILED

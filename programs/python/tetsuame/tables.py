@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .reading import Damaged, read_text
+
 MISSING = ("na", "n/a", "null")
 
 
@@ -30,9 +32,11 @@ def cells(line: str, separator: str) -> list[str]:
 
 def read(path: Path) -> dict[str, np.ndarray]:
     """Columns by name; nan where there is no number."""
-    lines = [line.strip(" \t") for line in re.split("\r\n|\r|\n", path.read_bytes().decode("utf-8-sig"))]
+    lines = [line.strip(" \t") for line in re.split("\r\n|\r|\n", read_text(path))]
     lines = [line for line in lines if line.strip(" \t,;\"") and line[0] not in "#!%"]
-    first = next(k for k, line in enumerate(lines) if begins_with_number(line))
+    first = next((k for k, line in enumerate(lines) if begins_with_number(line)), None)
+    if first is None:
+        raise Damaged(f"{path}: no line in it begins with a number")
     separator = next((mark for mark in ";\t," if mark in lines[first].split("#")[0]), " ")
     names = cells(lines[0], separator)
     rows = []

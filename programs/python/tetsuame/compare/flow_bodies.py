@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .. import gauges
-from ..reading import read_keys, real
+from ..reading import Keys, real
 from .flow_question import Question, against, measured_beside, metric
 from .outcomes import COMPLETED, Outcome
 
@@ -39,7 +39,7 @@ def period(times: np.ndarray, values: np.ndarray) -> float | None:
 
 def tank(outcome: Outcome) -> tuple[float, float]:
     """Length and depth of the water when it was at rest, m."""
-    keys = read_keys(outcome.folder / "resolved.nml")
+    keys = Keys(outcome.folder / "resolved.nml")
     length, spacing = first(keys, "solids.length_x"), outcome.setting("domain.length_x") / outcome.setting("domain.particles_x")
     return length, outcome.number("fluid_particles") * spacing**2 / length
 
@@ -65,7 +65,7 @@ def sloshing(outcome: Outcome, _outcomes: list[Outcome]) -> dict[str, float | No
 
 
 def floating(outcome: Outcome, _outcomes: list[Outcome]) -> dict[str, float | None]:
-    readings, keys = gauges.read(outcome.folder), read_keys(outcome.folder / "resolved.nml")
+    readings, keys = gauges.read(outcome.folder), Keys(outcome.folder / "resolved.nml")
     times, heave = readings["time"], readings["motion_1_y"]
     wide, high = (first(keys, f"solids.length_{axis}") for axis in "xy")
     lightness, gravity = first(keys, "motions.density") / outcome.setting("flow.density"), outcome.setting("flow.gravity")

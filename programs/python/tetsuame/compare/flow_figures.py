@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import fields, gauges, movie, pages, plots, style
-from ..reading import read_keys, real
+from ..reading import Keys, real
 from ..runs import Snapshot
 from .flow_questions import named
 from .outcomes import Outcome
@@ -164,7 +164,7 @@ def pressures(runs: list[Outcome], number: int):
         return None
     known, looks = gauges.measured(runs[-1].folder), by_n(runs)
     start, until = impulse_span(runs[-1])
-    places = gauges.listed(read_keys(runs[-1].folder / "resolved.nml")["gauges.pressure_y"])
+    places = gauges.listed(Keys(runs[-1].folder / "resolved.nml")["gauges.pressure_y"])
     number = min(number, sum(name.startswith("pressure_") for name in gauges.read(runs[-1].folder)))
     figure, axes = style.panels(2 * number, number, 2.5)
     for k in range(number):
@@ -184,7 +184,7 @@ def pressures(runs: list[Outcome], number: int):
 
 def impulse_span(outcome: Outcome) -> tuple[float, float]:
     """s: from and until; from 0 where it is from arrival on, before which there is no pressure."""
-    keys = read_keys(outcome.folder / "resolved.nml")
+    keys = Keys(outcome.folder / "resolved.nml")
     start, end = (keys[f"expert.impulse_{name}"].strip() for name in ("from", "until"))
     return real(start) if start else 0.0, real(end) if end else math.inf
 

@@ -3,8 +3,7 @@ import argparse
 from html import escape
 from pathlib import Path
 
-from .. import pages, style
-from ..reading import write_csv
+from .. import pages, style, writing
 from . import cases, note, prose, table
 from . import letters_figures as figures
 from .cases import ITERATING, LETTERS, SHIPPED_INPUTS, Run
@@ -36,7 +35,7 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
 
 
 def sections(outcomes: list[Outcome], _measured: None, folder: Path) -> list[str]:
-    write_csv(folder / "table.csv", [table.row(outcome) for outcome in outcomes])
+    writing.table(folder / "table.csv", [table.row(outcome) for outcome in outcomes])
     shown = files(outcomes)
     return [overview(outcomes), beside_the_note(outcomes),
             explained("Why the plain iteration diverges", prose.iteration(outcomes)),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..reading import Columns, read_keys, real
+from ..reading import Columns, Keys, real
 from ..runs import Snapshot
 from .cases import Run
 
@@ -61,7 +61,7 @@ class Outcome:
 
     def resolved(self, key: str) -> str:
         """The first word of a value of resolved.nml."""
-        return read_keys(self.folder / "resolved.nml")[key].split()[0].strip("',/")
+        return Keys(self.folder / "resolved.nml")[key].split()[0].strip("',/")
 
     def setting(self, key: str) -> float:
         """A number of resolved.nml."""

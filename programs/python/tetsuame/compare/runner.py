@@ -12,6 +12,7 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 
+from .. import writing
 from ..reading import beside, last_line
 from .cases import Run
 from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
@@ -68,8 +69,9 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
 
     # Files of an earlier run would be taken for this one's, and the programs want an empty folder.
     shutil.rmtree(folder, ignore_errors=True)
-    record.unlink(missing_ok=True)
-    folder.parent.mkdir(parents=True, exist_ok=True)
+    for old in (record, beside(folder, ".log")):  # a link too
+        old.unlink(missing_ok=True)
+    writing.folder(folder.parent)
     launcher = ["mpirun", "-n", str(case.ranks), "--bind-to", "none"] if case.ranks > 1 else []
     command = [*launcher, str(program), str(case.input), "--output", str(folder)]
     for setting in (*([f"{case.start_key}={begun.snapshot.path}"] if begun else []), *case.settings):
@@ -85,7 +87,7 @@ def run_one(case: Run, given: argparse.Namespace, progress: "Progress", start: F
             return Outcome(case, CRASHED, f"did not end within {given.time_limit:g} s", folder, {}, False)
         except OSError as error:
             return Outcome(case, CRASHED, f"cannot be started: {error.strerror}", folder, {}, False)
-    record.write_text(json.dumps({"fingerprint": mark, "status": status, "seconds": round(time.monotonic() - clock, 2)}))
+    writing.text(record, json.dumps({"fingerprint": mark, "status": status, "seconds": round(time.monotonic() - clock, 2)}))
     return judge(case, folder, status, False)
 
 

@@ -7,6 +7,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from .. import writing
 from .cases import Run, of_size
 
 GROWTH, MAP, STIFFNESS, OVERTURN, VISCOSITY, STIFF, POSTER = "growth", "map", "stiffness", "overturn", "viscosity", "stiff", "poster"
@@ -89,8 +90,7 @@ class Tool:
         return dict(setting.split("=", 1) for setting in self.given.settings)
 
     def keep(self, output: Path, maps: dict[str, dict]) -> None:
-        output.mkdir(parents=True, exist_ok=True)
-        (output / "plans.json").write_text(json.dumps({"answers": self.answers, "maps": maps}))
+        writing.text(writing.folder(output) / "plans.json", json.dumps({"answers": self.answers, "maps": maps}))
 
     def run(self, case: str, variant: str, n: int, settings: dict, seconds: float, source: Path | None = None) -> Run:
         every = {"time.method": "rkl2", "output.interval": 0, **settings}

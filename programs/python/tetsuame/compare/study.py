@@ -16,7 +16,7 @@ import platform
 from html import escape
 from pathlib import Path
 
-from .. import ROOT, pages
+from .. import OUTPUT, ROOT, pages, writing
 from ..reading import beside
 from . import (balance_study, continuity_of_y, convection, flow, godunov_in_earnest, gravity_density, hydrostatic, letters, orders, precision,
                relaxation_map, rti, runner, shock, slides_convection, slowed_overturn, table, time_stepping)
@@ -37,7 +37,7 @@ def options(name: str, subject) -> argparse.ArgumentParser:
         parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
     else:
         parser.add_argument("--all", action="store_true", help="this and all other comparisons, their runs in one queue (with --quick: smaller)")
-    common_options(parser, f"output/compare/{name}".rstrip("/"))
+    common_options(parser, str(OUTPUT / "compare" / name))
     return parser
 
 
@@ -79,7 +79,7 @@ def everything(arguments: list[str]) -> int:
     """All subjects, their runs in one queue: each gets the options of this command line, and a folder of its own."""
     parser = argparse.ArgumentParser(prog="./run compare --all", description="All comparisons, each into a folder of its own, its page last.")
     parser.add_argument("--quick", action="store_true", help="fewer and smaller runs")
-    common_options(parser, "output/compare")
+    common_options(parser, str(OUTPUT / "compare"))
     output = parser.parse_args(arguments).output
     comparisons = []
     for name in ("", *SUBJECTS):
@@ -125,7 +125,7 @@ class Comparison:
         self.runs = self.subject.plan(given, ROOT, parser)
         if not self.runs:
             parser.error("nothing to run")
-        given.output.mkdir(parents=True, exist_ok=True)
+        writing.folder(given.output)
 
     def report(self, outcomes: list[Outcome]) -> None:
         """Writes the page only when the runs that it shows, or what writes it, have changed."""
@@ -139,8 +139,8 @@ class Comparison:
         if not (unchanged and target.is_file() and stamp.is_file() and stamp.read_text() == mark):
             stamp.unlink(missing_ok=True)
             again = self.arguments if self.name else [word for setting in given.settings for word in ("--set", setting)]
-            target.write_text(page(subject, outcomes, measured, given, " ".join([self.parser.prog, *again])), encoding="utf-8")
-            stamp.write_text(mark)
+            writing.text(target, page(subject, outcomes, measured, given, " ".join([self.parser.prog, *again])))
+            writing.text(stamp, mark)
         print("\n".join(subject.terminal(outcomes, measured) + crash_lines(outcomes)))
         if unchanged:
             print("Nothing has changed since these runs; --fresh runs them again.")
@@ -157,7 +157,7 @@ def common(outcome: Outcome) -> dict:
 
 def page(subject, outcomes: list[Outcome], measured: dict | None, given: argparse.Namespace, again: str) -> str:
     if measured is not None:
-        (given.output / "results.json").write_text(json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
+        writing.text(given.output / "results.json", json.dumps(finite(measured), indent=1, ensure_ascii=False) + "\n")
     for old in given.output.glob("*.png"):
         old.unlink()
     parts = [pages.head(subject.TITLE, facts(outcomes, given.settings), getattr(subject, "INTRODUCTION", "")), crashes(outcomes),

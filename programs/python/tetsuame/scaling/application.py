@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from .. import COMPLETED, ROOT, pages
+from .. import COMPLETED, OUTPUT, ROOT, pages, writing
 from ..reading import Unreadable
 from . import analysis, runner
 
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
                    help="starts MPI programs; {ranks} and {threads} are put in (default: mpirun, each rank bound to its cores "
                         "where there are enough)")
     p.add_argument("--binaries", type=Path, default=ROOT / "build/programs", metavar="DIR", help="folder of the programs")
-    p.add_argument("--output", type=Path, default=ROOT / "output/scaling", metavar="DIR", help="default output/scaling")
+    p.add_argument("--output", type=Path, default=OUTPUT / "scaling", metavar="DIR", help="default output/scaling")
     return p
 
 
@@ -94,8 +94,7 @@ def study(given: argparse.Namespace) -> None:
                             "have them run all the same")
     program, exchange = given.binaries / "disph_c", given.binaries / "exchange"
     runner.check(given.launcher or default_launcher(1), [program, exchange])
-    given.output.mkdir(parents=True, exist_ok=True)
-    work = given.output / "runs"
+    work = writing.folder(given.output) / "runs"
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir()
 
@@ -114,7 +113,7 @@ def study(given: argparse.Namespace) -> None:
     analysis.add_efficiency(rows)
     exchanges = [runner.exchange(r, given.launcher or default_launcher(r), exchange, work) for r in ranks if r > 1]
     for name, content in (("scaling", rows), ("exchange", exchanges)):
-        (given.output / f"{name}.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        writing.text(given.output / f"{name}.json", json.dumps(content, indent=1) + "\n")
     shutil.rmtree(work)
 
 

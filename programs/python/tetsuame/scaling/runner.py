@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import FAILED
+from .. import FAILED, writing
 from ..reading import Unreadable
 
 SPACING = 5.0e3  # m, that of the input
@@ -101,7 +101,7 @@ def start(command: list[str], ranks: int, threads: int, log: Path) -> str:
         raise Failed(f"did not end within {TIME_LIMIT} s: {shlex.join(command)}") from None
     except OSError as problem:
         raise Failed(f"{command[0]}: {problem.strerror}") from None
-    log.write_text(done.stdout + done.stderr, encoding="utf-8")
+    writing.text(log, done.stdout + done.stderr)
     if done.returncode != 0:
         said = (done.stderr.strip() or done.stdout.strip()).splitlines()
         raise Failed(f"exit {done.returncode}: {shlex.join(command)}\n  " + "\n  ".join(said[-5:]) + f"\n  all of it: {log}")
