@@ -75,4 +75,7 @@ def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]
             values = snapshot[name]
             if values.ndim == 1 and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():
                 found.append(name)
-    return found or ["Pressure"]
+    if found:
+        return found
+    numbers = [name for name in ["Pressure", *FIRST, *snapshot.names] if name in snapshot and name not in {"Coordinates", "Velocities"}]
+    return numbers[:1]

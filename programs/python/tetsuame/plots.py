@@ -158,7 +158,7 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
         names = fields.shown(last, wanted)
         if last.dimension > 1:
             figures["map"] = maps(last, names)
-        if last.dimension == 3 and fields.is_water(last):
+        if last.dimension == 3 and fields.is_water(last) and "Speed" in last:
             figures["view"] = views(last)
         figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
     target.mkdir(parents=True, exist_ok=True)

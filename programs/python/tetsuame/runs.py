@@ -46,15 +46,13 @@ class Snapshot:
         return f"<snapshot {self.path.name}: t = {self.time:g} s, {self.particles} particles>"
 
     def __contains__(self, name):
-        return name in self.names or name == "Speed"
+        return ("Velocities" if name == "Speed" else name) in self.names
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A field of the fluid; "Speed" is the length of Velocities."""
-        if name == "Speed":
-            return np.linalg.norm(self["Velocities"], axis=1)
-        if name not in self.names:
+        if name not in self:
             raise Unreadable(f"{self.path}: no field '{name}' (there are {', '.join(self.names)})")
-        return self._read(FLUID, name)
+        return np.linalg.norm(self["Velocities"], axis=1) if name == "Speed" else self._read(FLUID, name)
 
     def wall(self, name: str) -> np.ndarray:
         """A field of the markers that stand in the walls; empty where there are none."""
@@ -65,9 +63,12 @@ class Snapshot:
 
     @functools.cached_property
     def spacing(self) -> np.ndarray:
-        """Of each particle's neighbours, from its volume, m."""
-        volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
-        return np.abs(volume) ** (1 / self.dimension)
+        """Of each particle's neighbours, m: from its volume, or, in a file of few fields (&output fields), that of the start lattice."""
+        if "Volume" in self.names:
+            return np.abs(self["Volume"]) ** (1 / self.dimension)
+        if "Masses" in self.names and "Density" in self.names:
+            return np.abs(self["Masses"] / self["Density"]) ** (1 / self.dimension)
+        return np.full(self.particles, self._lattice_spacing())
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
@@ -109,6 +110,15 @@ class Snapshot:
         with np.errstate(invalid="ignore"):
             values = np.bincount(place, volume * self[name], bins) / weight
         return (np.arange(bins) + 0.5) * self.lengths[axis] / bins, values
+
+    def _lattice_spacing(self) -> float:
+        """By the resolved.nml beside; without one as if the particles filled the box."""
+        path = self.path.parent / "resolved.nml"
+        keys = read_keys(path) if path.is_file() else {}
+        try:
+            return real(keys["domain.length_x"]) / real(keys["domain.particles_x"])
+        except (KeyError, ValueError, ZeroDivisionError):
+            return float((np.prod(self.lengths) / max(self.particles, 1)) ** (1 / self.dimension))
 
     def _read(self, group: str, name: str) -> np.ndarray:
         with self._open() as file:
