@@ -15,7 +15,7 @@
 #include <optional>
 #include <output/directory.hpp>
 #include <output/file.hpp>
-#include <output/hdf5_layout.hpp>
+#include <output/stored_file.hpp>
 #include <system_error>
 
 namespace tetsuame::output {
@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv",
-                                    "series.xdmf",  "run.log",      "balance.csv", "gauges.csv"};
+                                    "series.xdmf",  "walls.xdmf",   "run.log",     "balance.csv",   "gauges.csv"};
 
 // The digits of PREFIX<digits>SUFFIX, as a number.
 std::optional<std::int64_t> number_in(const std::string& name, const std::string& prefix, const std::string& suffix) {
@@ -72,8 +72,7 @@ bool written_by_a_run(const fs::path& path) {
     if (name.ends_with(".csv")) return beginning_of(path.string(), 8) == "step [1]";
     if (number_in(name, "checkpoint_", ".h5")) return beginning_of(path.string(), 19) == "tetsuame checkpoint";
     if (!number_in(name, "snapshot_", ".h5")) return true;
-    const descriptor plain_file(path.string(), O_RDONLY);
-    return !list_datasets(path.string(), "/Provenance").empty();
+    return !stored_file(path.string()).datasets("/Provenance").empty();
   } catch (const foundation::error&) {
     return false;
   }

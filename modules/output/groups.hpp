@@ -1,9 +1,9 @@
-// Particles as the output sees them: named columns of plain arrays, without physics. Every snapshot has Coordinates,
-// Velocities, Masses, Density, Pressure, Temperature, SmoothingLength, ParticleIDs and Material.
+// Particles as the output sees them: named columns of plain arrays, without physics.
 #pragma once
 
 #include <mpi.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -31,6 +31,10 @@ struct particle_group {
   std::vector<column> columns;
   int dimension = 3;
 };
+
+// What the snapshots of every program have.
+inline constexpr std::array common_fields{"ParticleIDs", "Coordinates", "Velocities",      "Masses",  "Density",
+                                          "Pressure",    "Temperature", "SmoothingLength", "Material"};
 
 // Adds a quantity of the table in groups.cpp, which knows unit and meaning: a name has the same in every program.
 // components: one, or one a dimension, each from the group's first particle on.

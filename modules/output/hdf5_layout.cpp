@@ -1,72 +1,20 @@
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <foundation/error.hpp>
 #include <numeric>
 #include <output/file.hpp>
+#include <output/hdf5_handles.hpp>
 #include <output/hdf5_layout.hpp>
 
 namespace tetsuame::output {
 
 namespace {
 
-// HDF5 keeps its reasons to itself while this lives.
-struct quiet {
-  H5E_auto2_t function = nullptr;
-  void* data = nullptr;
-  quiet() {
-    H5Eget_auto2(H5E_DEFAULT, &function, &data);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  quiet(const quiet&) = delete;
-  quiet& operator=(const quiet&) = delete;
-  ~quiet() { H5Eset_auto2(H5E_DEFAULT, function, data); }
-};
-
-// The innermost entry of HDF5's stack is the one that says what happened.
-std::string hdf5_reason() {
-  std::string reason = "unknown reason";
-  const auto keep_first = [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
-    if (n == 0 && e->desc != nullptr) *static_cast<std::string*>(out) = e->desc;
-    return 0;
-  };
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &reason);
-  return reason;
-}
-
-struct file_context {
-  const std::string& path;
-  const char* verb;
-  quiet silence{};
-
-  template <class T>
-  T check(T result) const {
-    if (result < 0) foundation::fail_file(fmt::format("cannot {} {}: HDF5: {}", verb, path, hdf5_reason()));
-    return result;
-  }
-};
-
-class handle {
- public:
-  using closer = herr_t (*)(hid_t);
-  handle(hid_t id, closer how) : id_(id), close_(how) {}
-  handle(handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  ~handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  operator hid_t() const { return id_; }
-  // Closing may write, so it may fail.
-  herr_t close() {
-    const hid_t id = std::exchange(id_, -1);
-    return close_(id);
-  }
-
- private:
-  hid_t id_;
-  closer close_;
-};
+using hdf5::access_without_locks;
+using hdf5::file_context;
+using hdf5::handle;
 
 hid_t number_type(element type) {
   return type == element::real      ? H5T_IEEE_F64LE
@@ -206,21 +154,6 @@ std::uint64_t upper_estimate(const layout& contents) {
   return bytes;
 }
 
-// Locks fail on some network file systems, and nothing here needs them.
-handle access_without_locks(const file_context& file) {
-  handle access(file.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
-  file.check(H5Pset_file_locking(access, false, true));
-  return access;
-}
-
-struct opened_file {
-  file_context file;
-  handle root;
-  explicit opened_file(const std::string& path)
-      : file{path, "read"},
-        root(file.check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access_without_locks(file))), H5Fclose) {}
-};
-
 }  // namespace
 
 std::uint64_t bytes_of(const dataset& d) {
@@ -251,13 +184,14 @@ void compress(const std::string& path, const layout& contents) {
   // Deflate never adds more than a thousandth, and the index of chunks is small: a full disk shows here.
   reserve(create_temporary(temporary), temporary, upper_estimate(contents));
   try {
-    const opened_file old(path);
+    const file_context source{path, "read"};
+    const handle old(source.check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access_without_locks(source))), H5Fclose);
     const file_context file{temporary, "write"};
     handle root(file.check(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_without_locks(file))),
                 H5Fclose);
     create_groups(file, root, contents);
     for (const auto& d : contents.datasets) {
-      const handle from(old.file.check(H5Dopen2(old.root, d.path.c_str(), H5P_DEFAULT)), H5Dclose);
+      const handle from(source.check(H5Dopen2(old, d.path.c_str(), H5P_DEFAULT)), H5Dclose);
       copy_values(file, from, create_dataset(file, root, d, true), d);
     }
     file.check(root.close());
@@ -267,56 +201,6 @@ void compress(const std::string& path, const layout& contents) {
     remove_quietly(temporary);
     throw;
   }
-}
-
-double read_real_attribute(const std::string& path, const std::string& object, const std::string& name) {
-  const auto values = read_real_attributes(path, object, name);
-  if (values.size() != 1)
-    foundation::fail_file(fmt::format("cannot read {}: {}/{} is not one number", path, object, name));
-  return values[0];
-}
-
-std::vector<double> read_real_attributes(const std::string& path, const std::string& object, const std::string& name) {
-  const opened_file opened(path);
-  const auto& [file, root] = opened;
-  const handle a(file.check(H5Aopen_by_name(root, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
-  const handle space(file.check(H5Aget_space(a)), H5Sclose);
-  std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
-  file.check(H5Aread(a, H5T_NATIVE_DOUBLE, values.data()));
-  return values;
-}
-
-std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group) {
-  const opened_file opened(path);
-  const auto& [file, root] = opened;
-  std::vector<stored_dataset> list;
-  if (group != "/" && file.check(H5Lexists(root, group.c_str(), H5P_DEFAULT)) == 0) return list;
-  const handle folder(file.check(H5Gopen2(root, group.c_str(), H5P_DEFAULT)), H5Gclose);
-  H5G_info_t info;
-  file.check(H5Gget_info(folder, &info));
-  for (hsize_t k = 0; k < info.nlinks; ++k) {
-    char name[256];
-    file.check(H5Lget_name_by_idx(folder, ".", H5_INDEX_NAME, H5_ITER_INC, k, name, sizeof name, H5P_DEFAULT));
-    const handle object(file.check(H5Oopen(folder, name, H5P_DEFAULT)), H5Oclose);
-    if (H5Iget_type(object) != H5I_DATASET) continue;
-    const hid_t set = object;
-    const handle type(file.check(H5Dget_type(set)), H5Tclose);
-    const handle space(file.check(H5Dget_space(set)), H5Sclose);
-    std::vector<hsize_t> shape(static_cast<std::size_t>(file.check(H5Sget_simple_extent_ndims(space))));
-    file.check(H5Sget_simple_extent_dims(space, shape.data(), nullptr));
-    list.push_back({name, H5Tget_class(type) == H5T_INTEGER, H5Tget_size(type), {shape.begin(), shape.end()}});
-  }
-  return list;
-}
-
-std::vector<double> read_reals(const std::string& path, const std::string& name) {
-  const opened_file opened(path);
-  const auto& [file, root] = opened;
-  const handle set(file.check(H5Dopen2(root, name.c_str(), H5P_DEFAULT)), H5Dclose);
-  const handle space(file.check(H5Dget_space(set)), H5Sclose);
-  std::vector<double> values(static_cast<std::size_t>(file.check(H5Sget_simple_extent_npoints(space))));
-  file.check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
-  return values;
 }
 
 }  // namespace tetsuame::output

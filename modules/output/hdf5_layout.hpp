@@ -49,20 +49,4 @@ std::uint64_t create_layout(const std::string& path, layout& contents);
 // then as it was.
 void compress(const std::string& path, const layout& contents);
 
-// What an existing file says about itself, for series.xdmf: read on this rank alone.
-struct stored_dataset {
-  std::string name;
-  bool integer = false;
-  std::size_t bytes_per_value = 8;
-  std::vector<std::uint64_t> shape;
-};
-// Throw fail_file with HDF5's reason.
-double read_real_attribute(const std::string& path, const std::string& object, const std::string& name);
-std::vector<double> read_real_attributes(const std::string& path, const std::string& object, const std::string& name);
-// The datasets right in the group, by name; "/" is the root. Empty if there is no such group.
-std::vector<stored_dataset> list_datasets(const std::string& path, const std::string& group);
-
-// A dataset of numbers, by rows.
-std::vector<double> read_reals(const std::string& path, const std::string& name);
-
 }  // namespace tetsuame::output

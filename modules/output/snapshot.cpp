@@ -10,6 +10,7 @@
 #include <output/directory.hpp>
 #include <output/shared_file.hpp>
 #include <output/snapshot.hpp>
+#include <output/stored_file.hpp>
 
 namespace tetsuame::output {
 
@@ -53,7 +54,8 @@ attributes header_attributes(const snapshot_header& header, const std::vector<pa
           {"Periodic", std::vector<std::int32_t>(header.periodic.begin(), header.periodic.end())},
           {"UnitLength_in_cm", 100.0},
           {"UnitMass_in_g", 1000.0},
-          {"UnitVelocity_in_cm_per_s", 100.0}};
+          {"UnitVelocity_in_cm_per_s", 100.0},
+          {"KernelSupport", header.kernel_support}};
 }
 
 std::uint64_t width_of(const column& c) { return c.vector ? 3 : c.components.size(); }
@@ -72,7 +74,8 @@ void leave_out(std::vector<particle_group>& groups, const snapshot_form& form) {
     });
 }
 
-void add_group(const particle_group& group, std::uint64_t rows, const snapshot_form& form, layout& contents) {
+void add_group(const particle_group& group, std::uint64_t rows, const snapshot_form& form, double kernel_support,
+               layout& contents) {
   const auto folder = fmt::format("/PartType{}", group.type);
   contents.groups.push_back({folder, {}});
   contents.datasets.push_back(
@@ -85,6 +88,7 @@ void add_group(const particle_group& group, std::uint64_t rows, const snapshot_f
     if (width_of(c) > 1) shape.push_back(width_of(c));
     contents.datasets.push_back(
         {folder + "/" + c.name, type_of(c, form), shape, {{"units", c.units}, {"description", c.description}}});
+    if (c.name == "SmoothingLength") contents.datasets.back().attributes.emplace_back("KernelSupport", kernel_support);
   }
   const bool fits = rows <= std::numeric_limits<std::int32_t>::max();
   contents.datasets.push_back({fmt::format("/Connectivity{}", group.type),
@@ -93,12 +97,21 @@ void add_group(const particle_group& group, std::uint64_t rows, const snapshot_f
                                {{"description", std::string("row numbers, for ParaView")}}});
 }
 
+// A place along a periodic axis within [0, length): a particle may be beyond until lists are made, and readers that
+// count in periods take no such place.
+double within_period(double x, double length) {
+  if (x < 0.0) x += length;
+  return x >= length ? x - length : x;
+}
+
 // One row after another, as wide as in the file. Collective.
-std::vector<double> rows_of(const column& c, const id_order& order) {
+std::vector<double> rows_of(const column& c, const snapshot_header& header, const id_order& order) {
   const auto width = static_cast<std::size_t>(width_of(c));
   std::vector<double> rows(width * order.rows(), 0.0);
   for (std::size_t d = 0; d < std::min(width, c.components.size()); ++d) {
-    const auto x = arrange(order, c.components[d]);
+    auto x = arrange(order, c.components[d]);
+    if (c.name == "Coordinates" && header.periodic[d])
+      for (double& place : x) place = within_period(place, header.box_lengths[d]);
     for (std::size_t k = 0; k < x.size(); ++k) rows[width * k + d] = x[k];
   }
   return rows;
@@ -126,10 +139,10 @@ void write_rows(shared_file& file, const dataset& d, const id_order& order, cons
 }
 
 // Collective. next: the group's first dataset; moved past its last.
-void write_group(shared_file& file, const particle_group& group, const id_order& order,
+void write_group(shared_file& file, const snapshot_header& header, const particle_group& group, const id_order& order,
                  std::vector<dataset>::const_iterator& next) {
   write_rows(file, *next++, order, order.ids);
-  for (const auto& c : group.columns) write_rows(file, *next++, order, rows_of(c, order));
+  for (const auto& c : group.columns) write_rows(file, *next++, order, rows_of(c, header, order));
   std::vector<std::int64_t> numbers(order.rows());
   std::iota(numbers.begin(), numbers.end(), static_cast<std::int64_t>(order.first_row));
   write_rows(file, *next++, order, numbers);
@@ -139,19 +152,10 @@ void write_group(shared_file& file, const particle_group& group, const id_order&
 
 std::string snapshot_name(int number) { return fmt::format("snapshot_{:04}.h5", number); }
 
-void check_fields(const snapshot_form& form, const particle_group& group, const std::string& place) {
-  std::vector<std::string> known{"ParticleIDs"};
-  for (const auto& c : group.columns) known.push_back(c.name);
-  for (const auto& name : form.fields)
-    if (std::ranges::find(known, name) == known.end())
-      foundation::fail_input(fmt::format("{}: '{}' is no field of this run's snapshots: expected some of {}", place,
-                                         name, fmt::join(known, ", ")));
-}
-
 std::uint64_t bytes_of(std::vector<particle_group> groups, const snapshot_form& form) {
   leave_out(groups, form);
   layout contents;
-  for (const auto& group : groups) add_group(group, group.n, form, contents);
+  for (const auto& group : groups) add_group(group, group.n, form, 0.0, contents);
   std::uint64_t bytes = 0;
   for (const auto& d : contents.datasets) bytes += bytes_of(d);
   return bytes;
@@ -168,13 +172,13 @@ void write_snapshot(MPI_Comm comm, const std::string& path, const snapshot_heade
   contents.groups = {{"/Header", header_attributes(header, groups, orders, form)},
                      {"/Provenance", {{"Program", origin.program}, {"Version", origin.version}}}};
   for (std::size_t g = 0; g < groups.size(); ++g)
-    if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, form, contents);
+    if (orders[g].total_rows > 0) add_group(groups[g], orders[g].total_rows, form, header.kernel_support, contents);
   contents.datasets.push_back({"/Provenance/ResolvedInput", element::text, {input.size()}, {}});
 
   shared_file file(comm, path, contents);
   auto next = contents.datasets.cbegin();
   for (std::size_t g = 0; g < groups.size(); ++g)
-    if (orders[g].total_rows > 0) write_group(file, groups[g], orders[g], next);
+    if (orders[g].total_rows > 0) write_group(file, header, groups[g], orders[g], next);
   if (foundation::rank_of(comm) == 0) file.write(*next, 0, input.c_str(), next->bytes);
   file.finish();
   if (form.compressed) foundation::on_rank_0(comm, [&] { compress(path, contents); });
@@ -187,79 +191,80 @@ namespace {
 constexpr std::string_view first_lines =
     "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
     "    <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+constexpr std::array<std::string_view, 2> series_names{"series.xdmf", "walls.xdmf"};
 constexpr std::string_view last_lines = "    </Grid>\n  </Domain>\n</Xdmf>\n";
 
 std::string data_item(const std::string& place, const stored_dataset& d) {
   return fmt::format(R"(<DataItem Format="HDF" NumberType="{}" Precision="{}" Dimensions="{}">{}</DataItem>)",
-                     d.integer ? "Int" : "Float", d.bytes_per_value, fmt::join(d.shape, " "), place);
+                     d.holds == stored_dataset::content::integers ? "Int" : "Float", d.bytes_per_value,
+                     fmt::join(d.shape, " "), place);
 }
 
 std::string attribute_text(const std::string& folder, const stored_dataset& d) {
   const std::uint64_t width = d.shape.size() < 2 ? 1 : d.shape[1];
-  return fmt::format("          <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", d.name,
+  return fmt::format("        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", d.name,
                      width == 1   ? "Scalar"
                      : width == 3 ? "Vector"
                                   : "Matrix",
                      data_item(folder + d.name, d));
 }
 
-std::string grid_text(const std::string& file, int type, const std::vector<stored_dataset>& datasets,
-                      stored_dataset numbers) {
-  const auto folder = fmt::format("{}:/PartType{}/", file, type);
+// The particles of a type at the time of a snapshot; empty without any.
+std::string text_of(const stored_file& snapshot, int type) {
+  const auto file = std::filesystem::path(snapshot.path()).filename().string();
+  const auto group = fmt::format("/PartType{}", type), numbers_name = fmt::format("Connectivity{}", type);
+  const auto folder = file + ":" + group + "/";
   std::string geometry, values;
   std::uint64_t n = 0;
-  for (const auto& d : datasets) {
-    if (d.shape.empty()) continue;
+  for (const auto& d : snapshot.datasets(group)) {
+    if (d.shape.empty() || !d.is_of_numbers()) continue;
     n = d.shape[0];
     if (d.name == "Coordinates")
-      geometry = fmt::format("          <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", data_item(folder + d.name, d));
-    else
-      values += attribute_text(folder, d);
+      geometry = fmt::format("        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", data_item(folder + d.name, d));
+    values += attribute_text(folder, d);  // places too: readers of meshes that stay take the geometry once
   }
-  numbers.integer = true;
+  if (n == 0) return "";
+  const auto top = snapshot.datasets("/");
+  const auto found = std::ranges::find(top, numbers_name, &stored_dataset::name);
+  if (found == top.end())
+    foundation::fail_file(fmt::format("cannot read {}: /{} is missing", snapshot.path(), numbers_name));
+  auto numbers = *found;
   numbers.shape = {n, 1};
   return fmt::format(
-      "        <Grid Name=\"{}\" GridType=\"Uniform\">\n"
-      "          <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">{}</Topology>\n"
-      "{}{}        </Grid>\n",
-      type == 0 ? "fluid" : "wall", n, data_item(fmt::format("{}:/{}", file, numbers.name), numbers), geometry, values);
+      "      <Grid Name=\"{}\" GridType=\"Uniform\">\n"
+      "        <Time Value=\"{}\"/>\n"
+      "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">{}</Topology>\n"
+      "{}{}      </Grid>\n",
+      type == 0 ? "fluid" : "wall", snapshot.number("/Header", "Time"), n,
+      data_item(fmt::format("{}:/{}", file, numbers_name), numbers), geometry, values);
 }
 
-std::string text_of(const std::string& directory, const std::string& file) {
-  const auto path = (std::filesystem::path(directory) / file).string();
-  const descriptor plain_file(path, O_RDONLY);  // HDF5 would wait for a pipe
-  auto text = fmt::format(
-      "      <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
-      "        <Time Value=\"{}\"/>\n",
-      file, read_real_attribute(path, "/Header", "Time"));
-  const auto top = list_datasets(path, "/");
-  for (const int type : {0, 1}) {
-    const auto datasets = list_datasets(path, fmt::format("/PartType{}", type));
-    if (datasets.empty()) continue;
-    const auto name = fmt::format("Connectivity{}", type);
-    const auto numbers = std::find_if(top.begin(), top.end(), [&](const stored_dataset& d) { return d.name == name; });
-    if (numbers == top.end()) foundation::fail_file(fmt::format("cannot read {}: /{} is missing", path, name));
-    text += grid_text(file, type, datasets, *numbers);
-  }
-  return text + "      </Grid>\n";
+std::string path_in(const std::string& directory, std::string_view name) {
+  return (std::filesystem::path(directory) / name).string();
 }
 
-std::string path_of_series(const std::string& directory) {
-  return (std::filesystem::path(directory) / "series.xdmf").string();
-}
-
-// Replaces the file by one of these snapshots.
+// Replaces the files by those of these snapshots.
 void write_whole(const std::string& directory, const std::vector<std::string>& snapshots, series& all) {
-  std::string text(first_lines);
+  std::array<std::string, 2> texts;
   for (const auto& name : snapshots) {
     try {
-      text += text_of(directory, name);
+      const stored_file snapshot(path_in(directory, name));
+      const std::array more{text_of(snapshot, 0), text_of(snapshot, 1)};
+      for (const std::size_t type : {0, 1}) texts[type] += more[type];
     } catch (const std::exception& e) {
       all.messages.push_back(fmt::format("{}; series.xdmf goes on without it", e.what()));
     }
   }
-  all.end = text.size();
-  replace_text(path_of_series(directory), text.append(last_lines));
+  for (const std::size_t type : {0, 1}) {
+    const auto path = path_in(directory, series_names[type]);
+    if (type == 1 && texts[type].empty()) {
+      remove_quietly(path);
+      continue;
+    }
+    const auto text = std::string(first_lines) + texts[type];
+    all.end[type] = text.size();
+    replace_text(path, text + std::string(last_lines));
+  }
 }
 
 std::vector<std::string> snapshots_below(const std::string& directory, std::int64_t next) {
@@ -273,16 +278,20 @@ std::vector<std::string> snapshots_below(const std::string& directory, std::int6
 
 void add_to_series(MPI_Comm comm, const std::string& directory, const std::string& snapshot_file, series& all) {
   foundation::on_rank_0(comm, [&] {
-    const auto path = path_of_series(directory);
-    if (all.end == 0) return write_whole(directory, {snapshot_file}, all);
-    std::error_code problem;
-    const auto bytes = std::filesystem::file_size(path, problem);
-    if (problem || bytes != all.end + last_lines.size())  // somebody removed or changed it
-      return write_whole(directory, snapshots_below(directory, std::numeric_limits<std::int64_t>::max()), all);
-    const auto text = text_of(directory, snapshot_file);
-    const auto added = text + std::string(last_lines);
-    write_at(descriptor(path, O_WRONLY), path, added.data(), added.size(), all.end);
-    all.end += text.size();
+    if (all.end[0] == 0) return write_whole(directory, {snapshot_file}, all);
+    const stored_file snapshot(path_in(directory, snapshot_file));
+    for (const std::size_t type : {0, 1}) {
+      const auto text = text_of(snapshot, static_cast<int>(type));
+      if (text.empty()) continue;
+      const auto path = path_in(directory, series_names[type]);
+      std::error_code problem;
+      const auto bytes = std::filesystem::file_size(path, problem);
+      if (problem || bytes != all.end[type] + last_lines.size())  // somebody removed or changed it
+        return write_whole(directory, snapshots_below(directory, std::numeric_limits<std::int64_t>::max()), all);
+      const auto added = text + std::string(last_lines);
+      write_at(descriptor(path, O_WRONLY), path, added.data(), added.size(), all.end[type]);
+      all.end[type] += text.size();
+    }
   });
 }
 
@@ -290,7 +299,7 @@ series continue_series(MPI_Comm comm, const std::string& directory, int next) {
   series all;
   foundation::on_rank_0(comm, [&] {
     for (const auto& [number, name] : numbered_files(directory, "snapshot_", ".h5"))
-      if (number >= next) remove_quietly((std::filesystem::path(directory) / name).string());
+      if (number >= next) remove_quietly(path_in(directory, name));
     write_whole(directory, snapshots_below(directory, next), all);
   });
   return all;

@@ -131,7 +131,7 @@ int start(int argc, char** argv, const char* name, std::unique_ptr<problem_of_in
       if (domain::communicator::world().rank == 0) std::fputs(problem->theory().c_str(), stdout);
       return;
     }
-    if (!line.restart.empty()) problem->common().start.file.clear();
+    problem->common().start.is_over = !line.restart.empty();
     const auto made = problem->make();
     run::carry_out(*made, problem->common(), line, resolved);
   });

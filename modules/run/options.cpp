@@ -1,8 +1,9 @@
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <kernels/kernel.hpp>
+#include <namelist/text.hpp>
 #include <run/options.hpp>
 
 namespace tetsuame::run {
@@ -46,7 +47,8 @@ void declare(namelist::schema& schema, output_options& o) {
   schema.add("output", "history_interval", o.history_interval,
              {.minimum = 1, .meaning = "steps between lines of history.csv"});
   schema.add("output", "fields", o.fields,
-             {.meaning = "of snapshots, beside Coordinates and ParticleIDs; not given: all that the program has"});
+             {.meaning = "of snapshots, by name, beside Coordinates and ParticleIDs; not given: all "
+                         "that the program has"});
   schema.add("output", "precision", o.precision,
              {.choices = {"double", "single"}, .meaning = "of numbers in snapshots; Coordinates stay double"});
   schema.add("output", "compress", o.compress, {.meaning = "snapshots, by deflate; one process does it"});
@@ -165,7 +167,6 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
 
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
-  if (!o.output.fields.empty()) o.output.fields_place = schema.where("output", "fields") + ": &output fields";
   if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;
@@ -182,7 +183,22 @@ void check_interval(const namelist::schema& schema, const output_options& o, dou
                     t_end / o.interval, t_end, t_end / most, most));
 }
 
-void check_output(const namelist::schema& schema, const common_options& o) {
+void check_fields(const namelist::schema& schema, output_options& o, const std::vector<std::string>& fields) {
+  std::vector<std::string> known(output::common_fields.begin(), output::common_fields.end());
+  known.insert(known.end(), fields.begin(), fields.end());
+  for (auto& name : o.fields) {
+    const auto meant = namelist::nearest(name, known);
+    if (namelist::lower(name) != namelist::lower(meant))
+      schema.fail(
+          "output", "fields",
+          fmt::format("{} is no field of this run's snapshots; the nearest is {}; there are {}",
+                      namelist::quote(namelist::excerpt(name)), namelist::quote(meant), fmt::join(known, ", ")));
+    name = meant;
+  }
+}
+
+void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields) {
+  check_fields(schema, o.output, fields);
   check_interval(schema, o.output, o.time.t_end.value_or(0.0));
 }
 

@@ -41,7 +41,6 @@ struct output_options {
   double interval = 0.0;               // s
   std::int64_t history_interval = 10;  // steps
   std::vector<std::string> fields;     // of snapshots; none: all
-  std::string fields_place;            // where that was said, for the message
   std::string precision = "double";
   bool compress = false;
 
@@ -63,8 +62,11 @@ struct balance_options {
 
 // A snapshot that takes the place of the start lattice.
 struct start_options {
-  std::string file;   // empty: none
-  std::string place;  // where that was said, for the message
+  std::string file;      // empty: none
+  std::string place;     // where that was said, for the message
+  bool is_over = false;  // a checkpoint has taken its place
+
+  bool is_read() const { return !file.empty() && !is_over; }
 };
 
 struct common_options {
@@ -93,8 +95,10 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
 // Fills h_over_dx, with which the kernel must reach the nearest neighbours, and the fractions of sound's and
 // diffusion's limits that the method stands.
 void resolve(const namelist::schema& schema, common_options& o);
-// When the end is known: a run writes at most a million snapshots.
-void check_output(const namelist::schema& schema, const common_options& o);
+// When the end is known: a run writes at most a million snapshots. `fields`: what this run's have beside those that
+// every program's have (output::common_fields).
+void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields);
+void check_fields(const namelist::schema& schema, output_options& o, const std::vector<std::string>& fields);
 void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 
 // The method that a checkpoint's input, as resolved, was run with: a fixed step that was chosen for it says nothing

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <foundation/error.hpp>
 #include <foundation/waiting.hpp>
+#include <kernels/kernel.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -290,17 +291,11 @@ struct loop {
     auto header = p.header();
     header.time = integrator->time();
     header.step = step;
+    header.kernel_support = kernels::find(o.kernel.name).support_over_h;
     std::vector<particles::array> extra;
     files.write_snapshot(header, p.snapshot(extra), o.output);
     p.expect_snapshot(false);
     snapshot_step = step;
-  }
-
-  // Before anything is written.
-  void check_fields() {
-    std::vector<particles::array> extra;
-    if (!o.output.fields.empty())
-      output::check_fields(o.output.form(), p.snapshot(extra).front(), o.output.fields_place);
   }
 
   void write_checkpoint() {
@@ -325,7 +320,6 @@ struct loop {
     p.rebuild(false);
     p.set_time(0.0);
     make_integrator();
-    check_fields();
   }
 
   void start_anew() {
@@ -349,7 +343,6 @@ struct loop {
     const bool as_before = method_of(g.texts.at("input")) == o.time.method;
     make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
     if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
-    check_fields();
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     p.set_time(integrator->time());
     line_step = g.integers.at("line_step");

@@ -75,25 +75,27 @@ def write_wall(directory):
 
 
 def write_series(directory):
-    """series.xdmf as the programs write it, and the rows' numbers that it names."""
+    """series.xdmf and walls.xdmf as the programs write them, and the rows' numbers that these name."""
     def item(path, data):
         return (f'<DataItem Format="HDF" NumberType="{"Float" if data.dtype.kind == "f" else "Int"}" Precision="{data.dtype.itemsize}" '
                 f'Dimensions="{" ".join(map(str, data.shape))}">{path.name}:{data.name}</DataItem>')
 
-    text = '<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0"><Domain><Grid Name="series" GridType="Collection" CollectionType="Temporal">'
-    for path in sorted(directory.glob("snapshot_*.h5")):
-        with h5py.File(path, "a") as file:
-            text += f'\n<Grid Name="{path.name}" GridType="Collection" CollectionType="Spatial"><Time Value="{file["Header"].attrs["Time"]}"/>'
-            for group, name in (("PartType0", "fluid"), ("PartType1", "wall")):
-                if group in file:
-                    n = len(file[group]["Coordinates"])
-                    numbers = file.create_dataset(f"Connectivity{group[-1]}", data=np.arange(n, dtype=np.int32)[:, None])
-                    text += (f'<Grid Name="{name}" GridType="Uniform"><Topology TopologyType="Polyvertex" NumberOfElements="{n}" NodesPerElement="1">'
-                             f'{item(path, numbers)}</Topology><Geometry GeometryType="XYZ">{item(path, file[group]["Coordinates"])}</Geometry>')
-                    text += "".join(f'<Attribute Name="{key}" AttributeType="{"Scalar" if data.ndim == 1 else "Vector"}" Center="Node">{item(path, data)}'
-                                    "</Attribute>" for key, data in file[group].items() if key != "Coordinates") + "</Grid>"
-            text += "</Grid>"
-    (directory / "series.xdmf").write_text(text + "</Grid></Domain></Xdmf>\n")
+    for group, name, target in (("PartType0", "fluid", "series.xdmf"), ("PartType1", "wall", "walls.xdmf")):
+        text = ""
+        for path in sorted(directory.glob("snapshot_*.h5")):
+            with h5py.File(path, "a") as file:
+                if group not in file:
+                    continue
+                n = len(file[group]["Coordinates"])
+                numbers = file.create_dataset(f"Connectivity{group[-1]}", data=np.arange(n, dtype=np.int32)[:, None])
+                text += (f'\n<Grid Name="{name}" GridType="Uniform"><Time Value="{file["Header"].attrs["Time"]}"/>'
+                         f'<Topology TopologyType="Polyvertex" NumberOfElements="{n}" NodesPerElement="1">'
+                         f'{item(path, numbers)}</Topology><Geometry GeometryType="XYZ">{item(path, file[group]["Coordinates"])}</Geometry>')
+                text += "".join(f'<Attribute Name="{key}" AttributeType="{"Scalar" if data.ndim == 1 else "Vector"}" Center="Node">{item(path, data)}'
+                                "</Attribute>" for key, data in file[group].items()) + "</Grid>"
+        if text:
+            (directory / target).write_text('<?xml version="1.0" encoding="utf-8"?>\n<Xdmf Version="3.0"><Domain><Grid Name="series" GridType="Collection" '
+                                            f'CollectionType="Temporal">{text}</Grid></Domain></Xdmf>\n')
     return directory
 
 
@@ -141,6 +143,28 @@ class Loading(Case):
         (run / "snapshot_0002.h5").unlink()
         (run / "history.csv").write_text("time [s]\nzero\n")
         self.assert_refused(inside.call("plot", run), "history.csv", "not a table", status=4)
+
+    def test_few_fields(self):
+        """Whatever &output fields left: what is there is shown, at the start lattice's spacing."""
+        three = self.here / "three.js"
+        three.write_text("")
+        for number, kept in enumerate((["Density", "Pressure"], ["Masses"], ["Velocities"], ["Temperature"], [])):
+            run = write_run(self.here / str(number), times=(0, 10))
+            for path in run.glob("snapshot_*.h5"):
+                with h5py.File(path, "a") as file:
+                    for name in set(file["PartType0"]) - {"Coordinates", "ParticleIDs", *kept}:
+                        del file["PartType0"][name]
+            write_series(run)
+            for command, *options in (("plot",), ("movie", "--gif"), ("view", "--three", three), ("paraview",)):
+                with self.subTest(command, kept=kept):
+                    said = inside.call(command, run, *options)
+                    self.assertEqual(said.returncode, 0, said.stderr)
+            last = tetsuame.load(run).snapshot()
+            np.testing.assert_allclose(last.spacing, LENGTH / 12)
+            self.assertEqual("Speed" in last, "Velocities" in kept)
+            with open(run / "resolved.nml", "a") as file:
+                file.write(f"&domain\n  length_x = {2 * LENGTH}\n  particles_x = 12\n/\n")
+            np.testing.assert_allclose(tetsuame.load(run).snapshot().spacing, LENGTH / 6)
 
     def test_runs_of_different_dimensions(self):
         a, b = write_run(self.here / "a"), write_run(self.here / "b", dimension=3, n=4)
@@ -321,12 +345,21 @@ class ForParaView(Case):
         self.assertGreater(2 * float(flat["CameraParallelScale"][0]), LENGTH)
         made = self.state(write_series(write_run(self.here / "deep", 3, 4)))
         self.assertEqual((made["RenderView"]["CameraParallelProjection"], made["RenderView"]["CameraViewUp"]), (["0"], ["0", "1", "0"]))
-        self.assertNotIn("ExtractBlock", made)
         run = write_run(self.here / "walls", 3, 4)
         write_wall(run)
         made = self.state(write_series(run))
-        self.assertEqual(made["Clip"]["Input"], [self.number(run, "ExtractBlock")])
+        self.assertEqual(made["Clip"]["Input"], [self.number(run, "Xdmf3ReaderT")])
         self.assertEqual(made["UnstructuredGridRepresentation"]["Input"], [self.number(run, "Clip")])
+        self.assertNotIn("walls.xdmf", (run / "series.pvsm").read_text())
+
+    def test_walls_beside_a_flat_fluid(self):
+        run = write_run(self.here / "walls")
+        write_wall(run)
+        made = self.state(write_series(run))
+        self.assertEqual(made["Xdmf3ReaderT"]["FileName"], [str((run / "walls.xdmf").resolve())])  # the second of two
+        self.assertEqual(made["UnstructuredGridRepresentation"]["ColorArrayName"], [""] * 5)
+        (run / "walls.xdmf").unlink()
+        self.assert_refused(inside.call("paraview", run), "walls.xdmf", "No such file")
 
     def number(self, run, kind):
         return ElementTree.parse(run / "series.pvsm").getroot().find(f".//Proxy[@type='{kind}']").get("id")
@@ -369,7 +402,8 @@ scene = GetAnimationScene()
 scene.GoToFirst()
 for index in range(4):
     SaveScreenshot(f"{sys.argv[1]}/{index}.png", view)
-    print("seen", view.ViewTime, view.Representations[0].GetRepresentedDataInformation().GetNumberOfPoints(), flush=True)
+    shown = [r for r in view.Representations if hasattr(r, "GaussianRadius")]
+    print("seen", view.ViewTime, sum(r.GetRepresentedDataInformation().GetNumberOfPoints() for r in shown), flush=True)
     scene.GoToNext()
 """)
         moved = []

@@ -68,11 +68,32 @@ class Snapshots(Case):
             self.assertEqual(set(file["PartType0"]), {"Coordinates", "ParticleIDs", "Pressure", "Density"})
 
     def test_an_unknown_field(self):
-        before = self.listing()
-        name, own = RUNS["disph_c"]
-        result = self.call("disph_c", *self.arguments(name, {**own, "output.fields": "'Presure'"}, self.here / "no"))
-        self.assert_says(result, BAD_INPUT, "output fields", "'Presure'", "Pressure")
-        self.assertEqual(self.listing(), before)
+        """Every program names the nearest of those that its snapshots have, before it begins and with --check."""
+        for program, (name, own) in RUNS.items():
+            with self.subTest(program):
+                before = self.listing()
+                arguments = self.arguments(name, {**own, "output.fields": "'Desity'"}, self.here / "no")
+                for more in ([], ["--check"]):
+                    result = self.call(program, *arguments, *more)
+                    self.assert_says(result, BAD_INPUT, "&output fields", "'Desity'", "nearest is 'Density'")
+                    self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+                self.assertEqual(self.listing(), before)
+
+    def test_the_fields_that_are_told_are_those_that_are_there(self):
+        for program, settings in [*((program, {}) for program in RUNS), ("rti", {"rti.temperature_law": "enthalpy", "rti.start": "coloured"}),
+                                  ("shock", {"shock.scheme": "gsph"})]:
+            with self.subTest(program, settings=settings):
+                _, path = self.last(program, **settings)
+                name, own = RUNS[program]
+                said = self.call(program, *self.arguments(name, {**own, **settings, "output.fields": "'x'"}, self.here / "no"))
+                told = said.stderr.partition("there are ")[2].strip().split(", ")
+                with h5py.File(path) as file:
+                    self.assertEqual(sorted(told), sorted(file["PartType0"]), said)
+
+    def test_fields_in_any_case(self):
+        _, path = self.last("disph_c", **{"output.fields": "'density'"})
+        with h5py.File(path) as file:
+            self.assertEqual(set(file["PartType0"]), {"Coordinates", "ParticleIDs", "Density"})
 
     def test_precision_and_compression(self):
         more = {"domain.particles_x": 64, "domain.particles_y": 64}

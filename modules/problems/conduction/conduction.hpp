@@ -13,6 +13,7 @@
 #include <particles/named_fields.hpp>
 #include <run/box.hpp>
 #include <run/start.hpp>
+#include <run/start_from_file.hpp>
 
 namespace tetsuame::conduction {
 
@@ -40,7 +41,7 @@ class problem : public run::problem_in_a_box<D> {
       for (std::size_t a = 0, k = 0; a < D; ++a)
         for (std::size_t b = a; b < D; ++b) B_[k++][i] = a == b ? 1.0 : 0.0;
     }
-    if (!o.common.start.file.empty()) run::start_from_file(o.common.start, {.motion = false}, world_);
+    if (o.common.start.is_read()) run::start_from_file(o.common.start, {.motion = false}, world_);
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
 

@@ -244,7 +244,7 @@ void declare(namelist::schema& schema, options& o) {
 
 parameters resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o.common);
-  run::check_output(schema, o.common);
+  run::check_output(schema, o.common, {"Volume", "FreeSurface"});
   domain::resolve(schema, demands, o.domain);
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);

@@ -115,7 +115,7 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
   add("SmoothingLength", make([&](auto i) { return g.S[i] / g.support_over_h; }));
   add("Material", make([&](auto i) { return s.material[i]; }));
   add("InternalEnergy", s.u.data());
-  if (g.has_alpha()) add("ArtificialViscosity", g.alpha.data());
+  if (g.o.has_alpha()) add("ArtificialViscosity", g.alpha.data());
   if (!g.test.exact) return group;
   std::vector<state> exact;
   for (std::size_t i = 0; i < s.fluid; ++i) exact.push_back(g.test.exact(g.place(i), t));

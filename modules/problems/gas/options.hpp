@@ -55,6 +55,8 @@ struct options {
   bool evolves_density() const { return shock.scheme == "remix"; }
   bool any_eos() const { return !shock.l.eos.empty(); }
   bool second_order() const { return godunov() && shock.reconstruction == "second"; }
+  // Whether the viscosity of each particle has a coefficient of its own.
+  bool has_alpha() const { return !godunov() && !evolves_density() && shock.switch_of_alpha; }
 };
 
 eos::any eos_of(const side_options& side);  // with its own parameters

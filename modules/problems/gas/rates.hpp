@@ -177,7 +177,7 @@ std::vector<integrators::field> integrated_fields(world<D>& g) {
   for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g.w.dx});
   for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
   all.push_back({"u", s.u.data(), 0.0, speed * speed});
-  if (g.has_alpha()) all.push_back({"alpha", g.alpha.data(), 0.0, 1.0});
+  if (g.o.has_alpha()) all.push_back({"alpha", g.alpha.data(), 0.0, 1.0});
   if (g.evolves_density) all.push_back({"density", g.evolved.data(), 0.0, g.density_scale});
   return all;
 }
@@ -195,7 +195,7 @@ void combine(world<D>& g, std::span<double* const> rate) {
     if constexpr (D > 1) rate[D + 1][i] -= q.gravity;
     rate[2 * D][i] = g.power[i] / s.m[i];
     if (g.evolves_density) rate[2 * D + 1][i] = g.density_rate[i];
-    if (g.has_alpha())
+    if (g.o.has_alpha())
       rate[2 * D + 1][i] =
           schemes::alpha_rate(g.alpha[i], q.alpha_min, q.alpha, g.divergence[i], s.c[i], g.S[i] / g.support_over_h);
   });

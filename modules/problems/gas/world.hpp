@@ -52,7 +52,6 @@ struct world : run::state<D>, schemes::arrays<D> {
   schemes::fields<D> fields() { return {w.s, *this}; }
 
   const particles::array& told_density() const { return o.shock.density == "mass" ? this->mass_density : w.s.rho; }
-  bool has_alpha() const { return !godunov && !evolves_density && o.shock.switch_of_alpha; }
   // A part of the skin is for supports to grow, the rest for particles to move.
   double room_to_grow() const { return 0.25 * skin; }
 

@@ -47,7 +47,7 @@ std::vector<output::particle_group> snapshot_groups(const scene<D>& scene, doubl
     output::add_quantity(g, "Material", {make([&](auto i) { return s.material[begin + i]; })});
   };
   begin_group(0, 0, s.fluid);
-  const auto row = [&](std::size_t i) { return start_place(scene, s.id[i])[1]; };
+  const auto row = [&](std::size_t i) { return row_of(scene, i); };
   const auto make = [&](auto&& value) { return output::make_array(extra, s.fluid, value); };
   output::add_quantity(groups[0], "PressureReference", {make([&](auto i) { return scene.p_exact[row(i)]; })});
   output::add_quantity(groups[0], "DensityReference", {make([&](auto i) { return scene.rho_exact[row(i)]; })});

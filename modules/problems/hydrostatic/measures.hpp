@@ -23,7 +23,7 @@ errors measure_errors(const scene<D>& scene) {
   const auto& ranks = scene.w.d.ranks;
   errors e;
   const auto [sum] = liquid::exact_sums<1>(scene, [&](std::size_t i, const auto& add) {
-    const auto row = start_place(scene, s.id[i])[1];
+    const auto row = row_of(scene, i);
     const double dp = std::abs(s.p[i] / scene.p_exact[row] - 1.0);
     add(dp);
     e.pressure_max = std::max(e.pressure_max, dp);

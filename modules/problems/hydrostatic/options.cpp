@@ -88,6 +88,9 @@ void resolve(const namelist::schema& schema, options& o) {
     o.material.eos.reference_pressure = o.initial.pressure;
   o.material.eos = schema.placed("material", "eos", [&] { return eos::resolve(o.material.eos); });
   run::check_interval(schema, o.output, o.time.end());
+  run::check_fields(schema, o.output,
+                    {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",
+                     "DensityReference", "Displacement"});
 }
 
 }  // namespace tetsuame::hydrostatic

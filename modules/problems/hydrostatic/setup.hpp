@@ -4,6 +4,7 @@
 #include <hydrostatic/options.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
+#include <run/start_from_file.hpp>
 
 namespace tetsuame::hydrostatic {
 
@@ -24,14 +25,25 @@ std::array<std::size_t, D> start_place(const scene<D>& scene, std::int64_t id) {
   return place;
 }
 
+// The row of the lattice in which fluid particle i started: by its ID, or by the place that a snapshot gave it.
+template <int D>
+std::size_t row_of(const scene<D>& scene, std::size_t i) {
+  const auto& s = scene.w.s;
+  if (!s.keeps_start) return start_place(scene, s.id[i])[1];
+  const auto last = static_cast<double>(scene.lattice[1] - 1);
+  return static_cast<std::size_t>(std::clamp(std::floor(s.x_start[1][i] / scene.w.dx), 0.0, last));
+}
+
 // m, how far fluid particle i is from its start. Over a periodic border the nearest image counts.
 template <int D>
 std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
+  const auto& s = scene.w.s;
   const auto& box = scene.w.d.region;
-  const auto place = start_place(scene, scene.w.s.id[i]);
+  const auto place = start_place(scene, s.id[i]);
   std::array<double, D> d;
   for (std::size_t a = 0; a < D; ++a) {
-    d[a] = scene.w.s.x[a][i] - (static_cast<double>(place[a]) + 0.5) * scene.w.dx;
+    const double start = s.keeps_start ? s.x_start[a][i] : (static_cast<double>(place[a]) + 0.5) * scene.w.dx;
+    d[a] = s.x[a][i] - start;
     if (box.periodic[a]) d[a] -= box.length[a] * std::round(d[a] / box.length[a]);
   }
   return d;
@@ -88,8 +100,11 @@ void fill_fluid(const options& o, scene<D>& scene) {
     s.eta[i] = o.material.viscosity;
     s.k[i] = o.material.conductivity;
   }
-  if (o.start.file.empty()) return;
-  run::start_from_file(o.start, {}, scene);
+  if (!o.start.is_read()) return;
+  const auto [low, high] = std::minmax_element(scene.p_exact.begin(), scene.p_exact.end());
+  run::start_from_file(o.start, {.pressures = {*low, *high}, .volume = [&](std::size_t) { return std::pow(w.dx, D); }},
+                       scene);
+  run::start_here(s);
   for (std::size_t i = 0; i < s.fluid; ++i)
     s.Y[i] = eos::pressure(w.materials[0], s.rho[i], s.T[i]) * s.m[i] / s.rho[i];
 }
@@ -141,6 +156,7 @@ double fastest_sound(const options& o, const scene<D>& scene) {
 template <int D>
 void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
   auto& w = scene.w;
+  w.s.keeps_start = !o.start.file.empty();
   run::set_up<D>(scene, ranks, o.domain, o.walls, o.kernel, o.halo());
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;

@@ -133,7 +133,10 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
   const char* group = group_of(kind);
   run::resolve(schema, o.common);
-  run::check_output(schema, o.common);
+  std::vector<std::string> fields{"Volume", "DensityReference"};
+  if (o.element.name != "none") fields.emplace_back("Concentration");
+  if (o.temperature_law == "enthalpy") fields.insert(fields.end(), {"Viscosity", "MeltFraction"});
+  run::check_output(schema, o.common, fields);
   parameters p{};
   const auto& kernel = o.common.kernel;
   if (const double own = kernels::find(kernel.name).default_h_over_dx; kernel.h_over_dx > 2.0 * own)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 #include <run/start.hpp>
+#include <run/start_from_file.hpp>
 #include <two_fluids/cloud.hpp>
 #include <two_fluids/fluids.hpp>
 #include <two_fluids/rows.hpp>
@@ -225,6 +226,31 @@ void start_at(fluids<D>& f, std::size_t i, const place& state, double V) {
   if (f.o.shear != 0.0) s.v[0][i] = (f.is_metal(i) ? 0.5 : -0.5) * f.o.shear;
 }
 
+// As a snapshot has them. A particle's own start is then there; how far the mode has come is measured from the lattice,
+// where IDs are those of a lattice.
+template <int D>
+void take_from_file(fluids<D>& f) {
+  auto& w = f.world.w;
+  auto& s = w.s;
+  const auto& region = w.d.region;
+  const double top = f.p.base->at(f.o.domain.length[1]).pressure, floor = f.p.base->at(0.0).pressure;
+  const auto volume = [&](std::size_t n) {
+    return f.o.masses == "equal_mass" ? f.p.layers[n].volume : std::pow(w.dx, D);
+  };
+  const bool ours = run::start_from_file(
+      f.o.common.start, {.materials = 2, .pressures = {std::min(top, floor), std::max(top, floor)}, .volume = volume},
+      f.world);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    f.rho_start[i] = s.rho[i];
+    f.T_start[i] = s.T[i];
+    for (std::size_t a = 0; a < D; ++a) {
+      if (!ours) s.x_start[a][i] = s.x[a][i];
+      if (region.periodic[a])
+        s.x_start[a][i] += region.length[a] * std::round((s.x[a][i] - s.x_start[a][i]) / region.length[a]);
+    }
+  }
+}
+
 template <int D>
 void place_fluid(fluids<D>& f) {
   auto& w = f.world.w;
@@ -244,7 +270,7 @@ void place_fluid(fluids<D>& f) {
       if (f.p.mode && f.o.start != "coloured") displace(f, i);
     }
   }
-  if (!f.o.common.start.file.empty()) run::start_from_file(f.o.common.start, {.material = true}, f.world);
+  if (f.o.common.start.is_read()) take_from_file(f);
 }
 
 // Where particles stand behind the walls: their places, and something to begin with of what every evaluation sets.

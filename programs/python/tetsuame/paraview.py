@@ -1,4 +1,5 @@
-"""`tetsuame paraview`: a state for ParaView (made for 5.11, Debian 12's) that opens series.xdmf as particles with colours.
+"""`tetsuame paraview`: a state for ParaView (made for 5.11, Debian 12's) that opens series.xdmf as particles with colours, and in 2-D
+walls.xdmf beside it.
 
 A state names each proxy (a source, a view, …) and the properties that are not at their defaults. ParaView takes a relative name of a
 file as one in the folder where it was started, so the state has the absolute one.
@@ -15,14 +16,12 @@ from .reading import Damaged, regular
 
 PIXELS, FONT = (1200, 900), 18  # of pictures that pvbatch makes; the window of ParaView has a size of its own
 TOP_LEFT, POINT_DATA, RGB, NEVER, AT_SNAPSHOTS, CIRCLE, SPHERE = 4, 0, 0, -1, 2, 3, 1  # as ParaView numbers them
-# The reader calls the blocks of its time steps fluid, fluid[1], fluid[2], …
-FLUID = '//*[starts-with(name(), "fluid")]'
 BACKGROUND, GREY = (0.32, 0.34, 0.43), (0.6, 0.6, 0.6)  # ParaView's own, on which it writes in white; walls
 
 
-def series(run: runs.Run) -> Path:
-    """The absolute path of series.xdmf, which is whole and names files that are there."""
-    path = run.directory.resolve() / "series.xdmf"
+def series(run: runs.Run, name: str) -> Path:
+    """The absolute path of a series in the run's folder, which is whole and names files that are there."""
+    path = run.directory.resolve() / name
     try:
         named = {item.text.partition(":/")[0].strip() for item in ElementTree.parse(regular(path)).iter("DataItem") if item.text}
     except OSError as problem:
@@ -106,7 +105,9 @@ class State:
 
 
 def state(run: runs.Run, name: str) -> str:
-    last, path = run.snapshot(), series(run)
+    last, path = run.snapshot(), series(run, "series.xdmf")
+    if name != "Speed" and last[name].ndim > 1:
+        raise Unreadable(f"{last.path}: {name} is a vector; colours are of a number (Speed is the length of Velocities)")
     array = "Velocities" if name == "Speed" else name
     flat = last.dimension < 3
     times = [snapshot.time for snapshot in run.snapshots]
@@ -114,8 +115,6 @@ def state(run: runs.Run, name: str) -> str:
     made = State()
     reader = made.add("sources", path.name, "sources", "Xdmf3ReaderT", {"FileName": str(path)})
     seen = reader
-    if not flat and len(run.snapshots[0].wall("Coordinates")):  # it would hide the fluid
-        seen = made.add("sources", "fluid", "filters", "ExtractBlock", {"Selectors": FLUID}, Input=[reader])
     clock = made.add("sources", "time", "filters", "TimeToTextConvertor", {"Format": f"t = {{time:.4g}} {unit}", "Scale": 1 / size}, Input=[reader])
     if not flat:
         plane = made.add(f"pq_helper_proxies.{made.next_id + 1}", "ClipFunction", "implicit_functions", "Plane",
@@ -131,10 +130,15 @@ def state(run: runs.Run, name: str) -> str:
                        {"Points": (low, 0, 0.5, 0, high, 1, 0.5, 0), "ScalarRangeInitialized": 1})
     table = made.add("lookup_tables", f"{array}.PVLookupTable", "lookup_tables", "PVLookupTable", colours(fields.look(name), low, high, flat),
                      ScalarOpacityFunction=[opacity])
+    as_points = {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
+                 "ShaderPreset": CIRCLE if flat else SPHERE, "AmbientColor": GREY, "DiffuseColor": GREY}
     particles = made.add("representations", "particles", "representations", "UnstructuredGridRepresentation",
-                         {"Representation": "Point Gaussian", "GaussianRadius": 0.55 * float(np.median(last.spacing)),
-                          "ShaderPreset": CIRCLE if flat else SPHERE, "ColorArrayName": ("", "", "", POINT_DATA, array),
-                          "AmbientColor": GREY, "DiffuseColor": GREY}, Input=[seen], LookupTable=[table])
+                         {**as_points, "ColorArrayName": ("", "", "", POINT_DATA, array)}, Input=[seen], LookupTable=[table])
+    drawn, readers = [particles], [reader]
+    if flat and len(run.snapshots[0].wall("Coordinates")):  # in 3-D they would hide the fluid
+        readers.append(made.add("sources", "walls.xdmf", "sources", "Xdmf3ReaderT", {"FileName": str(series(run, "walls.xdmf"))}))
+        drawn.append(made.add("representations", "walls", "representations", "UnstructuredGridRepresentation",
+                              {**as_points, "ColorArrayName": ("", "", "", "", "")}, Input=[readers[-1]]))
     when = made.add("representations", "when", "representations", "TextSourceRepresentation",
                     {"WindowLocation": TOP_LEFT, "FontSize": FONT}, Input=[clock])
     bar = made.add("scalar_bars", "bar", "representations", "ScalarBarWidgetRepresentation",
@@ -143,11 +147,11 @@ def state(run: runs.Run, name: str) -> str:
                     "TitleFontSize": FONT, "LabelFontSize": FONT, "RangeLabelFormat": "%.4g"}, LookupTable=[table])
     shown = made.add("views", "RenderView1", "views", "RenderView",
                      {"ViewSize": PIXELS, "Background": BACKGROUND, "UseColorPaletteForBackground": 0, "OrientationAxesVisibility": int(not flat),
-                      "ViewTime": times[0], **camera(run)}, Representations=[particles, when, bar])
+                      "ViewTime": times[0], **camera(run)}, Representations=[*drawn, when, bar])
     # Without a layout ParaView's window would not show the view.
     place = ElementTree.SubElement(made.add("layouts", "Layout #1", "misc", "ViewLayout", {}), "Layout", number_of_elements="1")
     ElementTree.SubElement(place, "Item", direction="0", fraction="0.5", view=shown.get("id"))
-    keeper = made.add("timekeeper", "TimeKeeper1", "misc", "TimeKeeper", {"Time": times[0]}, TimeSources=[reader], Views=[shown])
+    keeper = made.add("timekeeper", "TimeKeeper1", "misc", "TimeKeeper", {"Time": times[0]}, TimeSources=readers, Views=[shown])
     made.add("animation", "AnimationScene1", "animation", "AnimationScene",
              {"AnimationTime": times[0], "StartTime": times[0], "EndTime": times[-1], "PlayMode": AT_SNAPSHOTS}, TimeKeeper=[keeper], ViewModules=[shown])
     return made.text()

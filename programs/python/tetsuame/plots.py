@@ -162,7 +162,7 @@ def make(run: runs.Run, target: Path, wanted: list[str] | None = None, time: flo
         names = fields.shown(last, wanted)
         if last.dimension > 1:
             figures["map"] = maps(last, names)
-        if last.dimension == 3 and fields.is_water(last):
+        if last.dimension == 3 and fields.is_water(last) and "Speed" in last:
             figures["view"] = views(last)
         figures["profile"] = profiles([(when(snapshot), snapshot) for snapshot in dict.fromkeys((run.snapshots[0], last))], names)
     drawn = {writing.folder(target) / f"{name}.png": picture for name, picture in

@@ -53,11 +53,9 @@ class Snapshot:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A field of the fluid; "Speed" is the length of Velocities."""
-        if name == "Speed":
-            return np.linalg.norm(self["Velocities"], axis=1)
-        if name not in self.names:
+        if name not in self:
             raise Unreadable(f"{self.path}: no field '{name}' (there are {', '.join(self.names)})")
-        return self._read(FLUID, name)
+        return np.linalg.norm(self["Velocities"], axis=1) if name == "Speed" else self._read(FLUID, name)
 
     def wall(self, name: str) -> np.ndarray:
         """A field of the markers that stand in the walls; empty where there are none."""
@@ -68,10 +66,14 @@ class Snapshot:
 
     @functools.cached_property
     def spacing(self) -> np.ndarray:
-        """Of each particle's neighbours, from its volume, m."""
+        """Of each particle's neighbours, m: from its volume, or, in a file of few fields (&output fields), that of the start lattice."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            volume = self["Volume"] if "Volume" in self.names else self["Masses"] / self["Density"]
-            spacing = np.abs(volume) ** (1 / self.dimension)
+            if "Volume" in self.names:
+                spacing = np.abs(self["Volume"]) ** (1 / self.dimension)
+            elif "Masses" in self.names and "Density" in self.names:
+                spacing = np.abs(self["Masses"] / self["Density"]) ** (1 / self.dimension)
+            else:
+                spacing = np.full(self.particles, self._lattice_spacing())
         if not ((spacing > 0) & (spacing < 4 * self.lengths.max())).all():
             raise Damaged(f"{self.path}: a particle's volume is none in a box of {' x '.join(f'{length:g}' for length in self.lengths)} m")
         return spacing
@@ -118,6 +120,14 @@ class Snapshot:
         with np.errstate(invalid="ignore"):
             values = np.bincount(place, volume * self[name], bins) / weight
         return (np.arange(bins) + 0.5) * self.lengths[axis] / bins, values
+
+    def _lattice_spacing(self) -> float:
+        """By the resolved.nml beside; without one as if the particles filled the box."""
+        path = self.path.parent / "resolved.nml"
+        keys = Keys(path) if path.is_file() else {}
+        if {"domain.length_x", "domain.particles_x"} <= keys.keys():
+            return keys.real("domain.length_x") / max(keys.real("domain.particles_x"), 1.0)
+        return float((np.prod(self.lengths) / max(self.particles, 1)) ** (1 / self.dimension))
 
     def _read(self, group: str, name: str) -> np.ndarray:
         with self._open() as file, as_hdf5(self.path, f"{name} is damaged"):

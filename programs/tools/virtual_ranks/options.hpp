@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <foundation/error.hpp>
 #include <namelist/schema.hpp>
-#include <output/hdf5_layout.hpp>
+#include <output/snapshot_file.hpp>
 #include <string>
 #include <vector>
 #include <virtual_ranks/zoltan.hpp>
@@ -126,14 +126,18 @@ inline void declare(namelist::schema& schema, schedule_options& o) {
              between(0, 1e12, "steps whose gain is set against the cost of a move; 0: steps_between"));
 }
 
-// Dimension and box of the snapshot o.file. Throws fail_file.
-inline void read_box(distribution_options& o) {
-  o.dimension = output::read_real_attribute(o.file, "/Header", "Dimension") == 3.0 ? 3 : 2;
-  const auto length = output::read_real_attributes(o.file, "/Header", "BoxLengths");
-  if (length.size() != 3) foundation::fail_file(o.file + ": BoxLengths are not three: not a snapshot of ours");
-  std::copy_n(length.begin(), o.dimension, o.length.begin());
-  if (!std::all_of(o.length.begin(), o.length.begin() + o.dimension, [](double v) { return v > 0.0 && v < HUGE_VAL; }))
-    foundation::fail_file(o.file + ": the box has no size");
+// Dimension and box of the snapshot o.file.
+inline void read_box(const namelist::schema& schema, distribution_options& o) {
+  const output::snapshot_file file(o.file, schema.where("distribution", "file") + ": &distribution file: ");
+  o.dimension = file.dimension().value_or(3) == 3 ? 3 : 2;
+  const auto axes = static_cast<std::size_t>(o.dimension);
+  const auto [lengths, size] = file.of_box();
+  auto edges = lengths ? *lengths : size.value_or(std::vector<double>{});
+  if (edges.size() == 1) edges.assign(axes, edges[0]);
+  if (edges.size() < axes) file.fail(": Header tells no box: expected BoxLengths or BoxSize");
+  if (std::any_of(edges.begin(), edges.begin() + o.dimension, [](double v) { return !(v > 0.0); }))
+    file.fail(": the box of its Header has no size");
+  std::copy_n(edges.begin(), o.dimension, o.length.begin());
 }
 
 // A lattice of about so many particles must have a row along each edge.
@@ -173,7 +177,7 @@ inline void complete(const namelist::schema& schema, options& o) {
   if (o.machine.ranks_x > 0 && o.machine.ranks % o.machine.ranks_x != 0)
     schema.fail("machine", "ranks_x", "must divide the number of ranks, " + std::to_string(o.machine.ranks));
   if (d.kind == "snapshot" && d.file.empty()) schema.fail("distribution", "file", "a snapshot is to be read: which?");
-  if (d.kind == "snapshot") read_box(o.distribution);
+  if (d.kind == "snapshot") read_box(schema, o.distribution);
   check_shape(schema, d);
   if (d.kind == "bowl" && !(d.bowl_bottom < d.bowl_rim))
     schema.fail("distribution", "bowl_bottom", "must be lower than bowl_rim");

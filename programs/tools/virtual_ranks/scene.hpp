@@ -1,6 +1,8 @@
 // The particles of a virtual run: places, kinds and the bins that find who is near whom.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <balance/cuts.hpp>
@@ -11,7 +13,7 @@
 #include <numeric>
 #include <optional>
 #include <output/hash.hpp>
-#include <output/hdf5_layout.hpp>
+#include <output/snapshot_file.hpp>
 #include <vector>
 #include <virtual_ranks/options.hpp>
 
@@ -129,19 +131,13 @@ void fill(scene<D>& s, const distribution_options& o, double halo_width) {
 }
 
 template <int D>
-void read_positions(scene<D>& s, const std::string& path, const std::string& group, kind as) {
-  const auto all = output::list_datasets(path, group);
-  const auto found = std::find_if(all.begin(), all.end(), [](const auto& set) { return set.name == "Coordinates"; });
-  if (found == all.end()) return;  // a snapshot without walls
-  const auto name = group + "/Coordinates";
-  if (found->shape.size() != 2 || found->shape[1] != 3)
-    foundation::fail_file(path + ": " + name + " is not an array of three columns");
-  const auto values = output::read_reals(path, name);
-  for (std::size_t k = 0; k < found->shape[0]; ++k) {
+void read_positions(scene<D>& s, const output::snapshot_file& file, const std::string& group, kind as) {
+  const auto values = file.read(group, "Coordinates", output::snapshot_file::length);
+  for (std::size_t k = 0; k < values.size() / 3; ++k) {
     std::array<double, D> x{};
     for (std::size_t a = 0; a < D; ++a) x[a] = values[3 * k + a];
     if (!std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); }))
-      foundation::fail_file(path + ": " + name + " holds values that are not finite");
+      file.fail(": " + group + "/Coordinates holds values that are not finite");
     s.x.push_back(x);
     s.kinds.push_back(as);
   }
@@ -149,9 +145,15 @@ void read_positions(scene<D>& s, const std::string& path, const std::string& gro
 
 template <int D>
 void read(scene<D>& s, const distribution_options& o) {
-  read_positions(s, o.file, "/PartType0", kind::fluid);
-  read_positions(s, o.file, "/PartType1", kind::marker);
-  if (s.x.empty()) foundation::fail_file(o.file + ": no /PartType0/Coordinates: not a snapshot of ours");
+  const output::snapshot_file file(o.file, "");
+  for (const auto& [group, as] : {std::pair{"PartType0", kind::fluid}, std::pair{"PartType1", kind::marker}}) {
+    const auto of_places = file.find("Coordinates", group);
+    if (!of_places) continue;  // a snapshot without walls
+    if (!of_places->is_of_numbers() || of_places->shape.size() != 2 || of_places->shape[1] != 3)
+      file.fail(fmt::format(": {}/Coordinates is not an array of three columns", group));
+    read_positions(s, file, group, as);
+  }
+  if (s.x.empty()) file.fail(": no PartType0/Coordinates");
   // Positions begin at the box's corner in our snapshots; walls outside belong to the outermost cells.
   const auto fluid = std::max<std::ptrdiff_t>(std::count(s.kinds.begin(), s.kinds.end(), kind::fluid), 1);
   s.spacing = std::pow(s.volume() / static_cast<double>(fluid), 1.0 / D);

@@ -1,0 +1,246 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <run/start_file.hpp>
+
+namespace tetsuame::run {
+
+namespace {
+
+using output::snapshot_file;
+
+std::string text_of(std::vector<double> lengths) { return fmt::format("{:.9g} m", fmt::join(lengths, " x ")); }
+
+// Whether these are the edges of the box, to what single precision keeps of them.
+bool is_box(const std::vector<double>& lengths, const start_box& box) {
+  if (lengths.size() < static_cast<std::size_t>(box.dimension)) return false;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(box.dimension); ++a)
+    if (!(std::abs(lengths[a] - box.length[a]) <= 1e-6 * box.length[a])) return false;
+  return true;
+}
+
+}  // namespace
+
+start_file::start_file(const start_options& o, const start_box& box, const std::vector<std::string>& fields)
+    : file_(o.file, o.place), box_(box) {
+  check_fields(fields);
+  check_dimension();
+  if (static_cast<std::int64_t>(file_.particles()) != box.particles)
+    fail(fmt::format(" holds {} particles, and the box {}", file_.particles(), box.particles));
+  for (const auto& name : fields)
+    if (file_.find(name)) columns_of(name);
+  check_box();
+  order_by_id();
+}
+
+void start_file::check_fields(const std::vector<std::string>& fields) const {
+  std::vector<std::string> lacking;
+  for (const auto& name : fields)
+    if (!file_.find(name) && !(name == "Masses" && file_.mass_of_all(box_.dimension))) lacking.push_back(name);
+  if (!file_.find("ParticleIDs")) lacking.emplace_back("ParticleIDs");
+  if (lacking.empty()) return;
+  const bool by_energy = lacking.front() == "Temperature" && file_.find("InternalEnergy");
+  fail(fmt::format(
+      " has no field {}{}", fmt::join(lacking, ", "),
+      by_energy ? ": InternalEnergy does not stand for it, as energies begin at another zero elsewhere" : ""));
+}
+
+// As its attribute says, or its rows.
+void start_file::check_dimension() const {
+  const auto of_file = file_.dimension();
+  if (of_file && *of_file != box_.dimension)
+    fail(fmt::format(" has {} dimensions, and the box {}", *of_file, box_.dimension));
+}
+
+// How many components a row has; it must have those that the box needs.
+std::size_t start_file::columns_of(const std::string& name) const {
+  const auto shape = file_.find(name)->shape;
+  const bool vector = name == "Coordinates" || name == "Velocities";
+  const std::size_t columns = shape.size() < 2 ? 1 : shape[1], D = static_cast<std::size_t>(box_.dimension);
+  if (shape.size() > 2 || (vector ? columns != D && columns != 3 : columns != 1))
+    fail(fmt::format(": {} is of {}, and not of {} particles in {} dimensions", name, fmt::join(shape, " x "),
+                     file_.particles(), box_.dimension));
+  return columns;
+}
+
+void start_file::check_box() const {
+  const auto of_file = file_.of_box();
+  const std::vector<double> wanted(box_.length.begin(), box_.length.begin() + box_.dimension);
+  const auto refuse = [&](const char* name, const std::vector<double>& found, const char* more) {
+    fail(fmt::format(" is of another box: its {} {} {}, and &domain's {}{}", name, found.size() == 1 ? "is" : "are",
+                     text_of(found), text_of(wanted), more));
+  };
+  if (!of_file.lengths && !of_file.size)
+    fail(": Header has neither BoxSize nor BoxLengths, so that its box is not known");
+  if (of_file.lengths && !is_box(*of_file.lengths, box_))
+    refuse("BoxLengths", *of_file.lengths, " (BoxLengths are in m, BoxSize in the file's unit of length)");
+  if (!of_file.size) return;
+  auto size = *of_file.size;
+  const double longest = *std::ranges::max_element(wanted);
+  const bool fits = size.size() == 1 ? std::abs(size[0] - longest) <= 1e-6 * longest : is_box(size, box_);
+  if (!fits) refuse("BoxSize", size, "");
+}
+
+void start_file::order_by_id() {
+  const auto d = file_.find("ParticleIDs");
+  if (d->holds != output::stored_dataset::content::integers || d->shape.size() > 2 ||
+      (d->shape.size() == 2 && d->shape[1] != 1))
+    fail(": ParticleIDs are not one whole number for each particle");
+  auto [values, are_signed] = file_.identities();
+  for (std::size_t k = 0; are_signed && k < values.size(); ++k)
+    if (static_cast<std::int64_t>(values[k]) < 0)
+      fail(fmt::format(": the particle in row {} has the ID {}, below 0", k, static_cast<std::int64_t>(values[k])));
+  row_.resize(values.size());
+  std::iota(row_.begin(), row_.end(), std::size_t{0});
+  std::ranges::sort(row_, {}, [&](std::size_t k) { return std::pair(values[k], k); });
+  ids_.reserve(values.size());
+  for (const std::size_t k : row_) ids_.push_back(values[k]);
+  for (std::size_t n = 1; n < ids_.size(); ++n)
+    if (ids_[n] == ids_[n - 1])
+      fail(fmt::format(": the particles in rows {} and {} have the same ID, {}", row_[n - 1], row_[n], ids_[n]));
+}
+
+std::string start_file::message_at(std::size_t number, const std::string& what) const {
+  return fmt::format(": particle {}: {}", ids_[number], what);
+}
+void start_file::fail_at(std::size_t number, const std::string& what) const { fail(message_at(number, what)); }
+
+std::vector<double> start_file::numbers(const char* name, const std::array<int, 4>& powers) const {
+  const auto values = file_.read(snapshot_file::fluid, name, powers);
+  std::vector<double> all(row_.size());
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    all[n] = values[row_[n]];
+    if (!std::isfinite(all[n])) fail_at(n, fmt::format("its {} is {}", name, all[n]));
+  }
+  return all;
+}
+
+// beyond_is_zero: along an axis that the box does not have; else it is to be the same for all.
+std::vector<double> start_file::vectors(const char* name, const std::array<int, 4>& powers, bool beyond_is_zero) const {
+  const auto values = file_.read(snapshot_file::fluid, name, powers);
+  const std::size_t D = static_cast<std::size_t>(box_.dimension), columns = columns_of(name);
+  std::vector<double> all(D * row_.size());
+  for (std::size_t n = 0; n < row_.size(); ++n) {
+    const double* of = &values[columns * row_[n]];
+    for (std::size_t a = 0; a < columns; ++a) {
+      if (!std::isfinite(of[a])) fail_at(n, fmt::format("its {} along {} are {}", name, "xyz"[a], of[a]));
+      if (a < D) all[D * n + a] = of[a];
+      if (a >= D && of[a] != (beyond_is_zero ? 0.0 : values[a]))
+        fail_at(n, fmt::format("its {} along {} are {:.9g}, and the box has {} dimensions", name, "xyz"[a], of[a], D));
+    }
+  }
+  return all;
+}
+
+std::vector<double> start_file::places() const {
+  auto x = vectors("Coordinates", snapshot_file::length, false);
+  const std::size_t D = static_cast<std::size_t>(box_.dimension);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const std::size_t a = k % D;
+    const double L = box_.length[a], beyond = box_.periodic[a] ? box_.dx : 0.0;
+    if (x[k] < -beyond || x[k] > L + beyond)
+      fail_at(k / D, fmt::format("it lies at {} = {:.9g} m, outside the box, 0 to {:.9g} m", "xyz"[a], x[k], L));
+    if (!box_.periodic[a]) continue;
+    // As far as a particle comes between two lists; snapshots of older versions have it there.
+    if (x[k] < 0.0) x[k] += L;
+    if (x[k] >= L) x[k] -= L;
+  }
+  check_apart(x);
+  return x;
+}
+
+// Two particles at one place feel the same forces and stay together for good; rounding aside, so do those so near. They
+// are sorted by cells that are a little wider than that; one near a cell's edge is in the next as well.
+void start_file::check_apart(const std::vector<double>& x) const {
+  const std::size_t D = static_cast<std::size_t>(box_.dimension), n = x.size() / D;
+  const double near = 1e-6 * box_.dx, edge = 64.0 * near;
+  struct entry {
+    std::array<std::int64_t, 3> cell;
+    std::size_t number;
+  };
+  std::vector<entry> entries;
+  entries.reserve(n + n / 4);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::array<std::array<std::int64_t, 2>, 3> cells{};  // along each axis, of the place less and more `near`
+    for (std::size_t a = 0; a < D; ++a)
+      for (const std::size_t side : {0, 1}) {
+        double at = x[D * i + a] + (side == 0 ? -near : near);
+        const double L = box_.length[a];
+        if (box_.periodic[a]) at = at < 0.0 ? at + L : at >= L ? at - L : at;
+        cells[a][side] = static_cast<std::int64_t>(std::floor(at / edge));
+      }
+    for (std::size_t corner = 0; corner < std::size_t{1} << D; ++corner) {
+      entry e{{}, i};
+      bool repeats = false;
+      for (std::size_t a = 0; a < D; ++a) {
+        const std::size_t side = corner >> a & 1;
+        repeats = repeats || (side == 1 && cells[a][1] == cells[a][0]);
+        e.cell[a] = cells[a][side];
+      }
+      if (!repeats) entries.push_back(e);
+    }
+  }
+  std::ranges::sort(entries, {}, [](const entry& e) { return std::pair(e.cell, e.number); });
+  const auto apart = [&](std::size_t i, std::size_t j) {
+    double r2 = 0.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      double d = x[D * i + a] - x[D * j + a];
+      if (box_.periodic[a]) d -= box_.length[a] * std::round(d / box_.length[a]);
+      r2 += d * d;
+    }
+    return r2 > near * near;
+  };
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    for (std::size_t l = k + 1; l < entries.size() && entries[l].cell == entries[k].cell; ++l) {
+      const std::size_t i = entries[k].number, j = entries[l].number;
+      if (apart(i, j)) continue;
+      const std::vector<double> at(x.begin() + static_cast<std::ptrdiff_t>(D * i),
+                                   x.begin() + static_cast<std::ptrdiff_t>(D * (i + 1)));
+      fail(fmt::format(": particles {} and {} lie at the same place, ({:.9g}) m, and would never part", ids_[i],
+                       ids_[j], fmt::join(at, ", ")));
+    }
+}
+
+std::vector<double> start_file::velocities() const { return vectors("Velocities", snapshot_file::velocity, true); }
+
+std::vector<double> start_file::densities() const {
+  auto rho = numbers("Density", snapshot_file::density);
+  for (std::size_t n = 0; n < rho.size(); ++n)
+    if (!(rho[n] > 0.0)) fail_at(n, fmt::format("its Density is {:.6g} kg/m^3, and not above 0", rho[n]));
+  return rho;
+}
+
+std::vector<double> start_file::masses() const {
+  const auto powers = snapshot_file::mass(box_.dimension);
+  if (!file_.find("Masses")) return std::vector<double>(row_.size(), *file_.mass_of_all(box_.dimension));
+  auto m = numbers("Masses", powers);
+  for (std::size_t n = 0; n < m.size(); ++n)
+    if (!(m[n] > 0.0)) fail_at(n, fmt::format("its mass is {:.6g} {}, and not above 0", m[n], output::name_of(powers)));
+  return m;
+}
+
+std::vector<double> start_file::temperatures(bool above_0) const {
+  auto T = numbers("Temperature", snapshot_file::temperature);
+  for (std::size_t n = 0; above_0 && n < T.size(); ++n)
+    if (!(T[n] > 0.0)) fail_at(n, fmt::format("its Temperature is {:.6g} K, and not above 0", T[n]));
+  return T;
+}
+
+std::vector<std::int32_t> start_file::materials(std::int32_t number) const {
+  std::vector<std::int32_t> all(row_.size(), 0);
+  if (number == 1 && !file_.find("Material")) return all;
+  columns_of("Material");
+  const auto values = file_.plain("Material");
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double m = values[row_[n]];
+    if (!(m >= 0.0 && m < number && m == std::floor(m)))
+      fail_at(n, fmt::format("its Material is {}: expected {}", m, number == 1 ? "0" : "0 or 1"));
+    all[n] = static_cast<std::int32_t>(m);
+  }
+  return all;
+}
+
+}  // namespace tetsuame::run

@@ -1,0 +1,61 @@
+// A snapshot, of this program or another, as the start of a box: its particles in SI units, numbered from 0 in the
+// order of their IDs, checked one by one. What cannot be a start is refused, with field and particle
+// (docs/start_files.md). Every rank reads all, so that all fail alike.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <output/snapshot_file.hpp>
+#include <run/options.hpp>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+// What the file is to be of.
+struct start_box {
+  int dimension = 2;
+  std::array<double, 3> length{};  // m
+  std::array<bool, 3> periodic{};
+  double dx = 0.0;  // m, the particle spacing
+  std::int64_t particles = 0;
+};
+
+class start_file {
+ public:
+  // fields: those that it must have.
+  start_file(const start_options& o, const start_box& box, const std::vector<std::string>& fields);
+
+  bool is_of_this_program() const { return file_.is_of_this_program(); }
+
+  // By number; of vectors, one particle's components behind another's.
+  std::vector<double> places() const;      // m, within the box, no two the same
+  std::vector<double> velocities() const;  // m/s
+  std::vector<double> densities() const;   // kg/m3, above 0
+  std::vector<double> masses() const;      // kg (2-D: kg/m), above 0
+  // K. A body that only conducts has a temperature but for a constant, so that it may be below 0.
+  std::vector<double> temperatures(bool above_0) const;
+  std::vector<std::int32_t> materials(std::int32_t number) const;  // of so many; of one, the file may have none
+
+  // Bad input: of the particle with this number.
+  [[noreturn]] void fail_at(std::size_t number, const std::string& what) const;
+  std::string message_at(std::size_t number, const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const { file_.fail(what); }
+
+ private:
+  std::size_t columns_of(const std::string& name) const;
+  void check_fields(const std::vector<std::string>& fields) const;
+  void check_dimension() const;
+  void check_box() const;
+  void check_apart(const std::vector<double>& places) const;
+  void order_by_id();
+  std::vector<double> vectors(const char* name, const std::array<int, 4>& powers, bool beyond_is_zero) const;
+  std::vector<double> numbers(const char* name, const std::array<int, 4>& powers) const;
+
+  output::snapshot_file file_;
+  start_box box_;
+  std::vector<std::uint64_t> ids_;  // by number
+  std::vector<std::size_t> row_;    // in the file, by number
+};
+
+}  // namespace tetsuame::run
