@@ -9,6 +9,7 @@
 #include <output/checkpoint.hpp>
 #include <output/groups.hpp>
 #include <particles/storage.hpp>
+#include <run/finite.hpp>
 #include <run/load_balance.hpp>
 #include <run/problem.hpp>
 
@@ -84,6 +85,23 @@ class problem_in_a_box : public problem {
     const std::int64_t crossings = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
     wall_crossings_ += crossings;
     return crossings > 0;
+  }
+
+  void check_state() final {
+    report_state();
+    box.w.agree();
+  }
+  // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums.
+  void evaluate(std::span<double* const> rate) final {
+    auto& fault = box.w.first_fault;
+    fault = {};
+    report_state();
+    ++fault.stage;
+    sum_rates(rate);
+    ++fault.stage;
+    report_not_finite<D>(box.w, fields(), std::vector<const double*>(rate.begin(), rate.end()), "the rate of ");
+    box.w.agree();
+    complete_rates(rate);
   }
 
   void rebuild(bool as_they_were) final {
@@ -162,6 +180,10 @@ class problem_in_a_box : public problem {
   }
 
  protected:
+  // dy/dt at the state in the arrays. A fault may be reported, on which all ranks agree afterwards.
+  virtual void sum_rates(std::span<double* const> rate) = 0;
+  // Collective. Of rates that are finite.
+  virtual void complete_rates(std::span<double* const>) {}
   // rebuild() of run/lists.hpp or run/supports.hpp, and what of the problem hangs on lists.
   virtual void make_lists(bool as_they_were) = 0;
   // Where particles stand behind the walls, those of this rank's cell when the cuts have moved.
@@ -170,6 +192,13 @@ class problem_in_a_box : public problem {
   virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
+  void report_state() {
+    const auto all = fields();
+    std::vector<const double*> values;
+    for (const auto& field : all) values.push_back(field.data);
+    report_not_finite<D>(box.w, all, values, "");
+  }
+
   // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
   bool even_out(bool by_pairs) {
     const auto cuts = balancer.even_out(box, by_pairs);

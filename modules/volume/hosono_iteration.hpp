@@ -122,7 +122,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, w.d.ranks.comm);
   std::string text;
   if (w.d.ranks.rank == teller)
-    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", where_is(s, worst), s.p[worst],
+    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", pairs::where_is(s, worst), s.p[worst],
                        s.p_eos[worst], s.rho[worst]);
   auto length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, teller, w.d.ranks.comm);

@@ -129,7 +129,7 @@ class flow : public run::problem_in_a_box<D> {
   }
 
   void at_time(double t) override { set_bodies_at(f_, t); }
-  void evaluate(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
+  void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
   double moved() override { return std::max(base::moved(), bodies_moved(f_)); }
   double speed() override { return std::max(base::speed(), bodies_speed(f_)); }
 

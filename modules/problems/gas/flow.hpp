@@ -149,7 +149,7 @@ class flow : public run::problem_in_a_box<D> {
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
-  void evaluate(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
+  void sum_rates(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
 
   // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
   integrators::step_limit largest_step() override {

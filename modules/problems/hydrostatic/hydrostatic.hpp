@@ -76,7 +76,7 @@ class problem : public liquid::problem<D> {
   }
 
   std::vector<integrators::field> fields() override { return state_fields(world, scheme_->carried()); }
-  void evaluate(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
+  void sum_rates(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
 
   // ---- what is told -----------------------------------------------------------------------
