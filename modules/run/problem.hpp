@@ -98,7 +98,9 @@ class problem {
   // it moves on in keep_memory only.
   virtual void evaluate(std::span<double* const> rate) = 0;
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
-  virtual double diffusion_radius() { return 0.0; }    // 1/s, a bound for 'rkl2' and 'rkc2', where these are offered
+  // Collective: what the log is to warn of with fixed steps of dt (s), beside that limit; empty: nothing.
+  virtual std::string warning_of_step(double) { return {}; }
+  virtual double diffusion_radius() { return 0.0; }  // 1/s, a bound for 'rkl2' and 'rkc2', where these are offered
   // s, of the present state, once its rate is known: a bound for the next step, whatever its length was to be.
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 

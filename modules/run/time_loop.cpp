@@ -386,6 +386,7 @@ struct loop {
   }
 
   void warn_about_step() {
+    if (const auto warning = p.warning_of_step(dt); !warning.empty()) files.tell("warning: " + warning);
     const auto limit = p.largest_step();
     if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
       files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,

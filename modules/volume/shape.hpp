@@ -156,8 +156,7 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
       w.first_fault.report(
           s.id[i],
           fmt::format("{} = {:.6g} {} is not positive and finite: {}, rho = {:.6g} kg/m3, T = {:.6g} K. Y = p dV "
-                      "has no meaning there; use a smaller time step, a higher pressure, or a volume that allows "
-                      "tension",
+                      "has no meaning there (disph_n and rti need no p > 0)",
                       what, p[i], unit, pairs::where_is(s, i), s.rho[i], s.T[i]));
 }
 

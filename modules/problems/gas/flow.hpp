@@ -194,6 +194,7 @@ class flow : public run::problem_in_a_box<D> {
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
                       {"energy", now.energy() / first_->energy() - 1.0}};
+    r.metrics["energy_residual"] = r.conservation["energy"];
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
     for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);

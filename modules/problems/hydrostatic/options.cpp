@@ -87,6 +87,10 @@ void resolve(const namelist::schema& schema, options& o) {
   if (o.material.eos.name == "linear" && !o.material.eos.reference_pressure)
     o.material.eos.reference_pressure = o.initial.pressure;
   o.material.eos = schema.placed("material", "eos", [&] { return eos::resolve(o.material.eos); });
+  schema.placed("material", "bulk_modulus", [&] {
+    const auto material = eos::make(o.material.eos);
+    profile(o, material).pressure(0.0);
+  });
   run::check_interval(schema, o.output, o.time.end());
 }
 

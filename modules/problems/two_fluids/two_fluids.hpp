@@ -170,6 +170,7 @@ class problem : public liquid::problem<D> {
   }
   std::vector<double> row(double t) override {
     next_line(m_, f_, t);
+    base::note_density_excess(m_.density_excess);
     std::vector<double> values;
     for (const auto& [column, value] : columns_of(f_)) values.push_back(m_.*value);
     return values;

@@ -69,7 +69,7 @@ class Sweep:
             return None
         summary = folder / "summary.json"
         ended = read_json(summary, "the program")["status"] if summary.exists() else None
-        return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(ended)
+        return {"completed": "completed", "completed_doubtful": "doubtful", "diverged": "failed", "failed": "failed"}.get(ended)
 
     def one(self, folder: Path) -> str:
         status = self.status(folder)
@@ -79,7 +79,7 @@ class Sweep:
             self.note(folder)
             with open(terminal, "w", encoding="utf-8") as log:
                 code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env={"OMP_NUM_THREADS": "1"} | os.environ).returncode
-            status = ENDED.get(code, f"exit {code}")
+            status = (self.status(folder) if code == 0 else None) or ENDED.get(code, f"exit {code}")
             said = status if code in ENDED else f"{status}: {last_line(terminal) or 'nothing said'}"
         with self.lock:
             self.done += 1
@@ -91,7 +91,7 @@ class Sweep:
         lines = []
         for (folder, settings), status in zip(self.runs.items(), statuses):
             line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
-            if status in ENDED.values() and (folder / "summary.json").exists():
+            if status in (*ENDED.values(), "doubtful") and (folder / "summary.json").exists():
                 run = runs.Run(folder)
                 line |= {"steps": run.summary["steps"], "wall_seconds": run.summary["wall_seconds"]} | run.metrics()
             lines.append(line)
@@ -104,7 +104,7 @@ class Sweep:
                     if name not in (*keys, "status") and len({line.get(name) for line in lines}) > 1]
         facts = [escape(self.o.program), escape(str(self.o.input)), f"{len(lines)} runs"]
         columns = {escape(key): lambda line, key=key: pages.cell(escape(line[key])) for key in keys}
-        columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "failed": "stop"}.get(line["status"], "bad"))}
+        columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "doubtful": "stop", "failed": "stop"}.get(line["status"], "bad"))}
         columns |= {escape(name.replace("_", " ")): lambda line, name=name: pages.number(f"{line[name]:.6g}" if name in line else "–")
                     for name in measures[:MOST]}
         return pages.write(self.o.output, pages.document("sweep", [
@@ -200,4 +200,4 @@ def main(arguments: list[str]) -> int:
     write_csv(o.output / "sweep.csv", lines)
     print(o.output / "sweep.csv")
     print(sweep.page(lines))
-    return COMPLETED if all(status == "completed" for status in statuses) else FAILED
+    return COMPLETED if all(status in ("completed", "doubtful") for status in statuses) else FAILED
