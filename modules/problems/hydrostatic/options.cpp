@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <hydrostatic/options.hpp>
+#include <hydrostatic/profile.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::hydrostatic {
