@@ -355,6 +355,7 @@ struct loop {
     const auto& g = saved.state.globals;
     p.restore(g);
     p.read_particles(saved.state.tables.at("fluid"));
+    step = g.integers.at("step");
     p.check_state();
     p.rebuild(true);
     count_particles();
