@@ -259,9 +259,7 @@ struct explicit_integrator::implementation {
 
   [[noreturn]] void raise_unevaluable(double dt) const {
     fail_calculation(
-        fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s: "
-                    "try a smaller dt or method = 'adaptive'",
-                    dt, t));
+        fmt::format("the rates of change could not be evaluated in the fixed step of {} s from t = {:.17g} s", dt, t));
   }
 
   void know_rate() {

@@ -37,7 +37,6 @@
   where template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&, const surroundings<D>&);           \
   where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                               \
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                               \
-  where template void tetsuame::liquid::report_not_finite(run::state<D>&, const rates<D>&);                          \
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \
   TETSUAME_LIQUID_FORCES(where, D, pattern_2)
 

@@ -95,22 +95,6 @@ void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::stretch& r
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.conducted ? out.conducted : out.heat()});
 }
 
-// The particles whose rates are not finite, as a fault.
-template <int D>
-void report_not_finite(run::state<D>& box, const rates<D>& out) {
-  auto& w = box.w;
-  auto& s = w.s;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    bool good = std::isfinite(out.dT[i]);
-    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
-    if (!good)
-      w.first_fault.report(s.id[i],
-                           fmt::format("acceleration or heating is not finite: {}, p = {:.6g} Pa, rho = {:.6g} "
-                                       "kg/m3, T = {:.6g} K; the time step may be too large",
-                                       volume::where_is(s, i), s.p[i], s.rho[i], s.T[i]));
-  }
-}
-
 // Stage 7: the forces become accelerations, Dv/Dt = F/m + g, and
 //   ρ c_V DT/Dt = ∇·(k∇T) - α K_T T ∇·v + Φ  [S2], with ∇·v = -D ln ρ/Dt.
 template <class Program, int D>
@@ -119,8 +103,7 @@ void finish_rates(run::state<D>& box, const rates<D>& out) {
   auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
-  bool finite = true;
-#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::values_worth_threads)
+#pragma omp parallel for schedule(static) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], friction = out.heat()[i] * per_mass;
     const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
@@ -135,20 +118,15 @@ void finish_rates(run::state<D>& box, const rates<D>& out) {
     if constexpr (Program::volume::carried == carries::density) out.volume[i] = s.rho[i] * dlnrho;
     if constexpr (Program::volume::carried == carries::weight)
       out.volume[i] = Program::volume::rate(s.p[i], s.K_T[i], s.alpha[i], s.dV[i], s.m[i], power, out.dT[i]);
-    bool good = std::isfinite(out.dT[i]) && std::isfinite(out.du[i]);
-    for (std::size_t a = 0; a < D; ++a) good = good && std::isfinite(out.dv[a][i]);
-    finite = finite && good;
   }
-  if (!finite) report_not_finite(box, out);
 }
 
-// One evaluation of dy/dt at the state in the particle arrays: x, v, T, and ρ or Y where it is carried. Throws on every
-// rank alike.
+// One evaluation of dy/dt at the state in the particle arrays: x, v, T, and ρ or Y where it is carried. A fault that no
+// agreement has thrown yet, on every rank alike, stands in the workspace.
 template <class Program, int D>
 void evaluate(run::state<D>& box, typename Program::volume& how, const volume::smoothing_options& smoothing,
               const rates<D>& out) {
   auto& w = box.w;
-  w.first_fault = {};
   const volume::surroundings<D> around{box.treatment, box.walls, smoothing};
 
   using volume_module = typename Program::volume;
@@ -195,9 +173,7 @@ void evaluate(run::state<D>& box, typename Program::volume& how, const volume::s
     begin_forces(box, out);
     sum_forces<typename Program::gradient>(box, out, w.fluid());
   }
-  ++w.first_fault.stage;
   finish_rates<Program>(box, out);
-  w.agree();
 }
 
 }  // namespace tetsuame::liquid

@@ -3,6 +3,8 @@
 // ranks can agree on one.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cells/neighbour_list.hpp>
 #include <domain/decomposition.hpp>
 #include <eos/eos.hpp>
@@ -13,6 +15,7 @@
 #include <pairs/pairs.hpp>
 #include <particles/storage.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetsuame::pairs {
@@ -32,6 +35,14 @@ struct fault {
     message = std::move(text);
   }
 };
+
+// For messages.
+template <int D>
+std::string where_is(const particles::particles<D>& s, std::size_t i) {
+  std::string text = fmt::format("particle {} at (", s.id[i]);
+  for (std::size_t a = 0; a < D; ++a) text += fmt::format("{}{:.6g}", a > 0 ? ", " : "", s.x[a][i]);
+  return text + ") m";
+}
 
 template <int D>
 struct workspace {
@@ -76,8 +87,11 @@ struct workspace {
     for (auto& component : vectors) all.push_back(component.data());
     domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(all));
   }
+  // Collective: throws the fault of all ranks, which is then forgotten.
   void agree() {
-    d.ranks.agree_on_fault(first_fault.key, first_fault.message, foundation::exit_status::calculation_failed);
+    const fault found = std::exchange(first_fault, fault{});
+    first_fault.stage = found.stage;
+    d.ranks.agree_on_fault(found.key, found.message, foundation::exit_status::calculation_failed);
   }
 
   // What pairs are computed in, before lists are made.

@@ -9,6 +9,7 @@
 #include <output/checkpoint.hpp>
 #include <output/groups.hpp>
 #include <particles/storage.hpp>
+#include <run/finite.hpp>
 #include <run/load_balance.hpp>
 #include <run/problem.hpp>
 
@@ -81,9 +82,26 @@ class problem_in_a_box : public problem {
   double speed() override { return largest_speed(box); }
 
   bool complete_step(std::int64_t) override {
-    const std::int64_t crossings = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
-    wall_crossings_ += crossings;
-    return crossings > 0;
+    const std::int64_t put_back = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
+    put_back_ += put_back;
+    return put_back > 0;
+  }
+
+  void check_state() final {
+    report_state();
+    box.w.agree();
+  }
+  // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums.
+  void evaluate(std::span<double* const> rate) final {
+    auto& fault = box.w.first_fault;
+    fault = {};
+    report_state();
+    ++fault.stage;
+    sum_rates(rate);
+    ++fault.stage;
+    report_not_finite<D>(box.w, fields(), std::vector<const double*>(rate.begin(), rate.end()), "the rate of ");
+    box.w.agree();
+    complete_rates(rate);
   }
 
   void rebuild(bool as_they_were) final {
@@ -140,17 +158,20 @@ class problem_in_a_box : public problem {
   }
   void read_particles(const output::table& t) override { fluid_from_checkpoint(t, box.w.s); }
   void save(output::checkpoint_globals& g) const override {
-    g.integers["wall_crossings"] = ranks().sum(wall_crossings_);
+    g.integers["particles_put_back"] = ranks().sum(put_back_);
+    g.reals["density_excess"] = density_excess_;
   }
   void restore(const output::checkpoint_globals& g) override {
-    wall_crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
+    put_back_ = ranks().rank == 0 ? g.integers.at("particles_put_back") : 0;
+    density_excess_ = g.reals.at("density_excess");
   }
 
   // Of the run, for the metrics; a problem adds its own.
   void report_counts(summary& r) override {
     r.wall_particles =
         box.mirrors() && !box.walls.bodies.any() ? 0 : ranks().sum(static_cast<std::int64_t>(box.w.s.walls));
-    r.metrics["wall_crossings"] = ranks().sum(wall_crossings_);
+    r.metrics["particles_put_back"] = ranks().sum(put_back_);
+    if (density_excess_ > 0.0) r.metrics["density_excess"] = density_excess_;
     r.metrics["balance_decisions"] = balancer.decisions;
     r.metrics["balance_moves"] = balancer.moves;
     r.metrics["balance_gain_predicted"] = balancer.gain_predicted;
@@ -162,14 +183,28 @@ class problem_in_a_box : public problem {
   }
 
  protected:
+  // dy/dt at the state in the arrays. A fault may be reported, on which all ranks agree afterwards.
+  virtual void sum_rates(std::span<double* const> rate) = 0;
+  // Collective. Of rates that are finite.
+  virtual void complete_rates(std::span<double* const>) {}
   // rebuild() of run/lists.hpp or run/supports.hpp, and what of the problem hangs on lists.
   virtual void make_lists(bool as_they_were) = 0;
   // Where particles stand behind the walls, those of this rank's cell when the cuts have moved.
   virtual void place_walls() {}
+  // Collective, of a line of the history: the largest factor by which a density on this rank has left the range that
+  // the equation of state has at the pressures of the start, 1 or less inside it (run/doubts.hpp).
+  void note_density_excess(double mine) { density_excess_ = std::max(density_excess_, ranks().maximum(mine)); }
   // As walls::reflect() for bodies; how many of this rank's particles.
   virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
+  void report_state() {
+    const auto all = fields();
+    std::vector<const double*> values;
+    for (const auto& field : all) values.push_back(field.data);
+    report_not_finite<D>(box.w, all, values, "");
+  }
+
   // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
   bool even_out(bool by_pairs) {
     const auto cuts = balancer.even_out(box, by_pairs);
@@ -205,7 +240,8 @@ class problem_in_a_box : public problem {
 
   run_directory* files_ = nullptr;
   output::history* balance_table_ = nullptr;
-  std::int64_t wall_crossings_ = 0;  // of this rank
+  std::int64_t put_back_ = 0;    // inside the walls and out of bodies, on this rank
+  double density_excess_ = 0.0;  // the largest so far, on all ranks; 0: none was noted
   bool has_lists_ = false;
 };
 

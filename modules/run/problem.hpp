@@ -92,10 +92,15 @@ class problem {
   virtual bool evaluable() { return true; }
   // Collective: the state in the arrays is of this time (s), until another is said.
   virtual void at_time(double) {}
-  // dy/dt at the state in the arrays. A memory (lagged terms) may be read; it moves on in keep_memory only.
+  // Collective: fail_calculation where a value of the integrated arrays is not finite.
+  virtual void check_state() {}
+  // dy/dt at the state in the arrays, both of finite numbers or fail_calculation. A memory (lagged terms) may be read;
+  // it moves on in keep_memory only.
   virtual void evaluate(std::span<double* const> rate) = 0;
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
-  virtual double diffusion_radius() { return 0.0; }    // 1/s, a bound for 'rkl2' and 'rkc2', where these are offered
+  // Collective: what the log is to warn of with fixed steps of dt (s), beside that limit; empty: nothing.
+  virtual std::string warning_of_step(double) { return {}; }
+  virtual double diffusion_radius() { return 0.0; }  // 1/s, a bound for 'rkl2' and 'rkc2', where these are offered
   // s, of the present state, once its rate is known: a bound for the next step, whatever its length was to be.
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 

@@ -8,6 +8,7 @@
 #include <foundation/files.hpp>
 #include <limits>
 #include <output/file.hpp>
+#include <run/doubts.hpp>
 #include <run/interrupt.hpp>
 #include <run/run_directory.hpp>
 #include <type_traits>
@@ -329,6 +330,11 @@ void run_directory::complete(std::int64_t step, double t, double t_end, const st
   report.message = fmt::format("completed {} steps, t = {:.6g} s{}", step, t, remark);
   if (remark.empty() && t < t_end * (1.0 - 1e-9))
     report.message += fmt::format(": before t_end = {:.6g} s, as time.steps asks for no more", t_end);
+  if (const auto doubt = ranks.broadcast(doubts(report)); !doubt.empty()) {
+    report.status = "completed_doubtful";
+    report.message += "; doubtful: " + doubt;
+    tell("warning: the run came to its end, but its result is doubtful: " + doubt);
+  }
   report.write(ranks, line.output);
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   say(report.message);

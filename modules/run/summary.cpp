@@ -87,9 +87,9 @@ void summary::print(const std::string& directory) const {
     text += fmt::format("  pressure error {:.3g} mean, {:.3g} max; density error {:.3g}; displacement {:.3g} dx\n",
                         errors["pressure_mean"].get<double>(), errors["pressure_max"].get<double>(),
                         errors["density_max"].get<double>(), errors["displacement_max_over_dx"].get<double>());
-  if (metrics.value("wall_crossings", 0) > 0)
+  if (metrics.value("particles_put_back", 0) > 0)
     text += fmt::format("  {} particles had to be put back inside the walls\n",
-                        metrics["wall_crossings"].get<std::int64_t>());
+                        metrics["particles_put_back"].get<std::int64_t>());
   text += fmt::format("  state {}\n  results in {}\n", state_hash, directory);
   std::fputs(text.c_str(), stdout);  // whose reader may have gone
 }

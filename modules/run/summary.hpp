@@ -32,6 +32,10 @@ std::string first_not_finite(const nlohmann::ordered_json& j);
 // fail_calculation where a value of a line of the history is not finite, which it then names.
 void check_line(const std::vector<output::history_column>& columns, std::span<const double> values);
 
+// Whether a run with this status came to its end: "completed", or "completed_doubtful" where its own measures say that
+// the result means nothing.
+inline bool has_completed(const std::string& status) { return status.starts_with("completed"); }
+
 struct summary {
   std::string program, status = "failed", message, state_hash;
   std::int64_t steps = 0;

@@ -54,6 +54,8 @@ struct loop {
                                ranks.rank == 0 ? files.checkpoint_age() : 0.0, changed ? 1.0 : 0.0};
     ranks.maximum(most);
     news = {most[0], most[1], most[2], most[3], most[4] > 0.0};
+    // Lists are made of finite places.
+    if (!std::isfinite(news.speed + news.moved)) p.check_state();
   }
 
   // ---- stepping ---------------------------------------------------------------------------
@@ -64,6 +66,7 @@ struct loop {
     const double moved = ranks.maximum(p.moved());
     if (!(moved <= p.allowance())) {
       if (controls_error()) return 1;
+      p.check_state();
       foundation::fail_calculation(
           fmt::format("particles moved {:.3g} m within one step, more than half the skin of the neighbour lists "
                       "({:.3g} m): the time step is too large, or the flow has blown up",
@@ -298,6 +301,16 @@ struct loop {
     snapshot_step = step;
   }
 
+  // Collective.
+  bool state_is_finite() {
+    try {
+      p.check_state();
+    } catch (const foundation::error&) {
+      return false;
+    }
+    return true;
+  }
+
   void write_checkpoint() {
     const foundation::stage timed(p.times(), "output");
     output::checkpoint_globals g;
@@ -336,6 +349,8 @@ struct loop {
     const auto& g = saved.state.globals;
     p.restore(g);
     p.read_particles(saved.state.tables.at("fluid"));
+    step = g.integers.at("step");
+    p.check_state();
     p.rebuild(true);
     count_particles();
     p.set_time(g.reals.at("time"));
@@ -365,6 +380,7 @@ struct loop {
   }
 
   void warn_about_step() {
+    if (const auto warning = p.warning_of_step(dt); !warning.empty()) files.tell("warning: " + warning);
     const auto limit = p.largest_step();
     if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
       files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
@@ -454,7 +470,8 @@ struct loop {
       // The last good state is in the arrays: it goes to disk with the reason.
       files.fail(e, step, [&] {
         p.fail(e, step, report);
-        if (e.status() == foundation::exit_status::calculation_failed && integrator) write_checkpoint();
+        if (e.status() == foundation::exit_status::calculation_failed && integrator && state_is_finite())
+          write_checkpoint();
         fill_report();
       });
     }

@@ -285,7 +285,8 @@ solution solve(const two_layers& flow, double k) {
     if (change < tolerance) return {std::move(d), growth};
   }
   foundation::fail_calculation(fmt::format(
-      "Rayleigh-Taylor theory: at k = {} 1/m the growth rate still changes by {:.1e} of itself at 180 points a layer",
+      "Rayleigh-Taylor theory: at k = {} 1/m the growth rate still changes by {:.1e} of itself at 180 points a layer: "
+      "with larger viscosities, whose layers beside the contact are thicker, it settles",
       k, change));
 }
 

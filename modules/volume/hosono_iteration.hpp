@@ -122,7 +122,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, w.d.ranks.comm);
   std::string text;
   if (w.d.ranks.rank == teller)
-    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", where_is(s, worst), s.p[worst],
+    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", pairs::where_is(s, worst), s.p[worst],
                        s.p_eos[worst], s.rho[worst]);
   auto length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, teller, w.d.ranks.comm);
@@ -142,7 +142,7 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   for (std::size_t i = 0; i < s.fluid; ++i) densest = std::min(densest, dV[i]);
   densest = w.d.ranks.minimum(densest);
   const auto& guess = particles::extra(s, density_guess);
-  double p_most = -std::numeric_limits<double>::infinity(), p_start = p_most, K_T = 0.0;
+  double p_most = -std::numeric_limits<double>::infinity(), p_start = p_most, K_T = 0.0, fullest = 0.0;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     std::visit(
         [&](const auto& material) {
@@ -150,6 +150,7 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
           const auto start = material.evaluate(guess[i], s.T[i]);
           p_start = std::max(p_start, start.p);
           K_T = std::max(K_T, start.K_T);
+          fullest = std::max(fullest, s.m[i] / (densest * guess[i]));  // kernel sum, of the best placed particle
         },
         w.materials[static_cast<std::size_t>(s.material[i])]);
   }
@@ -157,12 +158,17 @@ std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& aroun
   if (p_most > 0.0) return "";
   p_start = w.d.ranks.maximum(p_start);
   K_T = w.d.ranks.maximum(K_T);
-  const double deficit = 1.0 - w.lattice_sum / scale;
+  const double deficit = 1.0 - w.d.ranks.maximum(fullest);
+  // Of a lattice that is whole it is the lattice's own; without walls, more.
+  const bool of_lattice = deficit < 1.5 * (1.0 - w.lattice_sum / scale);
   return fmt::format(
-      "no state with p > 0 exists: the kernel's sum over the lattice is 1 - {0:.6g}, which lowers the density by that "
-      "factor and the pressure by {0:.6g} K_T = {1:.6g} Pa, more than p = {2:.6g} Pa (K_T/p = {3:.6g}). Divide the "
-      "smoothing by the kernel sum (&smoothing normalise = .true.), or use program C, D, E or F",
-      deficit, deficit * K_T, p_start, K_T / p_start);
+             "no state with p > 0 exists: the kernel's sum over a particle and its neighbours is 1 - {0:.6g} at most, "
+             "which lowers the density by that factor and the pressure by {0:.6g} K_T = {1:.6g} Pa, more than p = "
+             "{2:.6g} Pa (K_T/p = {3:.6g})",
+             deficit, deficit * K_T, p_start, K_T / p_start) +
+         (of_lattice ? ". Divide the smoothing by the kernel sum (&smoothing normalise = .true.), or use program C, D, "
+                       "E or F"
+                     : "");
 }
 
 // Why there is no end: κ, the growth factor of theory and of the last passes, where it began.

@@ -70,12 +70,6 @@ void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
 
 inline std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-inline std::string where_is(const auto& s, std::size_t i) {
-  std::string text = fmt::format("particle {} at (", s.id[i]);
-  for (std::size_t a = 0; a < s.x.size(); ++a) text += (a > 0 ? ", " : "") + number(s.x[a][i]);
-  return text + ") m";
-}
-
 namespace detail {
 
 // Particles [first, first + lanes) of a material, those of other materials and from n on left alone; where the
@@ -162,9 +156,8 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
       w.first_fault.report(
           s.id[i],
           fmt::format("{} = {:.6g} {} is not positive and finite: {}, rho = {:.6g} kg/m3, T = {:.6g} K. Y = p dV "
-                      "has no meaning there; use a smaller time step, a higher pressure, or a volume that allows "
-                      "tension",
-                      what, p[i], unit, where_is(s, i), s.rho[i], s.T[i]));
+                      "has no meaning there (disph_n and rti need no p > 0)",
+                      what, p[i], unit, pairs::where_is(s, i), s.rho[i], s.T[i]));
 }
 
 }  // namespace tetsuame::volume

@@ -482,6 +482,17 @@ echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, 
         table = (self.here / "out/sweep.csv").read_text().splitlines()
         self.assertEqual((table[0], table[3]), ("rti.n,rti.word,status,steps,wall_seconds,n_squared", "3,\"'a,b'\",completed,1,0.1,9"))
 
+    def test_a_doubtful_run_is_complete_and_shown_as_doubtful(self):
+        (self.here / "mended").touch()
+        program = self.here / "bin/rti"
+        program.write_text(program.read_text().replace('"status": "completed"', '"status": "completed_doubtful"'))
+        for _ in range(2):
+            said = call(*self.command)
+            self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(self.calls(), ["1", "2", "3", "4"])  # not run again
+        self.assertIn(",doubtful,", (self.here / "out/sweep.csv").read_text())
+        self.assertIn("<td class=\"stop\">doubtful</td>", (self.here / "out/report.html").read_text())
+
     def test_page(self):
         (self.here / "mended").touch()
         said = call(*self.command)

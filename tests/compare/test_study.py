@@ -15,13 +15,34 @@ import numpy as np
 
 import inside
 from tetsuame.compare import (balance_study, continuity_of_y, convection, hydrostatic, orders, references, rti, runner, shock, study,
-                              time_stepping)
+                              table, time_stepping)
 from tetsuame.compare.cases import Run
 from tetsuame.compare.outcomes import Outcome
 from test_compare import Balance
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+
+
+class Doubtful(unittest.TestCase):
+    """A run that came to its end, but says itself that it means nothing."""
+
+    def test_its_figures_are_taken_and_it_is_shown_as_doubtful(self):
+        with tempfile.TemporaryDirectory() as place:
+            case = Run("disph_b", Path("rti_note.nml"), "rti_note", "B", "b", "", (), program="B")
+            (Path(place) / "summary.json").write_text(json.dumps(
+                {"status": "completed_doubtful", "message": "completed 9 steps; doubtful: the energy is off by 24", "errors": {"pressure_mean": 0.5}}))
+            outcome = runner.judge(case, Path(place), 0, False)
+        self.assertEqual((outcome.kind, outcome.doubtful), ("completed", True))
+        self.assertEqual((table.said(outcome), table.cell(outcome), table.verdict(outcome)), ("doubtful", "doubtful", "completed"))
+        self.assertEqual(table.error(outcome, "pressure_mean"), 0.5)
+        self.assertIn("1 runs: 1 completed, 1 of the completed doubtful", study.facts([outcome], ()))
+        self.assertIn("the energy is off by 24", study.reasons([outcome]))
+
+    def test_a_run_without_a_doubt_has_no_reason(self):
+        outcome = Outcome(Run("disph_b", Path("a.nml"), "a", "B", "b", "", ()), "completed", "", HERE, {"status": "completed"}, False)
+        self.assertFalse(outcome.doubtful)
+        self.assertEqual(study.reasons([outcome]), "")
 
 
 class Orders(unittest.TestCase):

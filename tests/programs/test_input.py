@@ -157,7 +157,7 @@ class Refusals(Case):
 
     def test_waves_that_the_theory_cannot_resolve(self):
         thin = {"rti.viscosity_lower": 1e3, "rti.viscosity_upper": 1e3}
-        self.refuse("rti", "rti_linear", thin, "rti_linear.nml:", "&rti start", "Choose 'coloured', or larger viscosities")
+        self.refuse("rti", "rti_linear", thin, "rti_linear.nml:", "&rti start", "'coloured' starts without a mode")
         result = self.call("rti", *self.arguments("rti_linear", {**thin, "rti.start": "coloured"}, "none", ["--theory"]))
         self.assertEqual(result.status, COMPLETED, result)
         self.assertIn("no growth rate to compare with", result.stdout)

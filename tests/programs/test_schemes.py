@@ -20,7 +20,7 @@ class Growth(Case):
     def error(self, program, n):
         """Of the growth rate."""
         m = self.run_program(program, "rti_linear", square(n, **FIRM, **{"rti.p_top": 1e10})).summary["metrics"]
-        self.assertEqual(m["wall_crossings"], 0)
+        self.assertEqual(m["particles_put_back"], 0)
         return m["growth_rate"] / m["growth_rate_theory"] - 1
 
     def test_second_order(self):

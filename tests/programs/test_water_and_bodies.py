@@ -68,7 +68,7 @@ class Bodies(Case):
         self.assertLess(max(abs(y) for y in g["motion_1_y"]), 0.01 * 0.12)
         self.assertLess(max(abs(y) for y in g["motion_1_x"]), 1e-6)
         self.assertLess(max(abs(F / weight - 1) for F in g["force_1_y"]), 0.02)
-        self.assertEqual(result.summary["metrics"]["wall_crossings"], 0)
+        self.assertEqual(result.summary["metrics"]["particles_put_back"], 0)
         self.assertLess(abs(result.summary["conservation"]["energy"]), 1e-4)
 
     def test_sloshing(self):

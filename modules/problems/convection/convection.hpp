@@ -2,6 +2,8 @@
 // rates.hpp: the equations; step.hpp: what lags behind; levels.hpp: coarser lattices before; history.hpp: measures.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <convection/history.hpp>
 #include <convection/levels.hpp>
 #include <convection/step.hpp>
@@ -42,7 +44,7 @@ class problem : public run::problem_in_a_box<D> {
     return all;
   }
 
-  void evaluate(std::span<double* const> rate) override {
+  void sum_rates(std::span<double* const> rate) override {
     const auto& layer = state_.layer;
     const auto sum = [&](const pairs::stretch& rows) {
       if (layer.law.varies)
@@ -58,6 +60,9 @@ class problem : public run::problem_in_a_box<D> {
     sum(state_.world.w.at_border());
     rates_of_change(state_, rate);
   }
+  // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
+  // nothing feels, grow without bound.
+  void complete_rates(std::span<double* const> rate) override { remove_mean(state_, rate[D + unknown<D>::p]); }
 
   integrators::step_limit largest_step() override {
     const auto& layer = state_.layer;
@@ -67,6 +72,27 @@ class problem : public run::problem_in_a_box<D> {
     const double diffusion = *time.diffusive * dx * dx / fastest;
     return sound < diffusion ? integrators::step_limit{sound, "sound"}
                              : integrators::step_limit{diffusion, "diffusion"};
+  }
+  // Euler's steps make a wave of frequency c k grow by c² k² dt/2, against which stand the friction ν k²/2 and the
+  // pressure's diffusion P h c β k⁴/2 (of the noise Q on the start lattice, pass.hpp): the fastest grows by
+  // (c² dt - ν)²/(8 P h c β). A flow stirs waves all the time, and some e-foldings later it is lost in them.
+  std::string warning_of_step(double dt) override {
+    constexpr double many = 3.0;  // e-foldings: air at Ra 1e6 blows up after 3.3 to 4, with 24 to 100 particles a side
+    const auto& layer = state_.layer;
+    const auto& o = state_.input;
+    if (o.common.time.method != "euler" || layer.law.varies) return {};
+    const double c = layer.c_eff, xi = layer.slowing.xi;
+    const double nu = layer.steady ? layer.instant_share * layer.nu_eff : layer.nu / (xi * xi);
+    const double left = c * c * dt - nu, of_pressure = *o.convection.pressure_diffusion * state_.at_start.h * c;
+    if (!(left > 0.0 && of_pressure > 0.0)) return {};
+    const auto& time = o.common.time;
+    const double growth = left * left / (8.0 * of_pressure * state_.at_start.beta),
+                 end = time.t_end ? *time.t_end : static_cast<double>(time.steps) * dt;
+    if (!(growth * end > many)) return {};
+    return fmt::format(
+        "with Euler's steps of {:.3g} s sound grows by a factor of e in {:.3g} s, {:.2g} times until {:.4g} s: the "
+        "flow may blow up on the way; time.method = 'ab2', or half the time.cfl, keeps it",
+        dt, 1.0 / growth, growth * end, end);
   }
   double diffusion_radius() override {
     const double dx = state_.world.w.dx, fastest = state_.start.viscous_contrast * largest_viscosity(state_);

@@ -97,15 +97,10 @@ double with_heat(const convection_state<D>& state, std::size_t i, double nu, dou
   return dT + released * per_c_p;
 }
 
-// Of some particles: their largest speed squared, with the shift, m2/s2; whether all rates but those of x are finite.
-struct outcome {
-  double speed2 = 0.0;
-  bool finite = true;
-};
-
-// The rates of particles, in the order of convection::fields().
+// The rates of some particles, in the order of the problem's fields. Returns their largest speed squared, with the
+// shift, m2/s2.
 template <int D>
-outcome rates_of(const convection_state<D>& state, const several& i, std::span<double* const> rate) {
+double rates_of(const convection_state<D>& state, const several& i, std::span<double* const> rate) {
   const auto& s = state.fluid();
   const auto& layer = state.layer;
   const auto& c = state.input.convection;
@@ -118,11 +113,7 @@ outcome rates_of(const convection_state<D>& state, const several& i, std::span<d
   const real nu = layer.law.varies ? one_by_one(i, [&](std::size_t k) { return state.viscosity(k); }) : real(layer.nu);
   const real xi2 = inertia(layer, nu), per_xi2 = 1.0 / xi2;
   const double a_inertia = layer.steady ? 1.0 : 0.0;
-  real::mask_type finite(true);
-  const auto set = [&](std::size_t k, const real& value) {
-    i.set(rate[k], value);
-    finite = finite && abs(value) <= std::numeric_limits<double>::max();
-  };
+  const auto set = [&](std::size_t k, const real& value) { i.set(rate[k], value); };
   std::array<real, D> v, moving;  // w + a v
   for (std::size_t a = 0; a < D; ++a) {
     v[a] = i(s.v[a].data());
@@ -155,9 +146,9 @@ outcome rates_of(const convection_state<D>& state, const several& i, std::span<d
     dT = one_by_one(i, [&](std::size_t k) { return with_heat(state, k, nu[k - i.first], dT[k - i.first]); });
   set(D + T, dT);
   set(D + p, dp - f.rho * layer.c_eff * layer.c_eff * xi2 * divergence);
-  outcome all{0.0, (i.chosen & ~foundation::bits_of(finite)) == 0};
-  i.each([&](std::size_t, const auto& of) { all.speed2 = std::max(all.speed2, of(speed2)); });
-  return all;
+  double largest = 0.0;
+  i.each([&](std::size_t, const auto& of) { largest = std::max(largest, of(speed2)); });
+  return largest;
 }
 
 template <int D>
@@ -165,29 +156,15 @@ void rates_of_change(convection_state<D>& state, std::span<double* const> rate) 
   auto& w = state.world.w;
   const auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
-  bool all_finite = true;
   double speed2 = 0.0;  // m2/s2
   const auto rows = w.fluid();
   const std::size_t n = rows.clusters();
-#pragma omp parallel for schedule(static) reduction(&& : all_finite) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const auto m = rows.cluster(r);
-    const auto of = rates_of(state, several{m.first, m.chosen, {}}, rate);
-    speed2 = std::max(speed2, of.speed2);
-    all_finite = all_finite && of.finite;
+    speed2 = std::max(speed2, rates_of(state, several{m.first, m.chosen, {}}, rate));
   }
   state.displacing = std::sqrt(speed2);
-  const auto finite = [&](std::size_t i) {
-    return std::ranges::all_of(rate.subspan(D), [&](const double* r) { return std::isfinite(r[i]); });
-  };
-  for (std::size_t i = 0; i < s.fluid && !all_finite; ++i)
-    if (!finite(i))
-      w.first_fault.report(s.id[i], "a rate is not finite at particle " + std::to_string(s.id[i]) +
-                                        ", T = " + std::to_string(s.T[i]) + " K; the time step may be too large");
-  w.agree();
-  // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
-  // nothing feels, grow without bound.
-  remove_mean(state, rate[D + unknown<D>::p]);
 }
 
 }  // namespace tetsuame::convection

@@ -190,7 +190,6 @@ void evaluate(water<D>& f, std::span<double* const> rate) {
   if (f.has_tension()) find_tension(f);
   if (!f.free.empty()) find_rates_of_bodies(f, accelerate_free_bodies(f), rate.subspan(2 * D + 1));
   find_rates(f, rate.first(2 * D + 1));
-  w.agree();
 }
 
 }  // namespace tetsuame::free_surface

@@ -51,6 +51,16 @@ double largest_compression(const water<D>& f) {
   return f.ranks().maximum(most);
 }
 
+// The largest of ρ/ρ_most and ρ_0/ρ on this rank, ρ_most that of still water as deep as the start's.
+template <int D>
+double density_excess(const water<D>& f) {
+  const auto& s = f.world.w.s;
+  const double deepest = f.p.water.density_beneath(f.gravity() * f.p.height);
+  double most = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) most = std::max({most, s.rho[i] / deepest, f.o.flow.density / s.rho[i]});
+  return most;
+}
+
 // m, the edge of the water's foremost particle.
 template <int D>
 double front_of(const water<D>& f) {

@@ -33,7 +33,7 @@ nlohmann::ordered_json summary_in(const fs::path& folder) {
 }
 
 bool completed(const nlohmann::ordered_json& summary) {
-  return summary.is_object() && summary.value("status", "") == "completed";
+  return summary.is_object() && run::has_completed(summary.value("status", ""));
 }
 
 // On all: what rank 0 sees.

@@ -21,6 +21,7 @@ struct totals {
   double mass, kinetic, internal, potential, momentum_scale;
   std::array<double, D> momentum;
   double energy() const { return kinetic + internal + potential; }
+  double scale() const { return kinetic + std::abs(internal) + std::abs(potential); }  // of bodies at rest and cold too
 };
 
 template <int D>
@@ -149,7 +150,7 @@ class flow : public run::problem_in_a_box<D> {
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks().minimum(least) > 0.0;
   }
-  void evaluate(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
+  void sum_rates(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
 
   // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
   integrators::step_limit largest_step() override {
@@ -194,6 +195,7 @@ class flow : public run::problem_in_a_box<D> {
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
                       {"energy", now.energy() / first_->energy() - 1.0}};
+    r.metrics["energy_residual"] = (now.energy() - first_->energy()) / first_->scale();
     r.metrics["test"] = g_.o.shock.test;
     r.metrics["scheme"] = g_.o.shock.scheme;
     for (const auto& [name, value] : g_.test.known) r.metrics[name] = run::or_null(value);

@@ -42,15 +42,18 @@ void sum_densities(world<D>& g, const pairs::stretch& rows) {
 template <int D>
 void check_sums(world<D>& g) {
   const auto& s = g.w.s;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (g.evolves_density && !(g.evolved[i] > 0.0)) {
-      g.w.first_fault.report(s.id[i], fmt::format("the density of particle {} is not above 0", s.id[i]));
-      break;
-    } else if (!((s.u[i] > 0.0 || g.any_eos) && g.y[i] > 0.0 && std::isfinite(g.y[i]))) {
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto fault = [&](const char* what, double value, const char* unit) {
       g.w.first_fault.report(
-          s.id[i], fmt::format("the internal energy of particle {} is {:.3g} J/kg, not above 0", s.id[i], s.u[i]));
-      break;
-    }
+          s.id[i], fmt::format("the {} is {:.3g} {}, not above 0: {}", what, value, unit, pairs::where_is(s, i)));
+    };
+    if (g.evolves_density && !(g.evolved[i] > 0.0))
+      fault("density", g.evolved[i], "kg/m^D");
+    else if (!(s.u[i] > 0.0 || g.any_eos))
+      fault("internal energy", s.u[i], "J/kg");
+    else if (!(g.y[i] > 0.0 && std::isfinite(g.y[i])))
+      fault("sum for the density", g.y[i], "in SI units");
+  }
 }
 
 template <int D>
@@ -59,9 +62,8 @@ void check_sound(world<D>& g) {
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(s.c[i] > 0.0)) {
       g.w.first_fault.report(
-          s.id[i], fmt::format("particle {} has no sound at {:.4g} kg/m^3 and {:.4g} J/kg: '{}' does not reach there",
-                               s.id[i], s.rho[i], s.u[i], eos::about(g.caloric_of(i).material()).name));
-      break;
+          s.id[i], fmt::format("no sound at {:.4g} kg/m^3 and {:.4g} J/kg, where '{}' does not reach: {}", s.rho[i],
+                               s.u[i], eos::about(g.caloric_of(i).material()).name, pairs::where_is(s, i)));
     }
 }
 
@@ -199,11 +201,6 @@ void combine(world<D>& g, std::span<double* const> rate) {
       rate[2 * D + 1][i] =
           schemes::alpha_rate(g.alpha[i], q.alpha_min, q.alpha, g.divergence[i], s.c[i], g.S[i] / g.support_over_h);
   });
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (!std::isfinite(rate[D][i] + rate[2 * D][i])) {
-      g.w.first_fault.report(s.id[i], fmt::format("a rate is not finite at particle {}", s.id[i]));
-      break;
-    }
 }
 
 // Collective.
@@ -226,7 +223,6 @@ void evaluate(world<D>& g, std::span<double* const> rate) {
       },
       g.unit);
   combine(g, rate);
-  g.w.agree();
 }
 
 }  // namespace tetsuame::gas

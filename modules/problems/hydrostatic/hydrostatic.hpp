@@ -76,7 +76,7 @@ class problem : public liquid::problem<D> {
   }
 
   std::vector<integrators::field> fields() override { return state_fields(world, scheme_->carried()); }
-  void evaluate(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
+  void sum_rates(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
 
   // ---- what is told -----------------------------------------------------------------------
@@ -97,6 +97,7 @@ class problem : public liquid::problem<D> {
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
     if (!start_) start_ = t;
+    base::note_density_excess(e.density_excess);
     return {e.pressure_mean, e.pressure_max, e.density_max, e.displacement_max_over_dx,
             t.kinetic,       t.potential,    t.internal,    t.energy() - start_->energy()};
   }
@@ -118,6 +119,7 @@ class problem : public liquid::problem<D> {
     r.conservation = {{"mass", (t.mass - start_->mass) / start_->mass},
                       {"momentum", momentum},
                       {"energy", (t.energy() - start_->energy()) / start_->pressure_volume}};
+    r.metrics["energy_residual"] = r.conservation["energy"];
     const auto limits = measure_limits(world, o_.time);
     r.metrics["limit_cfl"] = run::bound_or_null(limits.cfl);
     r.metrics["limit_viscous"] = run::bound_or_null(limits.viscous);

@@ -14,6 +14,7 @@ struct errors {
   double pressure_max = 0.0;
   double density_max = 0.0;  // max |ρ - ρ_exact|/ρ_exact
   double displacement_max_over_dx = 0.0;
+  double density_excess = 0.0;  // the largest of ρ/ρ_most and ρ_least/ρ of the exact profile, on this rank
 };
 
 // Needs p and ρ of an evaluation at this state. Exact is the profile at the start position.
@@ -21,6 +22,7 @@ template <int D>
 errors measure_errors(const scene<D>& scene) {
   const auto& s = scene.w.s;
   const auto& ranks = scene.w.d.ranks;
+  const auto [least, most] = std::ranges::minmax(scene.rho_exact);
   errors e;
   const auto [sum] = liquid::exact_sums<1>(scene, [&](std::size_t i, const auto& add) {
     const auto row = row_of(scene, i);
@@ -28,6 +30,7 @@ errors measure_errors(const scene<D>& scene) {
     add(dp);
     e.pressure_max = std::max(e.pressure_max, dp);
     e.density_max = std::max(e.density_max, std::abs(s.rho[i] / scene.rho_exact[row] - 1.0));
+    e.density_excess = std::max({e.density_excess, s.rho[i] / most, least / s.rho[i]});
     double r2 = 0.0;
     for (const double d : displacement(scene, i)) r2 += d * d;
     e.displacement_max_over_dx = std::max(e.displacement_max_over_dx, std::sqrt(r2) / scene.w.dx);

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <hydrostatic/options.hpp>
+#include <hydrostatic/profile.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::hydrostatic {
@@ -87,6 +87,10 @@ void resolve(const namelist::schema& schema, options& o) {
   if (o.material.eos.name == "linear" && !o.material.eos.reference_pressure)
     o.material.eos.reference_pressure = o.initial.pressure;
   o.material.eos = schema.placed("material", "eos", [&] { return eos::resolve(o.material.eos); });
+  schema.placed("material", "bulk_modulus", [&] {
+    const auto material = eos::make(o.material.eos);
+    profile(o, material).pressure(0.0);
+  });
   run::check_interval(schema, o.output, o.time.end());
   run::check_fields(schema, o.output,
                     {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",

@@ -1,7 +1,7 @@
 // The start: lattice, exact profile, walls.
 #pragma once
 
-#include <hydrostatic/options.hpp>
+#include <hydrostatic/profile.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
@@ -48,33 +48,6 @@ std::array<double, D> displacement(const scene<D>& scene, std::size_t i) {
   }
   return d;
 }
-
-// Pressure of the exact solution at the height y: the initial pressure, or the hydrostatic
-// dp/dy = -ρ^(p, T) g from the top, by fourth-order Runge–Kutta steps of at most Δx/16.
-class profile {
- public:
-  profile(const options& o, const eos::any& material) : o_(o), material_(material) {}
-
-  double pressure(double y) const {
-    if (o_.initial.profile == "uniform") return o_.initial.pressure;
-    const double top = o_.domain.length[1];
-    const auto n = static_cast<std::int64_t>(std::ceil(16.0 * std::abs(top - y) / o_.domain.dx()));
-    const double dy = n > 0 ? (y - top) / static_cast<double>(n) : 0.0;
-    double p = o_.initial.pressure;
-    for (std::int64_t k = 0; k < n; ++k) {
-      const double k1 = slope(p), k2 = slope(p + 0.5 * dy * k1), k3 = slope(p + 0.5 * dy * k2), k4 = slope(p + dy * k3);
-      p += dy * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
-    }
-    return p;
-  }
-  double density(double p) const { return eos::density(material_, p, o_.initial.temperature); }
-
- private:
-  double slope(double p) const { return -density(p) * o_.g; }
-
-  const options& o_;
-  const eos::any& material_;
-};
 
 // The fluid, which stands on the start lattice: masses m = ρ Δx^D of the exact profile at its rows, so that jitter
 // changes neither; or as a snapshot has it.

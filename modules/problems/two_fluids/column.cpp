@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <eos/compression.hpp>
 #include <foundation/error.hpp>
 #include <two_fluids/column.hpp>
 
@@ -67,6 +68,8 @@ void column::descend(const barotropic& b, double from, double to, double p, std:
   for (int k = 0;; ++k) {
     const place here = at_pressure(on, p);
     nodes.push_back({from + k * dy, here});
+    eos::check_column(*b.material, nodes.front().state.density, nodes.front().state.temperature, nodes.back().y, p,
+                      here.density);
     if (k == n) break;
     if (on.adiabatic) {
       on.pressure = p;

@@ -31,6 +31,8 @@ class fluids {
 
   double h = 0.0;                                       // m
   double reference_floor = 0.0, reference_slope = 0.0;  // Pa, Pa/m
+  // kg/m3, of each material the least and the largest density at the pressures of the start.
+  std::array<std::pair<double, double>, 2> density_range;
   viscous_weights viscous;
   bool second_order = false;  // in the place of the viscous order that was asked for
 

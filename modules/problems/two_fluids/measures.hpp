@@ -40,6 +40,7 @@ struct measures : totals, energies {
   // The most and the least so far.
   double residual_max = 0.0, v_rms_max = 0.0, v_rms_max_time = 0.0, mach_max = 0.0, dissipated_most = 0.0;
   double density_min = 1e300, density_max = 0.0, pressure_min = 1e300;
+  double density_excess = 0.0;  // of the last line, on this rank
   double element_error = 0.0;
 
   // Those that the summary looks back on, as a checkpoint has them; the last three of an element.
@@ -181,11 +182,14 @@ template <int D>
 void follow_motion(measures& m, const fluids<D>& f) {
   const auto& s = f.world.w.s;
   double fastest2 = 0.0, low = std::numeric_limits<double>::infinity(), high = 0.0, p_low = low;
+  m.density_excess = 0.0;
   const auto [squares] = liquid::exact_sums<1>(f.world, [&](std::size_t i, const auto& add) {
     const double v2 = f.speed2(i), ratio = s.rho[i] / f.rho_start[i];
     const double slow2 = f.xi2[static_cast<std::size_t>(s.material[i])] / f.stiffness;  // (ζξ)², of the input
     add(s.m[i] / s.rho[i] * v2);
     fastest2 = std::max(fastest2, slow2 * (v2 / (s.c[i] * s.c[i])));
+    const auto& [least, most] = f.density_range[static_cast<std::size_t>(s.material[i])];
+    m.density_excess = std::max({m.density_excess, s.rho[i] / most, least / s.rho[i]});
     low = std::min(low, ratio);
     high = std::max(high, ratio);
     p_low = std::min(p_low, s.p_eos[i]);

@@ -316,21 +316,8 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
   const places_of_rates<D> at(f);
-  const auto is_finite = [&](std::size_t i) {
-    return std::ranges::all_of(rate, [&](const double* r) { return std::isfinite(r[i]); });
-  };
-  bool finite = true;
-#pragma omp parallel for schedule(static) reduction(&& : finite) if (s.fluid > foundation::rows_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    combine(f, i, at, rate);
-    finite = finite && is_finite(i);
-  }
-  if (finite) return;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (!is_finite(i))
-      w.first_fault.report(s.id[i], fmt::format("a rate is not finite: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow "
-                                                "has blown up, or the step is too large",
-                                                volume::where_is(s, i), s.rho[i], s.p[i]));
+#pragma omp parallel for schedule(static) if (s.fluid > foundation::rows_worth_threads)
+  for (std::size_t i = 0; i < s.fluid; ++i) combine(f, i, at, rate);
 }
 
 template <int D>
@@ -356,7 +343,6 @@ void evaluate(fluids<D>& f, std::span<double* const> rate) {
   find_stress(f, ahead ? own : 0, w.s.total());
   sum_over_neighbours(f, ahead ? w.at_border() : w.fluid());
   find_rates(f, rate);
-  w.agree();
 }
 
 }  // namespace tetsuame::two_fluids

@@ -139,6 +139,11 @@ std::vector<std::array<place, 2>> rows_at_rest(fluids<D>& f) {
   std::vector<std::array<place, 2>> rows(number);
   for (std::size_t row = 0; row < number; ++row)
     rows[row] = {at_pressure(lower, pressure[row]), at_pressure(upper, pressure[row])};
+  for (std::size_t n = 0; n < 2; ++n) {
+    const auto by_density = [n](const auto& row) { return row[n].density; };
+    const auto [least, most] = std::ranges::minmax_element(rows, {}, by_density);
+    f.density_range[n] = {(*least)[n].density, (*most)[n].density};
+  }
   return rows;
 }
 
@@ -257,6 +262,9 @@ void place_fluid(fluids<D>& f) {
   auto& s = w.s;
   if (f.o.masses == "equal_mass") {
     place_layers(f);
+    const double top = f.o.domain.length[1], below = f.p.interface * (1.0 - 1e-12);
+    f.density_range = {{{f.p.base->at(below).density, f.p.base->at(0.0).density},
+                        {f.p.base->at(top).density, f.p.base->at(f.p.interface).density}}};
     for (std::size_t i = 0; i < s.fluid; ++i)
       start_at(f, i, f.p.base->at(s.x[1][i]), f.p.layers[static_cast<std::size_t>(s.material[i])].volume);
   } else {

@@ -81,7 +81,6 @@ void evaluate(fluids<D>& f, liquid::scheme<D>& scheme, std::span<double* const> 
   scheme.evaluate(f.world, rates_of_scheme(f, at, rate));
   part_heat(f, at, rate);
   if (f.dissolved) exchange_element(f, at, rate);
-  w.agree();
 }
 
 // ---- the problem -----------------------------------------------------------------------------
@@ -128,7 +127,7 @@ class problem : public liquid::problem<D> {
     return all;
   }
 
-  void evaluate(std::span<double* const> rate) override {
+  void sum_rates(std::span<double* const> rate) override {
     if (scheme_)
       two_fluids::evaluate(f_, *scheme_, rate);
     else
@@ -171,6 +170,7 @@ class problem : public liquid::problem<D> {
   }
   std::vector<double> row(double t) override {
     next_line(m_, f_, t);
+    base::note_density_excess(m_.density_excess);
     std::vector<double> values;
     for (const auto& [column, value] : columns_of(f_)) values.push_back(m_.*value);
     return values;

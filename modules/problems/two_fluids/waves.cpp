@@ -164,11 +164,9 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p) {
     p.growth.reset();
     p.theory_about = fmt::format("no growth rate to compare with: {}", e.what());
     if (o.start != "coloured")
-      schema.fail(
-          "rti", "start",
-          fmt::format("'{}' needs the growing mode of linear theory. {}. Choose 'coloured', or larger viscosities, "
-                      "or a wave that grows",
-                      o.start, e.what()));
+      schema.fail("rti", "start",
+                  fmt::format("'{}' needs the growing mode of linear theory. {}; 'coloured' starts without a mode",
+                              o.start, e.what()));
   }
 }
 

@@ -70,7 +70,7 @@ class Sweep:
             return None
         summary = folder / "summary.json"
         ended = read_json(summary, "the program").get("status") if summary.exists() else None
-        return {"completed": "completed", "diverged": "failed", "failed": "failed"}.get(str(ended))
+        return {"completed": "completed", "completed_doubtful": "doubtful", "diverged": "failed", "failed": "failed"}.get(str(ended))
 
     def one(self, folder: Path) -> str:
         status = self.status(folder)
@@ -81,7 +81,7 @@ class Sweep:
             terminal.unlink(missing_ok=True)  # a link too
             with open(terminal, "x", encoding="utf-8") as log:
                 code = subprocess.run(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env={"OMP_NUM_THREADS": "1"} | os.environ).returncode
-            status = ENDED.get(code, f"exit {code}")
+            status = (self.status(folder) if code == 0 else None) or ENDED.get(code, f"exit {code}")
             said = status if code in ENDED else f"{status}: {last_line(terminal) or 'nothing said'}"
         with self.lock:
             self.done += 1
@@ -93,7 +93,7 @@ class Sweep:
         lines = []
         for (folder, settings), status in zip(self.runs.items(), statuses):
             line = dict(setting.split("=", 1) for setting in settings) | {"status": status}
-            if status in ENDED.values() and (folder / "summary.json").exists():
+            if status in (*ENDED.values(), "doubtful") and (folder / "summary.json").exists():
                 run = runs.Run(folder)
                 line |= {name: run.summary.get(name) for name in ("steps", "wall_seconds")} | run.metrics()
             lines.append(line)
@@ -106,7 +106,7 @@ class Sweep:
                     if name not in (*keys, "status") and len({line.get(name) for line in lines}) > 1]
         facts = [escape(self.o.program), escape(str(self.o.input)), f"{len(lines)} runs"]
         columns = {escape(key): lambda line, key=key: pages.cell(escape(line[key])) for key in keys}
-        columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "failed": "stop"}.get(line["status"], "bad"))}
+        columns |= {"status": lambda line: pages.cell(escape(line["status"]), {"completed": "good", "doubtful": "stop", "failed": "stop"}.get(line["status"], "bad"))}
         columns |= {escape(name.replace("_", " ")): lambda line, name=name: pages.number(f"{line[name]:.6g}" if name in line else "–")
                     for name in measures[:MOST]}
         return pages.write(self.o.output, pages.document("sweep", [
@@ -229,4 +229,4 @@ def carry_out(sweep: Sweep, o: argparse.Namespace) -> int:
     writing.table(o.output / "sweep.csv", lines)
     print(o.output / "sweep.csv")
     print(sweep.page(lines))
-    return COMPLETED if all(status == "completed" for status in statuses) else FAILED
+    return COMPLETED if all(status in ("completed", "doubtful") for status in statuses) else FAILED

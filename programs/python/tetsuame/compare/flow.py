@@ -79,7 +79,7 @@ CASES = {
 }
 FRONTS = {"dam_break_front": "Lobovský", "dam_break_martin_moyce": "Martin and Moyce"}
 LONG = (("dam_break_box", 50, 4.0), ("dam_break_box", 100, 1.0), ("stl_tank", 20, 115.0))
-KEPT = ("pressure_", "height_", "front_", "period", "energy_decay", "semi_axis", "kinetic_", "hydrostatic_", "wall_crossings")  # of metrics
+KEPT = ("pressure_", "height_", "front_", "period", "energy_decay", "semi_axis", "kinetic_", "hydrostatic_", "particles_put_back")  # of metrics
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -260,7 +260,7 @@ def runs_table(runs: list[dict]) -> str:
         "n": lambda one: pages.number(one["n"]), "Outcome": lambda one: pages.cell(escape(one["outcome"]), state_class(one["outcome"])),
         "particles": lambda one: pages.number(count(one["particles"])), "until, s": lambda one: pages.number(said(one["time"], "{:.4g}")),
         "right-hand sides": lambda one: pages.number(count(one["right_hand_sides"])),
-        "put back at a wall": lambda one: pages.number(count(one["metrics"].get("wall_crossings"))),
+        "put back at a wall": lambda one: pages.number(count(one["metrics"].get("particles_put_back"))),
         "energy": lambda one: error_cell(one["energy"]), "seconds": lambda one: pages.number(said(one["seconds"])),
         "updates/s": lambda one: pages.number(said(one["updates_per_second"], "{:.2e}"))}, "wide", lambda one: one["case"]) + \
         pages.small("n: particles in the water's depth (dam breaks, water at rest, wave, sloshing), in the radius (drop), in a metre (tank with a "

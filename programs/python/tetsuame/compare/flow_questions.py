@@ -45,7 +45,7 @@ def at_rest(case: str, n: int) -> list[Question]:
             question("the same at its largest", 1e-6, kinetic("largest")),
             question("pressure beyond 2h of the surface over ρgH", 0.01, lambda one: metric(one, "hydrostatic_error"), "percent"),
             question("mass lost", 0.0, lambda one: one["mass"]),
-            question("particles put back at a wall", 0.0, lambda one: metric(one, "wall_crossings"))]
+            question("particles put back at a wall", 0.0, lambda one: metric(one, "particles_put_back"))]
 
 
 def closed_tank(case: str, n: int, until: float) -> list[Question]:

@@ -10,16 +10,21 @@ from ..runs import Snapshot
 from .cases import Run
 
 COMPLETED, STOPPED, CRASHED = "completed", "stopped", "crashed"
+DOUBTFUL = "completed_doubtful"  # status of a run that came to its end, but whose own measures say that it means nothing
 
 
 @dataclass(frozen=True)
 class Outcome:
     case: Run
     kind: str        # COMPLETED, STOPPED (exit 3: a result), CRASHED
-    reason: str      # in words, unless completed
+    reason: str      # in words, unless completed without a doubt
     folder: Path
     summary: dict    # summary.json; empty if there is none
     reused: bool     # the last report's run: nothing it depends on has changed
+
+    @property
+    def doubtful(self) -> bool:
+        return self.kind == COMPLETED and self.summary.get("status") == DOUBTFUL
 
     def number(self, *path: str) -> float | None:
         """A number of summary.json, None where it is null or absent."""

@@ -15,8 +15,9 @@ from pathlib import Path
 from .. import writing
 from ..reading import beside, last_line
 from .cases import Run
-from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
+from .outcomes import COMPLETED, CRASHED, DOUBTFUL, STOPPED, Outcome
 
+ENDED = (COMPLETED, DOUBTFUL)  # statuses of a summary.json whose run came to its end
 CALCULATION_FAILED = 3  # the exit status by which a program says so itself
 
 
@@ -108,10 +109,10 @@ def judge(case: Run, folder: Path, status: int, reused: bool) -> Outcome:
         reason = f"exit {status}" + (f": {line.strip()[:200]}" if line else "")
     elif not summary:
         reason = f"exit {status}, but {fault}"
-    elif (said == "completed") != (status == 0):
+    elif (said in ENDED) != (status == 0):
         reason = f"exit {status}, but summary.json says '{said}'"
     elif status == 0:
-        kind, reason = COMPLETED, ""
+        kind, reason = COMPLETED, summary.get("message", "") if said == DOUBTFUL else ""
     else:
         kind, reason = STOPPED, summary.get("message") or "the calculation failed"
     return Outcome(case, kind, reason, folder, summary, reused)

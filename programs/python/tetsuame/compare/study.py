@@ -171,6 +171,8 @@ def facts(outcomes: list[Outcome], settings: tuple[str, ...]) -> list[str]:
     counts = [f"{sum(o.kind == kind for o in outcomes)} {word}" for kind, word in
               ((COMPLETED, "completed"), ("stopped", "stopped by their own checks"), (CRASHED, "crashed"))
               if any(o.kind == kind for o in outcomes)]
+    if doubtful := sum(o.doubtful for o in outcomes):
+        counts.append(f"{doubtful} of the completed doubtful")
     return [f"version {', '.join(versions)}" if versions else "", f"{len(outcomes)} runs: {', '.join(counts)}", platform.machine(),
             f"settings: {escape(', '.join(settings))}" if settings else ""]
 
@@ -192,10 +194,10 @@ def crash_lines(outcomes: list[Outcome]) -> list[str]:
 
 
 def reasons(outcomes: list[Outcome]) -> str:
-    """What the runs that stopped said, once for those that said the same."""
+    """What the runs that stopped, or are doubtful, said, once for those that said the same."""
     said: dict[str, list[str]] = {}
     for outcome in outcomes:
-        if outcome.kind not in (COMPLETED, CRASHED):
+        if outcome.doubtful or outcome.kind not in (COMPLETED, CRASHED):
             said.setdefault(outcome.reason, []).append(f"{outcome.case.label} on {outcome.case.file}")
     items = [f"{escape('; '.join(names))}: <code>{escape(reason)}</code>" for reason, names in said.items()]
     return pages.section("What the programs said when they stopped", pages.listed(items, "small")) if items else ""

@@ -33,7 +33,7 @@ def verdict(outcome: Outcome) -> str:
 def said(outcome: Outcome) -> str:
     """As verdict(), for people: a solver that saw before its first pass that there is nothing to find has not diverged."""
     none = outcome.kind == STOPPED and outcome.number("diverged_iteration") == 0
-    return "no solution" if none else verdict(outcome)
+    return "no solution" if none else "doubtful" if outcome.doubtful else verdict(outcome)
 
 
 def stopped_step(outcome: Outcome) -> int | None:
@@ -126,6 +126,8 @@ def cell(outcome: Outcome | None) -> str:
         step, iteration = stopped_step(outcome), outcome.number("diverged_iteration")
         where = f" {step}" if step is not None and iteration != 0 else ""
         return said(outcome) + where + (f"/{iteration:g}" if iteration else "")
+    if outcome.doubtful:
+        return "doubtful"
     value = error(outcome, "pressure_mean")
     return "completed" if value is None else f"{value:.1e}"
 

@@ -1,0 +1,60 @@
+// Numbers that are none, in what is integrated over time and in its rates: looked for at one place, for all problems
+// alike, in the fields that each of them declares (problem.hpp).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <integrators/explicit_integrator.hpp>
+#include <pairs/workspace.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetsuame::run {
+
+// Whether the first n values of each array are finite.
+bool all_finite(std::span<const double* const> arrays, std::size_t n);
+
+namespace detail {
+
+// Of the values of one field: `before` says what they are, the field itself or its rate.
+inline std::string not_finite_text(const std::string& before, const std::string& name, double value) {
+  return fmt::format("{}{} is {}, not a finite number", before, name, value);
+}
+
+// The fault of the owned particle of the lowest ID that has such a value.
+template <int D>
+void report_particle(pairs::workspace<D>& w, std::span<const integrators::field> fields,
+                     std::span<const double* const> values, const std::string& before) {
+  const auto& s = w.s;
+  std::size_t worst = s.fluid, of = 0;
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    for (std::size_t i = 0; !fields[k].number && i < s.fluid; ++i)
+      if (!std::isfinite(values[k][i]) && (worst == s.fluid || s.id[i] < s.id[worst])) worst = i, of = k;
+  if (worst == s.fluid) return;
+  w.first_fault.report(s.id[worst],
+                       not_finite_text(before, fields[of].name, values[of][worst]) + ": " + pairs::where_is(s, worst));
+}
+
+}  // namespace detail
+
+// values[k]: of field k, itself or its rate, which `before` says. What is not a particle's goes before particles, whose
+// motion may follow from it.
+template <int D>
+void report_not_finite(pairs::workspace<D>& w, std::span<const integrators::field> fields,
+                       std::span<const double* const> values, const std::string& before) {
+  std::vector<const double*> of_particles;
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    if (!fields[k].number) {
+      of_particles.push_back(values[k]);
+      continue;
+    }
+    for (std::size_t n = 0; n < *fields[k].number; ++n)
+      if (!std::isfinite(values[k][n]))
+        w.first_fault.report(0, detail::not_finite_text(before, fields[k].name, values[k][n]));
+  }
+  if (!all_finite(of_particles, w.s.fluid)) detail::report_particle(w, fields, values, before);
+}
+
+}  // namespace tetsuame::run
