@@ -53,8 +53,13 @@ struct mesh::tree {
 
 mesh::mesh(const triangles& of, const std::string& name) : tree_(std::make_unique<tree>()) {
   std::vector<cgal_point> points;
+  low_ = high_ = of.points.at(0);
   for (const auto& p : of.points) {
     points.emplace_back(p[0], p[1], p[2]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      low_[k] = std::min(low_[k], p[k]);
+      high_[k] = std::max(high_[k], p[k]);
+    }
     for (const double x : p) size_ = std::max(size_, std::abs(x));
   }
   auto& surface = tree_->surface;

@@ -44,11 +44,15 @@ class mesh {
   };
   place at(const std::array<double, 3>& x) const;
   double size() const { return size_; }  // m, the largest coordinate
+  // m, of the smallest box along the axes that holds it.
+  const std::array<double, 3>& low() const { return low_; }
+  const std::array<double, 3>& high() const { return high_; }
 
  private:
   struct tree;
   std::unique_ptr<tree> tree_;
   double size_ = 0.0;
+  std::array<double, 3> low_{}, high_{};
 };
 
 }  // namespace tetsuame::solids
