@@ -120,14 +120,31 @@ bool stays_away(const bounds<D>& b, const period<D>& box, std::size_t axis) {
   return b.empty() || (away(0.0) && away(box.length[axis]));
 }
 
-// A face is the same about both sides of an axis: it runs along it, or a plane has both wholly before or behind it.
+// Planes and cylinders along an axis.
 template <int D>
-bool is_same_at_sides(const surface<D>& face, const period<D>& box, std::size_t axis) {
+bool runs_along(const surface<D>& face, const period<D>& box, std::size_t axis) {
   using form = typename surface<D>::form;
   const double along = face.axis[axis], length = box.length[axis];
   if (face.what == form::cylinder) return std::sqrt(std::max(0.0, 1.0 - along * along)) * length < box.slight;
-  if (face.what != form::plane) return false;
-  if (std::abs(along) * length < box.slight) return true;
+  return face.what == form::plane && std::abs(along) * length < box.slight;
+}
+
+// A bar along the axis, at least as long as the box.
+template <int D>
+bool is_long_bar(const body<D>& of, const period<D>& box, std::size_t axis) {
+  const double length = box.length[axis];
+  return of.pieces().size() == 1 && !of.pieces().front().outside &&
+         bounds_of(of).length(axis) > length * (1.0 - 1e-9) &&
+         std::ranges::all_of(of.pieces().front().bounds, [&](const auto& face) {
+           const bool ends = face.what == surface<D>::form::plane && 1.0 - std::abs(face.axis[axis]) < 1e-9;
+           return ends || runs_along<D>(face, box, axis);
+         });
+}
+
+// A face is the same about both sides of an axis: it runs along it, or a plane has both wholly before or behind it.
+template <int D>
+bool is_same_at_sides(const surface<D>& face, const period<D>& box, std::size_t axis) {
+  if (face.what != surface<D>::form::plane || runs_along<D>(face, box, axis)) return runs_along<D>(face, box, axis);
   double least = infinity, most = -infinity;
   for (std::size_t corner = 0; corner < std::size_t{1} << D; ++corner) {
     const auto x = point<D>::of([&](std::size_t a) {
@@ -215,7 +232,14 @@ bool goes_on(const body<D>& of, const period<D>& box, std::size_t axis) {
 
 template <int D>
 bool runs_through(const body<D>& of, const period<D>& box, std::size_t axis) {
-  return box.along[axis] && goes_on(of, box, axis) && !stays_away(bounds_of(of), box, axis);
+  if (!box.along[axis]) return false;
+  return is_long_bar(of, box, axis) || (goes_on(of, box, axis) && !stays_away(bounds_of(of), box, axis));
+}
+
+template <int D>
+void keep_one_period(bounds<D>& where, const body<D>& of, const period<D>& box, std::size_t axis) {
+  if (!is_long_bar(of, box, axis) || !where.ends(axis)) where.low[axis] = 0.0;
+  where.high[axis] = where.low[axis] + box.length[axis];
 }
 
 template <int D>
@@ -226,7 +250,7 @@ std::string fault_across(const body<D>& of, const period<D>& box, double most) {
   for (const auto& p : of.pieces())
     for (const auto& face : p.bounds) triangles = triangles || face.what == surface<D>::form::mesh;
   for (std::size_t a = 0; a < D; ++a) {
-    if (!box.along[a] || goes_on(of, box, a)) continue;
+    if (!box.along[a] || goes_on(of, box, a) || is_long_bar(of, box, a)) continue;
     if (!b.ends(a))
       return fmt::format(
           "body '{}' has no end along {}, where the box is periodic, and does not run straight across its sides: give "
@@ -249,7 +273,7 @@ body<D> repeated(const body<D>& of, const period<D>& box) {
   std::vector<body<D>> all{of};
   std::vector<point<D>> shifts{foundation::zero<double, D>()};
   for (std::size_t a = 0; a < D; ++a) {
-    if (!box.along[a] || goes_on(of, box, a)) continue;
+    if (!box.along[a] || !b.ends(a) || goes_on(of, box, a)) continue;
     const double L = box.length[a];
     const double first = std::ceil((-box.reach - b.high[a]) / L), last = std::floor((L + box.reach - b.low[a]) / L);
     const auto before = shifts;
@@ -280,6 +304,8 @@ template bool goes_on(const body<2>&, const period<2>&, std::size_t);
 template bool goes_on(const body<3>&, const period<3>&, std::size_t);
 template bool runs_through(const body<2>&, const period<2>&, std::size_t);
 template bool runs_through(const body<3>&, const period<3>&, std::size_t);
+template void keep_one_period(bounds<2>&, const body<2>&, const period<2>&, std::size_t);
+template void keep_one_period(bounds<3>&, const body<3>&, const period<3>&, std::size_t);
 template std::string fault_across(const body<2>&, const period<2>&, double);
 template std::string fault_across(const body<3>&, const period<3>&, double);
 template body<2> repeated(const body<2>&, const period<2>&);

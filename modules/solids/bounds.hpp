@@ -34,14 +34,18 @@ struct period {
 };
 
 // Whether a body goes on across the periodic sides of an axis without an image of it: because it stays away from them,
-// or all of its faces that come to them run along the axis. `runs_through`: because of the latter.
+// or all of its faces that come to them run along the axis.
 template <int D>
 bool goes_on(const body<D>& of, const period<D>& box, std::size_t axis);
+// Whether it does the latter, or is a bar along the axis, at least as long as the box: then it never ends.
 template <int D>
 bool runs_through(const body<D>& of, const period<D>& box, std::size_t axis);
+// Of a body that runs through, so much of it along the axis as is in a box: where it has an end, from there on.
+template <int D>
+void keep_one_period(bounds<D>& where, const body<D>& of, const period<D>& box, std::size_t axis);
 
-// Why a body cannot stand in such a box; nothing: it can. most: of what needs images, at most so many lengths of the
-// box; a body of triangles ends before its image begins.
+// Why a body cannot stand in such a box; nothing: it can. most: of what needs images and does not run through, at most
+// so many lengths of the box; a body of triangles ends before its image begins.
 template <int D>
 std::string fault_across(const body<D>& of, const period<D>& box, double most);
 

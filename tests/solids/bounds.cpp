@@ -75,6 +75,19 @@ BOOST_AUTO_TEST_CASE(images_across_periodic_sides) {
     BOOST_TEST(repeated<2>(b, box2).pieces().size() == 1U);
     BOOST_TEST(runs_through<2>(b, box2, 0) == (b.name() != "ball"));
   }
+  // A bar that is longer than the box runs through wherever its ends are.
+  for (const double x : {0.5, 1.3}) {
+    const auto bar = of_one<2>("bar", box<2>({{1.2, 0.3}}), {{x, 0.5}});
+    BOOST_TEST(runs_through<2>(bar, box2, 0));
+    BOOST_TEST(fault_across<2>(bar, box2, 1.0) == "");
+    auto where = bounds_of(bar);
+    keep_one_period<2>(where, bar, box2, 0);
+    BOOST_TEST(where.low[0] == x - 0.6, tt::tolerance(1e-12));
+    BOOST_TEST(where.high[0] == x + 0.4, tt::tolerance(1e-12));
+    for (const double at : {0.0, 0.3, 0.7, 0.95})
+      BOOST_TEST(repeated<2>(bar, box2).at({{at, 0.4}}).distance == -0.05, tt::tolerance(1e-9));
+  }
+  BOOST_TEST(!runs_through<2>(of_one<2>("short", box<2>({{0.9, 0.3}}), {{0.5, 0.5}}), box2, 0));
   // Boxes as long as the period make one wall without seams.
   const auto wall = repeated<2>(of_one<2>("wall", box<2>({{1.0, 0.4}}), {{0.3, 0.2}}), box2);
   for (const double x : {0.0, 0.2, 0.8, 0.999}) {

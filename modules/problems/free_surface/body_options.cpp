@@ -42,7 +42,7 @@ solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const
   for (std::size_t a = 0; a < D; ++a) {
     if (!period.along[a]) continue;
     if (solids::runs_through<D>(of, period, a))
-      where.low[a] = 0.0, where.high[a] = o.domain.length[a];
+      solids::keep_one_period<D>(where, of, period, a);
     else
       has_images = true;
   }
@@ -129,11 +129,14 @@ template <int D>
 solids::free_body<D> mass_of(const options& o, const solids::body<D>& of, double density) {
   const auto period = period_of<D>(o);
   auto where = solids::bounds_of<D>(of);
-  for (std::size_t a = 0; a < D; ++a)
-    if (!where.ends(a) || solids::runs_through<D>(of, period, a)) {
+  for (std::size_t a = 0; a < D; ++a) {
+    if (solids::runs_through<D>(of, period, a)) {
+      solids::keep_one_period<D>(where, of, period, a);
+    } else if (!where.ends(a)) {
       where.low[a] = std::max(where.low[a], 0.0);
       where.high[a] = std::min(where.high[a], o.domain.length[a]);
     }
+  }
   return solids::filled<D>(of, density, where, o.domain.dx() / (D == 2 ? 8.0 : 2.0));
 }
 
@@ -217,8 +220,6 @@ std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, option
   std::vector<motion_of_body<D>> all(bodies.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     all[b].course = courses[b];
-    if (free[b] && reaches_a_side<D>(o, bodies[b]))
-      schema.fail("motions", "body", "body '" + names[b] + "' begins in a side of the box; a free one may not");
     if (free[b])
       all[b].free = schema.placed("motions", "body", [&] { return free_body_of<D>(o, bodies[b], *free[b]); });
   }
@@ -331,6 +332,9 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   check_lattice<D>(schema, o);
   resolve_body_gauges<D>(schema, o, p, all);
   const auto begun = begin_with_images<D>(schema, o, all, motions);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (motions[b].free && reaches_a_side<D>(o, begun[b]))
+      schema.fail("motions", "body", "body '" + all[b].name() + "' begins in a side of the box; a free one may not");
   const auto box = lattice_of<D>(o);
   schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(begun, box); });
   const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
