@@ -155,21 +155,45 @@ prescribed<D>::prescribed(const point<D>& pivot, const about<D>& axis, const mot
     : pivot_(pivot), axis_(axis), move_(std::make_shared<const course>(table)) {}
 
 template <int D>
-pose<D> prescribed<D>::at(double t) const {
+pose<D> prescribed<D>::posed(const point<D>& shift, double angle) const {
   pose<D> p;
   p.pivot = pivot_;
-  if (!move_) return p;
-  double angle = 0.0;
-  if (move_->shift.empty()) {
-    const double s = move_->wave(t)[0];
-    p.shift = s * move_->swing.shift;
-    angle = s * move_->swing.angle;
-  } else {
-    p.shift = point<D>::of([&](std::size_t k) { return move_->value(move_->shift[k], t); });
-    angle = move_->value(move_->angle.front(), t);
-  }
+  p.shift = shift;
   p.turned = rotation_by<D>(angle * axis_);
   return p;
+}
+
+template <int D>
+pose<D> prescribed<D>::at(double t) const {
+  if (!move_) return posed(foundation::zero<double, D>(), 0.0);
+  if (move_->shift.empty()) {
+    const double s = move_->wave(t)[0];
+    return posed(s * move_->swing.shift, s * move_->swing.angle);
+  }
+  return posed(point<D>::of([&](std::size_t k) { return move_->value(move_->shift[k], t); }),
+               move_->value(move_->angle.front(), t));
+}
+
+template <int D>
+std::vector<pose<D>> prescribed<D>::poses() const {
+  constexpr double widest = std::numbers::pi / 60.0;  // of a turn between two of them
+  if (!move_) return {at(0.0)};
+  std::vector<pose<D>> all;
+  if (move_->shift.empty()) {
+    const double n = 2.0 + std::ceil(2.0 * std::abs(move_->swing.angle) / widest);
+    for (double k = 0.0; k <= n; k += 1.0) {
+      const double s = 2.0 * k / n - 1.0;
+      all.push_back(posed(s * move_->swing.shift, s * move_->swing.angle));
+    }
+    return all;
+  }
+  const auto& times = move_->times;
+  for (std::size_t row = 0; row + 1 < times.size(); ++row) {
+    const auto angle = [&](std::size_t k) { return move_->value(move_->angle.front(), times[k]); };
+    const double n = 4.0 + std::ceil(2.0 * std::abs(angle(row + 1) - angle(row)) / widest);
+    for (double k = 0.0; k <= n; k += 1.0) all.push_back(at(times[row] + k / n * (times[row + 1] - times[row])));
+  }
+  return all;
 }
 
 template <int D>
@@ -249,64 +273,17 @@ void advance(free_body<D>& b, const point<D>& force, const about<D>& torque, dou
   b.angular_momentum += half_torque;
 }
 
-template <int D>
-free_body<D> filled(const body<D>& of, double density, const point<D>& lower, const point<D>& upper, double spacing) {
-  std::array<std::int64_t, D> cells;
-  std::int64_t places = 1;
-  double volume = 1.0;  // of a cell
-  for (std::size_t k = 0; k < D; ++k) {
-    cells[k] = std::max<std::int64_t>(1, std::llround((upper[k] - lower[k]) / spacing));
-    places *= cells[k];
-    volume *= (upper[k] - lower[k]) / static_cast<double>(cells[k]);
-  }
-  const auto place = [&](std::int64_t n) {
-    return point<D>::of([&](std::size_t k) {
-      const auto along = n % cells[k];
-      n /= cells[k];
-      return lower[k] + (upper[k] - lower[k]) * (static_cast<double>(along) + 0.5) / static_cast<double>(cells[k]);
-    });
-  };
-  std::vector<point<D>> inside;
-  auto centre = foundation::zero<double, D>();
-  for (std::int64_t n = 0; n < places; ++n)
-    if (const auto x = place(n); of.solid(x)) {
-      inside.push_back(x);
-      centre += x;
-    }
-  if (inside.empty())
-    fail_input("body '" + of.name() + "' lies outside the box, or is smaller than the spacing of the particles");
-  centre = (1.0 / static_cast<double>(inside.size())) * centre;
-  free_body<D> b;
-  const double mass = density * volume;
-  b.mass = mass * static_cast<double>(inside.size());
-  b.now.pivot = centre;
-  b.inertia = {};
-  for (const auto& x : inside) {
-    const auto r = x - centre;
-    if constexpr (D == 2) {
-      b.inertia[0][0] += mass * foundation::dot(r, r);
-    } else {
-      for (std::size_t a = 0; a < D; ++a)
-        for (std::size_t c = 0; c < D; ++c)
-          b.inertia[a][c] += mass * ((a == c ? foundation::dot(r, r) : 0.0) - r[a] * r[c]);
-    }
-  }
-  return b;
-}
-
 template rotation<2> rotation_by<2>(const about<2>&);
 template about<2> rotation_vector<2>(const rotation<2>&);
 template body<2> placed<2>(const body<2>&, const pose<2>&);
 template class prescribed<2>;
 template struct free_body<2>;
 template void advance<2>(free_body<2>&, const point<2>&, const about<2>&, double);
-template free_body<2> filled<2>(const body<2>&, double, const point<2>&, const point<2>&, double);
 template rotation<3> rotation_by<3>(const about<3>&);
 template about<3> rotation_vector<3>(const rotation<3>&);
 template body<3> placed<3>(const body<3>&, const pose<3>&);
 template class prescribed<3>;
 template struct free_body<3>;
 template void advance<3>(free_body<3>&, const point<3>&, const about<3>&, double);
-template free_body<3> filled<3>(const body<3>&, double, const point<3>&, const point<3>&, double);
 
 }  // namespace tetsuame::solids

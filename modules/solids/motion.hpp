@@ -7,7 +7,7 @@
 #pragma once
 
 #include <memory>
-#include <solids/body.hpp>
+#include <solids/bounds.hpp>
 #include <tables/table.hpp>
 
 namespace tetsuame::solids {
@@ -110,9 +110,13 @@ class prescribed {
   bool moves() const { return move_ != nullptr; }
   pose<D> at(double t) const;
   rate<D> rate_at(double t) const;
+  // Of all that there ever are so many that it turns by a few degrees from one to the next, and those where its ways
+  // end.
+  std::vector<pose<D>> poses() const;
 
  private:
   struct course;
+  pose<D> posed(const point<D>& shift, double angle) const;
   point<D> pivot_ = foundation::zero<double, D>();
   about<D> axis_ = foundation::zero < double, D == 2 ? 1 : 3 > ();
   std::shared_ptr<const course> move_;
@@ -140,8 +144,10 @@ struct free_body {
 template <int D>
 void advance(free_body<D>& b, const point<D>& force, const about<D>& torque, double dt);
 
-// Mass and inertia of a body of one density (kg/m3), over cells of a lattice, by whether their centres are in it.
+// Mass and inertia of a body of one density (kg/m3), of what of it lies within these bounds, which have ends: over
+// cells that are halved until they lie on one side of its surface, or are as small as that (m), but no fewer than some
+// hundred along the body.
 template <int D>
-free_body<D> filled(const body<D>& of, double density, const point<D>& lower, const point<D>& upper, double spacing);
+free_body<D> filled(const body<D>& of, double density, const bounds<D>& where, double spacing);
 
 }  // namespace tetsuame::solids

@@ -81,14 +81,26 @@ wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, c
                                            const part_of_space<D>& markers) {
   wall_particles<D> w;
   const auto all = joined(bodies);
+  // A marker is no higher above the surface than its particle is below.
+  const auto may_be_wanted = [&](const point<D>& x) {
+    bool near = true;
+    for (std::size_t a = 0; a < D; ++a) {
+      const auto holds = [&](double at) {
+        return at >= markers.lower[a] - 2.1 * depth && at < markers.upper[a] + 2.1 * depth;
+      };
+      near = near && (holds(x[a]) || (box.periodic[a] && (holds(x[a] - box.length[a]) || holds(x[a] + box.length[a]))));
+    }
+    return near;
+  };
   for_each_place(box, [&](std::int64_t n, const point<D>& x) {
-    // A marker is no higher above the surface than its particle is below.
-    if (!markers.holds(x, 2.1 * depth)) return;
+    if (!may_be_wanted(x)) return;
     const auto m = mark(all, x, depth);
-    if (!m || !markers.holds(m->marker)) return;
+    if (!m) return;
+    const auto shift = shift_into<D>(m->marker, box.length, box.periodic);
+    if (!markers.holds(m->marker + shift)) return;
     if (m->height < m->depth) ++w.shortened;
-    w.x.push_back(x);
-    w.marker.push_back(m->marker);
+    w.x.push_back(x + shift);
+    w.marker.push_back(m->marker + shift);
     w.normal.push_back(m->normal);
     w.depth.push_back(m->depth);
     w.height.push_back(m->height);
@@ -98,10 +110,23 @@ wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, c
   return w;
 }
 
+namespace {
+
+// As many as make one of a body and its images.
+template <int D>
+std::size_t pieces_without_images(const body<D>& of) {
+  const auto& all = of.pieces();
+  std::size_t n = 1;
+  while (n < all.size() && all[n].how != operation::begin) ++n;
+  return n;
+}
+
+}  // namespace
+
 template <int D>
 void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
   std::vector<std::vector<bool>> seen;
-  for (const auto& b : bodies) seen.emplace_back(b.pieces().size(), false);
+  for (const auto& b : bodies) seen.emplace_back(pieces_without_images(b), false);
   std::vector<bool> body_seen(bodies.size(), false);
   bool fluid = false;
   for_each_place(box, [&](std::int64_t, const point<D>& x) {
@@ -111,7 +136,8 @@ void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box) {
       body_seen[b] = body_seen[b] || here;
       solid = solid || here;
       for (std::size_t p = 0; p < bodies[b].pieces().size(); ++p)
-        if (!seen[b][p]) seen[b][p] = solids::solid<D>(bodies[b].pieces()[p], x);
+        if (const std::size_t k = p % seen[b].size(); !seen[b][k])
+          seen[b][k] = solids::solid<D>(bodies[b].pieces()[p], x);
     }
     fluid = fluid || !solid;
   });

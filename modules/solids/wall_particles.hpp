@@ -43,9 +43,16 @@ std::optional<marked<D>> mark(const body<D>& all, const point<D>& x, double dept
 // The box that solids stand in, and the lattice in it.
 template <int D>
 struct lattice {
-  point<D> length;       // m; the box is [0, length)
-  double spacing = 1.0;  // m
+  point<D> length;                 // m; the box is [0, length)
+  double spacing = 1.0;            // m
+  std::array<bool, D> periodic{};  // axes
 };
+
+// m, by what a place comes into the box across periodic sides.
+template <int D>
+point<D> shift_into(const point<D>& x, const point<D>& length, const std::array<bool, D>& periodic) {
+  return point<D>::of([&](std::size_t a) { return periodic[a] ? -length[a] * std::floor(x[a] / length[a]) : 0.0; });
+}
 
 // A part of space, such as a rank's cell: [lower, upper), m.
 template <int D>
@@ -53,10 +60,9 @@ struct part_of_space {
   std::array<double, D> lower = filled(-std::numeric_limits<double>::infinity());
   std::array<double, D> upper = filled(std::numeric_limits<double>::infinity());
 
-  // Widened by so much (m).
-  bool holds(const point<D>& x, double more = 0.0) const {
+  bool holds(const point<D>& x) const {
     for (std::size_t a = 0; a < D; ++a)
-      if (!(x[a] >= lower[a] - more && x[a] < upper[a] + more)) return false;
+      if (!(x[a] >= lower[a] && x[a] < upper[a])) return false;
     return true;
   }
 
@@ -68,13 +74,14 @@ struct part_of_space {
   }
 };
 
-// depth: m, at most. markers: where those stand whose wall particles are wanted.
+// depth: m, at most. markers: where those stand whose wall particles are wanted. In a box with periodic sides bodies
+// come with their images (repeated() in bounds.hpp), and wall particles stand where their markers are in the box.
 template <int D>
 wall_particles<D> fill_with_wall_particles(const std::vector<body<D>>& bodies, const lattice<D>& box, double depth,
                                            const part_of_space<D>& markers = {});
 
 // Each body, and each piece of one, has a place of the lattice inside of it, and leaves one to the fluid. Else an error
-// of status bad_input says which does not.
+// of status bad_input says which does not. Of a piece one of the images will do.
 template <int D>
 void expect_in_box(const std::vector<body<D>>& bodies, const lattice<D>& box);
 

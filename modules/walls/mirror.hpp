@@ -63,12 +63,12 @@ void make_images(wall_set<D>& set, particles::particles<D>& s, std::int64_t flui
       ids.push_back(s.id[i] + apart * static_cast<std::int64_t>(chosen));
     }
   }
-  if (set.body_particles == 0) {
-    set.images_of_fluid = ids.size();
-    particles::allocate(s, s.fluid, s.fluid_ghosts, ids.size(), 0);
-  } else {
+  if (set.body_particles == 0) set.images_of_fluid = ids.size();
+  // With bodies the owned walls are theirs, on ranks that have none too.
+  if (set.bodies.any())
     particles::allocate(s, s.fluid, s.fluid_ghosts, s.walls, s.wall_ghosts + ids.size());
-  }
+  else
+    particles::allocate(s, s.fluid, s.fluid_ghosts, ids.size(), 0);
   const std::size_t first = s.first_wall() + set.body_particles;
   for (std::size_t r = 0; r < ids.size(); ++r) {
     s.id[first + r] = ids[r];

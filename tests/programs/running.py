@@ -116,7 +116,9 @@ class Case(unittest.TestCase):
         whole = self.run_program(program, name, settings).summary
 
         def assert_same(s, how):
-            self.assertEqual((outcome(s), s["steps"], s["conservation"]), (outcome(whole), whole["steps"], whole["conservation"]), how)
+            for part in ("steps", "conservation", "fluid_particles", "wall_particles"):
+                self.assertEqual(s[part], whole[part], f"{part}, {how}")
+            self.assertEqual(outcome(s), outcome(whole), how)
 
         for ranks, threads in layouts:
             assert_same(self.run_program(program, name, settings, ranks=ranks, threads=threads).summary, f"{ranks} ranks, {threads} threads")

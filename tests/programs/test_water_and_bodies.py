@@ -139,7 +139,7 @@ class Bodies(Case):
                 ("floating_box", {"gauges.force": "'boat'"}, ["&gauges force", "no body 'boat'"]),
                 ("floating_box", {"gauges.motion": "'boat'"}, ["&gauges motion", "no body 'boat'"]),
                 ("floating_box", {"gauges.moment_x": 1}, ["&expert moment_y", "expected 1 numbers"]),
-                ("floating_box", {"solids.centre_x": 9}, ["&motions body", "'box' lies outside the box"]),
+                ("floating_box", {"solids.centre_x": 9}, ["&solids shape", "'box' lies outside the box"]),
                 ("dam_break_front", {"solids.centre_x": 9}, ["&solids shape", "'gate'", "outside the box"]),
                 ("sloshing", {"gauges.impulse_from": 2, "gauges.impulse_until": 1}, ["&expert impulse_until", "behind impulse_from"]),
                 ("sloshing", {"motions.file": "nowhere.csv"}, ["&motions file", "nowhere.csv"]),

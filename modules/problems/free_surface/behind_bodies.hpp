@@ -9,16 +9,16 @@
 
 namespace tetsuame::free_surface {
 
-// m/s, of what of the body is at the particle i, and how its acceleration there, half way to j, and gravity let the
-// pressure rise to i (m2/s2).
+// m/s, of what of the body is at the particle j, and how its acceleration there, half way to j, and gravity let the
+// pressure rise to i (m2/s2). Of the image of the body that its wall particle i belongs to.
 template <int D>
-solids::point<D> velocity_of_body(const water<D>& f, const moving_body<D>& b, std::size_t i) {
-  return b.rate.at(of_solids<D>(f.place(i)));
+solids::point<D> velocity_of_body(const water<D>& f, const moving_body<D>& b, std::size_t j, std::size_t i) {
+  return b.rate.at(of_solids<D>(f.place(j)) - f.image_at(b.body, of_solids<D>(f.place(i))));
 }
 template <int D>
 double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std::size_t i) {
   const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j));
-  return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j)), x_i - x_j);
+  return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j) - f.image_at(b.body, x_i)), x_i - x_j);
 }
 
 // From sources to their images, as a vector; wall particles of bodies have none.
@@ -120,7 +120,7 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
     const double away = solids::norm<D>(apart);
     if (!(away < support)) continue;
     auto v_j = vector(s.v, j);
-    if (b != nullptr) v_j -= velocity_of_body(f, *b, j);
+    if (b != nullptr) v_j -= velocity_of_body(f, *b, j, i);
     const auto m_j = vector(f.pressed, j);
     const auto slope = s.dV[j] * std::visit([&](const auto& k) { return k.gradient_over_r(away); }, w.kernel) * apart;
     const double across = foundation::dot(slope, n), outwards = foundation::dot(v_j, n);
@@ -150,7 +150,7 @@ void take_from_markers(water<D>& f) {
     for (std::size_t a = 0; a < D; ++a) values[a] = s.v[a][j];
     values[D] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
     if (const auto* b = f.mover(s.material[i])) {
-      const auto u = velocity_of_body(f, *b, j);
+      const auto u = velocity_of_body(f, *b, j, i);
       for (std::size_t a = 0; a < D; ++a) values[a] -= u[a];
       values[D] += s.rho[j] * inertia_to(f, *b, j, i);
     }
@@ -188,7 +188,7 @@ void fill_bodies(water<D>& f) {
       for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
     }
     if (const auto* b = f.mover(s.material[i])) {
-      const auto u = velocity_of_body(f, *b, i);
+      const auto u = velocity_of_body(f, *b, i, i);
       for (std::size_t a = 0; a < D; ++a) {
         s.v[a][i] += u[a];
         if (f.two_velocities) f.viscous_velocity[a][i] += u[a];

@@ -16,10 +16,61 @@ solids::point<D> in_dimensions(const point& x) {
 
 template <int D>
 solids::lattice<D> lattice_of(const options& o) {
-  return {in_dimensions<D>(o.domain.length), o.domain.dx()};
+  solids::lattice<D> all{in_dimensions<D>(o.domain.length), o.domain.dx()};
+  std::copy_n(o.domain.periodic.begin(), D, all.periodic.begin());
+  return all;
 }
 
 }  // namespace
+
+template <int D>
+solids::period<D> period_of(const options& o) {
+  const double dx = o.domain.dx();
+  solids::period<D> box{in_dimensions<D>(o.domain.length)};
+  std::copy_n(o.domain.periodic.begin(), D, box.along.begin());
+  box.reach = (run::support_over_dx(o.common.kernel) + o.common.kernel.skin) * dx;
+  box.slight = 1e-3 * dx;
+  return box;
+}
+template solids::period<2> period_of<2>(const options&);
+template solids::period<3> period_of<3>(const options&);
+
+template <int D>
+solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how) {
+  const auto period = period_of<D>(o);
+  auto where = solids::bounds_of<D>(of);
+  bool has_images = false;
+  for (std::size_t a = 0; a < D; ++a) {
+    if (!period.along[a]) continue;
+    if (solids::runs_through<D>(of, period, a))
+      solids::keep_one_period<D>(where, of, period, a);
+    else
+      has_images = true;
+  }
+  const auto poses = how.course.poses();
+  const bool turns = std::ranges::any_of(poses, [](const auto& p) {
+    double by = 0.0;
+    for (std::size_t a = 0; a < D; ++a) by += solids::norm<D>(p.turned[a] - solids::unit<D>(a));
+    return by > 0.0;
+  });
+  if (how.free || (turns && has_images)) return where;
+  // The box as the body sees it on its way; across periodic sides the box has no end.
+  auto box = where, seen = solids::bounds<D>::none();
+  for (std::size_t a = 0; a < D; ++a)
+    if (!period.along[a]) {
+      box.low[a] = -o.domain.dx();
+      box.high[a] = o.domain.length[a] * (a == 1 && o.open_top() ? 2.0 : 1.0) + o.domain.dx();
+    }
+  for (const auto& pose : poses)
+    for (std::size_t corner = 0; corner < std::size_t{1} << D; ++corner)
+      seen.widen(pose.to_body(
+          solids::point<D>::of([&](std::size_t a) { return (corner >> a & 1U) != 0 ? box.high[a] : box.low[a]; })));
+  for (std::size_t a = 0; a < D; ++a)
+    if (period.along[a]) seen.low[a] = where.low[a], seen.high[a] = where.high[a];
+  return where.within(seen);
+}
+template solids::bounds<2> ever_in_box<2>(const options&, const solids::body<2>&, const motion_of_body<2>&);
+template solids::bounds<3> ever_in_box<3>(const options&, const solids::body<3>&, const motion_of_body<3>&);
 
 template <int D>
 solids::body<D> tank_of(const options& o) {
@@ -73,11 +124,21 @@ void check_gauges_dry(const namelist::schema& schema, const options& o, const st
   }
 }
 
-// Mass and inertia by a lattice finer than the water's.
+// Mass and inertia of the whole body, in the box or not; where it has no end, or runs through periodic sides, of what
+// is in the box.
 template <int D>
 solids::free_body<D> mass_of(const options& o, const solids::body<D>& of, double density) {
-  const double spacing = o.domain.dx() / (D == 2 ? 8.0 : 2.0);
-  return solids::filled<D>(of, density, foundation::zero<double, D>(), in_dimensions<D>(o.domain.length), spacing);
+  const auto period = period_of<D>(o);
+  auto where = solids::bounds_of<D>(of);
+  for (std::size_t a = 0; a < D; ++a) {
+    if (solids::runs_through<D>(of, period, a)) {
+      solids::keep_one_period<D>(where, of, period, a);
+    } else if (!where.ends(a)) {
+      where.low[a] = std::max(where.low[a], 0.0);
+      where.high[a] = std::min(where.high[a], o.domain.length[a]);
+    }
+  }
+  return solids::filled<D>(of, density, where, o.domain.dx() / (D == 2 ? 8.0 : 2.0));
 }
 
 template <int D>
@@ -121,9 +182,11 @@ void check_heights_free(const namelist::schema& schema, const options& o, const 
 }
 
 // Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
+constexpr double most_places = 1e8;
+
 template <int D>
 void check_lattice(const namelist::schema& schema, const options& o) {
-  constexpr double most = 1e8;
+  constexpr double most = most_places;
   double places = 1.0;
   for (std::size_t a = 0; a < D; ++a) places *= static_cast<double>(o.domain.particles[a]);
   if (places > most)
@@ -157,12 +220,66 @@ std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, option
   std::vector<motion_of_body<D>> all(bodies.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     all[b].course = courses[b];
-    if (free[b] && reaches_a_side<D>(o, bodies[b]))
-      schema.fail("motions", "body", "body '" + names[b] + "' begins in a side of the box; a free one may not");
     if (free[b])
       all[b].free = schema.placed("motions", "body", [&] { return free_body_of<D>(o, bodies[b], *free[b]); });
   }
   return all;
+}
+
+// Of a body that moves, as it begins: wall particles stand wherever it comes into the box.
+template <int D>
+void check_moving(const namelist::schema& schema, const options& o, const solids::body<D>& of,
+                  const motion_of_body<D>& how) {
+  const auto where = ever_in_box<D>(o, of, how);
+  double places = 1.0;
+  for (std::size_t a = 0; a < D; ++a) {
+    if (!where.ends(a))
+      schema.fail("motions", "body",
+                  fmt::format("body '{}' has no end: one that moves {} takes one", of.name(),
+                              how.free ? "freely" : "so, where the box is periodic,"));
+    places *= std::max(0.0, where.length(a)) / o.domain.dx();
+  }
+  if (places > most_places)
+    schema.fail("motions", "body",
+                fmt::format("the lattice has {:.3g} places where body '{}' may come into the box; at most {:.0e}: give "
+                            "it a smaller size, or a shorter way",
+                            places, of.name(), most_places));
+}
+
+// Of a body at rest that begins here.
+template <int D>
+images_of_body<D> images_of(const solids::body<D>& at_rest, const solids::body<D>& begun,
+                            const solids::period<D>& period) {
+  images_of_body<D> images;
+  const auto where = solids::bounds_of<D>(at_rest);
+  for (std::size_t a = 0; a < D; ++a) {
+    images.middle[a] = where.ends(a) ? 0.5 * (where.low[a] + where.high[a]) : 0.5 * period.length[a];
+    images.through[a] = solids::runs_through<D>(begun, period, a);
+    if (!period.along[a] || images.through[a]) continue;
+    images.apart[a] = period.length[a];
+    images.any = true;
+  }
+  return images;
+}
+
+// With their images across periodic sides, as they stand when the run begins; and what does not move for good.
+template <int D>
+std::vector<solids::body<D>> begin_with_images(const namelist::schema& schema, const options& o,
+                                               std::vector<solids::body<D>>& all,
+                                               std::vector<motion_of_body<D>>& motions) {
+  constexpr double longest_at_rest = 4.0;  // boxes
+  const auto period = period_of<D>(o);
+  std::vector<solids::body<D>> begun;
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const bool moves = motions[b].moves();
+    const auto here = motions[b].course.moves() ? solids::placed<D>(all[b], motions[b].course.at(0.0)) : all[b];
+    if (const auto fault = solids::fault_across<D>(here, period, moves ? 1.0 : longest_at_rest); !fault.empty())
+      schema.fail(moves ? "motions" : "solids", moves ? "body" : "shape", fault);
+    motions[b].images = images_of<D>(all[b], here, period);
+    begun.push_back(solids::repeated<D>(here, period));
+    if (!moves) all[b] = begun.back();
+  }
+  return begun;
 }
 
 template <int D>
@@ -213,17 +330,19 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   }
   if (o.flow.start != "rest") schema.fail("flow", "start", "with bodies water starts at rest");
   check_lattice<D>(schema, o);
-  // As they stand when the run begins.
-  auto begun = all;
-  for (std::size_t b = 0; b < begun.size(); ++b)
-    if (motions[b].course.moves()) begun[b] = solids::placed<D>(all[b], motions[b].course.at(0.0));
+  resolve_body_gauges<D>(schema, o, p, all);
+  const auto begun = begin_with_images<D>(schema, o, all, motions);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (motions[b].free && reaches_a_side<D>(o, begun[b]))
+      schema.fail("motions", "body", "body '" + all[b].name() + "' begins in a side of the box; a free one may not");
   const auto box = lattice_of<D>(o);
   schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(begun, box); });
   const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
   auto with_tank = begun;
   with_tank.push_back(tank_of<D>(o));
   schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
-  resolve_body_gauges<D>(schema, o, p, all);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (motions[b].moves()) check_moving<D>(schema, o, all[b], motions[b]);
   check_gauges_dry<D>(schema, o, begun);
   check_heights_free<D>(schema, o, begun);
   if (o.flow.around_bodies) return;

@@ -30,7 +30,8 @@ std::optional<entered<D>> entry_of(const water<D>& f, std::size_t i) {
   const auto surface = f.solid.at(x);
   if (!surface.found) return {};
   const auto* body = mover_at(f, surface.nearest);
-  const auto of_body = body != nullptr ? body->rate.at(surface.nearest) : foundation::zero<double, D>();
+  const auto of_body = body != nullptr ? body->rate.at(surface.nearest - f.image_at(body->body, surface.nearest))
+                                       : foundation::zero<double, D>();
   const auto u = solids::point<D>::of([&](std::size_t a) { return f.world.w.s.v[a][i] - of_body[a]; });
   return entered<D>{surface, body, of_body, u, foundation::dot(u, surface.normal)};
 }
@@ -110,7 +111,8 @@ void hold(const water<D>& f, std::span<double* const> acceleration) {
     auto u = solids::point<D>::of([&](std::size_t a) { return s.v[a][h.i]; });
     auto rate = solids::point<D>::of([&](std::size_t a) { return acceleration[a][h.i]; });
     if (h.body != nullptr) {
-      const auto x = of_solids<D>(f.place(h.i));
+      auto x = of_solids<D>(f.place(h.i));
+      x -= f.image_at(h.body->body, x);
       u -= h.body->rate.at(x);
       rate -= h.body->rate.acceleration_at(x);
     }

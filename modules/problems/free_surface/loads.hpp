@@ -9,6 +9,7 @@
 #include <free_surface/right_hand_side.hpp>
 #include <free_surface/tension.hpp>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace tetsuame::free_surface {
@@ -27,14 +28,16 @@ void group_walls(water<D>& f) {
   const auto& s = w.s;
   const auto& walls = f.world.walls;
   const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
-  std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::size_t>> found;
+  std::map<std::tuple<std::size_t, std::uint32_t, std::array<double, D>>, std::vector<std::size_t>> found;
   const auto add = [&](std::size_t i, std::uint32_t mirrored) {
-    found[{static_cast<std::size_t>(s.material[i]), mirrored}].push_back(i);
+    const auto body = static_cast<std::size_t>(s.material[i]);
+    found[{body, mirrored, f.image_at(body, of_solids<D>(f.place(i))).c}].push_back(i);
   };
   for (std::size_t i = first; i < behind; ++i) add(i, 0);
   for (std::size_t r = walls.images_of_fluid; r < walls.source.size(); ++r) add(behind + r, walls.mirrored[r]);
   f.groups.clear();
-  for (auto& [of, members] : found) f.groups.push_back({of.first, of.second, std::move(members)});
+  for (auto& [of, members] : found)
+    f.groups.push_back({std::get<0>(of), std::get<1>(of), {std::get<2>(of)}, std::move(members)});
 }
 
 // The sums of the water beside bodies as if these wall particles had no volume, to force_without.
@@ -63,7 +66,7 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
     if (std::ranges::find(bodies, group.body) == bodies.end()) continue;
     sum_without(f, group);
     for (const std::size_t i : f.beside.rows) {
-      auto x = of_solids<D>(f.place(i));
+      auto x = of_solids<D>(f.place(i)) - group.image;
       auto by = solids::point<D>::of([&](std::size_t a) { return f.force_without[a][i] - f.force[a][i]; });
       for (std::size_t k = 0; k < f.world.walls.sides.size(); ++k)
         if ((group.mirrored >> k & 1U) != 0) {
@@ -89,6 +92,16 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
 
 // ---- free bodies ------------------------------------------------------------------------------------------
 
+// What runs through periodic sides turns about their axis alone: of its moment that is left.
+template <int D>
+solids::about<D> moment_that_turns(const water<D>& f, std::size_t body, solids::about<D> moment) {
+  const auto& through = f.p.template motions_in<D>()[body].images.through;
+  for (std::size_t a = 0; a < D; ++a)
+    for (std::size_t k = 0; through[a] && k < moment.c.size(); ++k)
+      if (D == 2 || k != a) moment[k] = 0.0;
+  return moment;
+}
+
 // Collective, after the water's sums. Forces on the free bodies, about their centres of mass.
 template <int D>
 std::vector<load<D>> loads_on_free_bodies(water<D>& f) {
@@ -99,7 +112,9 @@ std::vector<load<D>> loads_on_free_bodies(water<D>& f) {
       bodies.push_back(b.body);
       about.push_back(b.rate.centre);
     }
-  return loads_on(f, bodies, about);
+  auto loads = loads_on(f, bodies, about);
+  for (std::size_t n = 0; n < loads.size(); ++n) loads[n].moment = moment_that_turns(f, bodies[n], loads[n].moment);
+  return loads;
 }
 
 // Collective, after the water's sums, for which free bodies had no acceleration: their acceleration, which the pressure

@@ -1,6 +1,7 @@
 // What is measured of the water. Sums are of all ranks' particles, exact, so that they do not depend on these.
 #pragma once
 
+#include <free_surface/across.hpp>
 #include <free_surface/start.hpp>
 #include <free_surface/tension.hpp>
 
@@ -135,26 +136,27 @@ double mean_pressure_within(const water<D>& f, double radius) {
   return f.ranks().exact(pV) / f.ranks().exact(V);
 }
 
-// f(x) of a particle and of its images in the walls nearer to it than `reach` (m), at most one
-// along each axis.
+// f(x) of a particle and of its images across periodic sides and in the walls nearer to it than `reach` (m), of the
+// latter at most one along each axis.
 template <int D, class F>
 void for_each_view(const water<D>& f, std::size_t i, double reach, F&& at) {
   const auto& sides = f.world.walls.sides;
-  const point x = f.place(i);
-  std::uint32_t near = 0;
-  for (std::size_t k = 0; k < sides.size(); ++k)
-    if (sides[k].distance(x[sides[k].axis]) < reach) near |= 1U << k;
-  for (std::uint32_t chosen = near;; chosen = (chosen - 1) & near) {
-    std::array<int, D> mirrors{};
-    point image = x;
+  for_each_across(f, f.place(i), reach, [&](const point& x) {
+    std::uint32_t near = 0;
     for (std::size_t k = 0; k < sides.size(); ++k)
-      if ((chosen >> k & 1U) != 0) {
-        ++mirrors[sides[k].axis];
-        image[sides[k].axis] = 2.0 * sides[k].position - image[sides[k].axis];
-      }
-    if (std::ranges::all_of(mirrors, [](int m) { return m <= 1; })) at(image);
-    if (chosen == 0) return;
-  }
+      if (sides[k].distance(x[sides[k].axis]) < reach) near |= 1U << k;
+    for (std::uint32_t chosen = near;; chosen = (chosen - 1) & near) {
+      std::array<int, D> mirrors{};
+      point image = x;
+      for (std::size_t k = 0; k < sides.size(); ++k)
+        if ((chosen >> k & 1U) != 0) {
+          ++mirrors[sides[k].axis];
+          image[sides[k].axis] = 2.0 * sides[k].position - image[sides[k].axis];
+        }
+      if (std::ranges::all_of(mirrors, [](int m) { return m <= 1; })) at(image);
+      if (chosen == 0) return;
+    }
+  });
 }
 
 // m, the depth of the water above the place (x, z): its volume beneath a hat two spacings wide to either side.

@@ -75,12 +75,24 @@ double bodies_speed(const water<D>& f) {
   return most;
 }
 
+// A body that moves, at a pose of it, with its images across periodic sides.
+template <int D>
+solids::body<D> placed_at(const water<D>& f, const moving_body<D>& b, const solids::pose<D>& pose) {
+  return solids::repeated<D>(solids::placed<D>(f.p.template bodies_in<D>()[b.body], pose), period_of<D>(f.o));
+}
+
 // All that is solid, with what moves at pose(body).
 template <int D, class Pose>
 solids::body<D> solid_with(const water<D>& f, const Pose& pose) {
   auto all = f.p.template bodies_in<D>();
-  for (const auto& b : f.moving) all[b.body] = solids::placed<D>(all[b.body], pose(b));
+  for (const auto& b : f.moving) all[b.body] = placed_at(f, b, pose(b));
   return solid_of<D>(f.o, std::move(all));
+}
+
+// m, of its surface or that of its image.
+template <int D>
+double distance_from(const water<D>& f, const moving_body<D>& b, const solids::point<D>& x) {
+  return std::abs(f.p.template bodies_in<D>()[b.body].level(b.now.to_body(x - f.image_at(b.body, x))));
 }
 
 // The body, of those that move, that this place is in or the nearest to; none: it is one that stands still.
@@ -90,7 +102,7 @@ const moving_body<D>* mover_at(const water<D>& f, const solids::point<D>& x) {
   if (f.moving.empty()) return nearest;
   double least = std::abs(f.solid_at_rest.level(x));
   for (const auto& b : f.moving)
-    if (const double away = std::abs(f.p.template bodies_in<D>()[b.body].level(b.now.to_body(x))); away < least) {
+    if (const double away = distance_from(f, b, x); away < least) {
       least = away;
       nearest = &b;
     }
@@ -114,7 +126,7 @@ bool is_hidden(const water<D>& f, const moving_body<D>& b, const std::vector<sol
     const double length = f.o.domain.length[a];
     const bool inside = x[a] >= 0.0 && (x[a] < length || (a == 1 && f.o.open_top()));
     if (inside) continue;
-    if (f.o.domain.periodic[a]) fail_at(f, b, x, "has come to a periodic side, which it cannot cross,");
+    if (f.o.domain.periodic[a]) continue;
     if (b.free) fail_at(f, b, x, "has run into a side of the box, and nothing that would hold it is calculated,");
     return true;
   }
@@ -139,6 +151,10 @@ template <int D>
 void place_moving_walls(water<D>& f) {
   if (f.moving.empty()) return;
   auto& walls = f.world.walls.bodies;
+  const auto& box = f.world.w.d.region;
+  const auto into_box = [&](const solids::point<D>& x) {
+    return solids::shift_into<D>(x, solids::point<D>{box.length}, box.periodic);
+  };
   const auto cell = f.world.w.d.cell();
   walls.places.resize(f.resting);
   f.in_body.assign(f.resting, {});
@@ -146,20 +162,45 @@ void place_moving_walls(water<D>& f) {
   for (const auto& b : f.moving) {
     const auto& pose = b.at_lists;
     std::vector<std::optional<solids::marked<D>>> marks(b.rest.size());
+    std::vector<solids::point<D>> places(b.rest.size());
     std::vector<bool> hidden;
-    for (const auto& X : b.rest) hidden.push_back(is_hidden(f, b, before, pose.to_space(X)));
+    for (std::size_t n = 0; n < b.rest.size(); ++n) {
+      const auto x = pose.to_space(b.rest[n]);
+      places[n] = x + into_box(x);
+      hidden.push_back(is_hidden(f, b, before, places[n]));
+    }
     foundation::for_all(b.rest.size(), [&](std::size_t n) {
-      if (!hidden[n]) marks[n] = solids::mark<D>(f.solid, pose.to_space(b.rest[n]), f.world.w.support());
+      if (!hidden[n]) marks[n] = solids::mark<D>(f.solid, places[n], f.world.w.support());
     });
     for (std::size_t n = 0; n < marks.size(); ++n) {
-      if (!marks[n] || !f.world.w.d.within(cell, marks[n]->marker.c)) continue;
+      if (!marks[n]) continue;
       const auto& m = *marks[n];
+      const auto shift = into_box(m.marker);  // a wall particle stands where its marker is in the box
+      const auto x = places[n] + shift, marker = m.marker + shift;
+      const auto image = into_box(pose.to_space(b.rest[n])) + shift;
+      if (!f.world.w.d.within(cell, marker.c)) continue;
       const double odd = m.height > 0.0 ? m.depth / m.height : 1.0;
-      walls.places.push_back({pose.to_space(b.rest[n]).c, m.marker.c, m.normal.c, m.height, odd,
-                              b.first_number + static_cast<std::int64_t>(n), static_cast<std::int32_t>(b.body)});
-      f.in_body.push_back({b.rest[n], pose.to_body(m.marker), solids::turn_back<D>(pose.turned, m.normal)});
+      walls.places.push_back({x.c, marker.c, m.normal.c, m.height, odd, b.first_number + static_cast<std::int64_t>(n),
+                              static_cast<std::int32_t>(b.body)});
+      f.in_body.push_back(
+          {b.rest[n], pose.to_body(marker - image), solids::turn_back<D>(pose.turned, m.normal), image});
     }
-    before.push_back(solids::placed<D>(f.p.template bodies_in<D>()[b.body], pose));
+    before.push_back(placed_at(f, b, pose));
+  }
+}
+
+// Where the box is periodic a body must be able to stand as it has come to; where its images are.
+template <int D>
+void find_images(water<D>& f) {
+  const auto period = period_of<D>(f.o);
+  if (!period.any()) return;
+  for (auto& b : f.moving) {
+    const auto here = solids::placed<D>(f.p.template bodies_in<D>()[b.body], b.at_lists);
+    if (const auto fault = solids::fault_across<D>(here, period, 1.0); !fault.empty())
+      foundation::fail_calculation(fault);
+    const auto where = solids::bounds_of<D>(here);
+    b.middle = b.at_lists.to_body(solids::point<D>::of(
+        [&](std::size_t a) { return where.ends(a) ? 0.5 * (where.low[a] + where.high[a]) : 0.5 * period.length[a]; }));
   }
 }
 
@@ -169,6 +210,7 @@ void place_bodies_for_lists(water<D>& f, bool as_they_were) {
   if (f.moving.empty()) return;
   if (!as_they_were)
     for (auto& b : f.moving) b.at_lists = b.now;
+  find_images(f);
   f.solid = solid_with(f, [](const auto& b) { return b.at_lists; });
   place_moving_walls(f);
 }
@@ -183,8 +225,8 @@ void move_walls(water<D>& f) {
     auto& place = bodies.places[r];
     const auto* b = f.mover(place.body);
     if (b == nullptr) return;
-    place.x = b->now.to_space(f.in_body[r].x).c;
-    place.marker = b->now.to_space(f.in_body[r].marker).c;
+    place.x = (b->now.to_space(f.in_body[r].x) + f.in_body[r].image).c;
+    place.marker = (b->now.to_space(f.in_body[r].marker) + f.in_body[r].image).c;
     place.normal = solids::turn<D>(b->now.turned, f.in_body[r].normal).c;
     for (std::size_t a = 0; a < D; ++a) w.s.x[a][w.s.first_wall() + r] = place.x[a];
   });
@@ -221,22 +263,28 @@ void restore_bodies(water<D>& f, const std::vector<double>& saved, double t) {
 
 // ---- the start ---------------------------------------------------------------------------------------------
 
-// Places of the lattice in a body at rest, as deep as the kernel reaches, in the box and, where its top is open, as
-// high above it.
+// Places of the lattice in a body at rest, as deep as the kernel reaches, where it ever comes into the box.
 template <int D>
-std::vector<solids::point<D>> lattice_in(const water<D>& f, const solids::body<D>& body) {
-  std::array<std::int64_t, D> number;
+std::vector<solids::point<D>> lattice_in(const water<D>& f, std::size_t body) {
+  const auto& of = f.p.template bodies_in<D>()[body];
+  const auto where = ever_in_box<D>(f.o, of, f.p.template motions_in<D>()[body]);
+  std::array<std::int64_t, D> first, number;
   std::int64_t all = 1;
-  for (std::size_t a = 0; a < D; ++a) all *= number[a] = f.o.domain.particles[a] * (a == 1 && f.o.open_top() ? 2 : 1);
+  for (std::size_t a = 0; a < D; ++a) {
+    // Centres of cells within these bounds.
+    first[a] = static_cast<std::int64_t>(std::ceil(where.low[a] / f.dx() - 0.5 - 1e-9));
+    const auto end = static_cast<std::int64_t>(std::ceil(where.high[a] / f.dx() - 0.5 - 1e-9));
+    all *= number[a] = std::max<std::int64_t>(0, end - first[a]);
+  }
   std::vector<solids::point<D>> places;
   for (std::int64_t n = 0; n < all; ++n) {
     std::int64_t rest = n;
     const auto x = solids::point<D>::of([&](std::size_t a) {
-      const auto row = rest % number[a];
+      const auto row = first[a] + rest % number[a];
       rest /= number[a];
       return (static_cast<double>(row) + 0.5) * f.dx();
     });
-    if (solids::mark<D>(body, x, f.world.w.support())) places.push_back(x);
+    if (solids::mark<D>(of, x, f.world.w.support())) places.push_back(x);
   }
   return places;
 }
@@ -254,7 +302,7 @@ void set_up_moving(water<D>& f) {
     m.body = b;
     m.course = motions[b].course;
     m.free = motions[b].free;
-    m.rest = lattice_in(f, bodies[b]);
+    m.rest = lattice_in(f, b);
     m.first_number = f.world.walls.bodies.numbers;
     f.world.walls.bodies.numbers += static_cast<std::int64_t>(m.rest.size());
     m.now = m.free ? m.free->now : m.course.at(0.0);

@@ -10,7 +10,7 @@ namespace tetsuame::free_surface {
 
 namespace {
 
-using namelist::between, namelist::for_expert, namelist::positive;
+using namelist::between, namelist::for_expert;
 
 const domain::demands demands{.walls_below_and_above = "water has a floor: along y the box is not periodic"};
 
@@ -44,7 +44,9 @@ void declare_water(namelist::schema& schema, flow_options& o) {
 
 void declare_liquid(namelist::schema& schema, flow_options& o) {
   schema.add("flow", "gravity", o.gravity, {.unit = "m/s^2", .minimum = 0.0, .meaning = "towards -y"});
-  schema.add("flow", "density", o.density, positive("kg/m^3", "of the water at zero pressure"));
+  // Squares of pressures, and pressures in single precision, stay far from what a number can hold.
+  schema.add("flow", "density", o.density,
+             {.unit = "kg/m^3", .minimum = 1e-20, .maximum = 1e20, .meaning = "of the water at zero pressure"});
   schema.add(
       "flow", "scheme", o.scheme,
       {.choices = {"delta", "riemann"},

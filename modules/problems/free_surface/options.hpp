@@ -91,9 +91,19 @@ struct references {
   std::vector<series> force;             // one a column of gauges.csv
 };
 
+// Of a body its images across periodic sides. Which of them a place belongs to, the middle between two of them says.
+template <int D>
+struct images_of_body {
+  bool any = false;
+  solids::point<D> middle = foundation::zero<double, D>();  // m, of the body's bounds at rest
+  solids::point<D> apart = foundation::zero<double, D>();   // m; 0: along this axis there are none
+  std::array<bool, D> through{};                            // axes along which it runs through the sides without
+};
+
 // Of a body of the input: as prescribed, or free.
 template <int D>
 struct motion_of_body {
+  images_of_body<D> images;
   solids::prescribed<D> course;
   std::optional<solids::free_body<D>> free;
   bool moves() const { return course.moves() || free.has_value(); }
@@ -132,6 +142,13 @@ struct parameters {
   }
 };
 
+// The box as bodies stand in it.
+template <int D>
+solids::period<D> period_of(const options& o);
+// Where, while a body is at rest, what of it stands that ever comes into the box: all of a free one, of one that runs
+// through periodic sides a piece as long as the box. Infinite where it has no end and is free.
+template <int D>
+solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how);
 // What lies beyond the sides; an open top and periodic sides have nothing there.
 template <int D>
 solids::body<D> tank_of(const options& o);

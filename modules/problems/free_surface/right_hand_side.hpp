@@ -177,7 +177,7 @@ template <int D>
 std::string moved_by(const water<D>& f, std::size_t i) {
   const auto x = of_solids<D>(f.place(i));
   const auto& bodies = f.p.template bodies_in<D>();
-  const auto distance = [&](const moving_body<D>& b) { return std::abs(bodies[b.body].level(b.now.to_body(x))); };
+  const auto distance = [&](const moving_body<D>& b) { return distance_from(f, b, x); };
   const auto nearest = std::ranges::min_element(f.moving, {}, distance);
   if (nearest == f.moving.end()) return "";
   return fmt::format(

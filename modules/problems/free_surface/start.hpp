@@ -92,6 +92,22 @@ void place_blocks(water<D>& f, const IsWater& is_water) {
   });
 }
 
+// The box with its lattice; where its top is open as high above that as bodies reach which do not move, at most twice
+// as high: water that rises there finds them.
+template <int D>
+solids::lattice<D> lattice_of_resting(const water<D>& f) {
+  solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
+  std::copy_n(f.o.domain.periodic.begin(), D, box.periodic.begin());
+  if (!f.o.open_top()) return box;
+  double rows = 0.0;  // above the top
+  for (std::size_t b = 0; b < f.p.template bodies_in<D>().size(); ++b)
+    if (!f.p.template motions_in<D>()[b].moves())
+      rows = std::max(
+          rows, std::ceil((solids::bounds_of<D>(f.p.template bodies_in<D>()[b]).high[1] - box.length[1]) / f.dx()));
+  box.length[1] += std::min(rows * f.dx(), box.length[1]);
+  return box;
+}
+
 // Wall particles of the bodies, and their markers.
 template <int D>
 void set_up_bodies(water<D>& f) {
@@ -100,8 +116,9 @@ void set_up_bodies(water<D>& f) {
   const auto& w = f.world.w;
   auto& walls = f.world.walls.bodies;
   walls.no_slip = f.o.walls.slip == "no_slip";
+  const auto box = lattice_of_resting(f);
   walls.numbers = 1;
-  for (std::size_t a = 0; a < D; ++a) walls.numbers *= f.o.domain.particles[a];
+  for (std::size_t a = 0; a < D; ++a) walls.numbers *= std::llround(box.length[a] / f.dx());
   set_up_moving(f);
   f.asks_loads = !f.p.force.empty() || !f.free.empty();
   f.solid = solid_with(f, [](const auto& b) { return b.now; });
@@ -115,7 +132,6 @@ void set_up_bodies(water<D>& f) {
   number.push_back(bodies.size());  // the tank, whose wall particles lie outside the box
   f.solid_at_rest = solid_of<D>(f.o, resting);
   resting.push_back(tank_of<D>(f.o));
-  const solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
   const auto cell = w.d.cell();
   const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support(), {cell.lower, cell.upper});
   // On the surface itself both are 0.

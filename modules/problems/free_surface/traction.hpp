@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <free_surface/across.hpp>
 #include <free_surface/riemann_terms.hpp>
 #include <free_surface/start.hpp>
 #include <numbers>
@@ -99,12 +100,18 @@ void add_traction(const water<D>& f, const plane<D>& p, foundation::exact_sum& s
     }
 }
 
-// With its mirror images in the sides: what crosses the plane from behind a side is the image of what crosses it from
-// before.
+// With its images across periodic sides, and its mirror images in the others: what crosses the plane from behind a side
+// is the image of what crosses it from before.
 template <int D>
-void add_mirrored_traction(const water<D>& f, const plane<D>& p, foundation::exact_sum& sum) {
+void add_traction_of_images(const water<D>& f, const plane<D>& p, foundation::exact_sum& sum) {
   const double reach = f.world.w.support() + gauge_radius * f.dx();
-  std::vector<plane<D>> all{p};
+  point place{};
+  for (std::size_t a = 0; a < D; ++a) place[a] = p.at[a];
+  std::vector<plane<D>> all;
+  for_each_across(f, place, reach, [&](const point& x) {
+    all.push_back(p);
+    for (std::size_t a = 0; a < D; ++a) all.back().at[a] = x[a];
+  });
   for (const auto& side : f.world.walls.sides) {
     const bool along = std::abs(p.normal[side.axis]) > 0.99;
     if (along || !(side.distance(p.at[side.axis]) < reach)) continue;
@@ -155,7 +162,7 @@ template <int D>
 double pressure_at(const water<D>& f, const point& place) {
   const auto planes = planes_of_gauge(f, place);
   foundation::exact_sum sum;
-  for (const auto& p : planes) add_mirrored_traction(f, p, sum);
+  for (const auto& p : planes) add_traction_of_images(f, p, sum);
   return f.ranks().exact(sum) / static_cast<double>(planes.size());
 }
 

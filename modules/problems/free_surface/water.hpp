@@ -20,8 +20,10 @@ struct moving_body {
   std::vector<solids::point<D>> rest;        // m, places of its wall particles in the body at rest
   std::int64_t first_number = 0;             // theirs
   double radius = 0.0;                       // m, of the farthest of them about the pivot
-  solids::pose<D> now, at_lists;             // now, and when lists were made
-  solids::rate<D> rate;                      // now
+  // m, of its bounds when lists were made; in the body at rest.
+  solids::point<D> middle = foundation::zero<double, D>();
+  solids::pose<D> now, at_lists;  // now, and when lists were made
+  solids::rate<D> rate;           // now
 
   // Of a free body, the state that is integrated: displacement and velocity of its centre of mass; its angle, or
   // quaternion; its angular momentum over spin_scale().
@@ -61,11 +63,12 @@ struct free_bodies {
   bool empty() const { return number == 0; }
 };
 
-// Wall particles of one body, or their images in some of the sides: local indices.
+// Wall particles of one image of a body, or what mirrors them in some of the sides: local indices.
 template <int D>
 struct wall_group {
   std::size_t body = 0;
   std::uint32_t mirrored = 0;
+  solids::point<D> image = foundation::zero<double, D>();  // m, away from the body
   std::vector<std::size_t> members;
 };
 
@@ -94,7 +97,7 @@ struct water {
   solids::body<D> solid_at_rest = {};      // what does not move
   std::size_t resting = 0;                 // of the walls' places, those that do not move
   struct place_in_body {
-    solids::point<D> x, marker, normal;
+    solids::point<D> x, marker, normal, image;  // image: m, away from the body
   };
   std::vector<place_in_body> in_body = {};  // of the walls' places
 
@@ -148,6 +151,19 @@ struct water {
     if (moving.empty()) return nullptr;
     const std::size_t n = mover_of[static_cast<std::size_t>(body)];
     return n == moving_body<D>::none ? nullptr : &moving[n];
+  }
+
+  // m, how far the image of a body that is at x, or the nearest to it, is away from the body.
+  solids::point<D> image_at(std::size_t body, const solids::point<D>& x) const {
+    auto away = foundation::zero<double, D>();
+    const auto& all = p.template motions_in<D>();
+    if (body >= all.size() || !all[body].images.any) return away;  // the sides are no body of the input
+    const auto& images = all[body].images;
+    const auto* b = mover(static_cast<std::int32_t>(body));
+    const auto middle = b != nullptr ? b->now.to_space(b->middle) : images.middle;
+    for (std::size_t a = 0; a < D; ++a)
+      if (images.apart[a] > 0.0) away[a] = images.apart[a] * std::round((x[a] - middle[a]) / images.apart[a]);
+    return away;
   }
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
