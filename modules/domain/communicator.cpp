@@ -78,6 +78,12 @@ double communicator::exact(foundation::exact_sum sum) const {
   return result;
 }
 
+std::vector<double> communicator::exact(std::span<foundation::exact_sum> sums) const {
+  std::vector<double> results(sums.size());
+  foundation::sum_over_ranks(comm, sums, results);
+  return results;
+}
+
 std::string communicator::broadcast(const std::string& text) const { return foundation::broadcast(comm, text); }
 
 void communicator::agree_on_fault(std::int64_t id, const std::string& message, foundation::exit_status status) const {

@@ -32,7 +32,8 @@ struct communicator {
   std::vector<double> every(double value) const;  // each rank's, by rank
   // Each rank's values, as many on all, one rank's behind the other's.
   std::vector<double> every(std::span<const double> values) const;
-  double exact(foundation::exact_sum sum) const;         // the rounded sum over all ranks' terms
+  double exact(foundation::exact_sum sum) const;  // the rounded sum over all ranks' terms
+  std::vector<double> exact(std::span<foundation::exact_sum> sums) const;
   std::string broadcast(const std::string& text) const;  // rank 0's text
 
   // Each rank hands in the fault it saw, keyed by particle ID (no fault: empty text);

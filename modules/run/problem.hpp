@@ -120,6 +120,7 @@ class problem {
   // m: the largest displacement since the lists were made, on this rank or any, not a number where a place is none;
   // what the lists allow; the largest speed (m/s).
   virtual double moved() { return 0.0; }
+  virtual std::string farthest_moved() { return "particles"; }  // collective: who, for messages
   virtual double allowance() const { return 1.0; }
   virtual double speed() { return 0.0; }
   // Sorting, ghosts, lists. as_they_were: positions of the last time are used, so that sums keep their order.

@@ -68,9 +68,9 @@ struct loop {
       if (controls_error()) return 1;
       p.check_state();
       foundation::fail_calculation(
-          fmt::format("particles moved {:.3g} m within one step, more than half the skin of the neighbour lists "
+          fmt::format("{} moved {:.3g} m within one step, more than half the skin of the neighbour lists "
                       "({:.3g} m): the time step is too large, or the flow has blown up",
-                      moved, p.allowance()));
+                      p.farthest_moved(), moved, p.allowance()));
     }
     if (controls_error() && !p.evaluable()) return 1;
     p.evaluate(rate);

@@ -234,11 +234,36 @@ about<D> free_body<D>::angular_velocity(const rotation<D>& turned) const {
 }
 
 template <int D>
-about<D> free_body<D>::angular_acceleration(const rotation<D>& turned, const about<D>& torque) const {
-  if constexpr (D == 2)
-    return over_inertia<D>(*this, turned, torque);
-  else
-    return over_inertia<D>(*this, turned, torque - cross<3>(angular_velocity(turned), angular_momentum));
+rigid<D> free_body<D>::acceleration(const rotation<D>& turned, const point<D>& gravity, const rigid<D>& at_none,
+                                    const rigid_matrix<D>& added, const std::array<bool, turns>& held) const {
+  constexpr int N = rigid<D>::components;
+  Eigen::Matrix<double, N, N> of_both;
+  Eigen::Matrix<double, N, 1> force;
+  for (std::size_t k = 0; k < N; ++k) {
+    force[static_cast<int>(k)] = at_none[k] + (k < D ? mass * gravity[k] : 0.0);
+    for (std::size_t c = 0; c < N; ++c) of_both(static_cast<int>(k), static_cast<int>(c)) = added[k][c];
+  }
+  for (int a = 0; a < D; ++a) of_both(a, a) += mass;
+  if constexpr (D == 2) {
+    of_both(2, 2) += inertia[0][0];
+  } else {
+    const auto R = matrix_of<3>(turned);
+    of_both.template bottomRightCorner<3, 3>() += R * matrix_of<3>(inertia) * R.transpose();
+    const auto spin = cross<3>(angular_velocity(turned), angular_momentum);
+    for (std::size_t k = 0; k < 3; ++k) force[static_cast<int>(D + k)] -= spin[k];
+  }
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    if (!held[k]) continue;
+    const auto row = static_cast<int>(D + k);
+    of_both.row(row).setZero();
+    of_both.col(row).setZero();
+    of_both(row, row) = 1.0;
+    force[row] = 0.0;
+  }
+  const Eigen::Matrix<double, N, 1> solved = of_both.partialPivLu().solve(force);
+  rigid<D> a;
+  for (std::size_t k = 0; k < N; ++k) a[k] = solved[static_cast<int>(k)];
+  return a;
 }
 
 template <int D>

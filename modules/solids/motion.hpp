@@ -122,6 +122,20 @@ class prescribed {
   std::shared_ptr<const course> move_;
 };
 
+// What moves a body as a whole, component by component: of an acceleration, of a force with its moment.
+template <int D>
+struct rigid {
+  static constexpr std::size_t turns = D == 2 ? 1 : 3, components = D + turns;
+  point<D> linear = foundation::zero<double, D>();
+  about<D> turning = foundation::zero<double, turns>();
+
+  double operator[](std::size_t k) const { return k < D ? linear[k] : turning[k - D]; }
+  double& operator[](std::size_t k) { return k < D ? linear[k] : turning[k - D]; }
+};
+// Row k: what takes part in component k of the force, for each component of an acceleration.
+template <int D>
+using rigid_matrix = std::array<std::array<double, rigid<D>::components>, rigid<D>::components>;
+
 // Moves under forces: momentum and angular momentum are what it holds, so that both change by exactly what acts.
 template <int D>
 struct free_body {
@@ -133,8 +147,10 @@ struct free_body {
   about<D> angular_momentum = foundation::zero<double, turns>();  // kg m2/s, about the centre of mass
 
   about<D> angular_velocity(const rotation<D>& turned) const;
-  // Under this torque: I⁻¹ (T - ω × L).
-  about<D> angular_acceleration(const rotation<D>& turned, const about<D>& torque) const;
+  // m/s2 and 1/s2, where the force (N) and the moment (N m, about the centre of mass) are `at_none`, less `added` times
+  // the acceleration: m a = F - m_aa a - m_aω ω' + m g, I ω' = T - m_ωa a - m_ωω ω' - ω × L.
+  rigid<D> acceleration(const rotation<D>& turned, const point<D>& gravity, const rigid<D>& at_none,
+                        const rigid_matrix<D>& added, const std::array<bool, turns>& held = {}) const;
   rate<D> rate_now() const;
   double kinetic_energy() const;  // J
 };

@@ -197,7 +197,30 @@ struct motion_reader {
     free_options f{of(o.density, n), of(o.mass, n), {}};
     if ((f.density > 0.0) == (f.mass > 0.0)) fail("density", n, "a free body takes its density or its mass");
     for (std::size_t k = 0; k < 3; ++k) f.gyration[k] = of(o.gyration[k], n);
+    if (dimension == 3) expect_inertia(n, f.gyration);
     return f;
+  }
+  // Radii of gyration about principal axes (m): all or none, and no square of one above the sum of the others',
+  // whatever masses lie where.
+  void expect_inertia(std::size_t n, const std::array<double, 3>& gyration) const {
+    constexpr double slight = 1e-9;  // a plate's are equal to it
+    const auto given = std::ranges::count_if(gyration, [](double k) { return k > 0.0; });
+    if (given == 0) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string key = std::string("gyration_") + axes[k];
+      if (!(gyration[k] > 0.0))
+        fail(key, n,
+             "expected a length above 0: in three dimensions a body takes all three radii of gyration, or none");
+      const double mine = gyration[k] * gyration[k];
+      double others = -mine;
+      for (const double radius : gyration) others += radius * radius;
+      if (mine > (1.0 + slight) * others)
+        fail(key, n,
+             fmt::format(
+                 "no body has a moment of inertia above the sum of its other two: expected at most {:.6g} m, the "
+                 "root of the sum of the squares of the other two radii of gyration",
+                 std::sqrt(others)));
+    }
   }
 
   template <int D>
@@ -277,10 +300,12 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
   schema.add("motions", "density", m.density, numbers("kg/m^3", "of a free body", 0.0));
   schema.add("motions", "mass", m.mass,
              numbers("kg", "of a free body, for each metre of depth in 2-D; in place of density", 0.0));
-  declare_axes(
-      schema, "motions", "gyration", m.gyration,
-      numbers("m", "radii of gyration of a free body about axes through its centre of mass; none: as of one density",
-              0.0));
+  declare_axes(schema, "motions", "gyration", m.gyration,
+               numbers("m",
+                       "radii of gyration of a free body about axes through its centre of mass, which are its "
+                       "principal axes: in 3-D "
+                       "all three; none: as of one density",
+                       0.0));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ struct motion_options {
 // A body that moves freely: of its density it has its mass and inertia, unless these are given.
 struct free_options {
   double density = 0.0, mass = 0.0;  // kg/m3, kg (kg/m in two dimensions); one of them is given
-  std::array<double, 3> gyration{};  // m, about axes through the centre of mass; 0: as of one density
+  std::array<double, 3> gyration{};  // m, about principal axes; 0: as of one density
 };
 
 // Declares groups &solids and &motions.

@@ -1,6 +1,6 @@
 // Water with a free surface: the liquid, the sums over neighbours, where the surface is, gauges, exact solutions.
 #include <boost/test/unit_test.hpp>
-#include <free_surface/loads.hpp>
+#include <free_surface/free_bodies.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/surface.hpp>
 #include <run/passes.hpp>

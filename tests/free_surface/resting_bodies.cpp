@@ -1,6 +1,6 @@
 // Water beside bodies that stand still: what stands in them, and who comes to them.
 #include <boost/test/unit_test.hpp>
-#include <free_surface/loads.hpp>
+#include <free_surface/free_bodies.hpp>
 #include <free_surface/memory.hpp>
 #include <run/passes.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <free_surface/loads.hpp>
+#include <free_surface/free_bodies.hpp>
 #include <free_surface/start.hpp>
 #include <namelist/document.hpp>
 #include <optional>

@@ -134,6 +134,32 @@ BOOST_AUTO_TEST_CASE(free_bodies) {
   BOOST_TEST(!make_motions<2>(in.schema, in.m, make_bodies<2>(in.schema, in.o))[0].moves());
 }
 
+// Radii of gyration are those of some body: in three dimensions all of them, of which no square is above the sum of the
+// others'.
+BOOST_AUTO_TEST_CASE(inertia_of_a_body) {
+  const auto read = [](const std::string& gyration) {
+    const input in(
+        "&solids body = 'boat' shape = 'sphere' radius = 1 /\n&motions body = 'boat' kind = 'free' mass = 5 " +
+        gyration + " /");
+    return make_free(in.schema, in.m, 3, {"boat"})[0]->gyration;
+  };
+  for (const char* possible : {"", "gyration_x = 0.1 gyration_y = 0.12 gyration_z = 0.13",
+                               "gyration_x = 0.3 gyration_y = 0.4 gyration_z = 0.5"})  // the last one: a plate
+    BOOST_CHECK_NO_THROW(read(possible));
+  for (const auto& [gyration, message] :
+       {std::pair{"gyration_x = 0.1",
+                  "case.nml:2: &motions gyration_y: motion 1 (of body 'boat'): expected a length "
+                  "above 0: in three dimensions a body takes all three radii of gyration, or none"},
+        {"gyration_y = 0.1 gyration_z = 0.1", "&motions gyration_x: motion 1"},
+        {"gyration_x = 0.1 gyration_y = 0.1 gyration_z = 0.15",
+         "&motions gyration_z: motion 1 (of body 'boat'): no body has a moment of inertia above the sum of its other "
+         "two: expected at most 0.141421 m"},
+        {"gyration_x = 2.0 gyration_y = 0.1 gyration_z = 0.1", "&motions gyration_x: motion 1"}})
+    BOOST_CHECK_EXCEPTION(read(gyration), foundation::error, [&](const foundation::error& e) {
+      return std::string(e.what()).find(message) != std::string::npos;
+    });
+}
+
 BOOST_AUTO_TEST_CASE(bodies_that_do_not_fit) {
   const input far("&solids\n shape = 'sphere' radius = 0.3 centre_x = 9 /");
   BOOST_CHECK_EXCEPTION(

@@ -149,7 +149,7 @@ solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, c
     b.mass = how.mass;
   }
   for (std::size_t k = 0; k < b.inertia.size(); ++k) {
-    const double radius = how.gyration[D == 2 ? 2 : k];
+    const double radius = how.gyration[D == 2 ? 2 : k];  // all of them are given, or none
     if (!(radius > 0.0)) continue;
     b.inertia[k] = foundation::zero < double, D == 2 ? 1 : 3 > ();
     b.inertia[k][k] = b.mass * radius * radius;

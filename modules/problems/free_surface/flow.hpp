@@ -3,8 +3,8 @@
 //   pressure (surface.hpp)
 #pragma once
 
+#include <free_surface/free_bodies.hpp>
 #include <free_surface/gauges.hpp>
-#include <free_surface/loads.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/surface.hpp>
 #include <free_surface/traction.hpp>
@@ -131,6 +131,11 @@ class flow : public run::problem_in_a_box<D> {
   void at_time(double t) override { set_bodies_at(f_, t); }
   void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
   double moved() override { return std::max(base::moved(), bodies_moved(f_)); }
+  std::string farthest_moved() override {
+    if (f_.moving.empty() || bodies_moved(f_) < ranks().maximum(base::moved())) return base::farthest_moved();
+    const auto& farthest = *std::ranges::max_element(f_.moving, {}, body_moved<D>);
+    return fmt::format("body '{}'", f_.p.template bodies_in<D>()[farthest.body].name());
+  }
   double speed() override { return std::max(base::speed(), bodies_speed(f_)); }
 
   // Sound over the spacing, and viscosity with the density's diffusion. Of Riemann problems, which take 2.3 c/h in two

@@ -56,6 +56,17 @@ void sum_without(water<D>& f, const wall_group<D>& group) {
   for (std::size_t k = 0; k < volumes.size(); ++k) V[group.members[k]] = volumes[k];
 }
 
+// What the water at x (m) does to images of a body, in these sides, as the water's image does it to the body.
+template <int D>
+void mirror_load(const water<D>& f, const wall_group<D>& group, solids::point<D>& x, solids::point<D>& by) {
+  for (std::size_t k = 0; k < f.world.walls.sides.size(); ++k) {
+    if ((group.mirrored >> k & 1U) == 0) continue;
+    const auto& side = f.world.walls.sides[k];
+    x[side.axis] = 2.0 * side.position - x[side.axis];
+    by[side.axis] = -by[side.axis];
+  }
+}
+
 // Collective, after the water's sums. What it does to each of these bodies; about[n]: m, of the moment on bodies[n].
 template <int D>
 std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodies,
@@ -68,12 +79,7 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
     for (const std::size_t i : f.beside.rows) {
       auto x = of_solids<D>(f.place(i)) - group.image;
       auto by = solids::point<D>::of([&](std::size_t a) { return f.force_without[a][i] - f.force[a][i]; });
-      for (std::size_t k = 0; k < f.world.walls.sides.size(); ++k)
-        if ((group.mirrored >> k & 1U) != 0) {
-          const auto& side = f.world.walls.sides[k];
-          x[side.axis] = 2.0 * side.position - x[side.axis];
-          by[side.axis] = -by[side.axis];
-        }
+      mirror_load(f, group, x, by);
       for (std::size_t n = 0; n < bodies.size(); ++n) {
         if (bodies[n] != group.body) continue;
         const auto moment = solids::moment<D>(x - about[n], by);
@@ -84,127 +90,11 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
   }
   std::vector<load<D>> all(bodies.size());
   for (std::size_t n = 0; n < all.size(); ++n) {
-    for (std::size_t a = 0; a < D; ++a) all[n].force[a] = f.ranks().exact(sums[n][a]);
-    for (std::size_t a = 0; a < T; ++a) all[n].moment[a] = f.ranks().exact(sums[n][D + a]);
+    const auto total = f.ranks().exact(std::span(sums[n]));
+    for (std::size_t a = 0; a < D; ++a) all[n].force[a] = total[a];
+    for (std::size_t a = 0; a < T; ++a) all[n].moment[a] = total[D + a];
   }
   return all;
-}
-
-// ---- free bodies ------------------------------------------------------------------------------------------
-
-// What runs through periodic sides turns about their axis alone: of its moment that is left.
-template <int D>
-solids::about<D> moment_that_turns(const water<D>& f, std::size_t body, solids::about<D> moment) {
-  const auto& through = f.p.template motions_in<D>()[body].images.through;
-  for (std::size_t a = 0; a < D; ++a)
-    for (std::size_t k = 0; through[a] && k < moment.c.size(); ++k)
-      if (D == 2 || k != a) moment[k] = 0.0;
-  return moment;
-}
-
-// Collective, after the water's sums. Forces on the free bodies, about their centres of mass.
-template <int D>
-std::vector<load<D>> loads_on_free_bodies(water<D>& f) {
-  std::vector<std::size_t> bodies;
-  std::vector<solids::point<D>> about;
-  for (const auto& b : f.moving)
-    if (b.free) {
-      bodies.push_back(b.body);
-      about.push_back(b.rate.centre);
-    }
-  auto loads = loads_on(f, bodies, about);
-  for (std::size_t n = 0; n < loads.size(); ++n) loads[n].moment = moment_that_turns(f, bodies[n], loads[n].moment);
-  return loads;
-}
-
-// Collective, after the water's sums, for which free bodies had no acceleration: their acceleration, which the pressure
-// of their wall particles depends on, and the sums of the water beside bodies with it. What remains falls by about a
-// spacing over the draught at rest, and mostly by more, with each round.
-template <int D>
-std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
-  constexpr int rounds = 3;
-  auto loads = loads_on_free_bodies(f);
-  for (int round = 0; round < rounds; ++round) {
-    std::size_t n = 0;
-    for (auto& b : f.moving)
-      if (b.free) {
-        const auto& by = loads[n++];
-        b.rate.acceleration =
-            solids::point<D>::of([&](std::size_t a) { return by.force[a] / b.free->mass + f.world.w.g[a]; });
-        b.rate.angular_acceleration = b.free->angular_acceleration(b.now.turned, by.moment);
-      }
-    mirror(f);
-    sum_over_neighbours(f, f.beside);
-    loads = loads_on_free_bodies(f);
-  }
-  return loads;
-}
-template <int D>
-void forget_accelerations(water<D>& f) {
-  for (auto& b : f.moving)
-    if (b.free) b.rate.acceleration = {}, b.rate.angular_acceleration = {};
-}
-
-// Rates of the free bodies' state, on rank 0, an array a component.
-template <int D>
-void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, std::span<double* const> rate) {
-  if (f.ranks().rank != 0) return;
-  constexpr std::size_t angles = moving_body<D>::angles, turns = moving_body<D>::turns;
-  std::size_t n = 0;
-  for (const auto& b : f.moving) {
-    if (!b.free) continue;
-    for (std::size_t a = 0; a < D; ++a) {
-      rate[a][n] = b.rate.velocity[a];
-      rate[D + a][n] = loads[n].force[a] / b.free->mass + f.world.w.g[a];
-    }
-    const auto& w = b.rate.angular;
-    if constexpr (D == 2) {
-      rate[2 * D][n] = w[0];
-    } else {  // q' = (0, ω) q/2
-      const auto q = [&](std::size_t k) { return f.free.state[2 * D + k][n]; };
-      rate[2 * D][n] = -0.5 * (w[0] * q(1) + w[1] * q(2) + w[2] * q(3));
-      rate[2 * D + 1][n] = 0.5 * (w[0] * q(0) + w[1] * q(3) - w[2] * q(2));
-      rate[2 * D + 2][n] = 0.5 * (w[1] * q(0) + w[2] * q(1) - w[0] * q(3));
-      rate[2 * D + 3][n] = 0.5 * (w[2] * q(0) + w[0] * q(2) - w[1] * q(1));
-    }
-    for (std::size_t a = 0; a < turns; ++a) rate[2 * D + angles + a][n] = loads[n].moment[a] / b.spin_scale();
-    ++n;
-  }
-}
-
-// ---- evaluations ------------------------------------------------------------------------------------------
-
-// Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
-template <int D>
-std::vector<load<D>> read_loads(water<D>& f) {
-  forget_accelerations(f);
-  refresh(f);
-  sum_over_neighbours(f, f.beside);
-  if (!f.free.empty()) accelerate_free_bodies(f);
-  std::vector<std::size_t> bodies;
-  std::vector<solids::point<D>> about;
-  for (const auto& g : f.p.force) {
-    const auto* b = f.mover(static_cast<std::int32_t>(g.body));
-    const auto centre = of_solids<D>(g.centre);
-    bodies.push_back(g.body);
-    about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
-  }
-  return loads_on(f, bodies, about);
-}
-
-// Collective. Rates of x, v, ρ, and of the free bodies' state.
-template <int D>
-void evaluate(water<D>& f, std::span<double* const> rate) {
-  auto& w = f.world.w;
-  forget_accelerations(f);
-  begin_motion(f);
-  find_own(f, 0, w.s.fluid);
-  sum_over_neighbours(f, w.interior());
-  end_motion(f);
-  sum_over_neighbours(f, w.at_border());
-  if (f.has_tension()) find_tension(f);
-  if (!f.free.empty()) find_rates_of_bodies(f, accelerate_free_bodies(f), rate.subspan(2 * D + 1));
-  find_rates(f, rate.first(2 * D + 1));
 }
 
 }  // namespace tetsuame::free_surface

@@ -64,12 +64,13 @@ run::memory_need need_in(const options& o, const parameters& p) {
   const auto sticks = [](const auto& side) { return side.slip == "no_slip"; };
   const bool two_velocities =
       (bodies && p.by != scheme::riemann) || o.walls.slip == "no_slip" || std::ranges::any_of(o.walls.sides, sticks);
-  const bool loads =
-      !p.force.empty() || std::ranges::any_of(p.motions_in<D>(), [](const auto& m) { return m.free.has_value(); });
+  const bool free = std::ranges::any_of(p.motions_in<D>(), [](const auto& m) { return m.free.has_value(); });
+  const bool loads = !p.force.empty() || free;
   const bool single = o.common.kernel.single_pairs();
   // Of every particle: its fields, ID and material; sums of an evaluation (water.hpp); its record in the loop over
   // pairs, rounded up to four numbers.
   const double more = (two_velocities ? D : 0.0) + (bodies ? D + 1.0 : 0.0) + (loads ? D + 1.0 : 0.0) +
+                      (free ? 1.0 * solids::rigid<D>::components : 0.0) +
                       (o.flow.surface_tension > 0.0 ? 3.0 * D + 2.0 : 0.0);
   const double record = 4.0 * std::ceil((2.0 * D + 3.0 + (two_velocities ? D : 0.0)) / 4.0);
   const double each = a_double * (3.0 * D + 14.0) + 3.0 * a_number + a_double * (3.0 * D + 4.0 + more) +

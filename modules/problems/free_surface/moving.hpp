@@ -50,18 +50,20 @@ void set_bodies_at(water<D>& f, double t) {
   take_free_state(f);
 }
 
-// m, at most, that one of them has moved since the lists were made.
+// m, at most, that a point of the body has moved since the lists were made; of all that move, that of the farthest.
+template <int D>
+double body_moved(const moving_body<D>& b) {
+  double turned = 0.0;  // squared
+  for (std::size_t a = 0; a < D; ++a) {
+    const auto by = b.now.turned[a] - b.at_lists.turned[a];
+    turned += foundation::dot(by, by);
+  }
+  return solids::norm<D>(b.now.shift - b.at_lists.shift) + std::sqrt(turned) * b.radius;
+}
 template <int D>
 double bodies_moved(const water<D>& f) {
   double most = 0.0;
-  for (const auto& b : f.moving) {
-    double turned = 0.0;  // squared
-    for (std::size_t a = 0; a < D; ++a) {
-      const auto by = b.now.turned[a] - b.at_lists.turned[a];
-      turned += foundation::dot(by, by);
-    }
-    most = std::max(most, solids::norm<D>(b.now.shift - b.at_lists.shift) + std::sqrt(turned) * b.radius);
-  }
+  for (const auto& b : f.moving) most = std::max(most, body_moved(b));
   return most;
 }
 

@@ -3,7 +3,8 @@
 //   2. pressure and volume of each density; those of images, with the weight of water up to them
 //   3. the sums over neighbours (terms.hpp, riemann_terms.hpp)
 //   4. rates of x, v, ρ
-// What the water does to bodies: loads.hpp, with evaluate(), which goes through all of this.
+// What the water does to bodies: loads.hpp; free bodies, and evaluate(), which goes through all of this:
+// free_bodies.hpp.
 #pragma once
 
 #include <fmt/format.h>

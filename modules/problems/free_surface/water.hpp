@@ -107,6 +107,10 @@ struct water {
   std::array<particles::array, D> force_without = {};  // N
   particles::array density_rate_without = {};
 
+  // With free bodies: how the pressure of their wall particles follows each component of their acceleration
+  // (free_bodies.hpp).
+  std::array<particles::array, solids::rigid<D>::components> response = {};  // Pa s2/m, Pa s2
+
   // Filled by evaluations, with room for every particle.
   std::array<particles::array, D> viscous_velocity = {};  // m/s, with two velocities
   std::array<particles::array, D> force = {};             // N, but for gravity
@@ -139,6 +143,8 @@ struct water {
       for (auto* vectors : {&inward, &normal_within, &tension})
         for (auto& a : *vectors) all.push_back(&a);
     }
+    if (!free.empty())
+      for (auto& a : response) all.push_back(&a);
     if (asks_loads) {
       all.push_back(&density_rate_without);
       for (auto& a : force_without) all.push_back(&a);
