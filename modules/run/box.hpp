@@ -76,9 +76,15 @@ class problem_in_a_box : public problem {
     box.walls.unread.reset();
   }
 
-  double moved() override { return moved_since_lists(box); }
+  apart moved() override {
+    apart all = moved_since_lists(box);
+    if (drifted(box, all.numbers[apart::longest])) all.numbers[apart::at_least] = allowance();
+    return all;
+  }
   double allowance() const override { return 0.5 * box.skin; }
-  double speed() override { return largest_speed(box); }
+  apart speed() override { return velocities(box); }
+  double possible_allowance(double wanted) const final { return part_of_skin() * skin_for(wanted); }
+  void set_allowance(double wanted) final { set_skin(box, skin_for(wanted)); }
 
   bool complete_step(std::int64_t) override {
     const std::int64_t crossings = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
@@ -88,6 +94,7 @@ class problem_in_a_box : public problem {
 
   void rebuild(bool as_they_were) final {
     if (!has_lists_) even_out(false);
+    if (!has_lists_ && !as_they_were) box.w.frame = on_all(ranks(), velocities(box)).template middle<D>();
     const foundation::stopwatch watch;
     make_lists(as_they_were);
     if (!has_lists_ && even_out(true)) make_lists(as_they_were);
@@ -141,9 +148,13 @@ class problem_in_a_box : public problem {
   void read_particles(const output::table& t) override { fluid_from_checkpoint(t, box.w.s); }
   void save(output::checkpoint_globals& g) const override {
     g.integers["wall_crossings"] = ranks().sum(wall_crossings_);
+    g.reals["skin"] = box.skin;
+    g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
   }
   void restore(const output::checkpoint_globals& g) override {
     wall_crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
+    set_skin(box, g.reals.at("skin"));
+    std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
   }
 
   // Of the run, for the metrics; a problem adds its own.
@@ -170,6 +181,10 @@ class problem_in_a_box : public problem {
   virtual std::int64_t put_out_of_bodies() { return 0; }
 
  private:
+  // That is the allowance.
+  double part_of_skin() const { return box.skin > 0.0 ? allowance() / box.skin : 0.5; }
+  double skin_for(double allowance) const { return skin_within_limits(box, allowance / part_of_skin()); }
+
   // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
   bool even_out(bool by_pairs) {
     const auto cuts = balancer.even_out(box, by_pairs);
