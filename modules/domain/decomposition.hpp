@@ -81,8 +81,9 @@ void wrap(const box<D>& region, particles::particles<D>& s) {
     if (!region.periodic[a]) continue;
     const double length = region.length[a];
     foundation::for_all(s.fluid, [&](std::size_t i) {
-      const double shift = s.x[a][i] < 0.0 ? length : s.x[a][i] >= length ? -length : 0.0;
-      if (shift == 0.0) return;
+      const double x = s.x[a][i];
+      if (x >= 0.0 && x < length) return;
+      const double shift = -std::floor(x / length) * length;
       s.x[a][i] += shift;
       if (s.keeps_start) s.x_start[a][i] += shift;
       s.x_list[a][i] += shift;

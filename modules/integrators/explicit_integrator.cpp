@@ -244,7 +244,8 @@ struct explicit_integrator::implementation {
     const auto y = values(state);
     const auto w = values_to_overwrite(weight);
     for_all_values([&](std::size_t k, std::size_t i) {
-      w[k][i] = 1.0 / (options.rtol * magnitude(k, std::fabs(y[k][i])) + fields[k].absolute_tolerance);
+      w[k][i] =
+          1.0 / (options.rtol * magnitude(k, std::fabs(y[k][i] - fields[k].common)) + fields[k].absolute_tolerance);
     });
   }
 
@@ -290,9 +291,11 @@ struct explicit_integrator::implementation {
     weights(home.get(), weight.get());
     const auto y = values(home.get());
     const auto of_state = values_to_overwrite(size.get());
-    for_all_values([&](std::size_t k, std::size_t i) { of_state[k][i] = magnitude(k, y[k][i]); });
+    for_all_values([&](std::size_t k, std::size_t i) { of_state[k][i] = magnitude(k, y[k][i] - fields[k].common); });
     const double state = N_VWrmsNorm(size.get(), weight.get());
-    const double rate = N_VWrmsNorm(start_rate.get(), weight.get());
+    const auto f = values(start_rate.get());
+    for_all_values([&](std::size_t k, std::size_t i) { of_state[k][i] = f[k][i] - fields[k].common_rate; });
+    const double rate = N_VWrmsNorm(size.get(), weight.get());
     return rate > 0.0 ? std::max(1.0, 0.01 * state) / rate : t_stop - t;
   }
 

@@ -49,6 +49,7 @@ struct field {
   double* data;                            // n values
   double absolute_tolerance = 0.0;         // the field's unit
   double scale = 0.0;                      // the field's unit; > 0 replaces |y| in the weight (positions)
+  double common = 0.0, common_rate = 0.0;  // of all values, and of their rates: by what is beyond them steps are judged
   double* previous_rate = nullptr;         // 'ab2': n values, df/dt of the step before; kept and moved by the caller
   std::optional<std::size_t> number = {};  // of values, where they are not one a particle
 };

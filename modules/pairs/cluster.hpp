@@ -50,11 +50,11 @@ struct cluster {
   std::uint32_t chosen;
   [[no_unique_address]] unit<R> lengths;
 
-  // Each member's value, in m^n, times a factor; of `single`, in both halves. No branches for clusters of which all are
-  // chosen: the compiler would fuse multiplications and additions here and not there, and sums would depend on who else
-  // is in the cluster.
-  R operator()(const double* a, int n = 0, double factor = 1.0) const {
-    const real values = foundation::load_where<real>(chosen, a + first);
+  // Each member's value less a number, in m^n, times a factor; of `single`, in both halves. No branches for clusters of
+  // which all are chosen: the compiler would fuse multiplications and additions here and not there, and sums would
+  // depend on who else is in the cluster.
+  R operator()(const double* a, int n = 0, double factor = 1.0, double less = 0.0) const {
+    const real values = foundation::load_where<real>(chosen, a + first) - less;
     if constexpr (std::is_same_v<R, real>)
       return values * factor;
     else

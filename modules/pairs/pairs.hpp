@@ -159,7 +159,8 @@ template <class R, class Layout, class Kernel, class... Terms>
   std::array<typename positions<R>::own_type, D> x_i;
   std::array<R, Layout::used> own;
   for (std::size_t c = 0; c < D; ++c) x_i[c] = place.own(i, fields.from[c]);
-  for (std::size_t c = D; c < Layout::used; ++c) own[c] = i(fields.from[c], fields.lengths[c], fields.factor[c]);
+  for (std::size_t c = D; c < Layout::used; ++c)
+    own[c] = i(fields.from[c], fields.lengths[c], fields.factor[c], fields.less[c]);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
   constexpr std::size_t at_once = neighbours<R>::at_once;
   cells::neighbour_list::neighbours<at_once> n(row);
@@ -204,8 +205,8 @@ concept takes = requires(const Term& t, const cluster<R>& i) {
 
 // For each cluster i of the rows: begin, its neighbours from its row of the list, end. In this unit, the kernel too.
 template <int D, class R, class Kernel, class Rows, class... Terms>
-void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_list& list,
-            const std::array<const double*, D>& x, const Kernel& kernel, const Terms&... terms) {
+void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_list& list, const places<D>& x,
+            const Kernel& kernel, const Terms&... terms) {
   if (list.at_once != neighbours<R>::at_once) throw std::logic_error("the list is for sums in another precision");
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
@@ -223,8 +224,8 @@ void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_lis
   }
 }
 template <int D, class Kernel, class Rows, class... Terms>
-void sum_over(const Rows& rows, const cells::neighbour_list& list, const std::array<const double*, D>& x,
-              const Kernel& kernel, const Terms&... terms) {
+void sum_over(const Rows& rows, const cells::neighbour_list& list, const places<D>& x, const Kernel& kernel,
+              const Terms&... terms) {
   sum_in<D>(unit<real>{}, rows, list, x, kernel, terms...);
 }
 

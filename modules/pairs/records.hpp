@@ -8,6 +8,7 @@
 // Terms that read the same field share its place in the record: the tag decides.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -42,12 +43,12 @@ inline constexpr temperature_tag of_temperature;
 inline constexpr conductivity_tag of_conductivity;
 
 // A field of N components that a term reads: a number, or a vector (in 1-D too, where N = 1), times a factor, in
-// m^lengths.
+// m^lengths. Velocities are less that of the frame which the sum is in.
 template <class Tag, std::size_t N, bool Vector>
 struct field_read {
   using tag = Tag;
   static constexpr std::size_t components = N;
-  static constexpr bool is_vector = Vector;
+  static constexpr bool is_vector = Vector, is_velocity = std::is_base_of_v<velocity_tag, Tag>;
   std::array<const double*, N> from;
   int lengths;
   double factor;
@@ -186,23 +187,36 @@ struct positions<single> {
   }
 };
 
+// The particles' positions, and the velocity of the frame that a sum is in (m/s): what its terms see of velocities is
+// less by so much, that single precision does not lose their digits.
+template <int D>
+struct places {
+  std::array<const double*, D> x;
+  std::array<double, D> frame;
+
+  places(const std::array<const double*, D>& all, const std::array<double, D>& moves = {}) : x(all), frame(moves) {}
+};
+
 // Where the fields of records come from.
 template <class Layout>
 struct sources {
   static constexpr std::size_t D = Layout::dimension;
   std::array<const double*, Layout::used> from;
-  std::array<int, Layout::used> lengths{};  // powers of m
-  std::array<double, Layout::used> factor{};
+  std::array<int, Layout::used> lengths{};            // powers of m
+  std::array<double, Layout::used> factor{}, less{};  // what is taken off before the factor
 
   template <class... Reads>
-  sources(const std::array<const double*, D>& x, const std::tuple<Reads...>& reads) {
+  sources(const places<Layout::dimension>& at, const std::tuple<Reads...>& reads) {
     std::size_t k = 0;
-    for (const double* a : x) from[k++] = a;
-    std::apply([&](const auto&... r) { (append(k, r), ...); }, reads);
+    for (const double* a : at.x) from[k++] = a;
+    std::apply([&](const auto&... r) { (append(k, at.frame, r), ...); }, reads);
   }
 
  private:
-  void append(std::size_t& k, const auto& r) {
+  template <class Read>
+  void append(std::size_t& k, const std::array<double, D>& frame, const Read& r) {
+    // Some components alone are asked for beside wall particles, where there is no frame but theirs.
+    if constexpr (Read::is_velocity && Read::components == D) std::copy_n(frame.begin(), D, less.begin() + k);
     for (const double* a : r.from) {
       from[k] = a;
       factor[k] = r.factor;
@@ -228,7 +242,7 @@ void pack(
     number* const record = out + i * Layout::size;
     for (std::size_t c = 0; c < Layout::dimension; ++c) record[c] = place.number_of(fields.from[c][i]);
     for (std::size_t c = Layout::dimension; c < Layout::used; ++c) {
-      record[c] = static_cast<number>(fields.from[c][i] * scale[c]);
+      record[c] = static_cast<number>((fields.from[c][i] - fields.less[c]) * scale[c]);
     }
   }
 }

@@ -50,10 +50,11 @@ struct workspace {
   domain::decomposition<D> d;
   std::vector<eos::any> materials;
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
-  double dx = 0.0;                          // m, spacing of the start lattice
-  double lattice_sum = 1.0;                 // of the kernel over the start lattice, times dx^D
-  cells::neighbour_list list;               // of clusters of the owned fluid
-  std::array<double, D> g{};                // m/s2
+  double dx = 0.0;                // m, spacing of the start lattice
+  double lattice_sum = 1.0;       // of the kernel over the start lattice, times dx^D
+  cells::neighbour_list list;     // of clusters of the owned fluid
+  std::array<double, D> g{};      // m/s2
+  std::array<double, D> frame{};  // m/s, the velocity of all together at the start, where nothing stands still
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
   fault first_fault;
   mutable foundation::stage_times times;
@@ -120,9 +121,9 @@ struct workspace {
     if constexpr ((takes<Terms, single> && ...))
       if (single_pairs()) {
         const unit<single> lengths(k.support());
-        return sum_in<D>(lengths, rows, some, x(), Kernel(k.support() * lengths.to(-1)), terms...);
+        return sum_in<D>(lengths, rows, some, {x(), frame}, Kernel(k.support() * lengths.to(-1)), terms...);
       }
-    sum_over<D>(rows, some, x(), k, terms...);
+    sum_over<D>(rows, some, {x(), frame}, k, terms...);
   }
 };
 

@@ -60,22 +60,6 @@ void allocate(particles<D>& s, std::size_t fluid, std::size_t fluid_ghosts, std:
   set_null(s);
 }
 
-// Squared distance (m²) that the farthest fluid particle of this rank has moved since the lists were made; NaN where
-// one of the positions is, so that no comparison with what the lists allow holds.
-template <int D>
-double moved_since_lists(const particles<D>& s) {
-  double largest = 0.0;
-  bool known = true;  // OpenMP's max would drop NaN
-#pragma omp parallel for schedule(static) reduction(max : largest) reduction(&& : known) if (s.fluid > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) r2 += (s.x[a][i] - s.x_list[a][i]) * (s.x[a][i] - s.x_list[a][i]);
-    known = known && r2 == r2;
-    largest = std::max(largest, r2);
-  }
-  return known ? largest : std::numeric_limits<double>::quiet_NaN();
-}
-
 // Reorders the particles of the block [begin, begin + order.size()): the new k-th
 // is the old begin + order[k]. Derived fields are left as they are.
 template <int D>

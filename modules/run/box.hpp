@@ -77,9 +77,15 @@ class problem_in_a_box : public problem {
     box.walls.unread.reset();
   }
 
-  double moved() override { return moved_since_lists(box); }
+  apart moved() override {
+    apart all = moved_since_lists(box);
+    if (drifted(box, all.numbers[apart::longest])) all.numbers[apart::at_least] = allowance();
+    return all;
+  }
   double allowance() const override { return 0.5 * box.skin; }
-  double speed() override { return largest_speed(box); }
+  apart speed() override { return velocities(box); }
+  double possible_allowance(double wanted) const final { return part_of_skin() * skin_for(wanted); }
+  void set_allowance(double wanted) final { set_skin(box, skin_for(wanted)); }
 
   bool complete_step(std::int64_t) override {
     const std::int64_t put_back = walls::reflect(box.walls, box.w.s) + put_out_of_bodies();
@@ -106,6 +112,7 @@ class problem_in_a_box : public problem {
 
   void rebuild(bool as_they_were) final {
     if (!has_lists_) even_out(false);
+    if (!has_lists_ && !as_they_were) box.w.frame = on_all(ranks(), velocities(box)).template middle<D>();
     const foundation::stopwatch watch;
     make_lists(as_they_were);
     if (!has_lists_ && even_out(true)) make_lists(as_they_were);
@@ -160,10 +167,14 @@ class problem_in_a_box : public problem {
   void save(output::checkpoint_globals& g) const override {
     g.integers["particles_put_back"] = ranks().sum(put_back_);
     g.reals["density_excess"] = density_excess_;
+    g.reals["skin"] = box.skin;
+    g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
   }
   void restore(const output::checkpoint_globals& g) override {
     put_back_ = ranks().rank == 0 ? g.integers.at("particles_put_back") : 0;
     density_excess_ = g.reals.at("density_excess");
+    set_skin(box, g.reals.at("skin"));
+    std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
   }
 
   // Of the run, for the metrics; a problem adds its own.
@@ -204,6 +215,9 @@ class problem_in_a_box : public problem {
     for (const auto& field : all) values.push_back(field.data);
     report_not_finite<D>(box.w, all, values, "");
   }
+  // That is the allowance.
+  double part_of_skin() const { return box.skin > 0.0 ? allowance() / box.skin : 0.5; }
+  double skin_for(double allowance) const { return skin_within_limits(box, allowance / part_of_skin()); }
 
   // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
   bool even_out(bool by_pairs) {

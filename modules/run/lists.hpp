@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pairs/workspace.hpp>
+#include <run/apart.hpp>
 #include <walls/bodies.hpp>
 #include <walls/treatments.hpp>
 
@@ -13,30 +14,74 @@ struct state {
   pairs::workspace<D> w;
   walls::any treatment = walls::mirror{};
   walls::wall_set<D> walls;
-  double skin = 0.0;  // m
+  double skin = 0.0;  // m, of the lists as they are
+  // As the input has them; none until lists are first made with a wider skin.
+  struct {
+    double skin = 0.0, halo = 0.0;  // m
+  } narrowest;
   std::int64_t fluid_total = 0;
 
   bool mirrors() const { return std::holds_alternative<walls::mirror>(treatment); }
+  // The axes along which all that particles meet moves with them: nothing stands there.
+  std::array<bool, D> drifts() const {
+    const bool stands = std::visit([](auto t) { return decltype(t)::has_particles; }, treatment) && !mirrors();
+    return (stands && !walls.sides.empty()) || walls.bodies.any() ? std::array<bool, D>{} : w.d.region.periodic;
+  }
 };
 
-// m, the largest displacement on this rank since the lists were made.
+// m, the displacements on this rank since the lists were made.
 template <int D>
-double moved_since_lists(const state<D>& box) {
-  return std::sqrt(particles::moved_since_lists(box.w.s));
+apart moved_since_lists(const state<D>& box) {
+  const auto& s = box.w.s;
+  return apart_of<D>(s.fluid, box.drifts(), [&](std::size_t a, std::size_t i) { return s.x[a][i] - s.x_list[a][i]; });
+}
+
+// m/s, the velocities on this rank.
+template <int D>
+apart velocities(const state<D>& box) {
+  const auto& s = box.w.s;
+  return apart_of<D>(s.fluid, box.drifts(), [&](std::size_t a, std::size_t i) { return s.v[a][i]; });
 }
 
 // m/s, the largest on this rank.
 template <int D>
 double largest_speed(const state<D>& box) {
   const auto& s = box.w.s;
-  double speed2 = 0.0;
-#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    double v2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) v2 += s.v[a][i] * s.v[a][i];
-    speed2 = std::max(speed2, v2);
-  }
-  return std::sqrt(speed2);
+  const auto all = apart_of<D>(s.fluid, {}, [&](std::size_t a, std::size_t i) { return s.v[a][i]; });
+  return all.numbers[apart::longest];
+}
+
+// Whether particles have drifted so far from where lists found them (m, on all ranks) that they are to be wrapped: the
+// digits of places far outside the box would be lost.
+template <int D>
+bool drifted(const state<D>& box, double farthest) {
+  const auto along = box.drifts();
+  for (std::size_t a = 0; a < D; ++a)
+    if (along[a] && farthest > 0.5 * box.w.d.region.length[a]) return true;
+  return false;
+}
+
+// m, the skin of lists that are to be so wide: no less than the input's; no more than what makes the way that steps get
+// on with a pair's work longest, s/(S + s)^D with a skin s and a support S, of some three and a half spacings; and no
+// wider than a periodic box leaves room for when supports have grown.
+template <int D>
+double skin_within_limits(const state<D>& box, double wanted) {
+  const auto& d = box.w.d;
+  const double least = box.narrowest.skin > 0.0 ? box.narrowest.skin : box.skin;
+  double most = (D == 3 ? 2.0 : 3.0) * box.w.dx;
+  for (std::size_t a = 0; a < D; ++a)
+    if (d.region.periodic[a]) most = std::min(most, d.region.length[a] - 1.2 * (d.width - box.skin));
+  return std::clamp(wanted, least, std::max(least, most));
+}
+
+// Of the next lists.
+template <int D>
+void set_skin(state<D>& box, double skin) {
+  auto& least = box.narrowest;
+  if (skin == box.skin) return;
+  if (least.skin == 0.0) least = {box.skin, box.w.d.width};
+  box.skin = skin;
+  box.w.d.width = least.halo + (skin - least.skin) * (1.0 + 1e-6);
 }
 
 struct list_lengths {

@@ -26,9 +26,10 @@ void declare(namelist::schema& schema, kernel_options& o, const abilities& of_pr
          .meaning = std::string("of what is computed for a pair of particles; states and their steps are double") +
                     (o.single_pairs() ? "; not given: double where single is not good enough" : "")});
   if (of_problem.lists_change)
-    schema.add(
-        "kernel", "skin", o.skin,
-        for_expert(namelist::up_to(2.0, "neighbour lists reach further than the kernel by so many particle spacings")));
+    schema.add("kernel", "skin", o.skin,
+               for_expert(namelist::up_to(2.0,
+                                          "neighbour lists reach further than the kernel by so many particle spacings, "
+                                          "or more where else a step would outrun them")));
 }
 
 void resolve(const namelist::schema& schema, kernel_options& o) {

@@ -31,7 +31,7 @@ struct time_options {
 struct kernel_options {
   std::string name = "wendland_c2";
   double h_over_dx = 0.0;  // 0: the kernel's own
-  double skin = 0.2;       // of the particle spacing
+  double skin = 0.2;       // of the particle spacing, at least
   std::string precision = "double";
 
   bool single_pairs() const { return precision == "single"; }

@@ -13,6 +13,7 @@
 #include <output/history.hpp>
 #include <output/snapshot.hpp>
 #include <particles/particles.hpp>
+#include <run/apart.hpp>
 #include <run/run_directory.hpp>
 #include <run/summary.hpp>
 #include <span>
@@ -117,12 +118,14 @@ class problem {
   virtual bool set_time(double) { return false; }
   // After an accepted step. Returns whether it changed the state on this rank.
   virtual bool complete_step(std::int64_t) { return false; }
-  // m: the largest displacement since the lists were made, on this rank or any, not a number where a place is none;
-  // what the lists allow; the largest speed (m/s).
-  virtual double moved() { return 0.0; }
+  // m: what has moved on this rank since the lists were made; what of that they allow; m/s, the velocities.
+  virtual apart moved() { return {}; }
   virtual std::string farthest_moved() { return "particles"; }  // collective: who, for messages
   virtual double allowance() const { return 1.0; }
-  virtual double speed() { return 0.0; }
+  virtual apart speed() { return {}; }
+  // m: the allowance of new lists that are to allow so much. The next ones are to.
+  virtual double possible_allowance(double) const { return allowance(); }
+  virtual void set_allowance(double) {}
   // Sorting, ghosts, lists. as_they_were: positions of the last time are used, so that sums keep their order.
   virtual void rebuild(bool as_they_were) = 0;
   // Before the step after `step`, when `left` may follow: lists where they are due, and cuts between ranks where they

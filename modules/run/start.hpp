@@ -127,6 +127,7 @@ void set_up_empty(run::state<D>& box, const domain::communicator& ranks, const d
   w.compute_pairs_in(kernel.single_pairs());
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   box.skin = kernel.skin * w.dx;
+  box.narrowest = {};
   domain::box<D> region;
   for (std::size_t a = 0; a < D; ++a) {
     region.length[a] = of.length[a];

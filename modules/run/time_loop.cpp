@@ -42,7 +42,7 @@ struct loop {
 
   // What all ranks know together after a step.
   struct {
-    double speed = 0.0, moved = 0.0;  // m/s, m, the largest; the latter since the lists were made
+    double speed = 0.0, moved = 0.0;  // m/s, m, of what counts for lists; the latter since they were made
     double stop = 0.0;                // why to stop; 0: nobody asks for it
     double since_checkpoint = 0.0;    // s, by rank 0's clock
     bool changed = false;             // the problem changed the state after the step
@@ -50,10 +50,16 @@ struct loop {
 
   // One reduction for all that a step has to agree on.
   void hear_news(bool changed) {
-    std::array<double, 5> most{p.speed(), p.moved(), files.stop_reason(o.run),
-                               ranks.rank == 0 ? files.checkpoint_age() : 0.0, changed ? 1.0 : 0.0};
+    apart speed = p.speed(), moved = p.moved();
+    constexpr std::size_t n = std::tuple_size_v<decltype(speed.numbers)>;
+    std::array<double, 3 + 2 * n> most{files.stop_reason(o.run), ranks.rank == 0 ? files.checkpoint_age() : 0.0,
+                                       changed ? 1.0 : 0.0};
+    std::copy_n(speed.numbers.begin(), n, most.begin() + 3);
+    std::copy_n(moved.numbers.begin(), n, most.begin() + 3 + n);
     ranks.maximum(most);
-    news = {most[0], most[1], most[2], most[3], most[4] > 0.0};
+    std::copy_n(most.begin() + 3, n, speed.numbers.begin());
+    std::copy_n(most.begin() + 3 + n, n, moved.numbers.begin());
+    news = {speed.length(), moved.length(), most[0], most[1], most[2] > 0.0};
     // Lists are made of finite places.
     if (!std::isfinite(news.speed + news.moved)) p.check_state();
   }
@@ -63,7 +69,7 @@ struct loop {
   int right_hand_side(double at, std::span<double* const> rate) {
     p.at_time(at);
     // A stage may leave what the lists cover: a smaller step then helps, where there is a choice.
-    const double moved = ranks.maximum(p.moved());
+    const double moved = on_all(ranks, p.moved()).length();
     if (!(moved <= p.allowance())) {
       if (controls_error()) return 1;
       p.check_state();
@@ -118,17 +124,27 @@ struct loop {
   std::string dt_is{};                     // what set it
   integrators::step_limit bound{0.0, {}};  // of equations that have changed since dt was chosen; 0: they have not
 
-  // New lists before the next step could outrun the old ones; and where it could outrun new ones, a shorter step.
-  // Particles may gain speed on the way.
-  static constexpr double faster = 1.6;
+  // New lists before the next step could outrun the old ones, with a wider skin where it could outrun those that the
+  // input asks for: that costs less than to halve the step. Where it could outrun the widest, a shorter step. Particles
+  // may gain speed on the way.
+  static constexpr double faster = 1.6, a_little_faster = 1.2;
   double longest = std::numeric_limits<double>::infinity();  // s
   void refresh_lists() {
     const double speed = faster * news.speed, moved = news.moved;
-    // A step that the input gives is kept as long as lists can follow particles that keep their speed.
-    const double most = o.time.dt ? news.speed : speed;
+    // A step that the input gives is kept as long as lists can follow particles that keep their speed; one with error
+    // control that they cannot follow is tried again.
+    const double most = (o.time.dt ? 1.0 : controls_error() ? a_little_faster : faster) * news.speed;
     const double next = controls_error() ? integrator->statistics().next_dt : dt;
-    longest = most > 0.0 ? p.allowance() / most : std::numeric_limits<double>::infinity();
-    const bool due = moved != 0.0 && !(moved + speed * std::min(next, longest) <= p.allowance());
+    const double now = p.allowance();
+    double wanted = speed * (bound.dt > 0.0 ? std::min(next, bound.dt) : next);
+    if (controls_error() && wanted > now) wanted = std::min(wanted, speed * p.largest_step().dt);
+    const auto longest_within = [&](double allowed) {
+      return most > 0.0 ? allowed / most : std::numeric_limits<double>::infinity();
+    };
+    const bool wider = p.possible_allowance(wanted) > now * (1.0 + 1e-9);
+    const bool due = (moved != 0.0 || wider) && !(moved + speed * std::min(next, longest_within(now)) <= now);
+    if (due) p.set_allowance(wanted);
+    longest = longest_within(p.allowance());
     if (p.renew(due, step, last_step() - step)) integrator->resize(p.fields(), p.local_particles());
   }
 

@@ -50,7 +50,8 @@ outcome run_with(const hydrostatic::options& o, const domain::communicator& rank
   outcome found;
   std::vector<std::size_t> sizes;
   for (int n = 0; n < o.time.steps; ++n) {
-    const double reach = ranks.maximum(box.moved()) + 1.6 * ranks.maximum(box.speed()) * *o.time.dt;
+    const double reach =
+        run::on_all(ranks, box.moved()).length() + 1.6 * run::on_all(ranks, box.speed()).length() * *o.time.dt;
     const bool due = n > 0 && reach > box.allowance();
     if (due) {
       sizes.push_back(box.local_particles());

@@ -95,25 +95,6 @@ BOOST_AUTO_TEST_CASE(nothing_at_all_has_a_null_particle) {
   check_null<3>(s);
 }
 
-// On few particles and on as many as threads share: wherever the lost one stands.
-BOOST_AUTO_TEST_CASE(displacement_since_the_lists_keeps_nan) {
-  for (const std::size_t n : {std::size_t{5}, std::size_t{40000}}) {
-    auto s = stamped<2>(n, 2, 0, 0);
-    s.x_list = s.x;
-    BOOST_TEST(moved_since_lists(s) == 0.0);
-    s.x[1][n / 2] += 3.0;
-    s.x[0][n / 2] -= 4.0;
-    BOOST_TEST(moved_since_lists(s) == 25.0);
-    s.x[0][n] += 100.0;  // a ghost does not count
-    BOOST_TEST(moved_since_lists(s) == 25.0);
-    for (const std::size_t lost : {std::size_t{0}, n / 2, n - 1}) {
-      auto t = s;
-      t.x[1][lost] = std::nan("");
-      BOOST_TEST(std::isnan(moved_since_lists(t)));
-    }
-  }
-}
-
 BOOST_AUTO_TEST_CASE(reorder_permutes_every_travelling_field) {
   auto s = stamped<3>(12, 4, 6, 0);
   const std::vector<std::uint32_t> order{5, 0, 4, 1, 3, 2};

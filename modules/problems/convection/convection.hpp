@@ -127,7 +127,11 @@ class problem : public run::problem_in_a_box<D> {
   }
 
   // Of the particles, which are shifted as well: as at the start of the last step in proportion.
-  double speed() override { return fastest_flow(state_) * state_.start.faster; }
+  run::apart speed() override {
+    run::apart all = base::speed();
+    for (double& of_the_flow : all.numbers) of_the_flow *= state_.start.faster;
+    return all;
+  }
 
   // ---- measures ---------------------------------------------------------------------------
 

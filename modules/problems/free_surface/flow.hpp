@@ -110,7 +110,7 @@ class flow : public run::problem_in_a_box<D> {
     auto& s = f_.world.w.s;
     constexpr std::array<const char*, 3> axis{"x", "y", "z"};
     std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.dx()});
+    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.dx(), 0.0, f_.world.w.frame[a]});
     for (std::size_t a = 0; a < D; ++a)
       all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, 0.1 * f_.p.water.sound});
     all.push_back({"rho", s.rho.data(), 0.0, 0.01 * f_.o.flow.density});
@@ -123,20 +123,22 @@ class flow : public run::problem_in_a_box<D> {
                            : speed ? 0.1 * f_.p.water.sound
                            : angle ? 1.0
                                    : 0.1 * f_.p.water.sound / f_.p.height;
-      all.push_back({fmt::format("body_{}", k), f_.free.state[k].data(), 0.0, scale, nullptr, f_.free.state[k].size()});
+      all.push_back(
+          {fmt::format("body_{}", k), f_.free.state[k].data(), 0.0, scale, 0.0, 0.0, nullptr, f_.free.state[k].size()});
     }
     return all;
   }
 
   void at_time(double t) override { set_bodies_at(f_, t); }
   void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
-  double moved() override { return std::max(base::moved(), bodies_moved(f_)); }
+  run::apart moved() override { return with_bodies(base::moved(), bodies_moved(f_)); }
   std::string farthest_moved() override {
-    if (f_.moving.empty() || bodies_moved(f_) < ranks().maximum(base::moved())) return base::farthest_moved();
+    if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks(), base::moved()).length())
+      return base::farthest_moved();
     const auto& farthest = *std::ranges::max_element(f_.moving, {}, body_moved<D>);
     return fmt::format("body '{}'", f_.p.template bodies_in<D>()[farthest.body].name());
   }
-  double speed() override { return std::max(base::speed(), bodies_speed(f_)); }
+  run::apart speed() override { return with_bodies(base::speed(), bodies_speed(f_)); }
 
   // Sound over the spacing, and viscosity with the density's diffusion. Of Riemann problems, which take 2.3 c/h in two
   // dimensions, 3 c/h in three times 1 - cos k·x off a wave, this is less than sound's own 2.2 c/Δx.
@@ -277,6 +279,11 @@ class flow : public run::problem_in_a_box<D> {
   std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
 
  private:
+  static run::apart with_bodies(run::apart all, double of_bodies) {
+    auto& at_least = all.numbers[run::apart::at_least];
+    at_least = std::max(at_least, of_bodies);
+    return all;
+  }
   // Of bodies, for pictures.
   output::particle_group wall_particles(std::vector<particles::array>& extra) const {
     const auto& s = f_.world.w.s;

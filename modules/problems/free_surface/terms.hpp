@@ -28,7 +28,8 @@ using pairs::real;
 
 inline constexpr schemes::field<struct density_tag> of_density;
 inline constexpr schemes::field<struct eigenvalue_tag> of_eigenvalue;
-inline constexpr schemes::field<struct viscous_velocity_tag> of_viscous_velocity;
+inline constexpr struct viscous_velocity_tag : pairs::velocity_tag {
+} of_viscous_velocity;
 
 // What sums over pairs of water go by, whatever the scheme, and where they leave it. two_velocities: what stands behind
 // walls has another velocity in the viscous sum than in continuity, as that of walls of no slip, to which what moves

@@ -161,7 +161,7 @@ class flow : public run::problem_in_a_box<D> {
     }
     return {*g_.o.common.time.cfl * ranks().minimum(least), "sound"};
   }
-  double moved() override { return gas::moved(g_); }
+  run::apart moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
 
   void keep_memory() override { next_supports(g_); }

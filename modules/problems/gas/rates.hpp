@@ -176,7 +176,7 @@ std::vector<integrators::field> integrated_fields(world<D>& g) {
   constexpr std::array<const char*, 3> axis{"x", "y", "z"};
   const double speed = g.speed_scale;
   std::vector<integrators::field> all;
-  for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g.w.dx});
+  for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, g.w.dx, 0.0, g.w.frame[a]});
   for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
   all.push_back({"u", s.u.data(), 0.0, speed * speed});
   if (g.o.has_alpha()) all.push_back({"alpha", g.alpha.data(), 0.0, 1.0});

@@ -92,12 +92,9 @@ void place_particles(world<D>& g) {
   };
   std::vector<start> mine;
   std::int64_t id = 0;
-  double fastest = 0.0, densest = 0.0;
+  double densest = 0.0;
   for_each_start<D>(g.test, [&](const point& x, double volume) {
     const state now = g.test.start(x);
-    double v2 = std::pow(start_of(g, now).c, 2);
-    for (const double v : now.v) v2 += v * v;
-    fastest = std::max(fastest, v2);
     densest = std::max(densest, now.rho);
     const point put = g.test.moved ? g.test.moved(x) : x;
     std::array<double, D> place;
@@ -106,16 +103,18 @@ void place_particles(world<D>& g) {
     ++id;
   });
   g.fluid_total = id;
-  g.speed_scale = std::sqrt(fastest);
   g.density_scale = densest;
   particles::allocate(s, mine.size(), 0, 0, 0);
+  std::vector<double> sound;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto& p = mine[i];
     const state now = g.test.start(p.x);
+    const start_state thermal = start_of(g, now);
     s.id[i] = p.id;
     s.material[i] = now.material;
     s.m[i] = now.rho * p.volume;
-    s.u[i] = start_of(g, now).u;
+    s.u[i] = thermal.u;
+    sound.push_back(thermal.c);
     s.rho[i] = g.evolved[i] = now.rho;
     g.start_volume[i] = p.volume;
     g.start_sum[i] = 1.0;
@@ -126,6 +125,15 @@ void place_particles(world<D>& g) {
     g.support[i] = g.support_over_dx * std::pow(p.volume, 1.0 / D);
     g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
   }
+  // Of sound and flow together, in the frame that all are in.
+  const auto frame = run::on_all(g.ranks(), run::velocities(g)).template middle<D>();
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    double v2 = std::pow(sound[i], 2);
+    for (std::size_t a = 0; a < D; ++a) v2 += (s.v[a][i] - frame[a]) * (s.v[a][i] - frame[a]);
+    fastest = std::max(fastest, v2);
+  }
+  g.speed_scale = std::sqrt(g.ranks().maximum(fastest));
 }
 
 template <int D>

@@ -99,10 +99,10 @@ void sum(world<D>& g, const pairs::stretch& rows, const Term& term) {
   if constexpr (pairs::takes<Term, pairs::single>)
     if (g.w.single_pairs()) {
       const pairs::unit<pairs::single> lengths(g.w.d.width);
-      return pairs::sum_in<D>(lengths, rows, g.w.list, g.w.x(), schemes::distances_only{nearest * lengths.to(-1)},
-                              term);
+      return pairs::sum_in<D>(lengths, rows, g.w.list, {g.w.x(), g.w.frame},
+                              schemes::distances_only{nearest * lengths.to(-1)}, term);
     }
-  pairs::sum_over<D>(rows, g.w.list, g.w.x(), schemes::distances_only{nearest}, term);
+  pairs::sum_over<D>(rows, g.w.list, {g.w.x(), g.w.frame}, schemes::distances_only{nearest}, term);
 }
 
 // f(image, its source, a bit for each axis across which it is seen: what is along that axis changes sign)

@@ -18,8 +18,10 @@ std::vector<integrators::field> state_fields(scene<D>& scene, volume::carries ca
   auto& s = scene.w.s;
   std::vector<integrators::field> all;
   constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-  for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 1e-6 * scene.w.dx, scene.w.dx});
-  for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 1e-6, 0.0});
+  for (std::size_t a = 0; a < D; ++a)
+    all.push_back({axis[a], s.x[a].data(), 1e-6 * scene.w.dx, scene.w.dx, 0.0, scene.w.frame[a]});
+  for (std::size_t a = 0; a < D; ++a)
+    all.push_back({std::string("v") + axis[a], s.v[a].data(), 1e-6, 0.0, scene.w.frame[a]});
   all.push_back({"T", s.T.data(), 1e-6, 0.0});
   all.push_back({"u", s.u.data(), 1e-3, 0.0});
   if (carried == volume::carries::density) all.push_back({"rho", s.rho.data(), 1e-9, 0.0});

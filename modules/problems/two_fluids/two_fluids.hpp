@@ -114,7 +114,8 @@ class problem : public liquid::problem<D> {
     const double fast = 1e-2 * bounds_.fastest_sound;
     const auto& e = f_.o.element;
     std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.world.w.dx});
+    for (std::size_t a = 0; a < D; ++a)
+      all.push_back({axis[a], s.x[a].data(), 0.0, f_.world.w.dx, 0.0, f_.world.w.frame[a]});
     for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
     all.push_back({"u", s.u.data(), 0.0, fast * fast});
     all.push_back({"q", f_.dissipated.data(), 0.0, fast * fast});
@@ -158,9 +159,10 @@ class problem : public liquid::problem<D> {
   }
 
   // Supports take a part of the skin, and particles the rest.
-  double moved() override {
-    const double moved = base::moved();
-    return f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9) ? std::max(moved, allowance()) : moved;
+  run::apart moved() override {
+    run::apart all = base::moved();
+    if (f_.follows && grown(f_) >= room_to_grow(f_) * (1.0 - 1e-9)) all.numbers[run::apart::at_least] = allowance();
+    return all;
   }
   double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
   std::vector<output::history_column> columns() const override {

@@ -135,12 +135,12 @@ class rig {
 
   // As in the time loop (run/time_loop.cpp).
   int evaluate(std::span<double* const> rate) {
-    if (!(box_->moved() <= box_->allowance())) return -1;
+    if (!(box_->moved().length() <= box_->allowance())) return -1;
     box_->evaluate(rate);
     return 0;
   }
   void step() {
-    if (box_->moved() + box_->speed() * dt_ > box_->allowance()) make_lists();
+    if (box_->moved().length() + box_->speed().length() * dt_ > box_->allowance()) make_lists();
     {
       const foundation::stage timed(box_->times(), "integration");
       integrator_->prepare();
