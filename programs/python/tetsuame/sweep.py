@@ -1,6 +1,7 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
+import fcntl
 import itertools
 import json
 import os
@@ -132,6 +133,19 @@ class Sweep:
         return made
 
 
+def hold(folder: Path) -> int:
+    """A lock on the folder, which goes with this process: two sweeps in it would write into each other's runs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise Unreadable(f"{folder}: another sweep is running in it: wait for its end, or give another --output") from None
+    except OSError:
+        pass  # a file system without locks
+    return held
+
+
 def as_number(text: str) -> float | None:
     try:
         return real(text)
@@ -185,6 +199,7 @@ def main(arguments: list[str]) -> int:
     if not (o.programs / o.program).is_file():
         raise Unreadable(f"no program '{o.program}' in {o.programs}; ./run build makes them, --programs says where they are")
     sweep = Sweep(o)
+    hold(o.output)
     if o.submit:
         print("\n".join(sweep.scripts()))
         return COMPLETED
