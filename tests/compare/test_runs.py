@@ -1,5 +1,6 @@
 """Runs as arrays, pictures, movies and pages: on snapshots made here, of fields that are known."""
 import base64
+import fcntl
 import json
 import os
 import re
@@ -502,6 +503,16 @@ echo '{{"status": "completed", "steps": 1, "wall_seconds": 0.1, "errors": null, 
         self.assertEqual(page.count("data:image/png;base64,iVBOR"), 1)
         self.assertIn("<td class=\"good\">completed</td>", page)
         self.assertRegex(page, r"<td>3</td><td>&#x27;a,b&#x27;</td>.*<td class=\"number\">9</td>")
+
+    def test_two_sweeps_in_one_folder(self):
+        (self.here / "out").mkdir()
+        held = os.open(self.here / "out", os.O_RDONLY)
+        fcntl.flock(held, fcntl.LOCK_EX)
+        self.assert_refused(call(*self.command), "another sweep is running in it")
+        self.assertFalse((self.here / "calls").exists())
+        os.close(held)
+        (self.here / "mended").touch()
+        self.assertEqual(call(*self.command).returncode, 0)
 
     def test_another_input_is_not_taken_for_this_one(self):
         call(*self.command)

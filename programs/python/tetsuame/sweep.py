@@ -196,15 +196,11 @@ def main(arguments: list[str]) -> int:
 @contextlib.contextmanager
 def alone_in(folder: Path):
     """Two sweeps at a time would start each run twice. The lock ends with the process."""
-    lock = folder / ".sweep.lock"
-    try:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
-    except OSError as problem:
-        raise Damaged(f"{lock}: {problem.strerror}") from None
+    handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise Unreadable(f"{folder}: another sweep is at work there; wait until it has ended, or give another --output") from None
+        raise Unreadable(f"{folder}: another sweep is running in it: wait for its end, or give another --output") from None
     except OSError:
         pass  # a file system without locks
     try:
