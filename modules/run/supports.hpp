@@ -101,9 +101,7 @@ void rebuild_with_supports(state<D>& box, bool as_they_were, double support_over
     return list_lengths{cells::cell_edge(mean / support_over_dx), most};
   };
   rebuild_by(box, as_they_were, lengths, [&](const list_lengths&, const cells::grid<D>& grid) {
-    w.exchange_fluid({list_support.data()});
-    foundation::for_all(box.walls.source.size(),
-                        [&](std::size_t r) { list_support[s.first_wall() + r] = list_support[box.walls.source[r]]; });
+    walls::update_ghosts_and_images(w, box.walls, walls::even({&list_support}));
     make_list<D>(w, list_support, box.skin, grid);
   });
 }
