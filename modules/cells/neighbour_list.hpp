@@ -256,6 +256,36 @@ struct cluster_positions {
       high[a] = *most;
     }
   }
+  double longest_edge() const {
+    double longest = 0.0;
+    for (std::size_t a = 0; a < D; ++a) longest = std::max(longest, high[a] - low[a]);
+    return longest;
+  }
+};
+
+// The search about a cluster whose members lie far apart, at the ends of two rows of cells or with a particle that has
+// left the others behind: about each member, not about the box that holds all of them.
+template <int D>
+class spread_cluster {
+ public:
+  // As cells::for_each_near() about the particles [first, first + n), one member of the grid at a time.
+  template <class F>
+  void for_each_near(const grid<D>& g, const std::array<particles::array, D>& x, std::size_t first, std::size_t n,
+                     double reach, F&& f) {
+    found_.clear();
+    for (std::size_t i = first; i < first + n; ++i) {
+      const auto at = position<D>(x, i);
+      cells::for_each_near<D>(g, at, at, reach, [&](std::uint32_t k, std::uint64_t near) {
+        for (; near != 0; near &= near - 1) found_.push_back(k + static_cast<std::uint32_t>(std::countr_zero(near)));
+      });
+    }
+    std::sort(found_.begin(), found_.end());
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    for (const std::uint32_t k : found_) f(k, 1);
+  }
+
+ private:
+  std::vector<std::uint32_t> found_;
 };
 
 // Which of two sequences each member of the grid is in: squares (cubes) of half a cell's edge, black and white, so that
@@ -280,31 +310,36 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
   using foundation::real;
   constexpr std::size_t width = neighbour_list::width;
   const auto sequences = list.at_once > 1 ? sequences_of(g) : std::vector<unsigned char>{};
-  make_rows(list, (n + width - 1) / width, [&, row = row_of_clusters()](std::size_t r, auto& made) mutable {
-    const std::size_t first = r * width, members = std::min(width, n - first);
-    const cluster_positions<D> cluster(x, first, members);
-    const std::uint32_t all_members = (1U << members) - 1U;
-    std::size_t pairs = 0;
-    const auto& of_cluster = reach.of(first, members);
-    for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, [&](std::uint32_t k, std::uint64_t near) {
-      for (; near != 0; near &= near - 1) {
-        const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
-        const std::uint32_t j = g.members[at];
-        real r2(0.0);
-        for (std::size_t a = 0; a < D; ++a) {
-          const real x_ij = cluster.x[a] - g.sorted[a][at];
-          r2 += x_ij * x_ij;
-        }
-        std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
-        // None is its own neighbour.
-        if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
-        row.add(sequences.empty() ? 0 : sequences[at], j, within);
-        pairs += static_cast<std::size_t>(std::popcount(within));
-      }
-    });
-    row.write(list.at_once, made);
-    return pairs;
-  });
+  make_rows(list, (n + width - 1) / width,
+            [&, row = row_of_clusters(), spread = spread_cluster<D>()](std::size_t r, auto& made) mutable {
+              const std::size_t first = r * width, members = std::min(width, n - first);
+              const cluster_positions<D> cluster(x, first, members);
+              const std::uint32_t all_members = (1U << members) - 1U;
+              std::size_t pairs = 0;
+              const auto& of_cluster = reach.of(first, members);
+              const auto add_near = [&](std::uint32_t k, std::uint64_t near) {
+                for (; near != 0; near &= near - 1) {
+                  const std::uint32_t at = k + static_cast<std::uint32_t>(std::countr_zero(near));
+                  const std::uint32_t j = g.members[at];
+                  real r2(0.0);
+                  for (std::size_t a = 0; a < D; ++a) {
+                    const real x_ij = cluster.x[a] - g.sorted[a][at];
+                    r2 += x_ij * x_ij;
+                  }
+                  std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
+                  // None is its own neighbour.
+                  if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
+                  row.add(sequences.empty() ? 0 : sequences[at], j, within);
+                  pairs += static_cast<std::size_t>(std::popcount(within));
+                }
+              };
+              if (cluster.longest_edge() > 4.0 * of_cluster.most)
+                spread.for_each_near(g, x, first, members, of_cluster.most, add_near);
+              else
+                for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, add_near);
+              row.write(list.at_once, made);
+              return pairs;
+            });
 }
 
 // Rows of points: row r has the particles nearer to centre(r) than `reach` that `accept` takes, filled up with `null`

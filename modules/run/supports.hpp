@@ -14,28 +14,30 @@ class largest_near {
  public:
   largest_near(const particles::particles<D>& s, const particles::array& S, double reach)
       : cells_(cells::make_grid<D>(s.x, s.id, s.total(), reach)) {
-    const std::size_t n = cells_.start.size() - 1;
+    const std::size_t n = cells_.cells();
     std::vector<double> own(n, 0.0);
     for (std::size_t c = 0; c < n; ++c)
       for (std::uint32_t k = cells_.start[c]; k < cells_.start[c + 1]; ++k)
         own[c] = std::max(own[c], S[cells_.members[k]]);
     largest_ = own;
-    // Axis after axis: cells are ordered with the last axis fastest.
-    std::size_t stride = 1;
-    for (std::size_t a = D; a-- > 0;) {
-      const auto extent = static_cast<std::size_t>(cells_.extent[a]);
-      own = largest_;
-      for (std::size_t c = 0; c < n; ++c) {
-        const std::size_t at = c / stride % extent;
-        if (at > 0) largest_[c] = std::max(largest_[c], own[c - stride]);
-        if (at + 1 < extent) largest_[c] = std::max(largest_[c], own[c + stride]);
-      }
-      stride *= extent;
-    }
+    for (std::size_t c = 0; c < n; ++c)
+      if (own[c] > 0.0) spread_to_neighbours(cells_.cell_of_key(cells_.key_of(c)), own[c]);
   }
-  double operator()(const std::array<double, D>& x) const { return largest_[cells_.linear(cells_.cell(x))]; }
+  double operator()(const std::array<double, D>& x) const { return largest_[cells_.stored(cells_.cell(x))]; }
 
  private:
+  void spread_to_neighbours(cells::index<D> centre, double support) {
+    const auto along = [&](const auto& self, std::size_t a, cells::index<D> c) -> void {
+      if (a == D) {
+        if (const std::size_t at = cells_.stored(c); at != cells::no_cell)
+          largest_[at] = std::max(largest_[at], support);
+        return;
+      }
+      for (c[a] = centre[a] - 1; c[a] <= centre[a] + 1; ++c[a]) self(self, a + 1, c);
+    };
+    along(along, 0, centre);
+  }
+
   cells::grid<D> cells_;
   std::vector<double> largest_;
 };
@@ -99,9 +101,7 @@ void rebuild_with_supports(state<D>& box, bool as_they_were, double support_over
     return list_lengths{cells::cell_edge(mean / support_over_dx), most};
   };
   rebuild_by(box, as_they_were, lengths, [&](const list_lengths&, const cells::grid<D>& grid) {
-    w.exchange_fluid({list_support.data()});
-    foundation::for_all(box.walls.source.size(),
-                        [&](std::size_t r) { list_support[s.first_wall() + r] = list_support[box.walls.source[r]]; });
+    walls::update_ghosts_and_images(w, box.walls, walls::even({&list_support}));
     make_list<D>(w, list_support, box.skin, grid);
   });
 }

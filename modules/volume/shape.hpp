@@ -58,8 +58,7 @@ void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
           std::swap(none, around.walls.weight_step);
           around.walls.steps_due = due;
         } else if constexpr (std::is_same_v<Treatment, walls::mirror>) {
-          foundation::for_all(around.walls.source.size(),
-                              [&](std::size_t r) { s.Y[s.first_wall() + r] = s.Y[around.walls.source[r]]; });
+          walls::fill_images(around.walls, s, walls::even({&s.Y}));
         } else {
           std::fill(s.Y.begin() + static_cast<std::ptrdiff_t>(s.first_wall()),
                     s.Y.begin() + static_cast<std::ptrdiff_t>(s.total()), 0.0);

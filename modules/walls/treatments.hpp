@@ -12,8 +12,8 @@
 
 #include <foundation/threads.hpp>
 #include <variant>
+#include <walls/images.hpp>
 #include <walls/markers.hpp>
-#include <walls/mirror.hpp>
 
 namespace tetsuame::walls {
 
@@ -123,50 +123,22 @@ struct mirror : nothing {
   template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     auto& s = w.s;
-    foundation::for_all(set.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = set.source[r];
-      std::array<double, D> v;
-      for (std::size_t a = 0; a < D; ++a) v[a] = s.v[a][j];
-      mirror_velocity<D>(set, r, v);
-      for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-      s.T[i] = mirror_temperature(set, r, s.T[j]);
-      s.rho[i] = s.rho[j];
-      s.dV[i] = s.dV[j];
-      s.eta[i] = s.eta[j];
-      s.k[i] = s.k[j];
-    });
+    fill_images(set, s, velocity<D>{s.v}, temperature{s.T.data()}, even({&s.rho, &s.dV, &s.eta, &s.k}));
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
-    auto& s = w.s;
-    foundation::for_all(set.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = set.source[r];
-      s.Y[i] = s.Y[j] + s.m[j] * fall(w, i, j);
-    });
+    fill_images(set, w.s, hydrostatic<D>{w.s.Y.data(), w.s.m.data(), w.g});
   }
   template <int D>
   static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
     auto& s = w.s;
-    foundation::for_all(set.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = set.source[r];
-      s.p[i] = s.p[j] + s.rho[j] * fall(w, i, j);
-      s.dV[i] = s.dV[j];
-    });
+    fill_images(set, s, hydrostatic<D>{s.p.data(), s.rho.data(), w.g}, even({&s.dV}));
   }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {
     foundation::for_all(w.s.fluid, [&](std::size_t i) {
       push_off(set.force, set.sides, w.s, i, [&](std::size_t axis, double a) { force[axis][i] += w.s.m[i] * a; });
     });
-  }
-
- private:
-  // m2/s2, g·(x_i - x_j): what a hydrostatic pressure gains from j to i, by density.
-  template <int D>
-  static double fall(const pairs::workspace<D>& w, std::size_t i, std::size_t j) {
-    double sum = 0.0;
-    for (std::size_t a = 0; a < D; ++a) sum += w.g[a] * (w.s.x[a][i] - w.s.x[a][j]);
-    return sum;
   }
 };
 

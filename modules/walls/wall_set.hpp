@@ -183,15 +183,16 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
 // Values of a wall particle from those at its marker, one mirror after the other: odd about
 // the wall's value where it is fixed, even where it is free. In a corner both walls act.
 template <int D>
+void reflect_velocity(const side<D>& wall, bool sticks, std::array<double, D>& v) {
+  if (sticks && wall.no_slip)
+    for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a];  // v_w = 2 u_wall - v_m
+  else
+    v[wall.axis] = -v[wall.axis];  // v_w = v_m - 2 (v_m·n) n
+}
+template <int D>
 void mirror_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D>& v) {
-  for (std::size_t k = 0; k < set.sides.size(); ++k) {
-    if ((set.mirrored[r] >> k & 1U) == 0) continue;
-    const auto& wall = set.sides[k];
-    if (wall.no_slip)
-      for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a];  // v_w = 2 u_wall - v_m
-    else
-      v[wall.axis] = -v[wall.axis];  // v_w = v_m - 2 (v_m·n) n
-  }
+  for (std::size_t k = 0; k < set.sides.size(); ++k)
+    if ((set.mirrored[r] >> k & 1U) != 0) reflect_velocity(set.sides[k], true, v);
 }
 
 template <int D>

@@ -168,6 +168,88 @@ BOOST_AUTO_TEST_CASE(grid_sorts_by_cell_and_place) {
   BOOST_TEST(std::is_sorted(order.begin(), order.end()));
 }
 
+// A cloud about the origin, the last particles of it far away on each side: nearer to each other than they are to it.
+template <int D>
+std::pair<std::array<particles::array, D>, std::vector<std::int64_t>> cloud_with_ejecta(std::size_t n, double far) {
+  std::array<particles::array, D> x;
+  std::vector<std::int64_t> id;
+  for (std::size_t i = 0; i < n; ++i) {
+    id.push_back(static_cast<std::int64_t>(i));
+    for (std::size_t a = 0; a < D; ++a) {
+      const double here = 5.0 * noise(id.back(), 20 + a);
+      x[a].push_back(i + 6 < n || far == 0.0 ? here : (i % 2 == 0 ? far : -far) + 0.1 * here);
+    }
+  }
+  return {x, id};
+}
+
+// IDs in the order of the neighbours, a row for each particle.
+template <int D>
+std::vector<std::vector<std::int64_t>> neighbours_of(const std::array<particles::array, D>& x,
+                                                     const std::vector<std::int64_t>& id, double reach) {
+  const auto g = cells::make_grid<D>(x, id, id.size(), 1.0);
+  std::array<particles::array, D> ordered;
+  std::vector<std::int64_t> ids;
+  for (const std::uint32_t i : g.members) {
+    ids.push_back(id[i]);
+    for (std::size_t a = 0; a < D; ++a) ordered[a].push_back(x[a][i]);
+  }
+  const auto again = cells::make_grid<D>(ordered, ids, ids.size(), 1.0);
+  cells::neighbour_list list;
+  cells::make_list<D>(list, again, ordered, ids.size(), cells::one_reach{reach});
+  std::vector<std::vector<std::int64_t>> rows(id.size());
+  for (std::size_t r = 0; r < list.rows(); ++r)
+    list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) {
+      for (std::size_t lane = 0; lane < cells::neighbour_list::width; ++lane)
+        if ((of_lanes >> lane & 1U) != 0)
+          rows[static_cast<std::size_t>(ids[r * cells::neighbour_list::width + lane])].push_back(ids[j]);
+    });
+  return rows;
+}
+
+// Particles a million spacings away cost as many cells as they are, and leave the rows of all others as they were.
+BOOST_AUTO_TEST_CASE(cells_of_a_cloud_with_ejecta) {
+  constexpr std::size_t n = 3000;
+  const auto check = [&]<int D>(std::integral_constant<int, D>) {
+    const auto [near, id] = cloud_with_ejecta<D>(n, 0.0);
+    const auto [x, same_id] = cloud_with_ejecta<D>(n, 1e6);
+    const auto g = cells::make_grid<D>(x, id, n, 1.0);
+    BOOST_TEST(g.sparse);
+    BOOST_TEST(g.cells() <= n);
+    BOOST_TEST(!(cells::make_grid<D>(near, id, n, 1.0).sparse));
+    for (const double reach : {0.7, 2.5}) {
+      const auto rows = neighbours_of<D>(x, id, reach), whole = neighbours_of<D>(near, id, reach);
+      std::size_t wrong = 0, far_pairs = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        std::vector<std::int64_t> should;
+        if (i + 6 < n) {
+          for (const auto j : whole[i])
+            if (j + 6 < static_cast<std::int64_t>(n)) should.push_back(j);
+        } else {
+          far_pairs += rows[i].size();
+          should = rows[i];
+          for (const auto j : should)
+            wrong += j + 6 < static_cast<std::int64_t>(n) || (j - static_cast<std::int64_t>(i)) % 2 != 0;
+        }
+        wrong += rows[i] != should;
+      }
+      BOOST_TEST(wrong == 0U);
+      BOOST_TEST(far_pairs > 0U);
+    }
+  };
+  check(std::integral_constant<int, 2>{});
+  check(std::integral_constant<int, 3>{});
+}
+
+// Cells that 64 bits cannot number are an error, not a wrong cell.
+BOOST_AUTO_TEST_CASE(cells_beyond_64_bits) {
+  std::array<particles::array, 3> x;
+  for (auto& component : x) component = {0.0, 1e9};
+  BOOST_CHECK_EXCEPTION((cells::make_grid<3>(x, {0, 1}, 2, 1.0)), foundation::error, [](const foundation::error& e) {
+    return std::string(e.what()).find("64 bits") != std::string::npos;
+  });
+}
+
 // Rows with centres of their own, as the walls' markers: anywhere, inside or outside the grid, and a filter.
 BOOST_AUTO_TEST_CASE(list_about_other_points) {
   constexpr std::size_t n = 400, rows = 60;

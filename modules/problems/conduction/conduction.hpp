@@ -167,27 +167,13 @@ class problem : public run::problem_in_a_box<D> {
   void refresh_temperature() {
     auto& w = world_.w;
     auto& s = w.s;
+    if (world_.mirrors()) return walls::update_ghosts_and_images(w, world_.walls, walls::temperature{s.T.data()});
     w.exchange_fluid({s.T.data()});
-    if (!world_.mirrors()) {
-      std::visit([&](auto t) { t.kinematics(w, world_.walls); }, world_.treatment);
-      return;
-    }
-    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
-      const std::size_t i = s.first_wall() + r, j = world_.walls.source[r];
-      s.T[i] = walls::mirror_temperature(world_.walls, r, s.T[j]);
-    });
+    std::visit([&](auto t) { t.kinematics(w, world_.walls); }, world_.treatment);
   }
   // The Laplacian is odd where the temperature less the wall's is: there it is zero.
   void refresh_memory() {
-    auto& w = world_.w;
-    w.exchange_fluid({plain_.data()});
-    foundation::for_all(world_.walls.source.size(), [&](std::size_t r) {
-      double value = plain_[world_.walls.source[r]];
-      walls::for_each_mirror(world_.walls, r, [&](const walls::side<D>& wall) {
-        if (wall.thermal == walls::heat::fixed_temperature) value = -value;
-      });
-      plain_[w.s.first_wall() + r] = value;
-    });
+    walls::update_ghosts_and_images(world_.w, world_.walls, walls::odd_temperature{plain_.data()});
   }
 
   const options& o_;

@@ -63,9 +63,7 @@ std::array<double, 5> means_over_box(const convection_state<D>& state) {
   for (auto& f : all) f.resize(s.total() + 1);
   auto &carried = all[0], &v2 = all[1], &work = all[2], &cooling = all[3], &friction = all[4];
   foundation::for_all(s.fluid, [&](std::size_t i) { friction[i] = dissipation(state, i, state.viscosity(i)); });
-  state.world.w.exchange_fluid({friction.data()});
-  foundation::for_all(state.world.walls.source.size(),
-                      [&](std::size_t r) { friction[s.first_wall() + r] = friction[state.world.walls.source[r]]; });
+  walls::update_ghosts_and_images(state.world.w, state.world.walls, walls::even({&friction}));
   foundation::for_all(s.total(), [&](std::size_t i) {
     const double y = s.x[1][i], T = s.T[i], rising = s.v[1][i];
     carried[i] = rising * (T - reference_temperature(layer, y));

@@ -5,7 +5,7 @@
 #include <free_surface/moving.hpp>
 #include <free_surface/terms.hpp>
 #include <walls/bodies.hpp>
-#include <walls/reflected_velocity.hpp>
+#include <walls/images.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -29,12 +29,7 @@ void mirror_vectors(water<D>& f, std::array<particles::array, D>& values) {
   foundation::for_all(walls.body_particles, [&](std::size_t n) {
     for (auto& component : values) component[first + n] = 0.0;
   });
-  foundation::for_all(walls.source.size(), [&](std::size_t n) {
-    std::array<double, D> of_source;
-    for (std::size_t a = 0; a < D; ++a) of_source[a] = values[a][walls.source[n]];
-    const auto image = walls::reflected_velocity<D>(walls, n, of_source, false);
-    for (std::size_t a = 0; a < D; ++a) values[a][first + walls.body_particles + n] = image[a];
-  });
+  walls::fill_images(walls, f.world.w.s, walls::vector(values));
 }
 
 // Collective. To ghosts, and to what stands behind walls.
@@ -77,8 +72,8 @@ void find_pressed(water<D>& f) {
   const auto& V = s.dV;
   const std::size_t images = walls.images_of_fluid;
   foundation::for_all(walls.body_particles, [&](std::size_t r) { f.volume_in_bodies[first + r] = V[first + r]; });
-  foundation::for_all(walls.source.size() - images,
-                      [&](std::size_t n) { f.volume_in_bodies[behind + images + n] = V[walls.source[images + n]]; });
+  walls::for_each_image(walls, s, walls.images_of_fluid, walls.source.size(),
+                        [&](const walls::image& of) { f.volume_in_bodies[of.i] = V[of.j]; });
   w.sum(f.beside, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
   foundation::for_all(f.beside.rows.size(), [&](std::size_t r) {
     const std::size_t i = f.beside.rows[r];

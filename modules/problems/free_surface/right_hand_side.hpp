@@ -14,7 +14,7 @@
 #include <free_surface/riemann_terms.hpp>
 #include <free_surface/terms.hpp>
 #include <volume/shape.hpp>
-#include <walls/reflected_velocity.hpp>
+#include <walls/images.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -35,23 +35,9 @@ template <int D>
 void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   const auto& walls = f.world.walls;
-  foundation::for_all(last - first, [&](std::size_t n) {
-    const std::size_t r = first + n, i = s.first_wall() + walls.body_particles + r, j = walls.source[r];
-    const auto of_source = [&](const std::array<particles::array, D>& velocity) {
-      std::array<double, D> v;
-      for (std::size_t a = 0; a < D; ++a) v[a] = velocity[a][j];
-      return v;
-    };
-    const auto v = walls::reflected_velocity<D>(walls, r, of_source(s.v), false);
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-    if (f.two_velocities) {
-      const auto dragged = walls::reflected_velocity<D>(walls, r, of_source(f.viscous_velocity), true);
-      for (std::size_t a = 0; a < D; ++a) f.viscous_velocity[a][i] = dragged[a];
-    }
-    s.rho[i] = s.rho[j];
-    s.dV[i] = s.dV[j];
-    s.p[i] = s.p[j] + s.rho[j] * f.gravity() * (s.x[1][j] - s.x[1][i]);
-  });
+  walls::fill_images(walls, s, first, last, walls::velocity<D>{s.v, false}, walls::even({&s.rho, &s.dV}),
+                     walls::hydrostatic<D>{s.p.data(), s.rho.data(), f.world.w.g});
+  if (f.two_velocities) walls::fill_images(walls, s, first, last, walls::velocity<D>{f.viscous_velocity});
 }
 
 // All that stands behind walls.
@@ -93,14 +79,6 @@ void refresh(water<D>& f) {
   begin_motion(f);
   find_own(f, 0, f.world.w.s.fluid);
   end_motion(f);
-}
-
-// From sources to their images [first, last).
-template <int D>
-void to_images(const water<D>& f, double* values, std::size_t first, std::size_t last) {
-  const auto& walls = f.world.walls;
-  double* const of_images = values + f.world.w.s.first_wall() + walls.body_particles;
-  foundation::for_all(last - first, [&](std::size_t n) { of_images[first + n] = values[walls.source[first + n]]; });
 }
 
 // Clusters of the fluid with a member of which this is true; or, with neighbours, which may have a neighbour of which

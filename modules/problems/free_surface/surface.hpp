@@ -33,16 +33,16 @@ inline constexpr double of_spray = 0.4, inside = 0.75, alone = 0.2;  // λ
 // To all that stands behind walls: images have what their sources have, wall particles of bodies what(wetness, mean at
 // their markers).
 template <int D, class What>
-void behind_walls(const water<D>& f, double* values, const What& what) {
+void behind_walls(const water<D>& f, particles::array& values, const What& what) {
   const auto& w = f.world.w;
   const auto& walls = f.world.walls;
-  to_images(f, values, 0, walls.images_of_fluid);
+  walls::fill_images(walls, w.s, 0, walls.images_of_fluid, walls::even({&values}));
   if (!walls.bodies.any()) return;
   walls::at_bodies<1, 0>(
       w, walls, [&](std::size_t j, std::size_t) { return std::array{values[j]}; },
       [&](std::size_t i, const auto&, double wet, const auto& mean) { values[i] = what(wet, mean[0]); });
-  w.exchange_walls({values});
-  to_images(f, values, walls.images_of_fluid, walls.source.size());
+  w.exchange_walls({values.data()});
+  walls::fill_images(walls, w.s, walls.images_of_fluid, walls.source.size(), walls::even({&values}));
 }
 
 // Places and volumes of ghosts and images, as of now.
@@ -55,7 +55,7 @@ void refresh_places(water<D>& f) {
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(volumes), &s.x);
   move_walls(f);
   walls::move_images(f.world.walls, s);
-  behind_walls(f, s.dV.data(), [](double wet, double V) { return wet * V; });
+  behind_walls(f, s.dV, [](double wet, double V) { return wet * V; });
 }
 
 // Clusters of the fluid of which a member has λ below `inside`, or may have a neighbour that does. Of all others the
@@ -77,7 +77,7 @@ pairs::remainder find_arrangement(water<D>& f) {
   w.sum(w.fluid(), arrangement<D>{s.dV.data(), 1.0 / W, f.eigenvalue.data(), places_of(f.slope)});
   w.exchange_fluid({f.eigenvalue.data()});
   // What is dry is no surface.
-  behind_walls(f, f.eigenvalue.data(), [](double wet, double lambda) { return wet > 0.0 ? lambda : 1.0; });
+  behind_walls(f, f.eigenvalue, [](double wet, double lambda) { return wet > 0.0 ? lambda : 1.0; });
   f.eigenvalue[s.null()] = 1.0;
   std::ranges::fill(f.least_near, 1.0);
   auto near = clusters_near_surface(f);

@@ -152,7 +152,7 @@ void find_tension(water<D>& f) {
   const auto& walls = f.world.walls;
   for (auto* values : {&f.curvature, &f.surface_weight}) {
     std::fill_n(values->begin() + static_cast<std::ptrdiff_t>(s.first_wall()), walls.body_particles, 0.0);
-    to_images(f, values->data(), 0, walls.source.size());
+    walls::fill_images(walls, s, walls::even({values}));
   }
   w.sum(clusters_where(w, false, has_inward), tension<D>{s.dV.data(), f.curvature.data(), f.surface_weight.data(), W0,
                                                          G, f.o.flow.surface_tension, places_of(f.tension)});

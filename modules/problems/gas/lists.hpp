@@ -33,10 +33,7 @@ void end_state(world<D>& g) {
   const foundation::stage timed(g.w.times, "halo");
   g.w.end_fluid();
   walls::move_images(g.walls, s);
-  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned across) {
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = reflected(s.v[a][j], across & 1U << a);
-    s.u[i] = s.u[j];
-  });
+  walls::fill_images(g.walls, s, walls::vector(s.v), walls::even({&s.u}));
   find_weights(g, s.fluid, s.total());
 }
 
@@ -50,12 +47,7 @@ void refresh_constants(world<D>& g) {
   g.kind.assign(s.total() + 1, 0.0);
   const bool two = g.any_eos || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
-  const std::array<double*, 5> fixed{s.m.data(), g.start_volume.data(), g.gamma.data(), g.stiffness.data(),
-                                     g.kind.data()};
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(fixed));
-  foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
-    for (double* a : fixed) a[s.first_wall() + r] = a[g.walls.source[r]];
-  });
+  walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
 }
 
 template <int D>

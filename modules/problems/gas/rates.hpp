@@ -99,10 +99,9 @@ double dissipation_of(world<D>& g, std::size_t i) {
 
 // Fields that ghosts and images have of what was found.
 template <int D>
-std::array<double*, 9> found_fields(world<D>& g) {
+walls::signed_fields found_fields(world<D>& g) {
   auto& s = g.w.s;
-  return {g.correction.data(), s.rho.data(),   s.p.data(),           s.c.data(),        s.dV.data(),
-          g.per_S.data(),      g.slope.data(), g.dissipation.data(), g.stiffness.data()};
+  return walls::even({&g.correction, &s.rho, &s.p, &s.c, &s.dV, &g.per_S, &g.slope, &g.dissipation, &g.stiffness});
 }
 
 // The state that follows from the sums, set out to the ghosts; it is there, and that of images, after end_found().
@@ -127,7 +126,8 @@ void begin_found(world<D>& g) {
   });
   if (g.any_eos) check_sound(g);
   g.per_S[s.null()] = g.slope[s.null()] = 0.0;
-  const auto all = found_fields(g);
+  std::vector<double*> all;
+  found_fields(g).each_array([&](double* a) { all.push_back(a); });
   domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
 }
 
@@ -135,10 +135,7 @@ template <int D>
 void end_found(world<D>& g) {
   const foundation::stage timed(g.w.times, "halo");
   g.w.end_fluid();
-  const auto all = found_fields(g);
-  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned) {
-    for (double* a : all) a[i] = a[j];
-  });
+  walls::fill_images(g.walls, g.w.s, found_fields(g));
 }
 
 template <int D, class Kernel>

@@ -105,34 +105,19 @@ void sum(world<D>& g, const pairs::stretch& rows, const Term& term) {
   pairs::sum_over<D>(rows, g.w.list, {g.w.x(), g.w.frame}, schemes::distances_only{nearest}, term);
 }
 
-// f(image, its source, a bit for each axis across which it is seen: what is along that axis changes sign)
-template <int D, class F>
-void for_each_image(world<D>& g, F&& f) {
-  foundation::for_all(g.walls.source.size(), [&](std::size_t r) {
-    unsigned across = 0;
-    walls::for_each_mirror(g.walls, r, [&](const walls::side<D>& wall) { across ^= 1U << wall.axis; });
-    f(g.w.s.first_wall() + r, g.walls.source[r], across);
-  });
-}
-// The value of what is along these axes.
-inline double reflected(double value, unsigned along) { return std::popcount(along) % 2 == 0 ? value : -value; }
-
-// At ghosts and images: first so many plain numbers, then the gradients of two numbers, and that of a vector.
+// At ghosts and images: first so many even fields, then the gradients of two of them, and that of a vector.
 template <int D>
-void spread(world<D>& g, std::span<particles::array> arrays, std::size_t plain) {
-  std::vector<double*> all;
-  for (auto& a : arrays) all.push_back(a.data());
-  domain::exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(all));
-  for_each_image(g, [&](std::size_t i, std::size_t j, unsigned across) {
-    for (std::size_t n = 0; n < all.size(); ++n) {
-      unsigned along = 0;
-      if (n >= plain) {
-        const std::size_t k = (n - plain) / D, b = (n - plain) % D;
-        along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
-      }
-      all[n][i] = reflected(all[n][j], across & along);
+void spread(world<D>& g, std::span<particles::array> arrays, std::size_t even) {
+  walls::signed_fields fields;
+  for (std::size_t n = 0; n < arrays.size(); ++n) {
+    unsigned along = 0;
+    if (n >= even) {
+      const std::size_t k = (n - even) / D, b = (n - even) % D;
+      along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
     }
-  });
+    fields.all.push_back({arrays[n].data(), along});
+  }
+  walls::update_ghosts_and_images(g.w, g.walls, fields);
 }
 
 }  // namespace tetsuame::gas

@@ -34,28 +34,15 @@ void end_motion(fluids<D>& f) {
   const foundation::stage timed(w.times, "halo");
   w.end_fluid();
   walls::move_images(f.world.walls, s);
-  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = s.v[a][j];
-    s.T[i] = s.T[j];
-    walls::for_each_mirror(f.world.walls, i - s.first_wall(), [&](const walls::side<D>& wall) {
-      if (wall.no_slip)
-        for (std::size_t a = 0; a < D; ++a) s.v[a][i] = -s.v[a][i];
-      else
-        s.v[wall.axis][i] = -s.v[wall.axis][i];
-    });
-  });
+  walls::fill_images(f.world.walls, s, walls::velocity<D>{s.v}, walls::even({&s.T}));
 }
 
 // The source's ΔV and ρ, and p + ρ g (y_source - y_image).
 template <int D>
 void mirror(fluids<D>& f, particles::array& p) {
   auto& s = f.world.w.s;
-  const double g = f.o.gravity;
-  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
-    s.dV[i] = s.dV[j];
-    s.rho[i] = s.rho[j];
-    p[i] = p[j] + s.rho[j] * g * (s.x[1][j] - s.x[1][i]);
-  });
+  walls::fill_images(f.world.walls, s, walls::even({&s.dV, &s.rho}),
+                     walls::hydrostatic<D>{p.data(), s.rho.data(), f.world.w.g});
 }
 
 // ΔV = s/Σ W_ij of these rows, where volumes come from it.
@@ -116,8 +103,7 @@ void end_volumes(fluids<D>& f) {
     foundation::for_all(s.fluid_ghosts,
                         [&](std::size_t k) { s.rho[s.fluid + k] = s.m[s.fluid + k] / s.dV[s.fluid + k]; });
   mirror(f, s.p_eos);
-  if (has_factor(f))
-    for_each_image(f.world, [&](std::size_t i, std::size_t j) { f.follow_factor[i] = f.follow_factor[j]; });
+  if (has_factor(f)) walls::fill_images(f.world.walls, s, walls::even({&f.follow_factor}));
 }
 
 // Temperature and melt out of the heat content, at the pressure of the equation of state; viscosity and inertia by
@@ -137,7 +123,7 @@ void find_phases(fluids<D>& f) {
     if (law.viscosity_law != "constant") s.eta[i] = viscosity_by_melt(law, s.T[i], f.melt[i]);
     if (const double x = law.inertia_viscosity; x > 0.0) f.inertia[i] = std::max(1.0, s.eta[i] / x);
   });
-  hand_on(f.world, {&s.T, &s.eta});
+  walls::update_ghosts_and_images(w, f.world.walls, walls::even({&s.T, &s.eta}));
 }
 
 // Of fluid, ghosts and images: concentration, partition coefficient, ρ times diffusivity, material.
@@ -152,7 +138,7 @@ void find_partition(fluids<D>& f) {
     f.partition[i] = metal ? partition_coefficient(e, s.p_eos[i], s.T[i]) : 1.0;
     f.mobility[i] = s.rho[i] * (metal ? e.diffusivity_metal : e.diffusivity_silicate);
   });
-  hand_on(f.world, {&f.element, &f.metal, &f.partition, &f.mobility});
+  walls::update_ghosts_and_images(w, f.world.walls, walls::even({&f.element, &f.metal, &f.partition, &f.mobility}));
 }
 
 // The gradient of colour, and the area of contact per volume at each particle.
@@ -168,12 +154,7 @@ void find_contact(fluids<D>& f) {
     for (std::size_t a = 0; a < D; ++a) G2 += G[a][i] * G[a][i];
     f.area[i] = std::sqrt(G2);
   });
-  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(G));
-  for_each_image(f.world, [&](std::size_t i, std::size_t j) {
-    for (std::size_t a = 0; a < D; ++a) G[a][i] = G[a][j];
-    walls::for_each_mirror(f.world.walls, i - s.first_wall(),
-                           [&](const walls::side<D>& wall) { G[wall.axis][i] = -G[wall.axis][i]; });
-  });
+  walls::update_ghosts_and_images(w, f.world.walls, walls::vector(f.colour_slope));
 }
 
 // Forces of surface tension.

@@ -17,24 +17,6 @@
 
 namespace tetsuame::two_fluids {
 
-// f(image, its source)
-template <int D, class F>
-void for_each_image(const run::state<D>& world, F&& f) {
-  foundation::for_all(world.walls.source.size(),
-                      [&](std::size_t r) { f(world.w.s.first_wall() + r, world.walls.source[r]); });
-}
-
-// To ghosts and images: what the fluid has of these fields.
-template <int D>
-void hand_on(run::state<D>& world, std::initializer_list<particles::array*> fields) {
-  std::vector<double*> data;
-  for (auto* field : fields) data.push_back(field->data());
-  domain::exchange<D>(world.w.d.ranks, world.w.d.fluid_halo, std::span<double* const>(data));
-  for_each_image(world, [&](std::size_t i, std::size_t j) {
-    for (auto* field : fields) (*field)[i] = (*field)[j];
-  });
-}
-
 // A pair whose kernels are its ends' own.
 template <class Pair>
 struct pair_with_supports : Pair {
@@ -162,7 +144,7 @@ void take_supports(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   std::copy_n(f.support.begin(), s.fluid, f.S.begin());
-  hand_on(f.world, {&f.S});
+  walls::update_ghosts_and_images(f.world.w, f.world.walls, walls::even({&f.S}));
   foundation::for_all(s.total(), [&](std::size_t i) { f.per_S[i] = 1.0 / f.S[i]; });
   f.per_S[s.null()] = 0.0;
 }
