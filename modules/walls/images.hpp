@@ -91,7 +91,7 @@ struct velocity {
   void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {
     std::array<double, D> value;
     for (std::size_t a = 0; a < D; ++a) value[a] = v[a][of.j];
-    for_each_mirror(set, of.number, [&](const side<D>& wall) { reflect_velocity(wall, sticks, value); });
+    for_each_mirror(set, of.number, [&](const side<D>& wall) { reflect_velocity<D>(wall, sticks, value); });
     for (std::size_t a = 0; a < D; ++a) v[a][of.i] = value[a];
   }
   template <class F>
@@ -152,13 +152,13 @@ struct hydrostatic {
 // The images [first, last) of these fields, whose sources are up to date. Rules that read each other's images, or
 // places, stand behind them.
 template <int D, class... Rules>
-void fill_images(const wall_set<D>& set, const particles::particles<D>& s, std::size_t first, std::size_t last,
-                 const Rules&... rules) {
+void fill_image_range(const wall_set<D>& set, const particles::particles<D>& s, std::size_t first, std::size_t last,
+                      const Rules&... rules) {
   for_each_image(set, s, first, last, [&](const image& of) { (rules(set, s, of), ...); });
 }
 template <int D, class... Rules>
 void fill_images(const wall_set<D>& set, const particles::particles<D>& s, const Rules&... rules) {
-  fill_images(set, s, 0, set.source.size(), rules...);
+  fill_image_range(set, s, 0, set.source.size(), rules...);
 }
 
 // Collective. Ghosts of these fields, then images.

@@ -192,7 +192,7 @@ void reflect_velocity(const side<D>& wall, bool sticks, std::array<double, D>& v
 template <int D>
 void mirror_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D>& v) {
   for (std::size_t k = 0; k < set.sides.size(); ++k)
-    if ((set.mirrored[r] >> k & 1U) != 0) reflect_velocity(set.sides[k], true, v);
+    if ((set.mirrored[r] >> k & 1U) != 0) reflect_velocity<D>(set.sides[k], true, v);
 }
 
 template <int D>

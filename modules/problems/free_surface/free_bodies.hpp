@@ -91,7 +91,8 @@ void find_responses(water<D>& f) {
   });
   const auto fields = places_of(f.response);
   domain::exchange<D>(w.d.ranks, w.d.wall_halo, std::span<double* const>(fields));
-  for (auto& component : f.response) to_images(f, component.data(), walls.images_of_fluid, walls.source.size());
+  for (auto& component : f.response)
+    walls::fill_image_range(walls, s, walls.images_of_fluid, walls.source.size(), walls::even({&component}));
 }
 
 // Collective, after find_responses(). Of each free body, by exact sums.

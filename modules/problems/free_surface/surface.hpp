@@ -36,13 +36,13 @@ template <int D, class What>
 void behind_walls(const water<D>& f, particles::array& values, const What& what) {
   const auto& w = f.world.w;
   const auto& walls = f.world.walls;
-  walls::fill_images(walls, w.s, 0, walls.images_of_fluid, walls::even({&values}));
+  walls::fill_image_range(walls, w.s, 0, walls.images_of_fluid, walls::even({&values}));
   if (!walls.bodies.any()) return;
   walls::at_bodies<1, 0>(
       w, walls, [&](std::size_t j, std::size_t) { return std::array{values[j]}; },
       [&](std::size_t i, const auto&, double wet, const auto& mean) { values[i] = what(wet, mean[0]); });
   w.exchange_walls({values.data()});
-  walls::fill_images(walls, w.s, walls.images_of_fluid, walls.source.size(), walls::even({&values}));
+  walls::fill_image_range(walls, w.s, walls.images_of_fluid, walls.source.size(), walls::even({&values}));
 }
 
 // Places and volumes of ghosts and images, as of now.
