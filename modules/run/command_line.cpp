@@ -155,6 +155,18 @@ int parse(int argc, char** argv, bool speaks, const program_input& in, command_l
   return -1;
 }
 
+// Those that take a while to be read and checked.
+void tell_large_files(const command_line& line) {
+  constexpr double large = 5e6;  // bytes
+  for (const auto& f : line.files) {
+    std::error_code unknown;
+    const auto bytes = static_cast<double>(fs::file_size(f.from, unknown));
+    if (!unknown && bytes > large)
+      std::fputs(fmt::format("{}: reads and checks {}, {:.0f} MB\n", line.program, f.from, bytes / 1e6).c_str(),
+                 stderr);
+  }
+}
+
 // The input as resolved; none if that is all that was asked for.
 std::string read_input(const std::function<std::string(const std::string&)>& text_of, bool speaks, command_line& line,
                        const program_input& in) {
@@ -180,15 +192,15 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
           fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
   schema.read(document);
   line.files = find_input_files(schema, folder_of_earlier_run(line));
+  if (speaks) tell_large_files(line);
   in.complete(schema);
-  const auto resolved = resolved_with_copies(schema, line.check ? std::vector<input_file>() : line.files,
-                                             fmt::format("! {}, every key as run", in.program));
+  const auto first_line = fmt::format("! {}, every key as run", in.program);
   if (line.check) {
-    if (speaks) std::cout << resolved;
+    if (speaks) std::cout << resolved_with_copies(schema, {}, first_line);
     return "";
   }
   if (in.need) line.particles_at = schema.where("domain", "particles_x") + ": &domain particles_x";
-  return resolved;
+  return resolved_with_copies(schema, line.files, first_line);
 }
 
 // The status of the work; an error is told by one.

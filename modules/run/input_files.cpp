@@ -58,9 +58,13 @@ std::string hash_of(const std::string& path) {
 
 std::vector<input_file> find_input_files(const namelist::schema& schema, const std::string& earlier) {
   std::vector<input_file> all;
+  std::vector<std::string> given;  // the path of each
   for (const auto& [where, path, what] : schema.files()) {
-    const auto found = std::ranges::find(all, *path, &input_file::from);
-    if (found != all.end()) continue;
+    if (const auto found = std::ranges::find(given, *path); found != given.end()) {
+      *path = all[static_cast<std::size_t>(found - given.begin())].from;
+      continue;
+    }
+    given.push_back(*path);
     input_file f{.where = where, .from = *path, .name = name_of(*path, all)};
     f.of_start = what == namelist::file_of::start;
     const auto copy = (fs::path(earlier) / f.name).string();
@@ -105,7 +109,8 @@ std::vector<std::string> copies_in(const std::string& folder) {
     for (const auto& group : input.groups())
       for (const auto& from : group.assignments)
         for (const auto& value : from.values)
-          if (value.content.starts_with(mark) && fs::path(value.content).filename() == value.content)
+          if (from.key.ends_with("file") && value.content.starts_with(mark) &&
+              fs::path(value.content).filename() == value.content)
             names.push_back(value.content);
   } catch (const foundation::error&) {
     return {};  // no run, or not one of ours

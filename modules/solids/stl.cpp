@@ -66,7 +66,7 @@ class text_reader {
 
   // Behind solid or endsolid, to the end of the line; a facet may begin in the same line.
   void skip_name() {
-    while (at_ < text_.size() && text_[at_] != '\n') {
+    while (at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '\r') {
       auto ahead = *this;
       if (namelist::lower(ahead.word()) == "facet" && ahead.next_word() == "normal") return;
       if (is_blank(text_[at_]))
@@ -209,6 +209,16 @@ class welder {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
+void expect_near(const std::vector<facet>& facets, const std::string& name) {
+  constexpr double farthest = 1e12;  // beyond which volumes might overflow
+  for (std::size_t n = 0; n < facets.size(); ++n)
+    for (const auto& p : facets[n])
+      for (const double x : p)
+        if (!(std::abs(x) <= farthest))
+          fail_input(
+              fmt::format("{}: facet {}: a corner is at {:g}; expected: at most {:g}", name, n + 1, x, farthest));
+}
+
 std::vector<facet> facets_of(const std::string& bytes, const std::string& name) {
   std::string_view text = bytes;
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
@@ -228,6 +238,7 @@ std::vector<facet> facets_of(const std::string& bytes, const std::string& name) 
 triangles read_stl(const std::string& bytes, const std::string& name) {
   const auto facets = facets_of(bytes, name);
   if (facets.empty()) fail_input(name + ": holds no facets");
+  expect_near(facets, name);
   welder all(facets);
   triangles surface;
   for (std::size_t n = 0; n < facets.size(); ++n) {

@@ -89,6 +89,7 @@ char separator_of(std::string_view line) {
     else if (!inside)
       plain += c;
   }
+  if (plain.find(",\t") != std::string::npos) return ',';  // with tabs as blanks
   for (const char c : {';', '\t', ','})
     if (plain.find(c) != std::string::npos) return c;
   return ' ';

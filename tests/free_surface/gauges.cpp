@@ -88,8 +88,9 @@ BOOST_AUTO_TEST_CASE(curves) {
 BOOST_AUTO_TEST_CASE(curves_that_do_not_cover_the_times) {
   const series run{{0.0, 0.1, 0.2, 0.3}, {0.0, 200.0, 200.0, 200.0}}, later{{1.0, 2.0, 3.0}, {5.0, 5.0, 5.0}};
   BOOST_TEST(!mean_difference(run, later));
-  BOOST_TEST(covers(run, 0.0, 0.4));  // to within a reading
-  BOOST_TEST(!covers(run, 0.0, 0.5));
+  BOOST_TEST(covers(run, 0.0, 0.305));
+  BOOST_TEST(!covers(run, 0.0, 0.4));
+  BOOST_TEST(!covers({{0.0, 0.001}, {1.0, 1.0}}, 0.0, 0.0021));
   BOOST_TEST(!covers(later, 0.1, 2.0));
   options o;
   nlohmann::ordered_json m;

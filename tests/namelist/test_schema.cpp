@@ -267,3 +267,24 @@ BOOST_AUTO_TEST_CASE(keys_of_experts) {
   BOOST_TEST(g == 3.0);
   BOOST_CHECK_THROW(s.add("kernel", "order", g, {.expert = true}), std::logic_error);
 }
+
+// Paths begin at the input's folder, those of --set at the current one; empty ones are no files.
+BOOST_AUTO_TEST_CASE(files_that_are_named) {
+  std::string one, none;
+  std::vector<std::string> list;
+  namelist::schema s;
+  s.group("a", "");
+  s.add("a", "file", one, {.file = namelist::file_of::run});
+  s.add("a", "no_file", none, {.file = namelist::file_of::start});
+  s.add("a", "files", list, {.sparse = true, .file = namelist::file_of::start});
+  auto input = namelist::parse_text("&a file = 'x/y.csv '\n files(2) = '../z', '/abs/w' /\n", "in/case.nml");
+  input.set("a.files(4)=v/u");
+  s.read(input);
+  BOOST_TEST(one == "in/x/y.csv");
+  BOOST_TEST((list == std::vector<std::string>{"", "z", "/abs/w", "v/u"}));
+  const auto files = s.files();
+  BOOST_TEST_REQUIRE(files.size() == 4U);
+  BOOST_TEST(files[0].where == "in/case.nml:1: &a file");
+  BOOST_TEST(files[0].path == &one);
+  BOOST_TEST((files[0].what == namelist::file_of::run && files[1].what == namelist::file_of::start));
+}

@@ -104,12 +104,14 @@ series column_of(const namelist::schema& schema, const std::string& key, const t
                 t.headings().empty()
                     ? fmt::format("{} has no line with the names of its columns", t.name())
                     : fmt::format("the file has no column '{}': it has {}", name, fmt::join(t.headings(), ", ")));
-  t.expect_unit(0, "s", time_unit);
-  t.expect_unit(*place, of.unit, of.factor);
-  series s{t.ascending(0, "time"), t.numbers(*place)};
-  for (double& time : s.time) time *= time_unit;
-  for (double& value : s.value) value *= of.factor;
-  return s;
+  return schema.placed("gauges", "file", [&] {
+    t.expect_unit(0, "s", time_unit);
+    t.expect_unit(*place, of.unit, of.factor);
+    series s{t.ascending(0, "time"), t.numbers(*place)};
+    for (double& time : s.time) time *= time_unit;
+    for (double& value : s.value) value *= of.factor;
+    return s;
+  });
 }
 
 std::vector<series> curves_of(const namelist::schema& schema, const options& o, const std::string& key,
@@ -145,22 +147,23 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
   if (!named) return;
   if (!g.front_column.empty() && !g.front)
     schema.fail("gauges", "front_column", "front = .true. reads what this is compared with");
-  schema.placed("gauges", "file", [&] {
-    const auto t = tables::table::read(g.file);
-    if (t.rows() < 2) t.fail("expected two lines of numbers at least");
-    const auto number = [](const std::vector<double>& places, const scale& of) {
-      return std::vector<scale>(places.size(), of);
-    };
-    const scale length{"m", g.length_unit};
-    std::vector<scale> of_forces;
-    for (const auto& name : forces)
-      of_forces.push_back(name.starts_with("force") ? scale{"N", g.force_unit} : scale{"N m", g.moment_unit});
-    p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, length);
-    p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, number(g.height[0], length));
-    p.measured.pressure =
-        curves_of(schema, o, "pressure_columns", t, g.pressure_columns, number(g.pressure[0], {"Pa", g.stress_unit}));
-    p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, of_forces);
+  const auto t = schema.placed("gauges", "file", [&] {
+    auto read = tables::table::read(g.file);
+    if (read.rows() < 2) read.fail("expected two lines of numbers at least");
+    return read;
   });
+  const auto number = [](const std::vector<double>& places, const scale& of) {
+    return std::vector<scale>(places.size(), of);
+  };
+  const scale length{"m", g.length_unit};
+  std::vector<scale> of_forces;
+  for (const auto& name : forces)
+    of_forces.push_back(name.starts_with("force") ? scale{"N", g.force_unit} : scale{"N m", g.moment_unit});
+  p.measured.front = column_of(schema, "front_column", t, g.front_column, g.time_unit, length);
+  p.measured.height = curves_of(schema, o, "height_columns", t, g.height_columns, number(g.height[0], length));
+  p.measured.pressure =
+      curves_of(schema, o, "pressure_columns", t, g.pressure_columns, number(g.pressure[0], {"Pa", g.stress_unit}));
+  p.measured.force = curves_of(schema, o, "force_columns", t, g.force_columns, of_forces);
 }
 
 }  // namespace tetsuame::free_surface

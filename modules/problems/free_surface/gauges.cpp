@@ -85,7 +85,8 @@ std::optional<double> mean_difference(const series& run, const series& reference
 bool covers(const series& s, double from, double until) {
   if (s.time.size() < 2) return false;
   const std::size_t n = s.time.size();
-  const double first = s.time[1] - s.time[0], last = s.time[n - 1] - s.time[n - 2];
+  const double slack = 0.02 * (until - from);
+  const double first = std::min(slack, s.time[1] - s.time[0]), last = std::min(slack, s.time[n - 1] - s.time[n - 2]);
   return from >= s.time[0] - first && until <= s.time[n - 1] + last;
 }
 

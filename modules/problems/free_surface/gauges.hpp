@@ -33,7 +33,7 @@ double integral(const series& s, double from, double until);       // over what 
 // Root of the mean squared difference at those of the reference's times that the run has come to.
 std::optional<double> rms_difference(const series& run, const series& reference);
 std::optional<double> mean_difference(const series& run, const series& reference);  // of absolute values, at the same
-// Whether it has been read from then until then, to within the time between two of its readings.
+// Whether it has been read from then until then, but for a fiftieth of that and no more than one of its readings.
 bool covers(const series& s, double from, double until);
 
 // A cosine that dies away: from its zero crossings, and from a line through the logarithms of its largest values.
