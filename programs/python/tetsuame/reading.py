@@ -70,6 +70,10 @@ def read_json(path: Path, writer: str, kind: type = dict):
     return content
 
 
+def is_number(value) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
 class Keys(dict):
     """group.key and its value as text, without quotes, of a resolved.nml, which holds every key as run, one to a line."""
 
