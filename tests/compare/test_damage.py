@@ -1,6 +1,5 @@
 """What the package's commands do with files that are damaged, missing, or not what they should be, with output that cannot be written,
 and in surroundings of every kind: one sentence, exit 2 or 4, nothing written."""
-import fcntl
 import os
 import shutil
 import subprocess
@@ -210,22 +209,6 @@ class Surroundings(Case):
             said = subprocess.run([sys.executable, "-m", "tetsuame", *map(str, words)], capture_output=True, env=surroundings)
             self.assertEqual(said.returncode, 0, said.stderr.decode(errors="replace"))
             self.assertNotIn(b"Traceback", said.stderr)
-
-
-class Sweeps(Case):
-    def test_two_sweeps_in_one_folder(self):
-        (self.here / "bin").mkdir()
-        (self.here / "bin/rti").write_text("#!/bin/sh\nexit 3\n")
-        (self.here / "bin/rti").chmod(0o755)
-        (self.here / "a.nml").write_text("&rti /\n")
-        (self.here / "out").mkdir()
-        words = ("sweep", self.here / "a.nml", "--program", "rti", "--programs", self.here / "bin", "--set", "rti.n=1", "--output", self.here / "out")
-        with open(self.here / "out/.sweep.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            self.assert_refused(inside.call(*words), "another sweep")
-            self.assertEqual([path.name for path in (self.here / "out").iterdir()], [".sweep.lock"])
-        self.assertEqual(inside.call(*words).returncode, 3)
-        self.assertTrue((self.here / "out/sweep.csv").is_file())
 
 
 class Run(Case):

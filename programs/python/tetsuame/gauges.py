@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from . import fields, style
-from .reading import Columns, Damaged, Keys, read_text, real
+from .reading import Columns, Keys, as_table, real
 
 KINDS = {"front": ("front_column", "length_unit"), "height": ("height_columns", "length_unit"), "pressure": ("pressure_columns", "stress_unit")}
 ROOM = 1.6   # of the largest value measured: no panel is higher
@@ -18,6 +18,7 @@ def read(folder: Path) -> Columns | dict:
     return Columns(path) if path.is_file() else {}
 
 
+@as_table("the measurements beside a run, which its input names")
 def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there, and
     where it has numbers."""
@@ -47,26 +48,10 @@ def listed(text: str) -> list[str]:
 
 
 def reference(path: Path) -> dict[str, np.ndarray]:
-    """Columns by name, with commas, semicolons or tabs between; lines that begin with # say where they are from. What is no number is nan,
-    and a row that begins with none, of units say, is left out."""
-    lines = [line for line in read_text(path).splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    between = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
-    try:
-        head, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=between, skipinitialspace=True)]
-    except (ValueError, csv.Error):
-        raise Damaged(f"{path}: not a table with a line of names and lines of numbers") from None
-    numbers = [[real_or_nan(cell) for cell in row[:len(head)]] + [np.nan] * (len(head) - len(row)) for row in rows]
-    numbers = [row for row in numbers if np.isfinite(row[0])]
-    if not numbers:
-        raise Damaged(f"{path}: no line in it begins with a number")
-    return dict(zip(head, np.array(numbers).T))
-
-
-def real_or_nan(text: str) -> float:
-    try:
-        return real(text)
-    except ValueError:
-        return np.nan
+    """Columns by name; lines that begin with # say where they are from."""
+    with open(path, newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
+    return dict(zip(head, np.array([[float(value or "nan") for value in row] for row in rows]).T))
 
 
 def until(curve: tuple[np.ndarray, np.ndarray], last: float) -> tuple[np.ndarray, np.ndarray]:

@@ -43,6 +43,15 @@ def as_hdf5(path: Path, what: str):
         raise Damaged(f"{path}: {what} ({first_line(problem)})") from None
 
 
+@contextlib.contextmanager
+def as_table(what: str):
+    """Whatever a damaged table makes of those who read it, as Damaged."""
+    try:
+        yield
+    except (LookupError, ValueError, StopIteration, csv.Error) as problem:
+        raise Damaged(f"{what}: not a table of names and numbers ({first_line(problem)})") from None
+
+
 def first_line(problem: Exception) -> str:
     return (str(problem).strip("'\"").splitlines() or [type(problem).__name__])[0]
 

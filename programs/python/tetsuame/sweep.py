@@ -1,8 +1,6 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
-import contextlib
-import fcntl
 import itertools
 import json
 import os
@@ -59,6 +57,7 @@ class Sweep:
         return {"program": self.o.program, "input": read_text(self.o.input), "settings": list(self.runs[folder])}
 
     def note(self, folder: Path) -> None:
+        writing.folder(self.o.output)
         writing.text(beside(folder, ".json"), json.dumps(self.asked(folder), indent=1))
 
     def status(self, folder: Path) -> str | None:
@@ -189,31 +188,6 @@ def main(arguments: list[str]) -> int:
     if not (o.programs / o.program).is_file():
         raise Unreadable(f"no program '{o.program}' in {o.programs}; ./run build makes them, --programs says where they are")
     sweep = Sweep(o)
-    with alone_in(writing.folder(o.output)):
-        return carry_out(sweep, o)
-
-
-@contextlib.contextmanager
-def alone_in(folder: Path):
-    """Two sweeps at a time would start each run twice. The lock ends with the process."""
-    lock = folder / ".sweep.lock"
-    try:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
-    except OSError as problem:
-        raise Damaged(f"{lock}: {problem.strerror}") from None
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise Unreadable(f"{folder}: another sweep is at work there; wait until it has ended, or give another --output") from None
-    except OSError:
-        pass  # a file system without locks
-    try:
-        yield
-    finally:
-        os.close(handle)
-
-
-def carry_out(sweep: Sweep, o: argparse.Namespace) -> int:
     if o.submit:
         print("\n".join(sweep.scripts()))
         return COMPLETED
