@@ -36,8 +36,9 @@ def read(folder: Path) -> Run:
     summary = read_json(folder / "summary.json", "balance")
     history, times, cuts = (Columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
     try:
-        if len(history["step"]) <= max(times["decision"]) or min(times["decision"]) != 0 or not all(map(is_number, (
-                *summary["counts"], *(summary.get(name, 0) for name in ("fluid_particles", "wall_particles", "steps"))))):
+        sizes = [int(n) for n in summary["counts"]]
+        if len(history["step"]) <= max(times["decision"]) or min(times["decision"]) != 0 or sizes != summary["counts"] or min(sizes) < 1 or not all(
+                is_number(summary.get(name, 0)) for name in ("fluid_particles", "wall_particles", "steps")):
             raise ValueError("decisions or counts are not whole")
         missing = set(NEEDED) - set(history)
         if missing or not all(np.isfinite(column).all() for table in (history, times, cuts) for column in table.values()):
@@ -50,7 +51,6 @@ def read(folder: Path) -> Run:
             by_axis[d] = [cuts["position"][here & (cuts["axis"] == a)].reshape(-1, n + 1)
                           for a, n in enumerate(summary["counts"])]
         return Run(summary, history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
-        sizes = [int(n) for n in summary["counts"]]
         if any(len(total[times["decision"] == d]) != np.prod(sizes) for d in decisions):
             raise ValueError("times.csv has not all ranks")
     except (LookupError, ValueError, TypeError, ArithmeticError) as problem:
