@@ -43,7 +43,7 @@ def write_snapshot(path, time, places, periodic=False, length=LENGTH, **more):
     density = np.full(n, 3000.0)
     fields = {"Coordinates": (np.pad(places, [(0, 0), (0, 3 - dimension)]), "m"), "Velocities": (np.zeros((n, 3)), "m/s"),
               "ParticleIDs": (np.arange(n)[::-1] + 7, "1"), "Density": (density, "kg/m^3"),
-              "Masses": (density * (LENGTH**dimension / n), "kg"), "Temperature": (300 + 2 * places[:, 0] - places[:, 1] + time, "K"),
+              "Masses": (density * (length**dimension / n), "kg"), "Temperature": (300 + 2 * places[:, 0] - places[:, 1] + time, "K"),
               **{name: (values, "Pa") for name, values in more.items()}}
     with h5py.File(path, "w") as file:
         header = file.create_group("Header").attrs

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from . import pages, style
-from .reading import Unreadable, Columns, read_json
+from .reading import Columns, Damaged, first_line, is_number, read_json
 
 # Of each course its name and colour, by what its columns begin with.
 COURSES = {"": ("balancer", style.BLUE), "rcb_": ("Zoltan RCB", style.ORANGE), "hsfc_": ("Zoltan HSFC", style.PINK)}
@@ -21,6 +21,9 @@ MEASURES = {"spread at first": ("spread_initial", ".1%"), "spread at the end": (
             "saved": ("run_time_reduction", ".1%")}
 
 
+NEEDED = ("step", "spread", "slowest_step", "gain", "cost", "moved", "migrated_fraction")  # of history.csv
+
+
 @dataclass
 class Run:
     summary: dict
@@ -30,9 +33,16 @@ class Run:
 
 
 def read(folder: Path) -> Run:
+    summary = read_json(folder / "summary.json", "balance")
+    history, times, cuts = (Columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
     try:
-        summary = read_json(folder / "summary.json", "balance")
-        history, times, cuts = (Columns(folder / f"{name}.csv") for name in ("history", "times", "cuts"))
+        sizes = [int(n) for n in summary["counts"]]
+        if len(history["step"]) <= max(times["decision"]) or min(times["decision"]) != 0 or sizes != summary["counts"] or min(sizes) < 1 or not all(
+                is_number(summary.get(name, 0)) for name in ("fluid_particles", "wall_particles", "steps")):
+            raise ValueError("decisions or counts are not whole")
+        missing = set(NEEDED) - set(history)
+        if missing or not all(np.isfinite(column).all() for table in (history, times, cuts) for column in table.values()):
+            raise ValueError(f"history.csv has no {', '.join(sorted(missing))}" if missing else "a number is not finite")
         total = times["computing"] + times["communication"]
         decisions = np.unique(times["decision"]).astype(int)
         by_axis = {}
@@ -41,8 +51,10 @@ def read(folder: Path) -> Run:
             by_axis[d] = [cuts["position"][here & (cuts["axis"] == a)].reshape(-1, n + 1)
                           for a, n in enumerate(summary["counts"])]
         return Run(summary, history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
-    except (OSError, ValueError, KeyError, IndexError) as problem:
-        raise Unreadable(f"{folder}: not the results of a run of balance: {problem}") from problem
+        if any(len(total[times["decision"] == d]) != np.prod(sizes) for d in decisions):
+            raise ValueError("times.csv has not all ranks")
+    except (LookupError, ValueError, TypeError, ArithmeticError) as problem:
+        raise Damaged(f"{folder}: not the results of a run of balance ({first_line(problem)})") from None
 
 
 def courses(run: Run) -> dict[str, tuple[str, str]]:
@@ -99,10 +111,10 @@ def percent(value: float) -> str:
 
 def results(run: Run) -> str:
     """What each balancer made of the first cuts."""
-    found = run.summary.get("metrics") or {}
+    found = run.summary.get("metrics")
 
     def cell(name: str, form: str) -> str:
-        return pages.number("–" if found.get(name) is None else format(found[name], form).replace("%", " %"))
+        return pages.number("–" if not isinstance(found, dict) or not is_number(found.get(name)) else format(found[name], form).replace("%", " %"))
 
     rows = [[pages.name(*about), *(cell(prefix + name, form) for name, form in MEASURES.values())] for prefix, about in courses(run).items()]
     return pages.table(["", *MEASURES], rows, "wide") + pages.small(

@@ -3,7 +3,7 @@ from html import escape
 from pathlib import Path
 
 from . import pages, style
-from .reading import Unreadable, read_json
+from .reading import Damaged, is_number, read_json
 
 # Of each case its name and colour; those of gas have the colours of their schemes, and dashed lines.
 CASES = {"program_c": ("program C", style.COLOUR["C"]), "program_f": ("program F", style.COLOUR["F"]),
@@ -19,12 +19,23 @@ RATES = (
     ("plain loops", "full list, density and force, vectorised by the compiler, no walls", 2.2, 2.2),
 )
 
+POSITIVE = ("dimension", "particles", "threads", "neighbours", "updates_per_second", "updates_per_second_per_core", "pairs_per_second_per_core",
+            "ns_per_pair", "bytes_per_particle", "list_bytes_per_particle", "simd_lanes", "steps_per_list")
+
 
 def read(path: Path) -> list[dict]:
-    measured = read_json(path, "bench")
-    if not isinstance(measured, list) or not measured or not all(isinstance(r, dict) and "name" in r for r in measured):
-        raise Unreadable(f"{path}: holds no measurements; run bench again")
+    measured = read_json(path, "bench", list)
+    if not measured or not all(map(whole, measured)):
+        raise Damaged(f"{path}: {'holds measurements that are not whole' if measured else 'holds no measurement'}; run bench again")
     return [r | look(r) for r in measured]
+
+
+def whole(r) -> bool:
+    """Whether a measurement has what the page shows."""
+    return (isinstance(r, dict) and all(isinstance(r.get(name), str) for name in ("name", "processor", "version"))
+            and all(is_number(r.get(name)) and r[name] > 0 for name in POSITIVE) and is_number(r.get("load_average"))
+            and all(isinstance(r[name], int) for name in ("dimension", "particles", "threads"))
+            and isinstance(r.get("stages"), dict) and all(map(is_number, r["stages"].values())) and is_number(r.get("speedup_over_scalar", 1.0)))
 
 
 def look(result: dict) -> dict:
@@ -70,7 +81,7 @@ def over_particles(measured: list[dict], value, text: str):
             if kind[1] == dimension and (found := choose(measured, kind, few)):
                 ax.plot([r["particles"] for r in found], [value(r) for r in found], **found[0]["line"], label=kind[0])
         ax.set_xscale("log")
-        ax.set_ylim(0, 1.1 * max(value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few))
+        ax.set_ylim(0, 1.1 * max((value(r) for r in measured if r["dimension"] == dimension and r["threads"] == few), default=1.0))
         ax.set(xlabel="particles", title=f"{dimension}-D, {count(few)}")
     style.legend_above(figure, axes)
     return figure

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 
 from . import fields, style, tables
-from .reading import Columns, Keys
+from .reading import Columns, Keys, as_table
 
 KINDS = {"front": ("front_column", "length_unit"), "height": ("height_columns", "length_unit"), "pressure": ("pressure_columns", "stress_unit")}
 ROOM = 1.6   # of the largest value measured: no panel is higher
@@ -17,6 +17,7 @@ def read(folder: Path) -> Columns | dict:
     return Columns(path) if path.is_file() else {}
 
 
+@as_table("the measurements beside a run, which its input names")
 def measured(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Times, s, and values in SI units by column of gauges.csv: of the file that the run was held against, as far as it is there, and
     where it has numbers."""

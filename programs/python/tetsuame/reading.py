@@ -43,6 +43,15 @@ def as_hdf5(path: Path, what: str):
         raise Damaged(f"{path}: {what} ({first_line(problem)})") from None
 
 
+@contextlib.contextmanager
+def as_table(what: str):
+    """Whatever a damaged table makes of those who read it, as Damaged."""
+    try:
+        yield
+    except (LookupError, ValueError, StopIteration, csv.Error) as problem:
+        raise Damaged(f"{what}: not a table of names and numbers ({first_line(problem)})") from None
+
+
 def first_line(problem: Exception) -> str:
     return (str(problem).strip("'\"").splitlines() or [type(problem).__name__])[0]
 
@@ -68,6 +77,10 @@ def read_json(path: Path, writer: str, kind: type = dict):
     if not isinstance(content, kind):
         raise Damaged(f"{path}: not the JSON that {writer} writes; run it again")
     return content
+
+
+def is_number(value) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 class Keys(dict):

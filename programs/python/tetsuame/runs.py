@@ -67,6 +67,8 @@ class Snapshot:
     @functools.cached_property
     def spacing(self) -> np.ndarray:
         """Of each particle's neighbours, m: from its volume, or, in a file of few fields (&output fields), that of the start lattice."""
+        if not self.particles:
+            raise Damaged(f"{self.path}: holds no particle")
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             if "Volume" in self.names:
                 spacing = np.abs(self["Volume"]) ** (1 / self.dimension)
@@ -111,8 +113,6 @@ class Snapshot:
     def profile(self, name: str, axis: int | None = None, bins: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Means over layers normal to `axis` (y, along which gravity points; in 1-D x), weighted with volume: places, m, and values (nan in an empty layer)."""
         axis = min(1, self.dimension - 1) if axis is None else axis
-        if not self.particles:
-            raise Unreadable(f"{self.path}: holds no particle")
         bins = bins or max(int(min(self.lengths[axis] / np.median(self.spacing), LAYERS)), 1)
         place = np.clip(self["Coordinates"][:, axis] / self.lengths[axis] * bins, 0, bins - 1).astype(int)
         volume = self.spacing**self.dimension

@@ -1,8 +1,6 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
-import contextlib
-import fcntl
 import itertools
 import json
 import os
@@ -59,6 +57,7 @@ class Sweep:
         return {"program": self.o.program, "input": read_text(self.o.input), "settings": list(self.runs[folder])}
 
     def note(self, folder: Path) -> None:
+        writing.folder(self.o.output)
         writing.text(beside(folder, ".json"), json.dumps(self.asked(folder), indent=1))
 
     def status(self, folder: Path) -> str | None:

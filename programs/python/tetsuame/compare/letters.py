@@ -4,6 +4,7 @@ from html import escape
 from pathlib import Path
 
 from .. import pages, style, writing
+from ..reading import Unreadable
 from . import cases, note, prose, table
 from . import letters_figures as figures
 from .cases import ITERATING, LETTERS, SHIPPED_INPUTS, Run
@@ -131,7 +132,7 @@ def iteration_of(outcome: Outcome) -> str:
         return ""
     try:
         return ", ".join(outcome.resolved(f"hosono.{key}") for key in ("solver", "tolerance"))
-    except (OSError, KeyError):  # a program that crashed may have left nothing
+    except (Unreadable, KeyError):  # a program that crashed may have left nothing
         return ""
 
 

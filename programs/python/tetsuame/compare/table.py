@@ -2,6 +2,7 @@
 import re
 import sys
 
+from ..reading import Unreadable
 from . import note
 from .outcomes import COMPLETED, CRASHED, STOPPED, Outcome
 
@@ -90,7 +91,7 @@ def set_otherwise(outcome: Outcome) -> list[str]:
     try:
         return [f"&{group} {key} = {value:g}, the note: {noted}" for group, key, noted in wanted
                 if (value := outcome.setting(f"{group}.{key}")) != float(noted)]
-    except (OSError, KeyError):  # a program that crashed may have left nothing
+    except (Unreadable, KeyError):  # a program that crashed may have left nothing
         return []
 
 

@@ -104,7 +104,7 @@ def amdahl(rows: list[dict]) -> list[Amdahl]:
 
 def read(folder: Path) -> tuple[list[dict], list[dict]]:
     """scaling.json and exchange.json of a study."""
-    rows, exchanges = (read_json(folder / f"{name}.json", "./run bench --scaling") for name in ("scaling", "exchange"))
+    rows, exchanges = (read_json(folder / f"{name}.json", "./run bench --scaling", list) for name in ("scaling", "exchange"))
     if not rows or not all("efficiency" in r for r in rows):
         raise Unreadable(f"{folder}/scaling.json holds no results")
     return rows, exchanges
