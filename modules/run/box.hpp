@@ -94,6 +94,7 @@ class problem_in_a_box : public problem {
   }
 
   void check_state() final {
+    box.w.first_fault = {};
     report_state();
     box.w.agree();
   }

@@ -49,7 +49,7 @@ class AllInputs(Case):
         if result.status == COMPLETED:
             return "" if result.summary["status"] in ("completed", "completed_doubtful") else f"status {result.summary['status']}"
         if result.status == BAD_INPUT:
-            one = [line for line in result.stderr.strip().splitlines() if not line.startswith(f"{program}: warning")]
+            one = [line for line in result.stderr.splitlines() if line.startswith(f"{program}: ") and ": warning" not in line]
             return "" if len(one) == 1 and not directory.exists() else f"refused in {len(one)} lines, or something was written: {said}"
         if result.status == CALCULATION_FAILED and any(
                 re.fullmatch(programs, program) and re.fullmatch(inputs, path.stem) and re.search(message, said) for programs, inputs, message in KNOWN):
