@@ -113,11 +113,10 @@ bounds<D> bounds_behind(const faces<D>& of) {
 
 // ---- periodic sides --------------------------------------------------------------------------------------
 
-// Neither side of the axis is nearer than the reach.
+// Between the sides of the axis, and no nearer to them than the reach.
 template <int D>
-bool stays_away(const bounds<D>& b, const period<D>& box, std::size_t axis) {
-  const auto away = [&](double side) { return b.high[axis] < side - box.reach || b.low[axis] > side + box.reach; };
-  return b.empty() || (away(0.0) && away(box.length[axis]));
+bool stays_between(const bounds<D>& b, const period<D>& box, std::size_t axis) {
+  return b.empty() || (b.low[axis] > box.reach && b.high[axis] < box.length[axis] - box.reach);
 }
 
 // Planes and cylinders along an axis.
@@ -129,15 +128,18 @@ bool runs_along(const surface<D>& face, const period<D>& box, std::size_t axis) 
   return face.what == form::plane && std::abs(along) * length < box.slight;
 }
 
+template <int D>
+bool ends_bar(const surface<D>& face, std::size_t axis) {
+  return face.what == surface<D>::form::plane && 1.0 - std::abs(face.axis[axis]) < 1e-9;
+}
 // A bar along the axis, at least as long as the box.
 template <int D>
 bool is_long_bar(const body<D>& of, const period<D>& box, std::size_t axis) {
-  const double length = box.length[axis];
-  return of.pieces().size() == 1 && !of.pieces().front().outside &&
-         bounds_of(of).length(axis) > length * (1.0 - 1e-9) &&
+  const auto where = bounds_of(of);
+  return of.pieces().size() == 1 && !of.pieces().front().outside && where.ends(axis) &&
+         where.length(axis) > box.length[axis] * (1.0 - 1e-9) &&
          std::ranges::all_of(of.pieces().front().bounds, [&](const auto& face) {
-           const bool ends = face.what == surface<D>::form::plane && 1.0 - std::abs(face.axis[axis]) < 1e-9;
-           return ends || runs_along<D>(face, box, axis);
+           return ends_bar<D>(face, axis) || runs_along<D>(face, box, axis);
          });
 }
 
@@ -225,7 +227,7 @@ bool period<D>::any() const {
 template <int D>
 bool goes_on(const body<D>& of, const period<D>& box, std::size_t axis) {
   return std::ranges::all_of(of.pieces(), [&](const auto& p) {
-    return stays_away(bounds_behind<D>(p.bounds), box, axis) ||
+    return stays_between(bounds_behind<D>(p.bounds), box, axis) ||
            std::ranges::all_of(p.bounds, [&](const auto& face) { return is_same_at_sides<D>(face, box, axis); });
   });
 }
@@ -233,12 +235,12 @@ bool goes_on(const body<D>& of, const period<D>& box, std::size_t axis) {
 template <int D>
 bool runs_through(const body<D>& of, const period<D>& box, std::size_t axis) {
   if (!box.along[axis]) return false;
-  return is_long_bar(of, box, axis) || (goes_on(of, box, axis) && !stays_away(bounds_of(of), box, axis));
+  return is_long_bar(of, box, axis) || (goes_on(of, box, axis) && !stays_between(bounds_of(of), box, axis));
 }
 
 template <int D>
 void keep_one_period(bounds<D>& where, const body<D>& of, const period<D>& box, std::size_t axis) {
-  if (!is_long_bar(of, box, axis) || !where.ends(axis)) where.low[axis] = 0.0;
+  if (!is_long_bar(of, box, axis)) where.low[axis] = 0.0;
   where.high[axis] = where.low[axis] + box.length[axis];
 }
 
@@ -270,14 +272,19 @@ template <int D>
 body<D> repeated(const body<D>& of, const period<D>& box) {
   if (!box.any()) return of;
   const auto b = bounds_of(of);
-  std::vector<body<D>> all{of};
+  auto pieces = of.pieces();
   std::vector<point<D>> shifts{foundation::zero<double, D>()};
   for (std::size_t a = 0; a < D; ++a) {
     if (!box.along[a] || !b.ends(a) || goes_on(of, box, a)) continue;
+    if (is_long_bar(of, box, a)) {  // images would fill its ends up
+      std::erase_if(pieces.front().bounds, [&](const auto& face) { return ends_bar<D>(face, a); });
+      continue;
+    }
     const double L = box.length[a];
     const double first = std::ceil((-box.reach - b.high[a]) / L), last = std::floor((L + box.reach - b.low[a]) / L);
     const auto before = shifts;
-    for (double n = first; n <= last; n += 1.0) {
+    for (double k = 0.0; k <= last - first; k += 1.0) {
+      const double n = first + k;
       if (n == 0.0) continue;
       for (auto by : before) {
         by[a] = n * L;
@@ -285,13 +292,13 @@ body<D> repeated(const body<D>& of, const period<D>& box) {
       }
     }
   }
-  if (shifts.size() == 1) return of;
-  for (std::size_t n = 1; n < shifts.size(); ++n) {
-    auto pieces = of.pieces();
-    for (auto& p : pieces) p.bounds = placed<D>(std::move(p.bounds), no_rotation<D>(), shifts[n]);
-    all.emplace_back(of.name(), std::move(pieces));
+  std::vector<body<D>> all;
+  for (const auto& shift : shifts) {
+    auto there = pieces;
+    for (auto& p : there) p.bounds = placed<D>(std::move(p.bounds), no_rotation<D>(), shift);
+    all.emplace_back(of.name(), std::move(there));
   }
-  return {of.name(), joined(all).pieces()};
+  return {of.name(), all.size() == 1 ? pieces : joined(all).pieces()};
 }
 
 template struct bounds<2>;

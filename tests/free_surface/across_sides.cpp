@@ -149,13 +149,13 @@ BOOST_AUTO_TEST_CASE(weight_above_an_open_top) {
     scene<2> scene(
         fmt::format("&domain length_x = 2.0 length_y = 1.0 particles_x = 40 particles_y = 20 /"
                     "&flow high_y = 0.6 around_bodies = .true. / &solids body = 'log' shape = 'sphere'"
-                    " centre_x = 1.0 centre_y = {} radius = 0.5 / &motions body = 'log' kind = 'free' density ="
+                    " centre_x = 1.0 centre_y = {} radius = 0.4 / &motions body = 'log' kind = 'free' density ="
                     " 300 / &walls slip_top = 'free_surface' / &time t_end = 1.0 /",
-                    0.5 + above));
+                    0.6 + above));
     const auto& b = *scene.f->moving.front().free;
-    BOOST_TEST(b.mass == 300.0 * std::numbers::pi * 0.25, tt::tolerance(1e-4));
-    BOOST_TEST(b.now.pivot[1] == 0.5 + above, tt::tolerance(1e-6));
-    BOOST_TEST(b.inertia[0][0] == 0.5 * b.mass * 0.25, tt::tolerance(1e-4));
+    BOOST_TEST(b.mass == 300.0 * std::numbers::pi * 0.16, tt::tolerance(1e-4));
+    BOOST_TEST(b.now.pivot[1] == 0.6 + above, tt::tolerance(1e-6));
+    BOOST_TEST(b.inertia[0][0] == 0.5 * b.mass * 0.16, tt::tolerance(1e-4));
   }
 }
 
@@ -177,6 +177,6 @@ BOOST_AUTO_TEST_CASE(a_body_that_came_from_outside) {
     const auto walls = f.ranks().sum(static_cast<std::int64_t>(f.world.walls.bodies.places.size()));
     if (inside == 0) inside = walls;
     BOOST_TEST(walls == inside);
-    BOOST_TEST(walls > 50);
+    BOOST_TEST(walls > 30);
   }
 }
