@@ -299,24 +299,26 @@ BOOST_AUTO_TEST_CASE(empty_ranks_and_walls_survive_migration) {
 }
 
 BOOST_AUTO_TEST_CASE(wrap_moves_start_and_list_positions_along) {
-  auto o = box<2>({16, 8}, true);
-  o.domain.periodic[1] = false;
-  auto scene = make_scene<2>(o, alone());
-  auto& s = scene.w.s;
-  const auto before = s.x;
-  s.keeps_start = true;
-  s.x_start = s.x;
-  const auto start = s.x_start;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    for (std::size_t a = 0; a < 2; ++a) s.x[a][i] += 3.0 * noise(s.id[i], a);
-  const auto moved = s.x;
-  domain::wrap<2>(scene.w.d.region, s);
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    BOOST_TEST((s.x[0][i] >= 0.0 && s.x[0][i] < 16.0));
-    BOOST_TEST(s.x[1][i] == moved[1][i]);
-    // Powers of two as length and a range below it: the shift costs one rounding, of a few ulp of 16.
-    BOOST_TEST(std::abs((s.x[0][i] - s.x_list[0][i]) - (moved[0][i] - before[0][i])) <= 16.0 * epsilon);
-    BOOST_TEST(std::abs((s.x[0][i] - s.x_start[0][i]) - (moved[0][i] - start[0][i])) <= 16.0 * epsilon);
+  for (const double farthest : {3.0, 70.0}) {  // of many lengths, too
+    auto o = box<2>({16, 8}, true);
+    o.domain.periodic[1] = false;
+    auto scene = make_scene<2>(o, alone());
+    auto& s = scene.w.s;
+    const auto before = s.x;
+    s.keeps_start = true;
+    s.x_start = s.x;
+    const auto start = s.x_start;
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      for (std::size_t a = 0; a < 2; ++a) s.x[a][i] += farthest * noise(s.id[i], a);
+    const auto moved = s.x;
+    domain::wrap<2>(scene.w.d.region, s);
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      BOOST_TEST((s.x[0][i] >= 0.0 && s.x[0][i] < 16.0));
+      BOOST_TEST(s.x[1][i] == moved[1][i]);
+      // A power of two as length: the shift costs one rounding, of a few ulp of 16, and the place had one before.
+      BOOST_TEST(std::abs((s.x[0][i] - s.x_list[0][i]) - (moved[0][i] - before[0][i])) <= 6.0 * farthest * epsilon);
+      BOOST_TEST(std::abs((s.x[0][i] - s.x_start[0][i]) - (moved[0][i] - start[0][i])) <= 6.0 * farthest * epsilon);
+    }
   }
 }
 

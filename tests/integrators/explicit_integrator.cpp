@@ -301,6 +301,25 @@ BOOST_AUTO_TEST_CASE(a_scaled_field_is_weighed_by_its_scale) {
   BOOST_CHECK_LE(std::abs(far.second - near.second), 2);
 }
 
+BOOST_AUTO_TEST_CASE(steps_are_judged_beyond_what_all_have_in_common) {
+  // An oscillation in a frame that moves: from the first step on the steps of one at rest.
+  const auto in_frame = [](double U) {
+    double x = 1.0, v = U;
+    explicit_integrator integrator(MPI_COMM_SELF, {{"x", &x, 1e-12, 1.0, 0.0, U}, {"v", &v, 1e-6, 0.0, U, 0.0}}, 1, 0.0,
+                                   adaptive(3, 1e-6), [&](double t, std::span<double* const> rate) {
+                                     rate[0][0] = v;
+                                     rate[1][0] = U * t - x;
+                                     return 0;
+                                   });
+    run(integrator, 6.0);
+    return std::pair{x - 6.0 * U, integrator.statistics().steps};
+  };
+  const auto at_rest = in_frame(0.0), moving = in_frame(64.0);
+  BOOST_CHECK_EQUAL(moving.second, at_rest.second);
+  BOOST_CHECK_SMALL(moving.first - at_rest.first, 1e-9);
+  BOOST_CHECK_SMALL(at_rest.first - std::cos(6.0), 1e-4);
+}
+
 BOOST_AUTO_TEST_CASE(a_restart_gives_the_same_bits) {
   for (const auto& options : all_methods()) {
     problem p;
