@@ -19,6 +19,7 @@
 #include <foundation/error.hpp>
 #include <iosfwd>
 #include <limits>
+#include <map>
 #include <namelist/document.hpp>
 #include <optional>
 #include <string>
@@ -35,11 +36,15 @@ struct key_info {
   bool exclusive_minimum = false;
   std::vector<std::string> choices = {};  // of a text: matched in any case, stored as spelled here
   std::size_t maximum_size = 4096;        // of an array; at least its default's size
-  // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no error.
+  // Of an array: elements that are not given before the last one are zero, empty, or the first of the choices, and no
+  // error.
   bool sparse = false;
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
+  // Whether a restart may change it: how long a run is, how it is written, and who does the work. All else is the
+  // state's.
+  bool may_change = false;
   bool expert = false;           // stands in &expert
   std::string expert_name = "";  // there, where the key's own says too little without its group
   std::string meaning = "";
@@ -57,6 +62,10 @@ inline key_info up_to(double maximum, std::string meaning) {
 }
 inline key_info for_expert(key_info k) {
   k.expert = true;
+  return k;
+}
+inline key_info changing(key_info k) {
+  k.may_change = true;
   return k;
 }
 
@@ -80,6 +89,12 @@ struct key {
   std::string expected() const;   // type, unit and limits, for messages
   std::string value() const;      // as in a namelist; empty if there is none or it is not finite
   bool allows(double number) const;
+};
+
+// Of a key of a resolved input, "&group key".
+struct key_at_restart {
+  bool may_change;
+  std::string where;  // its value came from
 };
 
 struct key_group {
@@ -121,6 +136,7 @@ class schema {
   // Where the value came from: "file:line", "--set group.key=value" or "default".
   std::string where(const std::string& group, const std::string& key) const;
   bool given(const std::string& group, const std::string& key) const;
+  std::map<std::string, key_at_restart> at_restart() const;  // by "&group key"
   // Whether the target holds another value than the default: a resolved input gives every key.
   bool changed(const std::string& group, const std::string& key) const;
   // For checks that span keys: an error placed at this key, exit status 2.

@@ -141,9 +141,23 @@ class problem_in_a_box : public problem {
   void read_particles(const output::table& t) override { fluid_from_checkpoint(t, box.w.s); }
   void save(output::checkpoint_globals& g) const override {
     g.integers["wall_crossings"] = ranks().sum(wall_crossings_);
+    g.integers["balance_decisions"] = balancer.decisions;
+    g.integers["balance_moves"] = balancer.moves;
+    g.reals["balance_gain_predicted"] = balancer.gain_predicted;
+    g.reals["load_max_over_mean"] = balancer.worst_load.value_or(0.0);
+    g.reals["balance_particles_max_over_mean"] = balancer.worst_particles.value_or(0.0);
   }
   void restore(const output::checkpoint_globals& g) override {
     wall_crossings_ = ranks().rank == 0 ? g.integers.at("wall_crossings") : 0;
+    balancer.decisions = g.integers.at("balance_decisions");
+    balancer.moves = g.integers.at("balance_moves");
+    balancer.gain_predicted = g.reals.at("balance_gain_predicted");
+    const auto known = [&](const char* name) {
+      const double value = g.reals.at(name);
+      return value > 0.0 ? std::optional(value) : std::nullopt;
+    };
+    balancer.worst_load = known("load_max_over_mean");
+    balancer.worst_particles = known("balance_particles_max_over_mean");
   }
 
   // Of the run, for the metrics; a problem adds its own.

@@ -304,7 +304,7 @@ void resolve(const namelist::schema& schema, options& o) {
   check_test(schema, o);
   choose_precision(schema, o);
   check_coarser(schema, o);
-  if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   schema.placed("shock", "test", [&] { make_setup(o); });
 }
 
