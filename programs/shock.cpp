@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
             gas::resolve(schema, o);
             coarser = gas::coarser_inputs(schema, o);
           },
-      .need = [&] { return run::need_of(gas::expected_particles(o), 1080.0, o.common.kernel, o.domain.dimension); }};
+      .need = [&] { return run::need_of(gas::expected_particles(o), 1080.0, o.common.kernel, o.domain.dimension); },
+      .rehearsed_with = {"shock.coarser=0"}};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     gas::run_all(o, resolved, coarser, line, make);
   });

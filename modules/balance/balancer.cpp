@@ -433,7 +433,7 @@ void place_finely(cuts<D>& then, std::size_t axis, const std::vector<closer_look
 void declare(namelist::schema& schema, balancer_options& o) {
   schema.group("balancer", "how the cuts between ranks follow the measured times");
   const auto add = [&](const std::string& name, auto& bound, namelist::key_info info) {
-    info.expert = true;
+    info.may_change = info.expert = true;
     info.expert_name = "balancer_" + name;
     schema.add("balancer", name, bound, std::move(info));
   };

@@ -59,8 +59,8 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
                {.meaning = "the two sides across " + axis + " are one, or else walls" + (follows ? "" : only)});
   }
   schema.add("domain", "ranks_x", o.ranks_x.number,
-             namelist::between(
-                 0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests"));
+             namelist::changing(namelist::between(
+                 0, 1e6, "MPI ranks side by side along x, a divisor of their number; 0: as the box's shape suggests")));
   if (of_problem.jitters)
     schema.add(
         "domain", "jitter", o.jitter,

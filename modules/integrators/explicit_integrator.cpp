@@ -112,6 +112,7 @@ struct explicit_integrator::implementation {
   vector_handle spare{};        // stage j-2, error
   arkode_handle arkode{};
   bool rate_known = false;
+  bool repeats = false;            // the next evaluation was counted before the state was saved
   bool starting = false;           // ARKODE's next call of f is that at the start of the step
   N_Vector first_stage = nullptr;  // ARKODE's own, for the rate at the start
   int stages_left = 0;             // to be evaluated in this step; -1: and the rate at its end is, too
@@ -266,6 +267,7 @@ struct explicit_integrator::implementation {
   void know_rate() {
     if (rate_known) return;
     rhs_status = 0;
+    if (std::exchange(repeats, false)) --statistics.evaluations;
     if (evaluate(t, start_rate.get()) != 0) {
       raise_rhs_failure();
       fail_calculation(
@@ -584,8 +586,12 @@ void explicit_integrator::resize(std::vector<field> fields, std::size_t n) {
     s.build();
   else
     set_home_arrays(s.home.get(), arrays(s.fields));
-  s.rate_known = false;
+  s.rate_known = s.repeats = false;
 }
+
+bool explicit_integrator::repeats() const { return self_->repeats; }
+
+void explicit_integrator::choose_steps_anew() { self_->statistics.next_dt = self_->previous_error = 0.0; }
 
 void explicit_integrator::prepare() { self_->know_rate(); }
 
@@ -596,7 +602,7 @@ void explicit_integrator::lend(const std::function<void(std::span<double* const>
 
 void explicit_integrator::state_changed() {
   home_was_changed(self_->home.get());
-  self_->rate_known = false;
+  self_->rate_known = self_->repeats = false;
   self_->previous_dt = 0.0;
 }
 
@@ -604,7 +610,8 @@ const explicit_statistics& explicit_integrator::statistics() const { return self
 long long explicit_integrator::copies() const { return copies_made(self_->home.get()); }
 
 explicit_memory explicit_integrator::save() const {
-  return {self_->t, self_->statistics.next_dt, self_->previous_error, self_->previous_dt, self_->statistics};
+  return {self_->t,           self_->statistics.next_dt,           self_->previous_error,
+          self_->previous_dt, self_->rate_known || self_->repeats, self_->statistics};
 }
 
 void explicit_integrator::restore(const explicit_memory& memory) {
@@ -614,6 +621,7 @@ void explicit_integrator::restore(const explicit_memory& memory) {
   self_->statistics.next_dt = memory.next_dt;
   state_changed();
   self_->previous_dt = memory.previous_dt;
+  self_->repeats = memory.rate_known;
 }
 
 }  // namespace tetsuame::integrators

@@ -102,7 +102,8 @@ struct explicit_memory {
   double next_dt = 0.0;
   double previous_error = 0.0;  // 0: none yet
   double previous_dt = 0.0;     // of 'ab2'; 0: none, the next step is of 'order_2'
-  explicit_statistics statistics;
+  bool rate_known = false;      // at the state: it has been evaluated and counted
+  explicit_statistics statistics{};
 };
 
 class explicit_integrator {
@@ -124,6 +125,11 @@ class explicit_integrator {
   // Evaluates f at the present state unless it is known from the last step: for an f with a memory that may move on
   // then.
   void prepare();
+
+  // After restore(): whether that evaluates again what had been evaluated, and counted, when the memory was saved.
+  bool repeats() const;
+  // After restore(): the next step is as long as the first one of a start from here.
+  void choose_steps_anew();
 
   // Gives arrays as f writes them to who wants rates between steps: memory that only steps need.
   void lend(const std::function<void(std::span<double* const>)>& use);

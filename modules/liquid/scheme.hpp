@@ -26,7 +26,8 @@ class scheme {
   // As of run::problem.
   virtual void keep_memory(run::state<D>&) {}
   virtual void begin_tables(run::run_directory&) {}
-  virtual void complete_step(std::int64_t /*step*/) {}
+  virtual void expect_counts(bool) {}
+  virtual void complete_tables(std::int64_t /*step*/) {}
   virtual void fail(const foundation::error&, std::int64_t /*step*/, run::summary&) {}
   virtual void report(const run::state<D>&, nlohmann::ordered_json& /*metrics*/) const {}
   virtual void save(output::checkpoint_globals&) const {}
@@ -46,8 +47,14 @@ class problem : public run::problem_in_a_box<D> {
   void keep_memory() override {
     if (scheme_) scheme_->keep_memory(this->box);
   }
+  void expect_counts(bool counted) override {
+    if (scheme_) scheme_->expect_counts(counted);
+  }
+  void complete_tables(std::int64_t step) override {
+    if (scheme_) scheme_->complete_tables(step);
+  }
   bool complete_step(std::int64_t step) override {
-    if (scheme_) scheme_->complete_step(step);
+    complete_tables(step);
     return base::complete_step(step);
   }
   void begin_tables(run::run_directory& files) override {

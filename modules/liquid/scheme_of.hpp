@@ -54,7 +54,10 @@ class scheme_of : public scheme<D> {
     if constexpr (iterates)
       residuals_ = &files.table("residuals.csv", {{"evaluation", "1"}, {"iteration", "1"}, {"residual", "1"}});
   }
-  void complete_step(std::int64_t step) override {
+  void expect_counts(bool counted) override {
+    if constexpr (iterates) how_.counts = counted;
+  }
+  void complete_tables(std::int64_t step) override {
     if constexpr (iterates) {
       append_residuals(step);
       how_.residuals.clear();

@@ -380,6 +380,13 @@ bool schema::given(const std::string& group, const std::string& key) const {
   return !find(group, key).given_in.empty();
 }
 
+std::map<std::string, key_at_restart> schema::at_restart() const {
+  std::map<std::string, key_at_restart> all;
+  for (const key_group& g : groups_)
+    for (const key& k : g.keys) all["&" + g.name + " " + k.name] = {k.info.may_change, k.origin};
+  return all;
+}
+
 bool schema::changed(const std::string& group, const std::string& key) const {
   const auto& k = find(group, key);
   return k.value() != k.default_text;

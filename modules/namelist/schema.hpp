@@ -19,6 +19,7 @@
 #include <foundation/error.hpp>
 #include <iosfwd>
 #include <limits>
+#include <map>
 #include <namelist/document.hpp>
 #include <optional>
 #include <string>
@@ -45,6 +46,9 @@ struct key_info {
   // Of an optional number that follows from other keys where it is not given: a resolved input leaves it open, with
   // what it came to as a comment, so that it follows them again where a restart changes these.
   bool stays_open = false;
+  // Whether a restart may change it: how long a run is, how it is written, and who does the work. All else is the
+  // state's.
+  bool may_change = false;
   bool expert = false;           // stands in &expert
   std::string expert_name = "";  // there, where the key's own says too little without its group
   // Of a text, or of each of a list: a path that begins at the folder of the input, or that of --set at the current
@@ -65,6 +69,10 @@ inline key_info up_to(double maximum, std::string meaning) {
 }
 inline key_info for_expert(key_info k) {
   k.expert = true;
+  return k;
+}
+inline key_info changing(key_info k) {
+  k.may_change = true;
   return k;
 }
 
@@ -95,6 +103,11 @@ struct named_file {
   std::string where;  // "file:line: &group key"
   std::string* path;  // of the option that holds it, completed; not empty
   file_of what;
+};
+// Of a key of a resolved input, "&group key".
+struct key_at_restart {
+  bool may_change;
+  std::string where;  // its value came from
 };
 
 struct key_group {
@@ -136,6 +149,7 @@ class schema {
   // Where the value came from: "file:line", "--set group.key=value" or "default".
   std::string where(const std::string& group, const std::string& key) const;
   bool given(const std::string& group, const std::string& key) const;
+  std::map<std::string, key_at_restart> at_restart() const;  // by "&group key"
   // Whether the target holds another value than the default: a resolved input gives every key.
   bool changed(const std::string& group, const std::string& key) const;
   // In the order of their declaration; before read() there are none.

@@ -99,6 +99,7 @@ void schema::describe(std::ostream& out) const {
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
       if (const std::string range = k.limits(); !range.empty()) facts += ", " + range;
       facts += ", default " + (k.default_text.empty() ? "none" : k.default_text);
+      if (k.info.may_change) facts += "; a restart may change it";
       out << comment(facts, "  ") << line(k, k.default_text);
     }
     out << "/\n\n";

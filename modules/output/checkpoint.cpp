@@ -273,9 +273,8 @@ std::uint64_t slab_start(std::uint64_t rows, std::uint64_t rank, std::uint64_t r
 
 // The bits of this rank's rows of a field, or of the whole of anything else. The checksum becomes that of the bytes
 // read (of the whole once summed over ranks).
-std::vector<std::uint64_t> read_words(MPI_Comm comm, const descriptor& file, const std::string& path, indexed& d) {
-  const auto rank = static_cast<std::uint64_t>(foundation::rank_of(comm)),
-             ranks = static_cast<std::uint64_t>(foundation::size_of(comm));
+std::vector<std::uint64_t> read_words(std::uint64_t rank, std::uint64_t ranks, const descriptor& file,
+                                      const std::string& path, indexed& d) {
   std::uint64_t first = 0, bytes = d.bytes;
   if (is_field(d.what)) {
     first = slab_start(d.count, rank, ranks);
@@ -363,7 +362,9 @@ checkpoint read_checkpoint(MPI_Comm comm, const std::string& path) {
   std::string problem;
   try {
     const descriptor file(path, O_RDONLY);
-    for (auto& d : found) words.push_back(read_words(comm, file, path, d));
+    for (auto& d : found)
+      words.push_back(read_words(static_cast<std::uint64_t>(foundation::rank_of(comm)),
+                                 static_cast<std::uint64_t>(foundation::size_of(comm)), file, path, d));
   } catch (const std::exception& e) {
     problem = e.what();
   }
@@ -376,6 +377,42 @@ checkpoint read_checkpoint(MPI_Comm comm, const std::string& path) {
   checkpoint state;
   for (std::size_t k = 0; k < found.size(); ++k) hand_out(found[k], words[k], state);
   return state;
+}
+
+checkpoint_globals read_globals(const std::string& path) {
+  const auto index = read_block(path, read_verified_block(path));
+  const descriptor file(path, O_RDONLY);
+  checkpoint state;
+  for (auto d : index.datasets) {
+    if (is_field(d.what)) continue;
+    const auto told = d.sum;
+    const auto words = read_words(0, 1, file, path, d);
+    if (!(d.sum == told)) fail_damaged(path, "dataset " + d.path);
+    hand_out(d, words, state);
+  }
+  return state.globals;
+}
+
+namespace {
+
+[[noreturn]] void fail_without_checkpoint(const std::string& directory, const std::string& reasons) {
+  if (reasons.empty())
+    foundation::fail_file(fmt::format(
+        "there is no checkpoint in {}: without --restart, or with --force, the run starts anew", directory));
+  foundation::fail_file(fmt::format("no usable checkpoint in {}{}", directory, reasons));
+}
+
+}  // namespace
+
+checkpoint_globals newest_globals(const std::string& directory) {
+  std::string reasons;
+  const auto files = numbered_files(directory, "checkpoint_", ".h5");
+  for (auto file = files.rbegin(); file != files.rend(); ++file) try {
+      return read_globals((fs::path(directory) / file->second).string());
+    } catch (const foundation::error& e) {
+      reasons += fmt::format("; {}", e.what());
+    }
+  fail_without_checkpoint(directory, reasons);
 }
 
 latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory) {
@@ -397,10 +434,7 @@ latest_checkpoint find_latest(MPI_Comm comm, const std::string& directory) {
       reasons += fmt::format("; {}", e.what());
     }
   }
-  if (reasons.empty())
-    foundation::fail_file(fmt::format(
-        "there is no checkpoint in {}: without --restart, or with --force, the run starts anew", directory));
-  foundation::fail_file(fmt::format("no usable checkpoint in {}{}", directory, reasons));
+  fail_without_checkpoint(directory, reasons);
 }
 
 }  // namespace tetsuame::output

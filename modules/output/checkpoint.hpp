@@ -72,6 +72,11 @@ std::string write_checkpoint(MPI_Comm comm, const std::string& directory, std::i
 // All checksums are verified before anything is handed out.
 checkpoint read_checkpoint(MPI_Comm comm, const std::string& path);
 
+// On this process alone, without MPI: what is not of particles, its checksums verified.
+checkpoint_globals read_globals(const std::string& path);
+// Of the newest checkpoint in the directory whose globals are whole.
+checkpoint_globals newest_globals(const std::string& directory);
+
 struct latest_checkpoint {
   std::string path;
   checkpoint state;

@@ -78,17 +78,22 @@ bool written_by_a_run(const fs::path& path) {
   }
 }
 
+// Directories that this process holds, and the descriptor of each by the names that it was given.
+std::map<std::pair<dev_t, ino_t>, int> held;
+std::map<std::string, int> held_by_name;
+
 // Keeps the directory for this process until it ends, however it ends. A file system without locks lets everyone in.
 void lock(const std::string& directory) {
   const int opened = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) return;
   struct stat about {};
-  static std::map<std::pair<dev_t, ino_t>, int> held;
   const bool known = ::fstat(opened, &about) == 0 && held.contains({about.st_dev, about.st_ino});
   if (!known && ::flock(opened, LOCK_EX | LOCK_NB) == 0) {
     held.emplace(std::pair{about.st_dev, about.st_ino}, opened);
+    held_by_name[directory] = opened;
     return;
   }
+  if (known) held_by_name[directory] = held.at({about.st_dev, about.st_ino});
   const bool taken = !known && errno == EWOULDBLOCK;
   ::close(opened);
   if (taken)
@@ -124,6 +129,14 @@ bool is_our_file(const std::string& name) {
   const auto last = final_name(name);
   return std::find(plain_names.begin(), plain_names.end(), last) != plain_names.end() ||
          number_in(last, "snapshot_", ".h5") || number_in(last, "checkpoint_", ".h5");
+}
+
+std::string present_place(const std::string& directory) {
+  const auto found = held_by_name.find(directory);
+  if (found == held_by_name.end()) return directory;
+  std::error_code unknown;
+  const auto place = fs::read_symlink("/proc/self/fd/" + std::to_string(found->second), unknown);
+  return unknown || fs::equivalent(place, directory, unknown) ? directory : place.string();
 }
 
 bool holds_a_run(const std::string& directory) {

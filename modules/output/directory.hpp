@@ -44,6 +44,10 @@ class claimed_directory {
   std::vector<std::string> made_;  // rank 0; the innermost first
 };
 
+// On the rank that holds it: where a directory is that was claimed by this name, and may have been moved since. The
+// name itself where that is not known.
+std::string present_place(const std::string& directory);
+
 void open_directory(MPI_Comm comm, const std::string& directory, directory_mode mode,
                     const std::vector<std::string>& own_names = {});
 

@@ -46,17 +46,44 @@ descriptor::~descriptor() {
   if (fd_ >= 0) close(fd_);
 }
 
-stream append_to(const std::string& path) {
-  const descriptor file(path, O_WRONLY | O_APPEND | O_CREAT);
-  const int kept = fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
-  stream out(kept < 0 ? nullptr : fdopen(kept, "a"));
-  if (!out) {
-    const int code = errno;
-    if (kept >= 0) close(kept);
-    errno = code;
-    fail_system("write", path);
+growing_file::growing_file(const std::string& path) : path_(path), file_(path, O_WRONLY | O_APPEND | O_CREAT) {
+  bytes_ = size_of(file_, path);
+}
+
+void growing_file::add(const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = ::write(file_.get(), text.data() + done, text.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail_system("write", path_);
+    done += static_cast<std::size_t>(written);
+    bytes_ += static_cast<std::uint64_t>(written);
   }
-  return out;
+}
+
+void growing_file::sync() { output::sync(file_.get(), path_); }
+
+growing_file::damage growing_file::mend() {
+  struct stat own {};
+  struct stat there {};
+  if (fstat(file_.get(), &own) != 0) fail_system("write", path_);
+  const bool in_place = lstat(path_.c_str(), &there) == 0 && there.st_dev == own.st_dev && there.st_ino == own.st_ino;
+  const auto bytes = static_cast<std::uint64_t>(own.st_size);
+  if (in_place && bytes == bytes_) return {};
+  // What was opened is there as long as it is open, whatever has become of its name.
+  auto text = beginning_of("/proc/self/fd/" + std::to_string(file_.get()), bytes);
+  damage found;
+  found.lost = bytes != bytes_;
+  if (found.lost) {
+    text.resize(text.find_last_of('\n') + 1);
+    found.text = fmt::format("{} was changed by another program, and had {} bytes instead of {}: lines may be lost",
+                             path_, bytes, bytes_);
+    found.kept = text;
+  } else {
+    found.text = path_ + " was taken away or replaced: it is written again, with all its lines";
+  }
+  replace_text(path_, text);
+  *this = growing_file(path_);
+  return found;
 }
 
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,

@@ -5,8 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -32,12 +30,33 @@ class descriptor {
 // "cannot VERB PATH: reason of errno"
 [[noreturn]] void fail_system(const std::string& verb, const std::string& path);
 
-// A stream that adds to the end of a plain file, made where it is missing. Throws as a descriptor does.
-struct stream_closer {
-  void operator()(std::FILE* f) const { std::fclose(f); }
+// A file to which lines are added while the run goes on, and which somebody may take away or change meanwhile.
+class growing_file {
+ public:
+  // What had become of it. Empty text: nothing.
+  struct damage {
+    std::string text;   // a sentence
+    bool lost = false;  // whether lines are
+    std::string kept;   // then, the whole lines that are left
+  };
+
+  growing_file() = default;
+  // Begins with what stands there, and is made where it is missing. Throws as a descriptor does.
+  explicit growing_file(const std::string& path);
+  explicit operator bool() const { return file_.get() >= 0; }
+
+  // Throw fail_file.
+  void add(const std::string& text);
+  void sync();
+  // Where the file is gone or another stands in its place, it is written there again, with all its lines; where it was
+  // changed, with the whole lines that are left.
+  damage mend();
+
+ private:
+  std::string path_;
+  descriptor file_;
+  std::uint64_t bytes_ = 0;
 };
-using stream = std::unique_ptr<std::FILE, stream_closer>;
-stream append_to(const std::string& path);
 
 // All bytes at the offset, however many calls it takes. Throw fail_file with path and reason.
 void write_at(const descriptor& file, const std::string& path, const void* data, std::size_t bytes,

@@ -49,16 +49,32 @@ checksum history::growing_sum::now() const {
   return sum;
 }
 
-history::history(MPI_Comm comm, const std::string& path, const std::string& contents) : comm_(comm), path_(path) {
+history::history(MPI_Comm comm, const std::string& path, const std::string& header, const std::string& contents)
+    : comm_(comm), header_(header) {
   foundation::on_rank_0(comm, [&] {
     replace_text(path, contents);
-    file_ = append_to(path);
+    file_ = growing_file(path);
     sum_.add(contents);
   });
 }
 
+void history::mend() {
+  const auto damage = file_.mend();
+  if (damage.text.empty()) return;
+  if (damage.lost) {
+    sum_ = {};
+    sum_.add(damage.kept);
+    if (damage.kept.empty()) {
+      file_.add(header_);
+      sum_.add(header_);
+    }
+  }
+  if (tell_) tell_(damage.text);
+}
+
 history history::start(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns) {
-  return history(comm, path, header_of(columns));
+  const auto header = header_of(columns);
+  return history(comm, path, header, header);
 }
 
 history history::resume(MPI_Comm comm, const std::string& path, const std::vector<history_column>& columns,
@@ -72,7 +88,7 @@ history history::resume(MPI_Comm comm, const std::string& path, const std::vecto
       foundation::fail_file(fmt::format(
           "cannot continue {}: its columns are not those of this run. Move it away to start a new one", path));
   });
-  return history(comm, path, kept);
+  return history(comm, path, header, kept);
 }
 
 void history::check(MPI_Comm comm, const std::string& path, const table_mark& mark) {
@@ -85,33 +101,44 @@ void history::append(std::int64_t step, std::span<const double> values, const st
     for (const double x : values) line += fmt::format(",{}", x);
     if (!text.empty()) line += fmt::format(",\"{}\"", text);
     line += '\n';
-    if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0)
-      fail_system("write", path_);
+    mend();
+    file_.add(line);
     sum_.add(line);
   });
 }
 
 table_mark history::mark() {
-  foundation::on_rank_0(comm_, [&] { sync(fileno(file_.get()), path_); });
+  foundation::on_rank_0(comm_, [&] {
+    mend();
+    file_.sync();
+  });
   return {static_cast<std::int64_t>(sum_.bytes), hex(sum_.now())};
 }
 
 run_log::run_log(MPI_Comm comm, const std::string& path) {
   foundation::on_rank_0(comm, [&] {
-    file_ = append_to(path);
+    file_ = growing_file(path);
     const auto line = fmt::format("--- {:%Y-%m-%d %H:%M:%S} UTC, {} ranks\n", fmt::gmtime(std::time(nullptr)),
                                   foundation::size_of(comm));
-    std::fputs(line.c_str(), file_.get());
-    std::fflush(file_.get());
+    try {
+      file_.add(line);
+    } catch (const foundation::error&) {
+      return;  // a full disk
+    }
   });
 }
 
 void run_log::write(const std::string& text) {
   if (!file_) return;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-  const auto line = fmt::format("{:10.2f} s  {}\n", elapsed.count(), text);
-  std::fwrite(line.data(), 1, line.size(), file_.get());
-  std::fflush(file_.get());
+  growing_file::damage damage;
+  try {
+    damage = file_.mend();
+    file_.add(fmt::format("{:10.2f} s  {}\n", elapsed.count(), text));
+  } catch (const foundation::error&) {
+    return;
+  }
+  if (!damage.text.empty() && tell_) tell_(damage.text);
 }
 
 }  // namespace tetsuame::output

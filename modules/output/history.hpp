@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <output/file.hpp>
 #include <output/hash.hpp>
 #include <span>
@@ -38,6 +39,9 @@ class history {
   // Collective: that resume() would find what the mark says, or nothing. Throws fail_file on every rank.
   static void check(MPI_Comm comm, const std::string& path, const table_mark& mark);
 
+  // Of rank 0, where somebody has taken the file away or changed it: what it has become again, as a sentence.
+  void when_damaged(std::function<void(const std::string&)> tell) { tell_ = std::move(tell); }
+
   // Collective. Values in the columns' order, of which rank 0's are written with all
   // their digits; then the text, if there is one, in quotes (it has none itself). Throws fail_file on every rank.
   void append(std::int64_t step, std::span<const double> values, const std::string& text = {});
@@ -55,12 +59,14 @@ class history {
     void add(const std::string& text);
     checksum now() const;
   };
-  history(MPI_Comm comm, const std::string& path, const std::string& contents);
+  history(MPI_Comm comm, const std::string& path, const std::string& header, const std::string& contents);
+  void mend();  // rank 0
 
   MPI_Comm comm_;
-  std::string path_;
-  stream file_;  // rank 0
+  std::string header_;
+  growing_file file_;  // rank 0
   growing_sum sum_;
+  std::function<void(const std::string&)> tell_;
 };
 
 // run.log: what the run said, line by line, with the seconds since it began. Rank 0 writes.
@@ -72,10 +78,13 @@ class run_log {
   // Any rank may call it, rank 0's text counts. Never throws: a full disk costs the
   // lines, not the run (what matters goes to other files, which do tell).
   void write(const std::string& text);
+  // As of history.
+  void when_damaged(std::function<void(const std::string&)> tell) { tell_ = std::move(tell); }
 
  private:
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  stream file_;
+  growing_file file_;
+  std::function<void(const std::string&)> tell_;
 };
 
 }  // namespace tetsuame::output

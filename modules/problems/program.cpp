@@ -128,7 +128,7 @@ int start(int argc, char** argv, const char* name, std::unique_ptr<problem_of_in
   if (choose) own.choose = [&](const namelist::document& input) { problem = choose(input); };
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     if (theory) {
-      if (domain::communicator::world().rank == 0) std::fputs(problem->theory().c_str(), stdout);
+      if (domain::communicator::world().rank == 0) run::print(problem->theory());
       return;
     }
     problem->common().start.is_over = !line.restart.empty();

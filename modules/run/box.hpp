@@ -170,12 +170,26 @@ class problem_in_a_box : public problem {
     g.reals["density_excess"] = density_excess_;
     g.reals["skin"] = box.skin;
     g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
+    g.integers["balance_decisions"] = balancer.decisions;
+    g.integers["balance_moves"] = balancer.moves;
+    g.reals["balance_gain_predicted"] = balancer.gain_predicted;
+    g.reals["load_max_over_mean"] = balancer.worst_load.value_or(0.0);
+    g.reals["balance_particles_max_over_mean"] = balancer.worst_particles.value_or(0.0);
   }
   void restore(const output::checkpoint_globals& g) override {
     put_back_ = ranks().rank == 0 ? g.integers.at("particles_put_back") : 0;
     density_excess_ = g.reals.at("density_excess");
     set_skin(box, g.reals.at("skin"));
     std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
+    balancer.decisions = g.integers.at("balance_decisions");
+    balancer.moves = g.integers.at("balance_moves");
+    balancer.gain_predicted = g.reals.at("balance_gain_predicted");
+    const auto known = [&](const char* name) {
+      const double value = g.reals.at(name);
+      return value > 0.0 ? std::optional(value) : std::nullopt;
+    };
+    balancer.worst_load = known("load_max_over_mean");
+    balancer.worst_particles = known("balance_particles_max_over_mean");
   }
 
   // Of the run, for the metrics; a problem adds its own.

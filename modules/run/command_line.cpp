@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <domain/communicator.hpp>
 #include <filesystem>
@@ -16,6 +18,10 @@
 #include <namelist/text.hpp>
 #include <new>
 #include <run/command_line.hpp>
+#include <run/interrupt.hpp>
+#include <run/processors.hpp>
+#include <run/restart.hpp>
+#include <sstream>
 
 namespace {
 
@@ -24,6 +30,7 @@ char** arguments = nullptr;                                 // of a start that m
 pid_t starts = 0;                                           // this process, not one that Open MPI begins
 
 void start_again() {
+  if (tetsuame::run::stop_requested() != 0) return;
   std::fputs("MPI could not be started; once more, in a moment\n", stderr);
   // Not all of those that met at the same time again.
   const timespec pause{0, 300'000'000 + getpid() % 100 * 5'000'000};
@@ -92,6 +99,19 @@ void take_input_of_run(command_line& line) {
   std::error_code missing;
   if (fs::exists(line.input, missing) && !fs::is_regular_file(line.input, missing))
     throw CLI::ValidationError(line.input + " is not a plain file");
+}
+
+void check_restart_path(const std::string& restart) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  if (restart.empty() || restart == "latest") return;
+  if (fs::is_directory(restart, unknown))
+    foundation::fail_input(fmt::format(
+        "--restart {0}: is a directory, and a checkpoint in it, or 'latest', was expected: --restart latest "
+        "--output {0} continues the run in it",
+        restart));
+  if (fs::symlink_status(restart, unknown).type() == fs::file_type::not_found)
+    foundation::fail_file(fmt::format("cannot read checkpoint {}: there is no such file", restart));
 }
 
 // Whether an argument of --set names the group: group.key=value, not key=value.
@@ -180,7 +200,9 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
   namelist::schema schema;
   in.declare(schema);
   if (line.describe) {
-    if (speaks) schema.describe(std::cout);
+    std::ostringstream described;
+    schema.describe(described);
+    if (speaks) print(described.str());
     return "";
   }
   for (const auto& argument : line.set)
@@ -195,8 +217,16 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
   if (speaks) tell_large_files(line);
   in.complete(schema);
   const auto first_line = fmt::format("! {}, every key as run", in.program);
+  line.keys = schema.at_restart();
+  line.output = output_of(line);
   if (line.check) {
-    if (speaks) std::cout << resolved_with_copies(schema, {}, first_line);
+    if (!line.restart.empty()) {
+      const auto text = resolved_with_copies(schema, line.files, first_line);
+      const auto was = read_saved_run(line.restart, line.output);
+      check_restart(was, {line.program, text, line.keys});
+      check_end(was, {line.program, text, line.keys});
+    }
+    if (speaks) print(resolved_with_copies(schema, {}, first_line));
     return "";
   }
   if (in.need) line.particles_at = schema.where("domain", "particles_x") + ": &domain particles_x";
@@ -223,7 +253,6 @@ void run_input(const domain::communicator& ranks, command_line& line, const prog
   };
   const auto resolved = read_input(text_of, ranks.rank == 0, line, in);
   if (in.need) check_memory(ranks, in.program, in.need(), line.particles_at);
-  line.output = output_of(line);
   run(line, resolved);
 }
 
@@ -235,6 +264,20 @@ void end_all(const domain::communicator& ranks) {
 }
 
 }  // namespace
+
+void check_output() {
+  if (std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  // What failed may have done so some calls ago: the reason is the one that it has now.
+  errno = 0;
+  const bool works_now = ::write(STDOUT_FILENO, "\n", 1) == 1;
+  foundation::fail_file(
+      fmt::format("cannot write to the standard output{}", works_now ? "" : std::string(": ") + std::strerror(errno)));
+}
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  check_output();
+}
 
 std::string program_of_group(const std::string& group) {
   static const std::map<std::string, std::string> of = {{"shock", "shock"},
@@ -258,12 +301,19 @@ int start(int argc, char** argv, const program_input& input,
   line.started_as = argv[0];
   // What only reads needs no MPI: it answers at once, and where none may be started (a cluster's login node).
   int status = parse(argc, argv, first_of_all(), input, line);
-  if (status >= 0) return status;
+  if (!input.restarts || line.check || line.describe || line.plan || status >= 0) end_by_signals();
+  if (status > 0) return status;
+  if (status == 0) return guarded(first_of_all(), line.program, check_output);
+  status = guarded(first_of_all(), line.program, [&] { check_restart_path(line.restart); });
+  if (status > 0) return status;
   if (line.check || line.describe)
     return guarded(first_of_all(), line.program, [&] { read_input(namelist::read_file, first_of_all(), line, input); });
 
+  if (line.plan && first_of_all()) line.rehearsed = rehearse(line, input.rehearsed_with);
   start_mpi(argc, argv);
   const auto ranks = domain::communicator::world();
+  if (const auto crowded = crowded_processors(ranks); ranks.rank == 0 && !crowded.empty())
+    std::fprintf(stderr, "%s: warning: %s\n", input.program.c_str(), crowded.c_str());
   try {
     status = guarded(ranks.rank == 0, line.program, [&] { run_input(ranks, line, input, run); });
   } catch (const std::bad_alloc&) {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <namelist/schema.hpp>
 #include <run/amounts.hpp>
 #include <run/input_files.hpp>
+#include <run/rehearsal.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +26,8 @@ struct command_line {
   bool check = false, describe = false, force = false, plan = false;
   std::string particles_at;       // where their number was given
   std::vector<input_file> files;  // that the input names
+  std::map<std::string, namelist::key_at_restart> keys;  // of the input
+  rehearsal rehearsed;                                   // of --plan, where rank 0 is
 };
 
 // A program with an input of its own.
@@ -32,6 +37,8 @@ struct program_input {
   std::function<void(namelist::schema&)> declare;         // all groups and keys
   std::function<void(const namelist::schema&)> complete;  // fills and checks what takes more than one key
   std::function<memory_need()> need = {};                 // after complete; none: it is no matter
+  // Settings for a rehearsal of the run, group.key=value (rehearsal.hpp).
+  std::vector<std::string> rehearsed_with = {};
   // Before declare: what the input's groups say of the problem. None: there is but one.
   std::function<void(const namelist::document&)> choose = {};
   std::function<void(CLI::App&, command_line&)> add_options = {};  // of its own
@@ -41,6 +48,11 @@ struct program_input {
 // once, by rank 0.
 int start(int argc, char** argv, const program_input& input,
           const std::function<void(const command_line&, const std::string& resolved)>& run);
+
+// What somebody asked for, to the standard output. Throws fail_file where that cannot be written, and may have been cut
+// short.
+void print(const std::string& text);
+void check_output();
 
 // The program that a group of an input is for, where it is for no other; empty: several.
 std::string program_of_group(const std::string& group);

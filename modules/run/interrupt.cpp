@@ -48,18 +48,39 @@ void request(int signal) {
 // Whether SIGHUP was to be ignored when the process began, as nohup has it. UCX, which Open MPI 5 loads, takes this
 // signal for its own before main() begins; only what stands in .preinit_array is called earlier.
 bool no_hangup = false;
-[[gnu::no_sanitize("address", "undefined")]] void note_hangup(int, char**, char**) {
+
+[[gnu::no_sanitize("address", "undefined")]] void watch_all() {
+  struct sigaction noted;
+  std::memset(&noted, 0, sizeof noted);
+  noted.sa_handler = request;
+  noted.sa_flags = SA_RESTART;
+  for (const auto& known : watched)
+    if (known.number != SIGHUP || !no_hangup) sigaction(known.number, &noted, nullptr);
+}
+
+// The launcher (programs/launcher.cpp) holds the signals back until they can be noted.
+[[gnu::no_sanitize("address", "undefined")]] void watch_from_the_beginning(int, char**, char**) {
   struct sigaction found;
   if (sigaction(SIGHUP, nullptr, &found) == 0) no_hangup = found.sa_handler == SIG_IGN;
+  watch_all();
+  sigset_t all;
+  sigemptyset(&all);
+  for (const auto& known : watched) sigaddset(&all, known.number);
+  sigprocmask(SIG_UNBLOCK, &all, nullptr);
 }
-[[gnu::used, gnu::section(".preinit_array")]] void (*note_at_once)(int, char**, char**) = note_hangup;
+[[gnu::used, gnu::section(".preinit_array")]] void (*watch_at_once)(int, char**, char**) = watch_from_the_beginning;
 
 }  // namespace
 
 void watch_signals() {
-  for (const auto& known : watched) std::signal(known.number, request);
-  if (no_hangup) std::signal(SIGHUP, SIG_IGN);
+  watch_all();
   std::signal(SIGPIPE, SIG_IGN);
+}
+
+void end_by_signals() {
+  for (const auto& known : watched)
+    if (known.number != SIGHUP || !no_hangup) std::signal(known.number, SIG_DFL);
+  if (requested != 0) std::raise(requested);
 }
 
 int stop_requested() { return requested; }

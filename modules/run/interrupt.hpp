@@ -7,7 +7,10 @@
 
 namespace tetsuame::run {
 
+// From the first moment of a process on, before MPI and HDF5 are loaded, these signals are noted: what is to be done by
+// them is said by one of the two. A program that is no run ends as they say, at once, where one has come.
 void watch_signals();
+void end_by_signals();
 int stop_requested();  // the signal; 0: none came
 
 // What is written to the terminal as soon as a signal comes, after its name; empty: nothing. A step may take long, and

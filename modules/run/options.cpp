@@ -44,26 +44,35 @@ void resolve(const namelist::schema& schema, kernel_options& o) {
 void declare(namelist::schema& schema, output_options& o) {
   schema.group("output", "what is written, and how often");
   schema.add("output", "interval", o.interval,
-             {.unit = "s", .minimum = 0.0, .meaning = "model time between snapshots; 0: first and last only"});
+             {.unit = "s",
+              .minimum = 0.0,
+              .may_change = true,
+              .meaning = "model time between snapshots; 0: first and last only"});
   schema.add("output", "history_interval", o.history_interval,
-             {.minimum = 1, .meaning = "steps between lines of history.csv"});
+             {.minimum = 1, .may_change = true, .meaning = "steps between lines of history.csv"});
   schema.add("output", "fields", o.fields,
-             {.meaning = "of snapshots, by name, beside Coordinates and ParticleIDs; not given: all "
+             {.may_change = true,
+              .meaning = "of snapshots, by name, beside Coordinates and ParticleIDs; not given: all "
                          "that the program has"});
   schema.add("output", "precision", o.precision,
-             {.choices = {"double", "single"}, .meaning = "of numbers in snapshots; Coordinates stay double"});
-  schema.add("output", "compress", o.compress, {.meaning = "snapshots, by deflate; one process does it"});
+             {.choices = {"double", "single"},
+              .may_change = true,
+              .meaning = "of numbers in snapshots; Coordinates stay double"});
+  schema.add("output", "compress", o.compress,
+             {.may_change = true, .meaning = "snapshots, by deflate; one process does it"});
 }
 
 void declare(namelist::schema& schema, balance_options& o) {
   schema.add("domain", "balance", o.follows,
              {.choices = {"measured", "counted", "off"},
+              .may_change = true,
               .meaning = "what the cuts between ranks follow: seconds of computing, pairs of neighbours (the same in "
                          "every run), or nothing"});
   balance::declare(schema, o.how);
   schema.add("balancer", "interval", o.interval,
              {.minimum = 1,
               .maximum = 1e9,
+              .may_change = true,
               .expert = true,
               .expert_name = "balancer_interval",
               .meaning = "steps between decisions at least; one waits up to four times as long for new lists"});
@@ -72,11 +81,17 @@ void declare(namelist::schema& schema, balance_options& o) {
 void declare(namelist::schema& schema, run_options& o) {
   schema.group("run", "limits and checkpoints");
   schema.add("run", "wall_clock_limit", o.wall_clock_limit,
-             {.unit = "s", .minimum = 0.0, .meaning = "stop with a checkpoint after so long; 0: no limit"});
+             {.unit = "s",
+              .minimum = 0.0,
+              .may_change = true,
+              .meaning = "stop with a checkpoint after so long; 0: no limit"});
   schema.add("run", "checkpoint_interval", o.checkpoint_interval,
-             {.minimum = 0, .meaning = "steps between checkpoints; 0: by time only"});
+             {.minimum = 0, .may_change = true, .meaning = "steps between checkpoints; 0: by time only"});
   schema.add("run", "checkpoint_seconds", o.checkpoint_seconds,
-             {.unit = "s", .minimum = 0.0, .meaning = "wall-clock time between checkpoints; 0: none by time"});
+             {.unit = "s",
+              .minimum = 0.0,
+              .may_change = true,
+              .meaning = "wall-clock time between checkpoints; 0: none by time"});
 }
 
 void declare(namelist::schema& schema, time_options& o, const abilities& of_problem) {
@@ -88,33 +103,47 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
   const std::string stabilised = of_problem.diffuses ? "; rkl2, rkc2: stabilised for diffusion" : "";
   schema.add("time", "method", o.method,
              {.choices = methods,
+              .may_change = true,
               .meaning = "explicit, with a fixed step" + stabilised + "; adaptive: Runge-Kutta with error control"});
-  schema.add(
-      "time", "order", o.order,
-      {.minimum = 2, .maximum = 5, .expert = true, .expert_name = "time_order", .meaning = "of the adaptive method"});
+  schema.add("time", "order", o.order,
+             {.minimum = 2,
+              .maximum = 5,
+              .may_change = true,
+              .expert = true,
+              .expert_name = "time_order",
+              .meaning = "of the adaptive method"});
   schema.add("time", "dt", o.dt,
-             namelist::positive("s", "time step, with error control the first one; not given: " +
-                                         std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl")));
+             namelist::changing(namelist::positive(
+                 "s", "time step, with error control the first one; not given: " +
+                          std::string(of_problem.limits_diffusion ? "by cfl and diffusive" : "by cfl"))));
   if (of_problem.diffuses)
     schema.add("time", "error_control", o.error_control,
-               {.expert = true,
+               {.may_change = true,
+                .expert = true,
                 .expert_name = "time_error_control",
                 .meaning = "rkl2, rkc2: steps from an error estimate; else the fixed step dt"});
-  schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .meaning = "at most"});
+  schema.add("time", "steps", o.steps, {.minimum = 0, .maximum = 1e15, .may_change = true, .meaning = "at most"});
   schema.add("time", "t_end", o.t_end,
              {.unit = "s",
               .minimum = 0.0,
-              .stays_open = of_problem.ends_by_steps,
-              .meaning = std::string("time at the end") + (of_problem.ends_by_steps ? "; not given: steps * dt" : "")});
-  schema.add(
-      "time", "rtol", o.rtol,
-      {.minimum = 1e-14, .maximum = 1e-1, .meaning = "error control: of a step, relative to each field's scale"});
+              .stays_open = true,
+              .may_change = true,
+              .meaning = "time at the end; not given: steps * dt, where both are given"});
+  schema.add("time", "rtol", o.rtol,
+             {.minimum = 1e-14,
+              .maximum = 1e-1,
+              .may_change = true,
+              .meaning = "error control: of a step, relative to each field's scale"});
   schema.add("time", "cfl", o.cfl,
-             {.minimum = 1e-9, .stays_open = !o.cfl, .meaning = "largest dt c/dx; not given: by the method"});
+             {.minimum = 1e-9,
+              .stays_open = !o.cfl,
+              .may_change = true,
+              .meaning = "largest dt c/dx; not given: by the method"});
   if (of_problem.limits_diffusion)
     schema.add("time", "diffusive", o.diffusive,
                {.minimum = 1e-9,
                 .stays_open = !o.diffusive,
+                .may_change = true,
                 .expert = true,
                 .expert_name = "time_diffusive",
                 .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
@@ -123,7 +152,8 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
 void declare(namelist::schema& schema, start_options& o) {
   schema.group("initial", "start state");
   schema.add("initial", "file", o.file,
-             {.file = namelist::file_of::start,
+             {.may_change = true,  // its path; what is in it is held to the hash in the checkpoint
+              .file = namelist::file_of::start,
               .meaning = "a snapshot of the same box, of this program or another: places, velocities, temperatures, "
                          "densities and masses are those of its particles"});
 }
@@ -168,6 +198,8 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
 
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
+  // So many steps of a given length end a run that is not told when to end.
+  if (!schema.given("time", "t_end") && o.time.dt && o.time.steps < time_options{}.steps) o.time.t_end.reset();
   if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;
@@ -200,15 +232,7 @@ void check_fields(const namelist::schema& schema, output_options& o, const std::
 
 void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields) {
   check_fields(schema, o.output, fields);
-  check_interval(schema, o.output, o.time.t_end.value_or(0.0));
-}
-
-std::string method_of(const std::string& input) {
-  const auto document = namelist::parse_text(input, "the checkpoint's input");
-  for (const auto& group : document.groups())
-    for (const auto& from : group.assignments)
-      if (group.name == "time" && from.key == "method") return from.values.front().content;
-  return {};
+  check_interval(schema, o.output, o.time.has_end() ? o.time.end() : 0.0);
 }
 
 }  // namespace tetsuame::run

@@ -21,7 +21,9 @@ struct time_options {
   double rtol = 1e-4;
   std::optional<double> cfl, diffusive;  // dt c/dx, dt D/dx^2
 
-  double end() const { return t_end ? *t_end : static_cast<double>(steps) * *dt; }  // s
+  // s; of steps and dt where t_end is not given.
+  double end() const { return t_end ? *t_end : static_cast<double>(steps) * *dt; }
+  bool has_end() const { return t_end || (dt && steps < time_options{}.steps); }
   // Whether they are all dt long, as far as the input knows, so that it takes so many.
   bool counts_steps(double output_interval) const;
   // Whether steps follow from an error estimate, so that a state may be refused.
@@ -86,7 +88,6 @@ struct abilities {
   std::vector<std::string> kernels = {};  // those it is compiled for; none: all
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool limits_diffusion = true;           // viscosity or conduction limits its steps
-  bool ends_by_steps = false;             // t_end may follow from steps and dt
   bool starts_from_file = false;          // a snapshot says enough of its particles
 };
 // &domain must be there.
@@ -100,10 +101,6 @@ void resolve(const namelist::schema& schema, common_options& o);
 void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields);
 void check_fields(const namelist::schema& schema, output_options& o, const std::vector<std::string>& fields);
 void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
-
-// The method that a checkpoint's input, as resolved, was run with: a fixed step that was chosen for it says nothing
-// about another.
-std::string method_of(const std::string& input);
 
 double support_over_dx(const kernel_options& o);  // of a resolved one
 

@@ -26,13 +26,10 @@ namespace tetsuame::run {
 class communication_meter {
  public:
   // Around each step.
-  void begin() {
-    const auto before = now();
-    for (std::size_t k = 0; k < total_.size(); ++k) total_[k] -= before[k];
-  }
+  void begin() { before_ = now(); }
   void end() {
     const auto after = now();
-    for (std::size_t k = 0; k < total_.size(); ++k) total_[k] += after[k];
+    for (std::size_t k = 0; k < total_.size(); ++k) total_[k] += after[k] - before_[k];
     ++steps_;
   }
 
@@ -71,7 +68,7 @@ class communication_meter {
             static_cast<double>(s.letter_bytes), static_cast<double>(s.collectives)};
   }
 
-  std::array<double, 5> total_{};  // of the steps
+  std::array<double, 5> total_{}, before_{};  // of the steps that ended; at the last one's begin
   std::int64_t steps_ = 0;
 };
 
@@ -110,6 +107,10 @@ class problem {
   // Whether the next evaluations are of a state that a snapshot shows: what serves that alone can be left out
   // otherwise. True at first.
   virtual void expect_snapshot(bool) {}
+  // Whether the next evaluations count, for what is told of them: those that a restart repeats do not. True at first.
+  virtual void expect_counts(bool) {}
+  // After evaluations at the state of this step: tables of the problem's own that tell of them are brought up to date.
+  virtual void complete_tables(std::int64_t /*step*/) {}
   // The rate at the present state is known: what the next evaluations lag behind may become the present.
   virtual void keep_memory() {}
   // Whether that rate is to be evaluated again then, so that all stages of a step have one memory.

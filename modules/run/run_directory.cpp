@@ -10,6 +10,7 @@
 #include <output/file.hpp>
 #include <run/doubts.hpp>
 #include <run/interrupt.hpp>
+#include <run/restart.hpp>
 #include <run/run_directory.hpp>
 #include <type_traits>
 
@@ -67,6 +68,7 @@ void save(const integrators::explicit_memory& memory, output::checkpoint_globals
     else
       g.integers[name] = value;
   });
+  g.integers["rate_known"] = memory.rate_known ? 1 : 0;
   for (const auto& [name, count] : memory.statistics.limited_by) g.integers["limited_by " + name] = count;
 }
 
@@ -78,6 +80,7 @@ integrators::explicit_memory integrator_memory(const output::checkpoint_globals&
     else
       value = g.integers.at(name);
   });
+  memory.rate_known = g.integers.at("rate_known") != 0;
   memory.statistics.next_dt = memory.next_dt;
   constexpr std::string_view prefix = "limited_by ";
   for (const auto& [name, count] : g.integers)
@@ -98,6 +101,11 @@ void run_directory::tell(const std::string& text) {
   say(text);
   // Not fmt::print, which throws when the stream cannot be written: a closed window must not end the run.
   if (ranks.rank == 0) std::fputs((line.program + ": " + text + "\n").c_str(), stderr);
+}
+
+void run_directory::warn(const std::string& text) {
+  report.warnings.push_back(text);
+  tell("warning: " + text);
 }
 
 std::optional<output::latest_checkpoint> run_directory::open() {
@@ -163,6 +171,7 @@ void run_directory::begin() {
                 ranks.rank == 0 ? copies_in(line.output) : std::vector<std::string>());
   if (ranks.rank == 0) output::remove_quietly(path_of("stop"));
   log_.emplace(ranks.comm, path_of("run.log"));
+  log_->when_damaged([this](const std::string& text) { warn(text); });
   say(fmt::format("{} {} on {} ranks x {} threads, input {}", line.program, version(), ranks.size,
                   omp_get_max_threads(), line.input));
   for (const auto& text : std::exchange(unsaid_, {})) log_->write(text);
@@ -179,9 +188,11 @@ output::latest_checkpoint run_directory::read_saved() {
     saved = output::find_latest(ranks.comm, line.output);
   else
     saved = {line.restart, output::read_checkpoint(ranks.comm, line.restart), {}};
-  const auto& texts = saved.state.globals.texts;
-  check_restart(texts.at("program"), texts.at("input"), line.program, resolved);
-  for (const auto& [name, hash] : texts)
+  const auto& g = saved.state.globals;
+  const saved_run was{g.texts.at("program"), g.texts.at("input"), g.integers.at("step"), g.reals.at("time")};
+  check_restart(was, {line.program, resolved, line.keys});
+  check_end(was, {line.program, resolved, line.keys});
+  for (const auto& [name, hash] : g.texts)
     if (name.starts_with(hash_prefix)) hashes_[name.substr(hash_prefix.size())] = hash;
   foundation::on_rank_0(ranks.comm, [&] { expect_same_files(line.files, hashes_); });
   return saved;
@@ -197,7 +208,8 @@ bool run_directory::holds_another_run(const output::checkpoint& saved) const {
     const auto input = path_of("resolved.nml");
     if (!fs::is_regular_file(input, ignored) || fs::is_empty(input, ignored)) return;
     try {  // its first line names the program
-      check_restart(line.program, saved.globals.texts.at("input"), line.program, namelist::read_file(input));
+      check_restart({line.program, saved.globals.texts.at("input")},
+                    {line.program, namelist::read_file(input), line.keys});
     } catch (const foundation::error&) {
       another = "yes";
     }
@@ -214,6 +226,7 @@ output::history& run_directory::table(const std::string& name, const std::vector
   auto made = mark == marks_.end() ? output::history::start(ranks.comm, path, columns)
                                    : output::history::resume(ranks.comm, path, columns, mark->second);
   if (lost && continues_here()) tell(fmt::format("{} was lost: it begins anew", path));
+  made.when_damaged([this](const std::string& text) { warn(text); });
   return tables_.insert_or_assign(name, std::move(made)).first->second;
 }
 
@@ -368,14 +381,26 @@ void run_directory::interrupt(double reason, std::int64_t step, const std::strin
                   told_by(reason), step, of_steps, t, to_go_on()));
 }
 
+// As rank 0 sees it.
+std::string run_directory::what_is_good() const {
+  if (good_checkpoint_.empty()) return "; no checkpoint was written";
+  std::error_code ignored;
+  if (fs::exists(good_checkpoint_, ignored))
+    return "; " + good_checkpoint_ + " is good: continue with --restart latest";
+  const auto moved = output::present_place(line.output);
+  const auto there = fs::path(moved) / fs::path(good_checkpoint_).filename();
+  if (moved != line.output && fs::exists(there, ignored))
+    return fmt::format("; the directory was moved, and {} is good: continue with --restart latest --output {}",
+                       there.string(), moved);
+  return "; its checkpoint " + good_checkpoint_ + " is no longer there";
+}
+
 void run_directory::fail(const foundation::error& e, std::int64_t step, const std::function<void()>& save) {
   using foundation::exit_status;
   std::string message = e.what();
   if (e.status() == exit_status::calculation_failed) message = fmt::format("step {}: {}", step + 1, message);
   if (!log_ && e.status() != exit_status::calculation_failed) throw foundation::error(e.status(), message);
-  if (e.status() == exit_status::file_failed)
-    message += good_checkpoint_.empty() ? "; no checkpoint was written"
-                                        : "; " + good_checkpoint_ + " is good: continue with --restart latest";
+  if (e.status() == exit_status::file_failed) message += what_is_good();
   report.status = e.status() == exit_status::interrupted ? "interrupted" : "failed";
   report.message = message;
   try {

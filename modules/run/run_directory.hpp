@@ -49,6 +49,7 @@ struct run_directory {
   void say(const std::string& text);   // to the log
   std::string to_go_on() const;        // the command that continues this run
   void tell(const std::string& text);  // and to the terminal
+  void warn(const std::string& text);  // and to the summary; on rank 0
 
   double age() const { return began_.elapsed(); }                    // s, of this run, by this rank's clock
   double checkpoint_age() const { return checkpointed_.elapsed(); }  // s, of the last checkpoint or of this run
@@ -104,6 +105,7 @@ struct run_directory {
   output::latest_checkpoint read_saved();
   bool holds_another_run(const output::checkpoint& saved) const;
   void keep_good(const std::string& checkpoint);
+  std::string what_is_good() const;
   bool stop_file_is_there();
 
   std::int64_t snapshots_ = 0;

@@ -4,7 +4,6 @@
 #include <output/file.hpp>
 #include <run/command_line.hpp>
 #include <run/summary.hpp>
-#include <sstream>
 #include <vector>
 
 namespace tetsuame::run {
@@ -45,6 +44,7 @@ void summary::write(const domain::communicator& where, const std::string& direct
   j["program"] = program;
   j["status"] = status;
   j["message"] = message;
+  j["warnings"] = warnings;
   j["steps"] = steps;
   j["time"] = time;
   j["dimension"] = dimension;
@@ -90,49 +90,9 @@ void summary::print(const std::string& directory) const {
   if (metrics.value("particles_put_back", 0) > 0)
     text += fmt::format("  {} particles had to be put back inside the walls\n",
                         metrics["particles_put_back"].get<std::int64_t>());
+  for (const auto& warning : warnings) text += fmt::format("  warning: {}\n", warning);
   text += fmt::format("  state {}\n  results in {}\n", state_hash, directory);
   std::fputs(text.c_str(), stdout);  // whose reader may have gone
-}
-
-namespace {
-
-// Whether a key of this group may be another at a restart: all of how long, of the file that only a start reads, of how to write, and of who does the work.
-// In &expert the names of the keys of &time and &balancer begin with their group's.
-bool may_change(const std::string& group, const std::string& key) {
-  if (group == "&domain") return key == "ranks_x" || key == "balance";
-  if (group == "&initial") return key == "file";
-  if (group == "&expert") return key.starts_with("balancer_") || key.starts_with("time_");
-  return group == "&time" || group == "&output" || group == "&run";
-}
-
-// Lines that must be the same.
-std::vector<std::string> binding_lines(const std::string& input) {
-  std::vector<std::string> lines;
-  std::istringstream in(input);
-  std::string group;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("&")) group = line.substr(0, line.find(' '));
-    const auto key = std::min(line.find_first_not_of(' '), line.size());
-    if (!may_change(group, line.substr(key, line.find(' ', key) - key))) lines.push_back(line);
-  }
-  return lines;
-}
-
-}  // namespace
-
-void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
-                   const std::string& input) {
-  if (saved_program != program)
-    foundation::fail_input("the checkpoint is of program " + saved_program + ", not of " + program);
-  const auto was = binding_lines(saved_input), is = binding_lines(input);
-  for (std::size_t n = 0; n < std::max(was.size(), is.size()); ++n) {
-    const std::string a = n < was.size() ? was[n] : "(nothing)", b = n < is.size() ? is[n] : "(nothing)";
-    if (a != b)
-      foundation::fail_input(
-          "the input is not that of the checkpoint (only &time, &output, &run, &balancer and &domain ranks_x and "
-          "balance may change): it was\n  " +
-          a + "\nand is now\n  " + b);
-  }
 }
 
 }  // namespace tetsuame::run

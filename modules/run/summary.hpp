@@ -38,6 +38,7 @@ inline bool has_completed(const std::string& status) { return status.starts_with
 
 struct summary {
   std::string program, status = "failed", message, state_hash;
+  std::vector<std::string> warnings;  // of rank 0
   std::int64_t steps = 0;
   double time = 0.0;  // s
   int dimension = 2;
@@ -56,10 +57,5 @@ struct summary {
   void write(const domain::communicator& where, const std::string& directory) const;
   void print(const std::string& directory) const;
 };
-
-// Throws bad_input if a checkpoint's program or input (but for groups &time, &output, &run and &balancer, and for
-// &domain's ranks_x and balance, which may change) is not the present one's.
-void check_restart(const std::string& saved_program, const std::string& saved_input, const std::string& program,
-                   const std::string& input);
 
 }  // namespace tetsuame::run

@@ -86,10 +86,18 @@ struct loop {
   void evaluate_here() {
     p.at_time(integrator->time());
     integrator->lend([&](std::span<double* const> rates) { p.evaluate(rates); });
+    p.complete_tables(step);
   }
   void evaluate_for_snapshot() {
     p.expect_snapshot(true);
     evaluate_here();
+  }
+
+  // What the length of steps follows from: where a restart changes it, they are chosen anew.
+  std::string steps_follow_from() const {
+    const auto& t = o.time;
+    const auto first = fmt::format("{} {} dt {}", t.method, controls_error() ? t.order : 0, t.dt.value_or(0.0));
+    return controls_error() ? first + " by error" : fmt::format("{} cfl {} diffusive {}", first, *t.cfl, *t.diffusive);
   }
 
   // kept: s, the fixed step of the run that goes on.
@@ -219,7 +227,10 @@ struct loop {
     const foundation::stopwatch watch;
     {
       const foundation::stage timed(p.times(), "integration");
+      // The rate that was known when the checkpoint was written was counted then.
+      p.expect_counts(!integrator->repeats());
       integrator->prepare();
+      p.expect_counts(true);
       p.keep_memory();
       if (p.asks_again()) integrator->state_changed();
       // The other methods may take the last stage's rate for the first of the next step.
@@ -334,6 +345,7 @@ struct loop {
     g.reals["fixed_dt"] = dt;
     g.reals["bound_dt"] = bound.dt;
     g.texts["bound_is"] = bound.name;
+    g.texts["steps_follow_from"] = steps_follow_from();
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
     std::vector<std::int64_t> materials;
@@ -370,11 +382,11 @@ struct loop {
     p.rebuild(true);
     count_particles();
     p.set_time(g.reals.at("time"));
-    // A step chosen for another method is not this one's.
-    const bool as_before = method_of(g.texts.at("input")) == o.time.method;
+    const bool as_before = g.texts.at("steps_follow_from") == steps_follow_from();
     make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
     if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
+    if (!as_before) integrator->choose_steps_anew();
     p.set_time(integrator->time());
     line_step = g.integers.at("line_step");
     snapshot_step = g.integers.at("snapshot_step");
@@ -383,7 +395,9 @@ struct loop {
     coarser_evaluations = g.integers.at("coarser_evaluations");
     is_steady = p.steady();
     p.begin_tables(files);
+    p.expect_counts(false);  // it was, before the checkpoint
     evaluate_here();
+    p.expect_counts(true);
     // An interrupted run may have ended before it went on finer.
     if (step % o.output.history_interval == 0) refine();
   }
@@ -403,6 +417,8 @@ struct loop {
                              limit.name, limit.dt));
   }
 
+  double first_dt = 0.0;  // s, of a plan
+
   // A few steps from the start, of which the first is not timed: it makes lists and evaluates twice.
   void plan() {
     constexpr std::int64_t most = 20;
@@ -421,13 +437,14 @@ struct loop {
       take_step();
       complete_step();
       if (step == 1) {
+        first_dt = integrator->statistics().last_dt;
         watch = {};
         evaluations = integrator->statistics().evaluations;
       }
       elapsed = ranks.maximum(watch.elapsed());
     }
     const auto text = plan_text(elapsed, integrator->statistics().evaluations - evaluations);
-    if (ranks.rank == 0) fmt::print("{} {}\n{}", line.program, line.input, text);
+    if (ranks.rank == 0) print(fmt::format("{} {}\n{}", line.program, line.input, text));
   }
 
   // What the whole run will take, by what the timed steps took: s, and evaluations.
@@ -435,7 +452,22 @@ struct loop {
     const double last_dt = integrator->statistics().last_dt, to_go = t_end() - integrator->time();
     const auto asked = steps_asked().value_or(0);
     const double left = last_dt > 0.0 ? std::max(0.0, std::ceil(to_go / last_dt * (1.0 - 1e-9))) : 0.0;
-    const double steps = asked > 0 ? static_cast<double>(asked) : static_cast<double>(step) + left;
+    const auto& tried = line.rehearsed;
+    const double interval = o.output.interval;
+    const double by_rehearsal = tried.steps(controls_error() ? std::numeric_limits<double>::infinity() : first_dt,
+                                            o.time.dt && !controls_error() ? *o.time.dt : 0.0, t_end()) +
+                                (interval > 0.0 ? 0.5 * t_end() / interval : 0.0);
+    const double on_the_way = tried.course.empty() ? static_cast<double>(step) + left : std::ceil(by_rehearsal);
+    const double steps = finished()  ? static_cast<double>(step)
+                         : asked > 0 ? std::min(static_cast<double>(asked), on_the_way)
+                                     : on_the_way;
+    const std::string by =
+        finished() || (asked > 0 && steps == static_cast<double>(asked)) ? "as asked for"
+        : tried.course.empty()
+            ? fmt::format("to t = {:.4g} s with this dt; how dt changes is not known: {}", t_end(), tried.what)
+        : tried.completed ? fmt::format("to t = {:.4g} s, as dt changed with {}", t_end(), tried.what)
+                          : fmt::format("to t = {:.4g} s, as dt changed with {} to {:.3g} s; behind that not known",
+                                        t_end(), tried.what, tried.course.back().t);
     const auto timed = std::max<std::int64_t>(0, step - 1);
     const auto a_step = [&](auto of_all) {
       return timed > 0 ? static_cast<double>(of_all) / static_cast<double>(timed) : 0.0;
@@ -443,7 +475,6 @@ struct loop {
     std::vector<particles::array> extra;
     const auto bytes = static_cast<std::int64_t>(output::bytes_of(p.snapshot(extra), o.output.form()));
     const auto snapshot = static_cast<double>(ranks.sum(bytes));
-    const double interval = o.output.interval;
     const double snapshots = interval > 0.0 && t_end() > 0.0 ? 1.0 + std::ceil(t_end() / interval * (1.0 - 1e-9)) : 2.0;
     std::string text;
     const auto add = [&](const char* name, const std::string& value, const std::string& remark) {
@@ -452,8 +483,7 @@ struct loop {
     add("particles", std::to_string(report.fluid_particles), fmt::format("in {} dimensions", report.dimension));
     add("dt", fmt::format("{:.4g} s", last_dt),
         fmt::format("{}, after {} steps", controls_error() ? "by error control" : dt_is, step));
-    add("steps", fmt::format("{:.4g}", steps),
-        asked > 0 ? "as asked for" : fmt::format("to t = {:.4g} s with this dt", t_end()));
+    add("steps", fmt::format("{:.4g}", steps), by);
     add("a step", fmt::format("{:.3g} s", a_step(seconds)),
         fmt::format("mean of {}, with {:.3g} right-hand sides, on {} x {} cores", timed, a_step(evaluations),
                     ranks.size, omp_get_max_threads()));

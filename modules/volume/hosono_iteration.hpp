@@ -31,6 +31,7 @@ struct hosono_iteration {
   std::int64_t evaluations = 0;
   std::int64_t passes = 0;                 // in all evaluations
   std::vector<residual_record> residuals;  // since they were last taken away
+  bool counts = true;                      // whether evaluations are added to these three
 
   template <int D>
   void before_walls(pairs::workspace<D>& w, const surroundings<D>&) const {
@@ -84,6 +85,7 @@ struct pass {
   }
   void record(double residual) {
     ++iteration;
+    if (!self.counts) return;
     ++self.passes;
     self.residuals.push_back({self.evaluations, iteration, residual});
   }
@@ -359,7 +361,7 @@ void newton(pass<D>& one, double omega, double tolerance, double kappa) {
 template <class Pressure, int D>
 void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& around) {
   auto& s = w.s;
-  ++evaluations;
+  if (counts) ++evaluations;
   const double kappa = detail::largest_kappa(w);
   const double tolerance = detail::reachable(how.tolerance, kappa);
   const double omega = how.relaxation > 0.0 ? how.relaxation : std::min(1.0, 1.0 / kappa);

@@ -203,6 +203,7 @@ void measure_all(const settings& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  run::end_by_signals();
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   settings o;

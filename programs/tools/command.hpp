@@ -11,12 +11,29 @@
 #include <foundation/error.hpp>
 #include <functional>
 #include <run/command_line.hpp>
+#include <run/interrupt.hpp>
 
 namespace tetsuame::tools {
+
+// The status of the work; others: of errors that are not ours (out of memory, say).
+inline int carry_out(const char* program, foundation::exit_status others, const std::function<int()>& work) {
+  try {
+    const int status = work();
+    run::check_output();
+    return status;
+  } catch (const foundation::error& e) {
+    fmt::print(stderr, "{}: {}\n", program, e.what());
+    return static_cast<int>(e.status());
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: {}\n", program, e.what());
+    return static_cast<int>(others);
+  }
+}
 
 // Status to leave with, or -1 to go on. check: what options must be together; throws CLI::ParseError.
 inline int parse(
     CLI::App& app, int argc, char** argv, const std::function<void()>& check = [] {}) {
+  run::end_by_signals();
   app.set_version_flag("--version", fmt::format("{} {}, commit {}", app.get_name(), run::release(), run::version()));
   try {
     app.parse(argc, argv);
@@ -24,23 +41,10 @@ inline int parse(
     return -1;
   } catch (const CLI::Success& e) {
     app.exit(e);
-    return 0;
+    return carry_out(app.get_name().c_str(), foundation::exit_status::file_failed, [] { return 0; });
   } catch (const CLI::ParseError& e) {
     fmt::print(stderr, "{}: {}\nTry --help.\n", app.get_name(), e.what());
     return static_cast<int>(foundation::exit_status::bad_input);
-  }
-}
-
-// The status of the work; others: of errors that are not ours (out of memory, say).
-inline int carry_out(const char* program, foundation::exit_status others, const std::function<int()>& work) {
-  try {
-    return work();
-  } catch (const foundation::error& e) {
-    fmt::print(stderr, "{}: {}\n", program, e.what());
-    return static_cast<int>(e.status());
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "{}: {}\n", program, e.what());
-    return static_cast<int>(others);
   }
 }
 

@@ -88,6 +88,7 @@ int main(int argc, char** argv) {
     try {
       const auto j = measure(ranks);
       if (ranks.rank == 0) fmt::print("{}\n", j.dump(1));
+      if (std::fflush(stdout) != 0) foundation::fail_file("cannot write to the standard output");
     } catch (const foundation::error& e) {
       fmt::print(stderr, "exchange: {}\n", e.what());
       MPI_Abort(ranks.comm, static_cast<int>(e.status()));

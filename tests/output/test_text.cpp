@@ -77,6 +77,54 @@ BOOST_AUTO_TEST_CASE(a_history_that_is_not_what_was_written_is_refused) {
   BOOST_TEST(contents(path) == "step [1],time [s],kinetic energy [J/m]\n");
 }
 
+BOOST_AUTO_TEST_CASE(a_table_that_is_taken_away_is_there_again) {
+  const auto directory = fresh_directory("history_taken");
+  const auto path = directory + "/history.csv";
+  std::vector<std::string> told;
+  auto h = output::history::start(MPI_COMM_WORLD, path, columns);
+  h.when_damaged([&](const std::string& text) { told.push_back(text); });
+  const auto after = [&](int step, auto&& damage) {
+    h.append(step, std::array{0.1 * step, 0.5});
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (rank() == 0) damage();
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  after(1, [&] { fs::remove(path); });
+  after(2, [&] { fs::rename(path, directory + "/mine.csv"); });
+  after(3, [&] {
+    fs::remove(path);
+    overwrite(path, "another's\n");
+  });
+  h.append(4, std::array{0.4, 0.5});
+  const std::string header = "step [1],time [s],kinetic energy [J/m]\n";
+  BOOST_TEST(contents(path) == header + "1,0.1,0.5\n2,0.2,0.5\n3,0.30000000000000004,0.5\n4,0.4,0.5\n");
+  BOOST_TEST(told.size() == (rank() == 0 ? 3U : 0U));
+  for (const auto& text : told) BOOST_TEST(text.find("history.csv was taken away or replaced") != std::string::npos);
+  // Cut within a line: the whole lines stay, and the mark is that of what is there.
+  const auto cut = [&](std::size_t bytes) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (rank() == 0) fs::resize_file(path, bytes);
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  cut(header.size() + 12);
+  auto mark = h.mark();
+  BOOST_TEST(contents(path) == header + "1,0.1,0.5\n");
+  if (rank() == 0) BOOST_TEST(mark.bytes == static_cast<std::int64_t>(header.size() + 10));
+  cut(0);
+  h.append(5, std::array{0.5, 0.5});
+  BOOST_TEST(contents(path) == header + "5,0.5,0.5\n");
+  if (rank() == 0) BOOST_TEST(told.back().find("lines may be lost") != std::string::npos);
+  mark = h.mark();
+  output::history::resume(MPI_COMM_WORLD, path, columns, mark);
+  // Where its directory is gone, no line is passed over in silence.
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) fs::rename(directory, directory + "_moved");
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::string message;
+  BOOST_TEST(fails(exit_status::file_failed, message, [&] { h.append(6, std::array{0.6, 0.5}); }));
+  if (rank() == 0) fs::remove_all(directory + "_moved");
+}
+
 BOOST_AUTO_TEST_CASE(links_and_pipes_are_not_written_to) {
   const auto directory = fresh_directory("links");
   if (rank() == 0) {

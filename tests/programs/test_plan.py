@@ -83,6 +83,19 @@ class OfAnInput(Case):
             value, unit = said["snapshots"].split("of ")[1].split(" each")[0].split()
             self.assertAlmostEqual(float(value) * {"kB": 1e3, "MB": 1e6}[unit] / size, 1, delta=0.01)
 
+    def test_steps_that_change_on_the_way(self):
+        """Metal that falls fast shortens the steps: the first ones say a third of their number. A blast begins with short ones."""
+        (self.here / "temporary").mkdir()
+        for program, name, settings in [("rti", "rti_note", {"domain.particles_x": 40, "domain.particles_y": 40, "time.t_end": 2500}),
+                                        ("shock", "sedov", {"domain.particles_x": 48, "domain.particles_y": 48})]:
+            with self.subTest(name):
+                words = [INPUTS / f"{name}.nml", *(word for key, value in settings.items() for word in ("--set", f"{key}={value}"))]
+                said = self.figures(self.call(program, *words, "--plan", more={"TMPDIR": str(self.here / "temporary")}))
+                self.assertIn("as dt changed with", said["steps"])
+                steps = self.run_program(program, name, settings, name).summary["steps"]
+                self.assertLess(abs(math.log(float(said["steps"].split()[0]) / steps)), math.log(1.5))
+        self.assertEqual(list((self.here / "temporary").iterdir()), [])
+
     def test_ranks(self):
         said = self.figures(self.call("plan", INPUTS / "hydrostatic_12.nml", *self.SMALL, "--ranks", 2))
         self.assertIn("on 2 x ", said["a step"])

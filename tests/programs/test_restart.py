@@ -226,6 +226,8 @@ class Restart(Case):
         s = failed.summary
         self.assertEqual(s["status"], "failed")
         self.assertGreater(s["steps"], 10)
+        self.assertGreaterEqual(s["metrics"]["collectives_per_step"], 1, "the step that failed is none")
+        self.assertGreaterEqual(s["metrics"]["waiting_seconds_per_step"], 0)
         self.assertRegex(s["message"], rf"step {s['steps'] + 1}: .*pressure p = -.* particle \d+ at \(.*\) m")
         shorter = {**settings, "time.steps": s["steps"]}
         last = self.run_program("disph_c", "hydrostatic_column", shorter, "out", options=LATEST)

@@ -58,9 +58,9 @@ void resolve(const namelist::schema& schema, options& o) {
     schema.fail("conduction", "temperature", "the body must start at another temperature than its top's");
   if (o.reference == "plate" && (sides[2].thermal != "fixed" || sides[2].temperature != o.start))
     schema.fail("walls", "temperature_bottom", "the plate's bottom is kept at the temperature it starts with");
-  if (o.reference == "half_space" && *o.common.time.t_end > 0.0) {
+  if (o.reference == "half_space" && o.common.time.end() > 0.0) {
     // The exact solution must not have met the bottom.
-    const double reached = std::erfc(o.domain.length[1] / (2.0 * std::sqrt(o.kappa * *o.common.time.t_end)));
+    const double reached = std::erfc(o.domain.length[1] / (2.0 * std::sqrt(o.kappa * o.common.time.end())));
     if (reached > 1e-4)
       schema.fail(
           "time", "t_end",

@@ -180,8 +180,7 @@ class problem : public run::problem_in_a_box<D> {
   void save(output::checkpoint_globals& g) const override {
     g.reals["v_max"] = state_.start.v_max;
     g.reals["faster"] = state_.start.faster;
-    g.reals["v_rms"] = measured_.v_rms;
-    g.reals["outside"] = measured_.outside;
+    for (auto last = measured_; const auto& [name, value] : last.scalars()) g.reals[name] = *value;
     g.integers["level"] = state_.at_start.level;
     g.integers["has_before"] = state_.has_before ? 1 : 0;
     base::save(g);
@@ -192,8 +191,7 @@ class problem : public run::problem_in_a_box<D> {
     state_.has_before = state_.before && g.integers.at("has_before") != 0;
     state_.start.v_max = g.reals.at("v_max");
     state_.start.faster = g.reals.at("faster");
-    measured_.v_rms = g.reals.at("v_rms");
-    measured_.outside = g.reals.at("outside");
+    for (const auto& [name, value] : measured_.scalars()) *value = g.reals.at(name);
     measured_.samples.restore(g.blobs.at("samples"));
     base::restore(g);
   }

@@ -40,6 +40,15 @@ struct measured {
   double v_rms = 0.0;  // m/s
   double mach = 0.0, density_drift = 0.0, momentum = 0.0;
   double outside = 0.0;  // the largest share of particles that the viscosity's table did not cover
+
+  // Those that a checkpoint has, by name.
+  std::array<std::pair<const char*, double*>, 5> scalars() {
+    return {{{"v_rms", &v_rms},
+             {"mach", &mach},
+             {"density_drift", &density_drift},
+             {"momentum", &momentum},
+             {"outside", &outside}}};
+  }
 };
 
 inline std::vector<output::history_column> history_columns() {

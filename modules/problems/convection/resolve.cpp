@@ -37,14 +37,17 @@ bool expansivity_is_bound(const convection_options& c) {
          c.viscosity_law == "table" || c.viscosity_law == "melt";
 }
 
-// The input's with values that a Rayleigh or Prandtl number overrides; the number that is not given stays as it was.
+// The input's with values that a Rayleigh or Prandtl number overrides; the number that is not given stays as it was. Of
+// its own result it makes the same, to the bit.
 relaxation::material_options consistent_material(const options& o, double dT) {
   const auto& c = o.convection;
   auto m = o.physics.material;
   const double kappa = m.conductivity / (m.density * m.heat_capacity), L = o.domain.length[1];
   const double drive = o.physics.g * dT * L * L * L / kappa;  // Ra = alpha drive/nu
   const double Ra = c.rayleigh.value_or(m.expansivity * drive / (m.viscosity / m.density));
+  const double given_viscosity = m.viscosity;
   if (c.prandtl) m.viscosity = *c.prandtl * kappa * m.density;
+  if (!c.rayleigh && m.viscosity == given_viscosity) return m;
   if (c.prandtl || (c.rayleigh && !expansivity_is_bound(c)))
     m.expansivity = Ra * (m.viscosity / m.density) / drive;
   else if (c.rayleigh)
@@ -211,7 +214,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   const auto& c = o.convection;
   parameters p{};
   p.fluid = relaxation::layer(schema, o.physics, o.domain.length[1], o.temperature_bottom(), o.temperature_top());
-  const auto material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
+  const auto& material = o.physics.material = consistent_material(o, o.temperature_bottom() - o.temperature_top());
   p.fluid.nu = material.viscosity / material.density;
   p.fluid.alpha = material.expansivity;
   p.T_bottom = o.temperature_bottom();
@@ -229,7 +232,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
-  if (!o.common.time.t_end)
+  if (!o.common.time.has_end())
     o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
   run::check_output(schema, o.common, {"Viscosity", "Volume"});
   return p;

@@ -250,7 +250,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   domain::resolve(schema, demands, o.domain);
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);
-  if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   parameters p;
   p.blocks = find_blocks(schema, o);
   double lowest = o.domain.length[1], highest = 0.0;

@@ -344,7 +344,7 @@ void resolve(const namelist::schema& schema, options& o) {
   check_test(schema, o);
   choose_precision(schema, o);
   check_coarser(schema, o);
-  if (!o.common.time.t_end) schema.fail("time", "t_end", "the time at the end must be given");
+  if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   const auto test = schema.placed("shock", "test", [&] { return make_setup(o); });
   schema.placed("shock", "test", [&] { check_start(o, test); });
   std::vector<std::string> fields{"InternalEnergy"};

@@ -244,7 +244,7 @@ setup sedov(const options& o) {
     for (std::size_t a = 0; a < 3; ++a) e.v[a] = r > 0.0 ? w.u * (x[a] - c[a]) / r : 0.0;
     return e;
   };
-  const double end = *o.common.time.t_end;
+  const double end = o.common.time.end();
   if (end > 0.0) t.known = {{"shock_radius_exact", blast.shock_radius(s.energy, s.l.rho, end)}};
   // Two measures of the radius: by the density, and by the momentum along r, which smoothing at the shock does not
   // change:
@@ -281,7 +281,7 @@ setup noh(const options& o) {
   };
   t.start = [exact = t.exact](const point& x) { return exact(x, 0.0); };
   t.measured = [=](const point& x, double) { return distance(x, c) <= s.window * c[0]; };
-  const double end = *o.common.time.t_end;
+  const double end = o.common.time.end();
   t.known = {{"shock_radius_exact", flow.shock_radius(end)}};
   t.measures = [=, dx = o.domain.dx(), most = s.window * c[0]](const view& w, const samples&) {
     return numbers{{"shock_radius", shock_radius(w, c, dx, most, [&](double r) {

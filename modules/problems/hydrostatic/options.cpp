@@ -73,7 +73,7 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.scheme);
-  run::declare(schema, o, {.single_pairs = true, .diffuses = false, .ends_by_steps = true, .starts_from_file = true});
+  run::declare(schema, o, {.single_pairs = true, .diffuses = false, .starts_from_file = true});
 }
 
 void resolve(const namelist::schema& schema, options& o) {

@@ -246,8 +246,7 @@ void find_fall(const namelist::schema& schema, options& o, parameters& p) {
     find_places(schema, o, p);
     schema.placed("drop", "drops", [&] { find_cloud(o, p); });
     for (auto [key, value] : {std::pair{"measure_from", o.measure_from}, {"measure_until", o.measure_until}})
-      if (value && o.common.time.t_end && *value > *o.common.time.t_end)
-        schema.fail("drop", key, "is after the end of the run");
+      if (value && *value > o.common.time.end()) schema.fail("drop", key, "is after the end of the run");
     if (o.measure_from && o.measure_until && !(*o.measure_until > *o.measure_from))
       schema.fail("drop", "measure_until", "must be after measure_from");
     double highest = 0.0;

@@ -188,7 +188,7 @@ std::string theory_text(problem_kind kind, const options& o, const parameters& p
                : p.theory_about + "\n";
   if (p.melt_conducted)
     return fmt::format("{}\nmelt fraction {:.6g} of the lower material at t = {:.6g} s, by conduction at rest\n",
-                       p.theory_about, *p.melt_conducted, *o.common.time.t_end);
+                       p.theory_about, *p.melt_conducted, o.common.time.end());
   if (!p.growth) return p.theory_about + "\n";
   const std::string slowed =
       p.growth_slowed ? fmt::format("growth rate {:.9g} 1/s (with slowed sound and inertia)\n", *p.growth_slowed) : "";
