@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv",
-                                    "series.xdmf",  "walls.xdmf",   "run.log",     "balance.csv",   "gauges.csv"};
+constexpr std::array plain_names = {"resolved.nml", "summary.json", "history.csv", "residuals.csv", "series.xdmf",
+                                    "walls.xdmf",   "run.log",      "balance.csv", "gauges.csv"};
 
 // The digits of PREFIX<digits>SUFFIX, as a number.
 std::optional<std::int64_t> number_in(const std::string& name, const std::string& prefix, const std::string& suffix) {

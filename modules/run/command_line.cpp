@@ -265,7 +265,7 @@ void end_all(const domain::communicator& ranks) {
 
 }  // namespace
 
-void check_output() {
+void check_standard_output() {
   if (std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
   // What failed may have done so some calls ago: the reason is the one that it has now.
   errno = 0;
@@ -276,7 +276,7 @@ void check_output() {
 
 void print(const std::string& text) {
   std::fputs(text.c_str(), stdout);
-  check_output();
+  check_standard_output();
 }
 
 std::string program_of_group(const std::string& group) {
@@ -303,7 +303,7 @@ int start(int argc, char** argv, const program_input& input,
   int status = parse(argc, argv, first_of_all(), input, line);
   if (!input.restarts || line.check || line.describe || line.plan || status >= 0) end_by_signals();
   if (status > 0) return status;
-  if (status == 0) return guarded(first_of_all(), line.program, check_output);
+  if (status == 0) return guarded(first_of_all(), line.program, check_standard_output);
   status = guarded(first_of_all(), line.program, [&] { check_restart_path(line.restart); });
   if (status > 0) return status;
   if (line.check || line.describe)

@@ -24,8 +24,8 @@ struct command_line {
   std::string output;            // directory
   std::string restart;           // checkpoint file, or "latest"; empty: none
   bool check = false, describe = false, force = false, plan = false;
-  std::string particles_at;       // where their number was given
-  std::vector<input_file> files;  // that the input names
+  std::string particles_at;                              // where their number was given
+  std::vector<input_file> files;                         // that the input names
   std::map<std::string, namelist::key_at_restart> keys;  // of the input
   rehearsal rehearsed;                                   // of --plan, where rank 0 is
 };
@@ -52,7 +52,7 @@ int start(int argc, char** argv, const program_input& input,
 // What somebody asked for, to the standard output. Throws fail_file where that cannot be written, and may have been cut
 // short.
 void print(const std::string& text);
-void check_output();
+void check_standard_output();
 
 // The program that a group of an input is for, where it is for no other; empty: several.
 std::string program_of_group(const std::string& group);

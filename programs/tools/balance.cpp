@@ -242,7 +242,7 @@ void print(const virtual_run<D>& v, std::int64_t decisions) {
                c.name.empty() ? "balancer" : c.name, 100.0 * c.first_times.over_mean(), 100.0 * c.times.over_mean(),
                c.times.efficiency(), c.updates, 100.0 * c.moved_per_update(), c.run_time,
                v.first.run_time > 0.0 ? 100.0 * c.run_time / v.first.run_time : 100.0);
-  run::check_output();
+  run::check_standard_output();
 }
 
 template <int D>

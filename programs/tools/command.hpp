@@ -19,7 +19,7 @@ namespace tetsuame::tools {
 inline int carry_out(const char* program, foundation::exit_status others, const std::function<int()>& work) {
   try {
     const int status = work();
-    run::check_output();
+    run::check_standard_output();
     return status;
   } catch (const foundation::error& e) {
     fmt::print(stderr, "{}: {}\n", program, e.what());

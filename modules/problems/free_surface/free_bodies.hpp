@@ -152,7 +152,7 @@ std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
   for (auto& b : f.moving) {
     if (!b.free) continue;
     const auto A = b.free->acceleration(b.now.turned, gravity, {before[n].force, before[n].moment}, added[n],
-                                          held_turns(f, b.body));
+                                        held_turns(f, b.body));
     b.rate.acceleration = A.linear;
     b.rate.angular_acceleration = A.turning;
     ++n;

@@ -36,7 +36,7 @@ void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   const auto& walls = f.world.walls;
   walls::fill_image_range(walls, s, first, last, walls::velocity<D>{s.v, false}, walls::even({&s.rho, &s.dV}),
-                     walls::hydrostatic<D>{s.p.data(), s.rho.data(), f.world.w.g});
+                          walls::hydrostatic<D>{s.p.data(), s.rho.data(), f.world.w.g});
   if (f.two_velocities) walls::fill_image_range(walls, s, first, last, walls::velocity<D>{f.viscous_velocity});
 }
 
