@@ -96,6 +96,7 @@ void schema::describe(std::ostream& out) const {
       if (!(whose + k.info.meaning).empty()) out << comment(whose + k.info.meaning, "  ");
       std::string facts = k.type_name();
       if (facts.starts_with("list")) facts += fmt::format(", at most {}", k.info.maximum_size);
+      if (k.info.file != file_of::nothing) facts += ", a path from the input's folder";
       if (!k.info.unit.empty()) facts += " [" + k.info.unit + "]";
       if (const std::string range = k.limits(); !range.empty()) facts += ", " + range;
       facts += ", default " + (k.default_text.empty() ? "none" : k.default_text);

@@ -12,11 +12,11 @@ TANK = """&domain length_x = 1.6 length_y = 0.8 particles_x = 32 particles_y = 1
 &motions body = 'tank' kind = 'table' file = 'way.csv' /
 &gauges interval = 0.01 height_x = 0.8 file = 'curves.csv' height_columns = 'h' /
 &walls slip_top = 'free_surface' /
-&time t_end = 0.02 /
+&time t_end = 1.0 steps = 6 /
 """
 WAY = "t,x,y,z,angle\n0.0,0,0,0,0\n0.1,0.01,0,0,0\n0.2,0.02,0,0,0\n0.3,0.02,0,0,0\n"
 CURVES = "t,h\n0.0,0.4\n0.02,0.4\n0.04,0.4\n"
-LAYER = """&domain length_x = 2.0 length_y = 1.0 particles_x = 16 particles_y = 8 /
+LAYER = """&domain length_x = 2.0 length_y = 1.0 particles_x = 32 particles_y = 16 /
 &material density = 1000 expansivity = 1e-4 heat_capacity = 1000 conductivity = 5 viscosity = 1 bulk_modulus = 1e6 /
 &gravity g = 10 /
 &convection rayleigh = 100 target = 'steady' viscosity_law = 'table' viscosity_file = 'viscosity.txt' /
@@ -27,11 +27,14 @@ LAYER = """&domain length_x = 2.0 length_y = 1.0 particles_x = 16 particles_y = 
 VISCOSITY = "300 0 1e3\n300 1 1e3\n350 0 1e2\n350 1 1e2\n"
 SURFACE = """&domain dimension = 3 length_x = 1.2 length_y = 1.0 length_z = 0.6 particles_x = 24 particles_y = 20 particles_z = 12 /
 &flow high_x = 0.5 high_y = 0.7 sound_factor = 15.0 around_bodies = .true. /
-&solids body = 'tank' shape = 'file' file = 'tank.stl' solid = 'outside' centre_x = 0.6 centre_y = 0.5 centre_z = 0.3 /
+&solids body = 'tank' shape = 'file' file = 'tank.stl' solid = 'outside' centre_x = 0.6 centre_y = 0.5 centre_z = 0.3
+  angle_z = 20.0 /
 &time t_end = 1e9 steps = 2 /
 &output interval = 0 /
 """
-LATER = "time.t_end"
+LAYERS = {"domain.particles_x": 16, "domain.particles_y": 16, "kernel.name": "wendland_c6", "rti.p_top": 1e10, "rti.amplitude": 4e4,
+          "output.interval": 0}
+LATER = {"time.steps": 12}
 
 
 class Files(Case):
@@ -47,35 +50,35 @@ class Files(Case):
     def test_run_goes_on_from_anywhere(self):
         """Without the files, without the input, from another folder, and with the results moved: the state of a run that was not stopped."""
         tank = self.case / "tank.nml"
-        whole = self.run_program("flow", tank, {LATER: 0.04}, "whole").summary["state_hash"]
+        whole = self.run_program("flow", tank, LATER, "whole").summary["state_hash"]
         first = self.run_program("flow", tank, {}, "first")
         self.assertEqual((first.directory / "input_way.csv").read_text(), WAY)
         self.assertEqual((first.directory / "input_curves.csv").read_text(), CURVES)
         shutil.copytree(first.directory, self.here / "second")
         for name in ("way.csv", "curves.csv"):
             (self.case / name).unlink()
-        again = self.run_program("flow", tank, {LATER: 0.04}, "second", ["--restart", "latest"])
+        again = self.run_program("flow", tank, LATER, "second", ["--restart", "latest"])
         self.assertEqual(again.summary["state_hash"], whole)
         shutil.rmtree(self.case)
         moved = self.here / "elsewhere" / "run"
         moved.parent.mkdir()
         shutil.move(first.directory, moved)
-        self.assert_completed(self.call("flow", "--output", moved, "--restart", "latest", "--set", f"{LATER}=0.04"))
+        self.assert_completed(self.call("flow", "--output", moved, "--restart", "latest", "--set", "time.steps=12"))
         self.assertEqual(json.loads((moved / "summary.json").read_text())["state_hash"], whole)
         # Into a folder of its own, from which it goes on again.
         other = self.here / "other"
         checkpoint = sorted(moved.glob("checkpoint_*.h5"))[-1]
-        self.assert_completed(self.call("flow", "--output", other, "--restart", checkpoint, "--set", f"{LATER}=0.05"))
+        self.assert_completed(self.call("flow", "--output", other, "--restart", checkpoint, "--set", "time.steps=14"))
         shutil.rmtree(moved)
-        self.assert_completed(self.call("flow", "--output", other, "--restart", "latest", "--set", f"{LATER}=0.06"))
+        self.assert_completed(self.call("flow", "--output", other, "--restart", "latest", "--set", "time.steps=16"))
 
     def assert_completed(self, result):
         self.assertEqual(result.status, 0, result)
 
     def test_changed_files_are_refused(self):
         for program, name, file, new, on in [
-                ("flow", "tank", "way.csv", WAY.replace("0.01", "0.02"), {LATER: 0.04}),
-                ("flow", "tank", "curves.csv", CURVES.replace("0.04,0.4", "0.04,0.5"), {LATER: 0.04}),
+                ("flow", "tank", "way.csv", WAY.replace("0.01", "0.02"), LATER),
+                ("flow", "tank", "curves.csv", CURVES.replace("0.04,0.4", "0.04,0.5"), LATER),
                 ("convection", "layer", "viscosity.txt", VISCOSITY.replace("1e2", "2e2"), {"time.steps": 4})]:
             with self.subTest(file):
                 source, directory = self.case / f"{name}.nml", file.split(".")[0]
@@ -114,12 +117,13 @@ class Files(Case):
         (self.here / "here.txt").write_text(VISCOSITY)
         self.run_program("convection", self.case / "layer.nml", {"convection.viscosity_file": "here.txt"}, "by_set")
         self.run_program("convection", first.directory / "resolved.nml", {}, "again")
-        settings = {"domain.particles_x": 12, "domain.particles_y": 12, "time.steps": 2, "time.dt": 1.0, "output.interval": 0}
+        settings = {**LAYERS, "time.steps": 2, "time.dt": 2.0}
         start = self.run_program("disph_f", "rti_linear", settings, "start")
         shutil.copy(sorted(start.directory.glob("snapshot_*.h5"))[-1], self.case / "start.h5")
-        text = (start.directory / "resolved.nml").read_text().replace("&initial\n", "&initial\n  file = 'start.h5'\n", 1).replace("  file = ''\n", "")
+        resolved = (start.directory / "resolved.nml").read_text()
+        self.assertIn("file = ''", resolved)
         source = self.case / "goes_on.nml"
-        source.write_text(text)
+        source.write_text(resolved.replace("file = ''", "file = 'start.h5'", 1))
         on = self.run_program("disph_f", source, {}, "on")
         self.assertIn("file = 'input_start.h5'", (on.directory / "resolved.nml").read_text())
         whole = (self.case / "start.h5").read_bytes()
@@ -135,11 +139,10 @@ class Files(Case):
     def test_no_plain_files(self):
         """Pipes are refused at once, and what is not there, and folders; nothing is written."""
         os.mkfifo(self.here / "pipe")
-        settings = {"domain.particles_x": 12, "domain.particles_y": 12}
         for program, name, key, more in [
                 ("flow", self.case / "tank.nml", "gauges.file", {}), ("flow", self.case / "tank.nml", "motions.file", {}),
                 ("flow", self.case / "surface.nml", "solids.file", {}), ("convection", self.case / "layer.nml", "convection.viscosity_file", {}),
-                ("disph_f", "rti_linear", "initial.file", settings)]:
+                ("disph_f", "rti_linear", "initial.file", LAYERS)]:
             for file, says in [("pipe", "is no plain file, but a pipe or a device"), ("absent", "there is no file absent"),
                                ("case", "is a directory, not a file"), ("/dev/zero", "is no plain file")]:
                 with self.subTest(f"{key} = {file}"):
