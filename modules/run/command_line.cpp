@@ -300,7 +300,7 @@ int start(int argc, char** argv, const program_input& input,
   int status = parse(argc, argv, first_of_all(), input, line);
   if (!input.restarts || line.check || line.describe || line.plan || status >= 0) end_by_signals();
   if (status > 0) return status;
-  if (status == 0) return guarded(first_of_all(), line.program, check_output);
+  if (status == 0) return guarded(first_of_all(), line.program, [] { check_output(); });
   status = guarded(first_of_all(), line.program, [&] { check_restart_path(line.restart); });
   if (status > 0) return status;
   if (line.check || line.describe)
