@@ -152,8 +152,8 @@ std::string name_of(const std::array<int, 4>& powers) {
     if (std::abs(p) > 1) text += fmt::format("^{}", std::abs(p));
   }
   const bool several = below.find(' ') != std::string::npos;
-  if (above.empty()) above = "1";
-  return below.empty() ? above : fmt::format("{}/{}", above, several ? "(" + below + ")" : below);
+  const std::string_view numerator = above.empty() ? "1" : std::string_view(above);
+  return below.empty() ? std::string(numerator) : fmt::format("{}/{}", numerator, several ? "(" + below + ")" : below);
 }
 
 }  // namespace tetsuame::output

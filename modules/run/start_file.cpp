@@ -204,6 +204,35 @@ void start_file::check_apart(const std::vector<double>& x) const {
     }
 }
 
+void start_file::check_packing(const std::vector<double>& places, const std::vector<double>& volumes) const {
+  constexpr double spacings =
+      3.0;  // a cell's edge at least: a disturbed lattice has no more than (4/3)^D too many there
+  const std::size_t D = static_cast<std::size_t>(box_.dimension);
+  std::array<std::size_t, 3> cells{1, 1, 1};
+  double cell = 1.0;  // m^D
+  for (std::size_t a = 0; a < D; ++a) {
+    cells[a] = static_cast<std::size_t>(std::max(1.0, std::floor(box_.length[a] / (spacings * box_.dx))));
+    cell *= box_.length[a] / static_cast<double>(cells[a]);
+  }
+  std::vector<double> filled(cells[0] * cells[1] * cells[2], 0.0);
+  std::vector<std::size_t> first(filled.size(), volumes.size());  // particle of each cell
+  for (std::size_t n = 0; n < volumes.size(); ++n) {
+    std::size_t c = 0;
+    for (std::size_t a = D; a-- > 0;) {
+      const double at = places[D * n + a] / box_.length[a] * static_cast<double>(cells[a]);
+      c = c * cells[a] + std::min(cells[a] - 1, static_cast<std::size_t>(std::max(0.0, at)));
+    }
+    filled[c] += volumes[n];
+    first[c] = std::min(first[c], n);
+  }
+  const auto fullest = static_cast<std::size_t>(std::ranges::max_element(filled) - filled.begin());
+  if (filled[fullest] > far_off * cell)
+    fail(
+        fmt::format(": the particles about particle {} have a volume of {:.6g} m^{} together, in a place of {:.6g}: "
+                    "Coordinates are of another unit, or another box",
+                    ids_[first[fullest]], filled[fullest], D, cell));
+}
+
 std::vector<double> start_file::velocities() const { return vectors("Velocities", snapshot_file::velocity, true); }
 
 std::vector<double> start_file::densities() const {

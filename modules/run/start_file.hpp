@@ -37,6 +37,13 @@ class start_file {
   std::vector<double> temperatures(bool above_0) const;
   std::vector<std::int32_t> materials(std::int32_t number) const;  // of so many; of one, the file may have none
 
+  // Refuses places where the particles, of such volumes (m^D), are packed far more closely than they can be: of another
+  // unit than is said, in a corner of the box.
+  void check_packing(const std::vector<double>& places, const std::vector<double>& volumes) const;
+  // What is so many times off is of another unit, not another state: a file in other units has densities that are off
+  // by powers of ten, and compression and heat change those of a liquid in a planet by less.
+  static constexpr double far_off = 3.0;
+
   // Bad input: of the particle with this number.
   [[noreturn]] void fail_at(std::size_t number, const std::string& what) const;
   std::string message_at(std::size_t number, const std::string& what) const;

@@ -27,9 +27,6 @@ struct matter {
   std::vector<std::int32_t> material;
 };
 
-// A file in other units has densities that are off by powers of ten, and one of other materials by the ratio of their
-// densities. What a liquid's compression and heat can do to it in a planet is less than this factor either way.
-constexpr double far_off = 3.0;
 // Of all volumes together, which fill the box: what a density carried along drifts by is less than a tenth.
 constexpr double misfit = 0.25;
 
@@ -54,7 +51,8 @@ std::array<double, 2> densities_of(const start_file& file, const Box& box, std::
 
 // Densities against the equation of state; masses over densities against the lattice's volumes, and the box's.
 template <int D>
-void check_matter(const start_file& file, const state<D>& box, const taken_from_file& taken, const matter& of) {
+void check_matter(const start_file& file, const state<D>& box, const taken_from_file& taken, const matter& of,
+                  const std::vector<double>& places) {
   for (std::int32_t n = 0; n < taken.materials; ++n) {
     std::array T{std::numeric_limits<double>::infinity(), 0.0};
     for (std::size_t i = 0; i < of.T.size(); ++i)
@@ -65,17 +63,21 @@ void check_matter(const start_file& file, const state<D>& box, const taken_from_
     const double V = taken.volume(which);
     for (std::size_t i = 0; i < of.T.size(); ++i) {
       if (of.material[i] != n) continue;
-      if (of.rho[i] < rho[0] / far_off || of.rho[i] > rho[1] * far_off)
+      if (of.rho[i] < rho[0] / start_file::far_off || of.rho[i] > rho[1] * start_file::far_off)
         file.fail_at(i, fmt::format("its Density is {:.6g} kg/m^3, where material {} has {:.6g} to {:.6g} at {:.6g} to "
                                     "{:.6g} Pa and the file's temperatures",
                                     of.rho[i], n, rho[0], rho[1], taken.pressures[0], taken.pressures[1]));
-      if (const double ratio = of.m[i] / of.rho[i] / V; ratio < 1.0 / far_off || ratio > far_off)
+      if (const double ratio = of.m[i] / of.rho[i] / V;
+          ratio < 1.0 / start_file::far_off || ratio > start_file::far_off)
         file.fail_at(i, fmt::format("its mass over its Density is a volume of {:.6g} m^{}, where a particle has {:.6g}",
                                     of.m[i] / of.rho[i], D, V));
     }
   }
+  std::vector<double> volumes(of.m.size());
+  for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i] = of.m[i] / of.rho[i];
+  file.check_packing(places, volumes);
   double filled = 0.0, whole = 1.0;
-  for (std::size_t i = 0; i < of.m.size(); ++i) filled += of.m[i] / of.rho[i];
+  for (const double V : volumes) filled += V;
   for (std::size_t a = 0; a < D; ++a) whole *= box.w.d.region.length[a];
   if (!(std::abs(filled / whole - 1.0) <= misfit))
     file.fail(fmt::format(": masses over densities fill {:.6g} m^{}, and the box is of {:.6g}", filled, D, whole));
@@ -102,25 +104,26 @@ bool start_from_file(const start_options& o, const taken_from_file& taken, state
   if (taken.motion) fields.insert(fields.end(), {"Velocities", "Density", "Masses"});
   if (taken.materials > 1) fields.emplace_back("Material");
   const start_file file(o, detail::box_of(box), fields);
+  const auto x = file.places();
   const auto number = [&](std::size_t i) { return static_cast<std::size_t>(s.id[i]); };
   const auto give = [&](auto& to, const auto& values, std::size_t components, std::size_t a) {
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = values[components * number(i) + a];
   };
-  {
-    const auto x = file.places();
-    for (std::size_t a = 0; a < D; ++a) give(s.x[a], x, D, a);
-  }
+  for (std::size_t a = 0; a < D; ++a) give(s.x[a], x, D, a);
   detail::matter of{file.temperatures(taken.motion), {}, {}, file.materials(taken.materials)};
   give(s.T, of.T, 1, 0);
   give(s.material, of.material, 1, 0);
-  if (!taken.motion) return file.is_of_this_program();
+  if (!taken.motion) {
+    file.check_packing(x, std::vector<double>(x.size() / D, std::pow(box.w.dx, D)));
+    return file.is_of_this_program();
+  }
   {
     const auto v = file.velocities();
     for (std::size_t a = 0; a < D; ++a) give(s.v[a], v, D, a);
   }
   of.rho = file.densities();
   of.m = file.masses();
-  detail::check_matter(file, box, taken, of);
+  detail::check_matter(file, box, taken, of, x);
   give(s.rho, of.rho, 1, 0);
   give(s.m, of.m, 1, 0);
   return file.is_of_this_program();

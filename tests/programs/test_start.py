@@ -86,6 +86,15 @@ class Snapshot(Case):
         self.refuse(BAD_INPUT, "&initial file", "has 2 dimensions, and the box 3", **{"domain.dimension": 3, "domain.particles_z": 16})
         self.refuse(BAD_INPUT, "&initial file", "another box", "1000000 x 1000000 m", **{"domain.length_x": 1e6, "domain.length_y": 1e6, "rti.wavelength": 1e6})
         self.refuse(BAD_INPUT, "&initial file", "temperature_law", **{"rti.temperature_law": "enthalpy", "rti.start": "coloured", "rti.conductivity": 1})
+        material = fluid(self.file)["Material"][5]
+        self.change(lambda file: file["PartType0/Material"].__setitem__(5, 2))
+        self.refuse(BAD_INPUT, "&initial file", "particle 5", "Material is 2: expected 0 or 1")
+        self.change(lambda file: file["PartType0/Material"].__setitem__(5, material))
+        places = fluid(self.file)["Coordinates"]
+        for program in ("disph_f", "rti"):
+            self.change(lambda file: file["PartType0/Coordinates"].__setitem__(9, places[100]))
+            self.refuse(BAD_INPUT, "particles 9 and 100 lie at the same place", program=program)
+        self.change(lambda file: file["PartType0/Coordinates"].__setitem__(9, places[9]))
         self.change(lambda file: file["PartType0/Velocities"].__setitem__((7, 0), float("nan")))
         self.refuse(BAD_INPUT, "&initial file", "particle 7: its Velocities along x are nan")
         self.change(lambda file: file["PartType0/ParticleIDs"].__setitem__(3, 4))

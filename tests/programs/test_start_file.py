@@ -154,6 +154,8 @@ FORMS = {
                                     "particle 0", "Density is 7.0", "kg/m^3"),
     "masses in g, unsaid": (lambda f: f["PartType0/Masses"].write_direct(f["PartType0/Masses"][...] * 1e3), BAD_INPUT, "particle 0", "volume"),
     "masses of twice the depth": (lambda f: f["PartType0/Masses"].write_direct(f["PartType0/Masses"][...] * 2), BAD_INPUT, "fill"),
+    "places in km, unsaid": (lambda f: f["PartType0/Coordinates"].write_direct(f["PartType0/Coordinates"][...] / 1e3), BAD_INPUT, "particle 0",
+                            "Coordinates are of another unit"),
     "a unit of zero": (lambda f: (bare(f), header(f, UnitLength_in_cm=0.0)), BAD_INPUT, "UnitLength_in_cm is 0"),
     "units of 1/h": (lambda f: header(f, HubbleParam=0.7), BAD_INPUT, "HubbleParam is 0.7"),
     "comoving": (lambda f: header(f, Redshift=2.0), BAD_INPUT, "redshift 2"),
