@@ -1,5 +1,6 @@
 """What the package's commands do with files that are damaged, missing, or not what they should be, with output that cannot be written,
 and in surroundings of every kind: one sentence, exit 2 or 4, nothing written."""
+import json
 import os
 import shutil
 import subprocess
@@ -209,6 +210,67 @@ class Surroundings(Case):
             said = subprocess.run([sys.executable, "-m", "tetsuame", *map(str, words)], capture_output=True, env=surroundings)
             self.assertEqual(said.returncode, 0, said.stderr.decode(errors="replace"))
             self.assertNotIn(b"Traceback", said.stderr)
+
+
+class PagesOfTools(Case):
+    """bench.json and what balance leaves, with each number in turn missing or something else."""
+    MEASUREMENT = {"name": "program_c", "precision": "double", "processor": "P", "version": "v", "dimension": 2, "particles": 100, "threads": 1,
+                   "neighbours": 39.5, "updates_per_second": 1e6, "updates_per_second_per_core": 1e6, "pairs_per_second_per_core": 4e7, "ns_per_pair": 14.0,
+                   "bytes_per_particle": 500.0, "list_bytes_per_particle": 20.0, "simd_lanes": 8, "steps_per_list": 20, "load_average": 0.0,
+                   "stages": {"lists": 1.0}, "speedup_over_scalar": 4.0}
+    OPTIONAL = {"precision", "speedup_over_scalar"}
+
+    def assert_damaged(self, command, what):
+        before = sorted(self.here.iterdir())
+        with self.subTest(command, what=what):
+            self.assert_refused(inside.call(command, self.here), str(self.here), status=4)
+            self.assertEqual(sorted(self.here.iterdir()), before)
+
+    def test_bench(self):
+        path = self.here / "bench.json"
+        path.write_text(json.dumps([self.MEASUREMENT]))
+        self.assertEqual(inside.call("bench", self.here).returncode, 0)
+        for text in ("", "{}", "[]", "[1]", "null", "[" * 100000, "\0"):
+            path.write_text(text)
+            self.assert_damaged("bench", text[:5])
+        for name in self.MEASUREMENT.keys() - self.OPTIONAL:
+            for value in (None, [1], float("nan"), "", {"a": "b"}):
+                if name in ("name", "processor", "version") and value == "":
+                    continue
+                path.write_text(json.dumps([self.MEASUREMENT | {name: value}]))
+                self.assert_damaged("bench", f"{name}: {value}")
+            path.write_text(json.dumps([{key: value for key, value in self.MEASUREMENT.items() if key != name}]))
+            self.assert_damaged("bench", f"no {name}")
+
+    def test_balance(self):
+        files = {"summary.json": json.dumps({"program": "balance", "counts": [2, 1], "steps": 10, "metrics": {"spread_initial": 0.5}}),
+                 "history.csv": "step [1],spread [1],slowest_step [s],gain [s],cost [s],moved [1],migrated_fraction [1]\n0,0.5,1,0,0,0,0\n5,0.1,1,1,0.1,1,0.2\n",
+                 "times.csv": "decision,rank,particles,computing [s],communication [s]\n" + "".join(f"{d},{r},10,1,0\n" for d in (0, 1) for r in (0, 1)),
+                 "cuts.csv": "decision,axis,group,index,position [m]\n" + "".join(
+                     f"{d},0,0,{k},{k}\n" for d in (0, 1) for k in (0, 1, 2)) + "".join(f"{d},1,{g},{k},{k}\n" for d in (0, 1) for g in (0, 1) for k in (0, 1))}
+        for name, text in files.items():
+            (self.here / name).write_text(text)
+        said = inside.call("balance", self.here)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        for name, text in files.items():
+            lines = text.splitlines()
+            for what in ("", "\0", "null", text[: len(text) // 2].replace("counts", "count"), "\n".join(lines[1:]), text.replace("1", "nan"), text.replace("1", "word"),
+                         "\n".join(lines[:-1]) if len(lines) > 2 else "[]", text.replace("[2, 1]", "[0, 1]"), text.replace("[2, 1]", "{}")):
+                if what != text:
+                    (self.here / name).write_text(what)
+                    self.assert_damaged("balance", f"{name}: {what[:40]}")
+            (self.here / name).write_text(text)
+
+
+class Crashing(Case):
+    def test_a_library_that_crashes(self):
+        """As the HDF5 library does on some damaged files: the process that reads ends, the one that waits says so. A stand-in for h5py."""
+        run = write_run(self.here / "a", n=4, times=(0, 10))
+        (self.here / "h5py.py").write_text("import os, signal\ndef File(path, mode):\n    if str(path).endswith('1.h5'): os.kill(os.getpid(), signal.SIGSEGV)\n"
+                                           "    import sys; sys.path.remove(os.path.dirname(__file__)); sys.modules.pop('h5py'); import h5py; return h5py.File(path, mode)\n")
+        said = subprocess.run([sys.executable, "-m", "tetsuame", "paraview", str(run)], capture_output=True, text=True,
+                              env=os.environ | {"PYTHONPATH": f"{self.here}:{SOURCES}"})
+        self.assert_refused(said, "snapshot_0001.h5", "crashed on it (SIGSEGV)", status=4)
 
 
 class Run(Case):
