@@ -313,6 +313,22 @@ class Run(Case):
         said = self.run_in(self.root, "compare", "../the caller/out/a", "../the caller/out/a")
         self.assertEqual(said.stdout, "Report: output/runs/report.html\n", said.stderr)
 
+    def test_what_is_installed(self):
+        """Where nothing is installed: what the command needs, and no more. Stand-ins for Debian's commands."""
+        (self.root / "output/.no-install").unlink()
+        self.stand_in(self.here / "bin/dpkg-query", "exit 1")
+        self.stand_in(self.here / "bin/id", "echo 0")
+        self.stand_in(self.here / "bin/apt-get", f'echo "$*" >> "{self.here}/asked"')
+        (self.caller / "three.js").write_text("")
+        for words, package, wanted in ((("view", "--help"), "libjs-three", False), (("view", "out/a"), "libjs-three", True),
+                                       (("view", "out/a", "--three", "three.js"), "libjs-three", False), (("movie", "--help"), "ffmpeg", False),
+                                       (("movie", "out/none"), "ffmpeg", True), (("movie", "out/none", "--gif"), "ffmpeg", False),
+                                       (("movie", "out/none", "--output", "a.gif"), "ffmpeg", False), (("plot", "out/none"), "python3-h5py", True)):
+            (self.here / "asked").write_text("")
+            self.run_in(self.caller, *words)
+            with self.subTest(words):
+                self.assertEqual(package in (self.here / "asked").read_text(), wanted)
+
     def test_programs_start_where_it_is_called(self):
         for words, said in ((("plan", "a.nml"), "plan in {}: a.nml"), (("submit", "rti", "a.nml"), "submit in {}: rti a.nml"),
                             (("balance", "a.nml"), "balance in {}: a.nml"), (("bench", "--quick"), "bench in {}: --output {root}/output/bench --quick"),
