@@ -1,5 +1,6 @@
 """What the package's commands do with files that are damaged, missing, or not what they should be, with output that cannot be written,
 and in surroundings of every kind: one sentence, exit 2 or 4, nothing written."""
+import json
 import os
 import shutil
 import subprocess
@@ -211,6 +212,67 @@ class Surroundings(Case):
             self.assertNotIn(b"Traceback", said.stderr)
 
 
+class PagesOfTools(Case):
+    """bench.json and what balance leaves, with each number in turn missing or something else."""
+    MEASUREMENT = {"name": "program_c", "precision": "double", "processor": "P", "version": "v", "dimension": 2, "particles": 100, "threads": 1,
+                   "neighbours": 39.5, "updates_per_second": 1e6, "updates_per_second_per_core": 1e6, "pairs_per_second_per_core": 4e7, "ns_per_pair": 14.0,
+                   "bytes_per_particle": 500.0, "list_bytes_per_particle": 20.0, "simd_lanes": 8, "steps_per_list": 20, "load_average": 0.0,
+                   "stages": {"lists": 1.0}, "speedup_over_scalar": 4.0}
+    OPTIONAL = {"precision", "speedup_over_scalar"}
+
+    def assert_damaged(self, command, what):
+        before = sorted(self.here.iterdir())
+        with self.subTest(command, what=what):
+            self.assert_refused(inside.call(command, self.here), str(self.here), status=4)
+            self.assertEqual(sorted(self.here.iterdir()), before)
+
+    def test_bench(self):
+        path = self.here / "bench.json"
+        path.write_text(json.dumps([self.MEASUREMENT]))
+        self.assertEqual(inside.call("bench", self.here).returncode, 0)
+        for text in ("", "{}", "[]", "[1]", "null", "[" * 100000, "\0"):
+            path.write_text(text)
+            self.assert_damaged("bench", text[:5])
+        for name in self.MEASUREMENT.keys() - self.OPTIONAL:
+            for value in (None, [1], float("nan"), "", {"a": "b"}):
+                if name in ("name", "processor", "version") and value == "":
+                    continue
+                path.write_text(json.dumps([self.MEASUREMENT | {name: value}]))
+                self.assert_damaged("bench", f"{name}: {value}")
+            path.write_text(json.dumps([{key: value for key, value in self.MEASUREMENT.items() if key != name}]))
+            self.assert_damaged("bench", f"no {name}")
+
+    def test_balance(self):
+        files = {"summary.json": json.dumps({"program": "balance", "counts": [2, 1], "steps": 10, "metrics": {"spread_initial": 0.5}}),
+                 "history.csv": "step [1],spread [1],slowest_step [s],gain [s],cost [s],moved [1],migrated_fraction [1]\n0,0.5,1,0,0,0,0\n5,0.1,1,1,0.1,1,0.2\n",
+                 "times.csv": "decision,rank,particles,computing [s],communication [s]\n" + "".join(f"{d},{r},10,1,0\n" for d in (0, 1) for r in (0, 1)),
+                 "cuts.csv": "decision,axis,group,index,position [m]\n" + "".join(
+                     f"{d},0,0,{k},{k}\n" for d in (0, 1) for k in (0, 1, 2)) + "".join(f"{d},1,{g},{k},{k}\n" for d in (0, 1) for g in (0, 1) for k in (0, 1))}
+        for name, text in files.items():
+            (self.here / name).write_text(text)
+        said = inside.call("balance", self.here)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        for name, text in files.items():
+            lines = text.splitlines()
+            for what in ("", "\0", "null", text[: len(text) // 2].replace("counts", "count"), "\n".join(lines[1:]), text.replace("1", "nan"), text.replace("1", "word"),
+                         "\n".join(lines[:-1]) if len(lines) > 2 else "[]", text.replace("[2, 1]", "[0, 1]"), text.replace("[2, 1]", "{}")):
+                if what != text:
+                    (self.here / name).write_text(what)
+                    self.assert_damaged("balance", f"{name}: {what[:40]}")
+            (self.here / name).write_text(text)
+
+
+class Crashing(Case):
+    def test_a_library_that_crashes(self):
+        """As the HDF5 library does on some damaged files: the process that reads ends, the one that waits says so. A stand-in for h5py."""
+        run = write_run(self.here / "a", n=4, times=(0, 10))
+        (self.here / "h5py.py").write_text("import os, signal\ndef File(path, mode):\n    if str(path).endswith('1.h5'): os.kill(os.getpid(), signal.SIGSEGV)\n"
+                                           "    import sys; sys.path.remove(os.path.dirname(__file__)); sys.modules.pop('h5py'); import h5py; return h5py.File(path, mode)\n")
+        said = subprocess.run([sys.executable, "-m", "tetsuame", "paraview", str(run)], capture_output=True, text=True,
+                              env=os.environ | {"PYTHONPATH": f"{self.here}:{SOURCES}"})
+        self.assert_refused(said, "snapshot_0001.h5", "crashed on it (SIGSEGV)", status=4)
+
+
 class Run(Case):
     """./run itself, in a copy of the repository with stand-ins for programs and CMake: what is given begins where it is called."""
 
@@ -250,6 +312,22 @@ class Run(Case):
         self.assertEqual((said.returncode, said.stdout), (0, f"Report: {self.root}/output/runs/report.html\n"), said.stderr)
         said = self.run_in(self.root, "compare", "../the caller/out/a", "../the caller/out/a")
         self.assertEqual(said.stdout, "Report: output/runs/report.html\n", said.stderr)
+
+    def test_what_is_installed(self):
+        """Where nothing is installed: what the command needs, and no more. Stand-ins for Debian's commands."""
+        (self.root / "output/.no-install").unlink()
+        self.stand_in(self.here / "bin/dpkg-query", "exit 1")
+        self.stand_in(self.here / "bin/id", "echo 0")
+        self.stand_in(self.here / "bin/apt-get", f'echo "$*" >> "{self.here}/asked"')
+        (self.caller / "three.js").write_text("")
+        for words, package, wanted in ((("view", "--help"), "libjs-three", False), (("view", "out/a"), "libjs-three", True),
+                                       (("view", "out/a", "--three", "three.js"), "libjs-three", False), (("movie", "--help"), "ffmpeg", False),
+                                       (("movie", "out/none"), "ffmpeg", True), (("movie", "out/none", "--gif"), "ffmpeg", False),
+                                       (("movie", "out/none", "--output", "a.gif"), "ffmpeg", False), (("plot", "out/none"), "python3-h5py", True)):
+            (self.here / "asked").write_text("")
+            self.run_in(self.caller, *words)
+            with self.subTest(words):
+                self.assertEqual(package in (self.here / "asked").read_text(), wanted)
 
     def test_programs_start_where_it_is_called(self):
         for words, said in ((("plan", "a.nml"), "plan in {}: a.nml"), (("submit", "rti", "a.nml"), "submit in {}: rti a.nml"),

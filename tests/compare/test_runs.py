@@ -20,7 +20,7 @@ from PIL import Image
 
 import inside
 import tetsuame
-from tetsuame import plots, reading, rendering, runs, view
+from tetsuame import across, plots, reading, rendering, runs, style, view
 
 SOURCES = Path(__file__).resolve().parents[2] / "programs/python"
 LENGTH = 100.0
@@ -441,6 +441,41 @@ class Beside(Case):
         self.assertRegex(page, r"Density \[kg/m\^?3?³?\]</td>.*<td class=\"number e0\">0<")
         self.assertRegex(page, r"Pressure \[Pa\]</td>(<td class=\"number\">[\d.]+</td>){3}<td class=\"number e5\">0\.05<")
         self.assertGreater(page.count("<img"), 2)
+
+    def test_titles_are_short_and_different(self):
+        names = {"a_run_of_metal_over_silicate_n=24_amplitude=0.001": "…0.001", "a_run_of_metal_over_silicate_n=24_amplitude=0.005": "…0.005"}
+        for folder in ("", "one/", "a long way to the folder of all these runs/"):
+            made = across.titles([runs.Run(write_run(self.here / f"{folder}x" / name)) for name in names])
+            self.assertEqual(made, [f"…amplitude={value.strip('…')}" for value in names.values()])
+        self.assertEqual(across.titles([runs.Run(write_run(self.here / f"y/{name}")) for name in ("one", "two")]), ["one", "two"])
+        alike = [runs.Run(write_run(self.here / f"z/{'x' * 40}{letter}{'x' * 40}")) for letter in "ab"]
+        self.assertEqual([title[:3] for title in across.titles(alike)], ["1: ", "2: "])
+
+    def test_what_machines_do_is_not_compared(self):
+        a, b = write_run(self.here / "a"), write_run(self.here / "b", warmer=0.25)
+        for number, run in enumerate((a, b), 1):
+            summary = json.loads((run / "summary.json").read_text())
+            summary["metrics"] |= {"collectives_per_step": -2.29 * number, "waiting_seconds_per_step": 1e-6 * number, "centroid": 0.5 + 1e-9 * number}
+            (run / "summary.json").write_text(json.dumps(summary))
+        page = across.metrics([("a", runs.Run(a)), ("b", runs.Run(b))])
+        self.assertNotIn("collectives", page)
+        self.assertNotIn("waiting", page)
+        self.assertRegex(page, r"centroid</td><td class=\"number\">0\.50000000\d+</td><td class=\"number\">0\.50000000")  # as many digits as differ
+
+    def test_nothing_of_a_map_is_cut_off(self):
+        for wide in (0.2, 1.0, 5.0):
+            for count, title in ((1, "a"), (2, "a title that is as long as it may be"), (4, "a title that is as long as it may be")):
+                figure, panels = style.map_panels(count, wide, 2)
+                for ax in panels:
+                    picture = rendering.Map(np.linspace(0, 1e9, 400).reshape(20, 20), (0, wide * 1e5, 0, 1e5), (0, 1))
+                    plots.draw_map(ax, picture, "Pressure", "Pa")
+                    style.entitle(ax, title, "t = 612.5 s")
+                style.room_for_titles(figure, panels)
+                figure.canvas.draw()
+                box, (width, height) = figure.get_tightbbox(figure.canvas.get_renderer()), figure.get_size_inches()
+                style.plt.close(figure)
+                with self.subTest(wide=wide, count=count):
+                    self.assertGreater(min(box.x0, box.y0, width - box.x1, height - box.y1), -0.05)
 
 
 class Sweeping(Case):

@@ -1,10 +1,11 @@
 """The command line: a command's name, and what that command takes."""
 import argparse
 import importlib
+import signal
 import sys
 from pathlib import Path
 
-from . import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED
+from . import BAD_INPUT, COMPLETED, FAILED, FILE_FAILED, apart
 from .reading import Unreadable
 
 # The module of each command: its main takes the rest of the command line and returns the exit status.
@@ -12,6 +13,7 @@ MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance"
            "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep",
            "building": ".building"}
 CALLED = {"scaling": "bench --scaling"}  # as people start it
+OF_SNAPSHOTS = ("plot", "movie", "view", "paraview", "compare")  # which read HDF5
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
                "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too")}
@@ -45,6 +47,8 @@ def main(arguments: list[str]) -> int:
         status, said = problem.status, problem
     except ModuleNotFoundError as problem:
         status, said = BAD_INPUT, f"needs the Python package {problem.name}, which is not here"
+    except KeyboardInterrupt:
+        status, said = 128 + signal.SIGINT, "interrupted"
     except MemoryError:
         status, said = FAILED, "the memory is not enough"
     except OSError as problem:
@@ -76,6 +80,9 @@ def is_folder(first: list[str]) -> bool:
 
 def entry() -> int:
     """The command `tetsuame` that pip installs."""
+    command, *_ = sys.argv[1:] or [""]
+    if command in OF_SNAPSHOTS:
+        return apart.run(lambda: main(sys.argv[1:]), command)
     return main(sys.argv[1:])
 
 

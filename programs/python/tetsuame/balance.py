@@ -50,9 +50,11 @@ def read(folder: Path) -> Run:
             here = cuts["decision"] == d
             by_axis[d] = [cuts["position"][here & (cuts["axis"] == a)].reshape(-1, n + 1)
                           for a, n in enumerate(summary["counts"])]
-        return Run(summary, history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
-        if any(len(total[times["decision"] == d]) != np.prod(sizes) for d in decisions):
+        if list(decisions) != list(range(len(decisions))) or any(len(total[times["decision"] == d]) != np.prod(sizes) for d in decisions):
             raise ValueError("times.csv has not all ranks")
+        if any(len(groups) != np.prod(sizes[:a]) for axes in by_axis.values() for a, groups in enumerate(axes)):
+            raise ValueError("cuts.csv has not all cuts")
+        return Run(summary, history, {d: total[times["decision"] == d] for d in decisions}, by_axis)
     except (LookupError, ValueError, TypeError, ArithmeticError) as problem:
         raise Damaged(f"{folder}: not the results of a run of balance ({first_line(problem)})") from None
 

@@ -13,6 +13,9 @@ import numpy as np
 from . import BAD_INPUT, FILE_FAILED
 
 
+last_opened = None  # memory shared with the process that waits for this one (apart.py): the HDF5 file that was read last
+
+
 class Unreadable(Exception):
     """Why there is nothing to show, and what to do; and with which status the command ends."""
     status = BAD_INPUT
@@ -37,6 +40,9 @@ def regular(path: Path) -> Path:
 @contextlib.contextmanager
 def as_hdf5(path: Path, what: str):
     """Whatever h5py makes of a damaged file, as Damaged: `what` is wrong with it."""
+    if last_opened is not None:
+        name = os.fsencode(path)[-len(last_opened) + 1:]
+        last_opened[:len(name) + 1] = name + b"\0"
     try:
         yield
     except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError) as problem:

@@ -1,11 +1,15 @@
 """One look for all figures: a colour and a marker for each program, the same everywhere."""
 import io
+import logging
 import os
 import textwrap
+import warnings
 
 import numpy as np
 
 os.environ["MPLBACKEND"] = "Agg"  # figures go to files; a name that matplotlib does not know would end it
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its lists of fonts is of no interest
+warnings.filterwarnings("ignore", message="Glyph ")  # of a folder's name in letters that the font has not
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 from matplotlib.collections import PolyCollection  # noqa: E402
