@@ -96,7 +96,8 @@ void summary::print(const std::string& directory) const {
 
 namespace {
 
-// Whether a key of this group may be another at a restart: all of how long, of the file that only a start reads, of how to write, and of who does the work.
+// Whether a key of this group may be another at a restart: all of how long, of the file that only a start reads
+// (input_files.hpp), of how to write, and of who does the work.
 // In &expert the names of the keys of &time and &balancer begin with their group's.
 bool may_change(const std::string& group, const std::string& key) {
   if (group == "&domain") return key == "ranks_x" || key == "balance";
