@@ -89,14 +89,12 @@ class reader {
 
   // Other files are easily given for an input.
   void expect_text() const {
-    if (text_.starts_with("\x89HDF\r\n\x1a\n") || text_.starts_with("tetsuame checkpoint "))
-      foundation::fail_input(
-          name_ + ": is an HDF5 file, where a namelist is expected: a checkpoint is continued by --restart " + name_ +
-          ", without INPUT");
-    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
-      foundation::fail_input(name_ + ": is text in UTF-16: save it as UTF-8 or ASCII");
-    if (text_.find('\0') != std::string_view::npos)
-      foundation::fail_input(name_ + ": is a binary file, where a namelist (a text file) is expected");
+    const auto fault = not_text(text_, "a namelist");
+    if (fault.empty()) return;
+    foundation::fail_input(fmt::format("{}: {}{}", name_, fault,
+                                       fault.find("HDF5") == std::string::npos
+                                           ? ""
+                                           : ": a checkpoint is continued by --restart " + name_ + ", without INPUT"));
   }
 
   // The line around that place, without blanks at its ends and without a comment.

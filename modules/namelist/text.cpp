@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -87,6 +89,14 @@ std::string quote(std::string_view text) {
     result += c;
   }
   return result + '\'';
+}
+
+std::string not_text(std::string_view bytes, std::string_view expected) {
+  const bool hdf5 = bytes.starts_with("\x89HDF\r\n\x1a\n") || bytes.starts_with("tetsuame checkpoint ");
+  if (!hdf5 && (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")))
+    return "is text in UTF-16: save it as UTF-8 or ASCII";
+  if (!hdf5 && bytes.find('\0') == std::string_view::npos) return "";
+  return fmt::format("is {} file, where {} is expected", hdf5 ? "an HDF5" : "a binary", expected);
 }
 
 std::string excerpt(std::string_view text) {

@@ -24,6 +24,9 @@ std::optional<bool> to_logical(std::string_view word);
 
 std::string format_real(double number);  // shortest, exact; number is finite
 std::string quote(std::string_view text);
+// Why bytes are no text in ASCII or UTF-8, for a message behind the file's name, with what was expected ("a namelist");
+// empty: they may be.
+std::string not_text(std::string_view bytes, std::string_view expected);
 // For messages: at most 40 bytes, control characters replaced.
 std::string excerpt(std::string_view text);
 

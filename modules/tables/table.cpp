@@ -18,10 +18,7 @@ table table::read(const std::string& path) { return {foundation::read_plain_file
 
 table::table(std::string_view text, std::string name) : name_(std::move(name)) {
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-    fail("is text in UTF-16: save it as UTF-8 or ASCII");
-  if (text.starts_with("\x89HDF\r\n\x1a\n")) fail("is an HDF5 file, where a table in text is expected");
-  if (text.find('\0') != std::string_view::npos) fail("is a binary file, where a table in text is expected");
+  if (const auto fault = namelist::not_text(text, "a table in text"); !fault.empty()) fail(fault);
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   const auto lines = lines_of(text);
   const auto first =

@@ -129,7 +129,7 @@ BOOST_AUTO_TEST_CASE(syntax_errors) {
   BOOST_TEST(told("\x89HDF\r\n\x1a\n").starts_with("f: is an HDF5 file, where a namelist is expected"));
   BOOST_TEST(told("tetsuame checkpoint 1 ").starts_with("f: is an HDF5 file, where a namelist is expected"));
   BOOST_TEST(told("\xff\xfe&") == "f: is text in UTF-16: save it as UTF-8 or ASCII");
-  BOOST_TEST(told(std::string("&a x = \0 /", 11)) == "f: is a binary file, where a namelist (a text file) is expected");
+  BOOST_TEST(told(std::string("&a x = \0 /", 11)) == "f: is a binary file, where a namelist is expected");
   BOOST_TEST(told("time step: 3\n") == "f:2: the input has no group (&name ... /): is this a namelist file?");
   BOOST_TEST(told("&a " + std::string(64, 'k') + " = 1 /") ==
              "f:1: the name '" + std::string(40, 'k') + "...' has more than 63 letters");
