@@ -20,6 +20,7 @@ void write(MPI_Comm comm, const std::string& directory, int number) {
   header.dimension = 2;
   header.box_lengths = {2.0, 1.0, 0.0};
   header.periodic = {true, false, false};
+  header.kernel_support = 3.0;
   output::write_snapshot(comm, directory + "/" + output::snapshot_name(number), header,
                          {group_of(fluid, 0), group_of(wall, 1)},
                          {"disph_c", "abc123", "&domain\n  length_x = 2.0 ! \xe9\x89\x84\n/\n"});

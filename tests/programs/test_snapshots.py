@@ -12,6 +12,11 @@ try:
 except ImportError:
     yt = None
 
+try:
+    import meshio
+except ImportError:
+    meshio = None
+
 EVERY = ["Coordinates", "Velocities", "Masses", "Density", "Pressure", "Temperature", "SmoothingLength", "ParticleIDs", "Material"]
 SQUARE = {"domain.particles_x": 16, "domain.particles_y": 16}
 # Program: input, settings.
@@ -125,6 +130,19 @@ class Snapshots(Case):
             with h5py.File(path) as file:
                 times.append(float(file["Header"].attrs["Time"]))
         self.assertLess(max(abs(np.array(times) - np.arange(6.0))), 1e-9)
+
+    @unittest.skipIf(meshio is None, "Debian's python3-meshio is not installed")
+    def test_meshio_reads_the_series(self):
+        run, path = self.last("disph_c")
+        for series, group in (("series.xdmf", "PartType0"), ("walls.xdmf", "PartType1")):
+            with h5py.File(path) as file, meshio.xdmf.TimeSeriesReader(run.directory / series) as reader:
+                points, cells = reader.read_points_cells()
+                time, values, _ = reader.read_data(reader.num_steps - 1)
+                self.assertEqual((reader.num_steps, time), (2, float(file["Header"].attrs["Time"])))
+                self.assertEqual((points.shape, [block.type for block in cells]), (file[group]["Coordinates"].shape, ["vertex"]))
+                self.assertEqual(set(values), set(file[group]))
+                for name, field in values.items():
+                    np.testing.assert_array_equal(field, file[group][name][:])
 
     @unittest.skipIf(yt is None, "Debian's python3-yt is not installed")
     def test_yt_reads_si(self):
