@@ -206,11 +206,12 @@ struct motion_reader {
     constexpr double slight = 1e-9;  // a plate's are equal to it
     const auto given = std::ranges::count_if(gyration, [](double k) { return k > 0.0; });
     if (given == 0) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::string key = std::string("gyration_") + axes[k];
+    const auto key = [](std::size_t k) { return std::string("gyration_") + axes[k]; };
+    for (std::size_t k = 0; k < 3; ++k)
       if (!(gyration[k] > 0.0))
-        fail(key, n,
+        fail(key(k), n,
              "expected a length above 0: in three dimensions a body takes all three radii of gyration, or none");
+    for (std::size_t k = 0; k < 3; ++k) {
       const double mine = gyration[k] * gyration[k];
       double others = -mine;
       for (const double radius : gyration) others += radius * radius;

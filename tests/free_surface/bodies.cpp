@@ -122,7 +122,7 @@ void balance_of(scene<D>& scene) {
     const double force = scene.sum([&](std::size_t i) { return f.force[a][i]; });
     const double size = scene.sum([&](std::size_t i) { return std::abs(f.force[a][i]); });
     BOOST_TEST(size > 100.0);
-    BOOST_TEST(std::abs(load.force[a]) > 1.0);
+    BOOST_TEST(std::abs(load.force[a]) > 0.1);  // a light body gives way
     BOOST_TEST(std::abs(force + load.force[a]) < 1e-12 * size);
     // Of water and body.
     if (!f.free.empty()) {
@@ -202,7 +202,7 @@ BOOST_AUTO_TEST_CASE(accelerations) {
           "= 10 / &motions body = 'box' kind = 'free' density = " +
           density + " / &time t_end = 1.0 /");
       accelerations_of<3>(
-          "&domain dimension = 3 length_x = 1.2 length_y = 1.0 length_z = 1.2 particles_x = 24 particles_y = 20"
+          "&domain dimension = 3 length_x = 1.2 length_y = 1.2 length_z = 1.2 particles_x = 24 particles_y = 24"
           " particles_z = 24 / &flow high_y = 0.7 around_bodies = .true. scheme = '" +
           std::string(scheme) +
           "' / &solids body = 'ball' shape = 'sphere' centre_x = 0.55 centre_y = 0.65 centre_z = 0.6 radius = 0.25 /"

@@ -35,6 +35,35 @@ BALL = """&domain dimension = 3 length_x = 0.8 length_y = 0.6 length_z = 0.8 par
 """
 
 
+# A box that floats upright, 0.24 m high and at its draught, in a tank of 1.6 by 0.8 m with 0.4 m of water; a ball in a tank.
+BOX = """&domain length_x = 1.6 length_y = 0.8 particles_x = {n} particles_y = {half} /
+&flow high_y = 0.4 sound_factor = 15.0 around_bodies = .true. scheme = '{scheme}' /
+&solids body = 'box' shape = 'box' centre_x = 0.8 centre_y = {y} length_x = 0.32 length_y = 0.24 /
+"""
+SPHERE = """&domain dimension = 3 length_x = 0.64 length_y = 0.64 length_z = 0.64 particles_x = {n} particles_y = {n} particles_z = {n} /
+&flow high_y = 0.32 sound_factor = 15.0 around_bodies = .true. scheme = '{scheme}' /
+&solids body = 'box' shape = 'sphere' centre_x = 0.32 centre_y = {y} centre_z = 0.32 radius = 0.12 /
+"""
+AFLOAT = """&motions body = 'box' kind = 'free' density = {density} /
+&gauges interval = 1e-2 force = 'box' motion = 'box' /
+&walls slip_top = 'free_surface' /
+&time t_end = {t} /
+&output interval = 0 /
+"""
+
+
+def draught(density, ball):
+    """m, by Archimedes, of a box or a ball 0.24 m high."""
+    part = min(density / 1000, 1.0)
+    if not ball:
+        return 0.24 * part
+    low, high = 0.0, 0.24
+    for _ in range(60):
+        d = 0.5 * (low + high)
+        low, high = (d, high) if d * d * (0.36 - d) / 3 < part * 4 / 3 * 0.12**3 else (low, d)
+    return d
+
+
 class Bodies(Case):
     def summary(self, name, settings=None, **how):
         return self.run_program("flow", name, settings or {}, **how).summary
@@ -70,6 +99,57 @@ class Bodies(Case):
         self.assertLess(max(abs(F / weight - 1) for F in g["force_1_y"]), 0.02)
         self.assertEqual(result.summary["metrics"]["particles_put_back"], 0)
         self.assertLess(abs(result.summary["conservation"]["energy"]), 1e-4)
+
+    def afloat(self, density, n, ball=False, t=1.0, scheme="delta"):
+        """A run that begins at the depth of rest, a box at the one nearest to it with its faces between the particles: from half its
+        time on how far (m) above the depth of rest and with what force (N), in means; nothing of what sinks."""
+        dx = (0.64 if ball else 1.6) / n
+        off = 0.0 if ball else 0.04 * round((0.4 - draught(density, ball)) / 0.04) - (0.4 - draught(density, ball))
+        path = self.here / f"afloat_{density}_{n}_{ball}_{scheme}.nml"
+        y = (0.32 if ball else 0.4) - draught(density, ball) + 0.12 + off
+        path.write_text((SPHERE if ball else BOX).format(n=n, half=n // 2, y=y, scheme=scheme) + AFLOAT.format(density=density, t=t))
+        result = self.run_program("flow", path, expect=CALCULATION_FAILED if density > 1000 else 0)
+        if density > 1000:
+            self.assert_says(result, CALCULATION_FAILED, "body 'box'")
+            return None
+        g = self.columns(result)
+        late = [k for k, time in enumerate(g["time"]) if time > 0.5 * t]
+        return off + sum(g["motion_1_y"][k] for k in late) / len(late), sum(g["force_1_y"][k] for k in late) / len(late), dx
+
+    def expect_draught(self, density, n, ball=False, **how):
+        """Its weight carried, at the draught of Archimedes; to a quarter of a spacing where that is more than three hundredths."""
+        found = self.afloat(density, n, ball, **how)
+        if found is None:
+            return
+        above, force, dx = found
+        self.assertLess(abs(above), max(0.03 * draught(density, ball), 0.25 * dx))
+        weight = density * 9.81 * (4 / 3 * math.pi * 0.12**3 if ball else 0.32 * 0.24)
+        self.assertLess(abs(force / weight - 1), 0.05)
+
+    def test_light_bodies_float(self):
+        """However much lighter than the water that they push away."""
+        for density, how in [(1, {}), (10, {}), (100, {"t": 2.0}), (500, {}), (900, {"t": 2.0}), (1, {"scheme": "riemann"}), (20000, {})]:
+            with self.subTest(density=density, **how):
+                self.expect_draught(density, 40, **how)
+        for density in (1, 100):
+            with self.subTest(ball=density):
+                self.expect_draught(density, 16, ball=True, t=0.5)
+
+    @unittest.skipUnless(SLOW, "slow")
+    def test_all_densities(self):
+        for density in (1, 10, 100, 500, 900, 2000, 20000):
+            for n in (40, 80, 160):
+                with self.subTest(density=density, n=n):
+                    self.expect_draught(density, n, t=4.0)
+            for n in (16, 24, 32):
+                with self.subTest(density=density, n=n, ball=True):
+                    self.expect_draught(density, n, ball=True)
+
+    def test_who_moved_too_far(self):
+        """A gate that jumps out of the water: it is not the water that moved too far."""
+        table = TABLE.replace("0.1,0,0.25", "0.05001,0,0.25").replace("0.15,", "0.1,")
+        result = self.run_program("flow", self.gate(table), expect=CALCULATION_FAILED)
+        self.assert_says(result, CALCULATION_FAILED, "body 'gate' moved", "within one step")
 
     def test_sloshing(self):
         """Twenty by ten particles in the tank: its period, and what the tank pushed the water by."""
