@@ -184,7 +184,7 @@ class Parts(unittest.TestCase):
     def test_causes_in_few_words(self):
         self.assertEqual(rti.cause("step 5: the equation of state's pressure p = -2e7 Pa is not positive and finite"), "p ≤ 0")
         self.assertEqual(rti.cause("step 9: the weight Y = -1e18 J is not positive and finite"), "Y ≤ 0")
-        self.assertEqual(rti.cause("step 9: p is not finite"), "blew up")
+        self.assertEqual(rti.cause("step 9: the rate of vx is nan, not a finite number: particle 3 at (1, 2) m"), "blew up")
         self.assertEqual(rti.cause("step 1: Hosono's iteration (newton): no state with p > 0 exists: the kernel's sum"), "no solution")
         self.assertEqual(rti.cause("step 1: particles moved 1e4 m within one step, more than half the skin"), "left its lists in a step")
 

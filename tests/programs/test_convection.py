@@ -26,6 +26,13 @@ class Convection(Case):
             self.runs["1a"] = self.run_program("convection", MANTLE, {**size(16), "convection.steady_tolerance": 1e-3}).summary
         return self.runs["1a"]
 
+    def test_eulers_steps_that_make_sound_grow(self):
+        """note_air_1e6 past its t_end: with 24 a side it blows up at 17.5 s, after 12 e-foldings."""
+        for end, more, warned in ((4.566, {}, False), (20, {}, True), (20, {"time.method": "ab2"}, False), (20, {"time.cfl": 0.05}, False)):
+            with self.subTest(end=end, **more):
+                said = self.run_program("convection", "note_air_1e6", {**size(24), "time.t_end": end, "time.steps": 1, **more}).stderr
+                self.assertEqual("warning: with Euler's steps of 0.0019 s sound grows by a factor of e in 1.49 s" in said, warned, said)
+
     def test_blankenbach_1a(self):
         """Blankenbach et al. (1989): Nu 4.884409, v_rms 42.864947. At n = 16 within 1 %; at 24, 0.1 %."""
         s = self.steady()

@@ -155,6 +155,17 @@ class Refusals(Case):
     def test_a_wave_higher_than_its_layer(self):
         self.refuse("rti", "rti_linear", {"rti.amplitude": "8e5"}, "--set rti.amplitude=8e5: &rti amplitude", "thinner layer")
 
+    def test_columns_too_heavy_for_their_modulus(self):
+        """A column that the integration would carry to pressures beyond all numbers, or to some that mean nothing."""
+        says = "the bulk modulus is too small for the column's weight"
+        for K in (5, 500, 5e8, 5e9):
+            with self.subTest(K):
+                self.refuse("rti", "rti_note", {"rti.bulk_modulus": K}, "&rti p_top", says)
+                self.refuse("disph_c", "rti_note", {"rti.bulk_modulus": K}, "&rti p_top", says)
+                self.refuse("drop", "drop_cylinder", {"drop.bulk_modulus": K}, "&drop p_top", says)
+        for K in (500, 1e8, 5e8):
+            self.refuse("disph_n", "hydrostatic_column", {"material.bulk_modulus": K}, "&material bulk_modulus", says)
+
     def test_waves_that_the_theory_cannot_resolve(self):
         thin = {"rti.viscosity_lower": 1e3, "rti.viscosity_upper": 1e3}
         self.refuse("rti", "rti_linear", thin, "rti_linear.nml:", "&rti start", "'coloured' starts without a mode")

@@ -31,6 +31,25 @@ class Shock(Case):
                 self.assertLess(s["errors"]["pressure_l1"], 0.02)
                 self.assertLess(abs(s["conservation"]["energy"]), 1e-4)
 
+    def test_thin_and_dense_gas(self):
+        """What single precision does not hold is computed in double by itself: the same errors, whatever the unit of mass."""
+        few = {"domain.particles_x": 48, "output.interval": 0}
+        for scheme in ["ssph", "disph", "gsph", "gdisph"]:
+            right = self.summary("sod", {**few, "shock.scheme": scheme})["errors"]
+            for unit in (1e-22, 1e-8, 1e8, 1e25):
+                with self.subTest(scheme, unit=unit):
+                    gas = {f"shock.{name}": value * unit for name, value in (("rho_l", 1.0), ("rho_r", 0.125), ("p_l", 1.0), ("p_r", 0.1))}
+                    errors = self.summary("sod", {**few, "shock.scheme": scheme, **gas})["errors"]
+                    self.assertAlmostEqual(errors["velocity_l1"] / right["velocity_l1"], 1.0, delta=1e-3)
+                    self.assertAlmostEqual(errors["density_l1"] / unit / right["density_l1"], 1.0, delta=1e-3)
+        thin = {**few, **gas, "kernel.precision": "single"}
+        result = self.call("shock", *self.arguments("sod", thin, self.here / "no"))
+        self.assert_says(result, BAD_INPUT, "&kernel precision", "expected 'double'")
+
+    def test_gas_that_cannot_carry_what_lies_above(self):
+        result = self.call("shock", *self.arguments("rayleigh_taylor", {"domain.particles_x": 16, "shock.gravity": 1e3}, self.here / "no"))
+        self.assert_says(result, BAD_INPUT, "&shock test", "the gas would start with p = -", "both must be above 0")
+
     def test_momentum(self):
         """Round-off, where no walls are."""
         for scheme in SCHEMES:

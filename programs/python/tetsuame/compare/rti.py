@@ -158,7 +158,7 @@ def cause(reason: str | None) -> str:
         return "Y ≤ 0" if "weight Y" in text else "p ≤ 0"
     if "particles moved" in text:
         return "left its lists in a step"
-    return "blew up" if "not finite" in text else short(text)
+    return "blew up" if "finite" in text else short(text)
 
 
 def short(reason: str | None) -> str:
