@@ -119,7 +119,7 @@ class Fast(Case):
     def test_lists_follow_with_ranks_and_restarts(self):
         settings = {"domain.particles_x": 48, "time.t_end": 12, "output.interval": 0}
         whole = self.assert_exact("shock", "impact_2d", settings, 23, [(3, 1)])
-        self.assertLess(whole["steps"], 45)
+        self.assertLess(whole["steps"], 54)  # of 76 with lists of a fixed skin
 
 
 if __name__ == "__main__":
