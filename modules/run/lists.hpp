@@ -71,7 +71,7 @@ double skin_within_limits(const state<D>& box, double wanted) {
   double most = (D == 3 ? 2.0 : 3.0) * box.w.dx;
   for (std::size_t a = 0; a < D; ++a)
     if (d.region.periodic[a]) most = std::min(most, d.region.length[a] - 1.2 * (d.width - box.skin));
-  return std::clamp(wanted, least, std::max(least, most));
+  return wanted > least ? std::max(least, std::min(wanted, most)) : least;  // of what is not a number, too
 }
 
 // Of the next lists.

@@ -14,8 +14,6 @@ import numpy
 from running import Case
 
 FRAMES = (1.0, 10.0, 100.0)
-PERIODIC = "domain.periodic_x", "domain.periodic_y"
-
 SQUARE = """&domain
   dimension = 2  length_x = 1.0  length_y = 1.0  particles_x = 32  periodic_x = .true.  periodic_y = .true.
 /
@@ -93,10 +91,13 @@ class Frames(Case):
     def test_of_liquids(self):
         """Each scheme, from a snapshot whose velocities are those of another frame: of about the speed of sound, and beyond."""
         settings = {"domain.particles_x": 14, "domain.particles_y": 14, "domain.jitter": 0.1, "domain.periodic_y": ".true.",
-                    "hosono.solver": "newton", "time.dt": 0.1, "time.steps": 8, "output.interval": 0}
+                    "time.dt": 0.1, "time.steps": 8, "output.interval": 0}
         first = self.run_program("disph_c", "hydrostatic_13_linear", {**settings, "time.steps": 1}, output="first")
         for program in ("disph_a", "disph_b", "disph_c", "disph_d", "disph_e", "disph_f", "disph_n", "ssph"):
-            def run(u, **more):
+            iterates = program in ("disph_a", "disph_b")  # until Y changes by less than 1e-12 of itself
+            more = {"hosono.solver": "newton"} if iterates else {}
+
+            def run(u):
                 file = self.here / f"start_{u:g}.h5"
                 shutil.copy(sorted(first.directory.glob("snapshot_*.h5"))[-1], file)
                 with h5py.File(file, "r+") as start:
@@ -105,7 +106,7 @@ class Frames(Case):
             rest = run(0.0)
             for u in FRAMES:
                 with self.subTest(program, frame=u):
-                    self.assert_same(rest, run(1e3 * u), EXACT, velocity=1e3 * u, time=rest.summary["time"], length=1e5, speed=4e3)
+                    self.assert_same(rest, run(1e3 * u), 10 * EXACT if iterates else EXACT, velocity=1e3 * u, time=rest.summary["time"], length=1e5, speed=4e3)
 
     def test_ranks_and_restarts(self):
         moving = {"shock.u_l": 10.0, "shock.u_r": 10.0, "output.interval": 0}
@@ -119,7 +120,7 @@ class Fast(Case):
     def test_lists_follow_with_ranks_and_restarts(self):
         settings = {"domain.particles_x": 48, "time.t_end": 12, "output.interval": 0}
         whole = self.assert_exact("shock", "impact_2d", settings, 23, [(3, 1)])
-        self.assertLess(whole["steps"], 45)
+        self.assertLess(whole["steps"], 54)  # of 76 with lists of a fixed skin
 
 
 if __name__ == "__main__":
