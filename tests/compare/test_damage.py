@@ -115,7 +115,7 @@ class Damage(Case):
             self.assertEqual(inside.call(name, *self.commands[name]).returncode, 0)
         for name, option in (("plot", "--fields"), ("movie", "--fields"), ("view", "--fields"), ("paraview", "--field"), ("compare", "--fields")):
             self.commands[name] += (option, "Speed")
-            self.assert_one_sentence(name, "Velocities", status=2)
+            self.assert_one_sentence(name, "no field '", status=2)
 
     def test_vectors_are_not_drawn(self):
         for name, option in (("plot", "--fields"), ("movie", "--fields"), ("view", "--fields"), ("paraview", "--field"), ("compare", "--fields")):

@@ -78,6 +78,4 @@ def shown(snapshot, wanted: list[str] | None = None, most: int = 4) -> list[str]
         values = snapshot[name][np.isfinite(snapshot[name])]
         if len(found) < most and len(values) and np.ptp(values) > 1e-9 * np.abs(values).max():
             found.append(name)
-    if not there:
-        raise Unreadable(f"{snapshot.path}: holds no field that can be drawn (only {', '.join(snapshot.names)}); &output fields chooses them")
-    return found or there[:1]
+    return found or [*there, *(name for name in ("Masses", "ParticleIDs") if name in snapshot)][:1]
