@@ -1,6 +1,8 @@
 """`tetsuame sweep`: one input with many settings, and a page of what came out. Runs that are complete are not run again."""
 import argparse
 import concurrent.futures
+import contextlib
+import fcntl
 import itertools
 import json
 import os
