@@ -189,7 +189,7 @@ std::string read_input(const std::function<std::string(const std::string&)>& tex
           fmt::format("{}:{}: &{}: this input is for program {}", document.name(), group.line, group.name, of));
   schema.read(document);
   in.complete(schema);
-  if (in.keep && !line.check) line.kept = in.keep();
+  if (in.keep && (!line.check || !line.restart.empty())) line.kept = in.keep();
   std::ostringstream resolved;
   resolved << "! " << in.program << ", every key as run\n";
   schema.write_resolved(resolved);
