@@ -36,19 +36,17 @@ int ranks_here() {
 }
 
 // OpenMP reads its variables when it is loaded. Where nobody says how many threads a rank is to have, the ranks on a
-// machine share the processors that each of them may use; where they have more threads than processors all the same,
+// machine share its processors, as far as each may use them; where they have more threads than processors all the same,
 // who waits sleeps, and does not keep others from what it waits for.
 void share_processors() {
   cpu_set_t mine;
-  const int ranks = ranks_here();
+  const int ranks = ranks_here() > 1 ? ranks_here() : 1, whole = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
   if (sched_getaffinity(0, sizeof mine, &mine) != 0) return;
-  const int processors = CPU_COUNT(&mine), whole = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
+  const int share = whole / ranks > 1 ? whole / ranks : 1, allowed = CPU_COUNT(&mine);
   const char* given = std::getenv("OMP_NUM_THREADS");
-  const bool bound = processors < whole;  // to processors of its own
-  const int share = bound ? processors : processors / ranks;
-  if (given == nullptr && ranks > 1) setenv("OMP_NUM_THREADS", std::to_string(share > 1 ? share : 1).c_str(), 0);
-  const int threads = given != nullptr ? std::atoi(given) : share > 1 ? share : 1;
-  if (threads * (bound ? 1 : ranks) > processors) setenv("OMP_WAIT_POLICY", "passive", 0);
+  const int threads = given != nullptr ? std::atoi(given) : share < allowed ? share : allowed;
+  if (given == nullptr && ranks > 1) setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 0);
+  if (threads * ranks > whole) setenv("OMP_WAIT_POLICY", "passive", 0);
 }
 
 bool is_there(const std::string& program) { return access(program.c_str(), X_OK) == 0; }
