@@ -1,5 +1,5 @@
 // Bodies that move freely: their acceleration and the pressure of their wall particles, each of which follows from the
-// other, and the evaluation of the water with them (docs/theory/water_and_bodies.md).
+// other, and the evaluation of the water with them (docs/theory/free_bodies.md).
 //
 // The pressure of a wall particle is linear in the acceleration A of its body,
 //   p_w(A) = p_w(0) + Σ_k G_k A_k,   G_k = -Σ_j share_j ρ_j e_k(x_w)·(x_w - x_j)/Σ_j share_j
