@@ -206,7 +206,7 @@ struct motion_reader {
       double others = -mine;
       for (const double radius : gyration) others += radius * radius;
       if (mine > (1.0 + slight) * others)
-        fail(key, n,
+        fail(key(k), n,
              fmt::format(
                  "no body has a moment of inertia above the sum of its other two: expected at most {:.6g} m, the "
                  "root of the sum of the squares of the other two radii of gyration",
