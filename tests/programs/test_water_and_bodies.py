@@ -128,7 +128,7 @@ class Bodies(Case):
 
     def test_light_bodies_float(self):
         """However much lighter than the water that they push away."""
-        for density, how in [(1, {}), (10, {}), (100, {"t": 2.0}), (500, {}), (900, {"t": 2.0}), (1, {"scheme": "riemann"}), (20000, {})]:
+        for density, how in [(1, {}), (100, {"t": 2.0}), (900, {"t": 2.0}), (1, {"scheme": "riemann"}), (20000, {})]:
             with self.subTest(density=density, **how):
                 self.expect_draught(density, 40, **how)
         for density in (1, 100):
