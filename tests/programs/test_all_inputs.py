@@ -21,7 +21,7 @@ LAYERS = "rti_.*|drop_.*|partitioning|contact|pond_on_mantle"
 KNOWN = [("disph_[ab]", r"hydrostatic_.*", r"Hosono's iteration \(plain\) diverged"),
          ("disph_[ab]", LAYERS, r"Hosono's iteration \(newton\)"),
          ("disph_[bd]|ssph", LAYERS, r"particles moved .* within one step"),
-         (r"disph_[a-fy]2?", LAYERS, r"is not positive and finite")]
+         ("disph_[a-fy]2?", LAYERS, r"is not positive and finite")]
 
 
 def particles(path):
