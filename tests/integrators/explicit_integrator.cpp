@@ -28,7 +28,8 @@ struct problem {
     }
   }
   std::vector<field> fields() {
-    return {{"u", u.data(), 1e-9, 0.0, earlier_u.data()}, {"w", w.data(), 1e-9, 0.0, earlier_w.data()}};
+    return {{"u", u.data(), 1e-9, 0.0, 0.0, 0.0, earlier_u.data()},
+            {"w", w.data(), 1e-9, 0.0, 0.0, 0.0, earlier_w.data()}};
   }
   std::vector<std::vector<double>*> arrays() { return {&u, &w, &a, &b, &earlier_u, &earlier_w}; }
   std::size_t size() const { return u.size(); }
@@ -145,7 +146,7 @@ BOOST_AUTO_TEST_CASE(adams_bashforth_is_the_hand_loop_and_starts_anew_after_a_sh
     return y + dt * (0.25 * f(y) + 0.75 * f(y + dt * (2.0 / 3.0) * f(y)));
   };
   double y = 0.5, earlier = 0.0;
-  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 0.0, 0.0, &earlier}}, 1, 0.0, fixed("ab2", 0.1),
+  explicit_integrator integrator(MPI_COMM_SELF, {{"y", &y, 0.0, 0.0, 0.0, 0.0, &earlier}}, 1, 0.0, fixed("ab2", 0.1),
                                  [&](double, std::span<double* const> rate) {
                                    rate[0][0] = f(y);
                                    return 0;

@@ -30,7 +30,8 @@ struct swarm {
     earlier_v.resize(id.size());
   }
   std::vector<field> fields() {
-    return {{"x", x.data(), 1e-8, 1.0, earlier_x.data()}, {"v", v.data(), 1e-8, 1.0, earlier_v.data()}};
+    return {{"x", x.data(), 1e-8, 1.0, 0.0, 0.0, earlier_x.data()},
+            {"v", v.data(), 1e-8, 1.0, 0.0, 0.0, earlier_v.data()}};
   }
   int rates(std::span<double* const> rate) const {
     for (std::size_t i = 0; i < id.size(); ++i) {

@@ -174,7 +174,7 @@ class Files(Case):
                 (WAY.replace("\n", "\r\n") + "\r\n", CURVES.replace("\n", "\r\n") + "\r\n\r\n"),
                 (WAY.replace(",", ";").replace("0.01", "+1D-2"), '"t";"h"\n"s";"m"\n0;+0.4\n0.02;4D-1\n0.04;.4\n;\n'),
                 (WAY.replace(",", "\t"), "t\tbad\th\n0\tnan\t0.4\n0.02\t\t0.4\n0.04\tx\t0.4\n"),
-                ("by;angle;z;y;x;time (s)\n" + "".join(f"me;0;nan;0;{x};{t}\n" for t, x in [(0, 0), (0.1, 0.01), (0.2, 0.02), (0.3, 0.02)]),
+                ("angle;by;z;y;x;time (s)\n" + "".join(f"0;me;nan;0;{x};{t}\n" for t, x in [(0, 0), (0.1, 0.01), (0.2, 0.02), (0.3, 0.02)]),
                  "t h # of it\n".replace("# of it", "") + "0 0.4 # so\n0.02 0.4\n0.04 0.4\n")]):
             with self.subTest(n):
                 (self.case / "way.csv").write_text(way, newline="")

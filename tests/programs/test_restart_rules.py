@@ -143,16 +143,22 @@ class EveryKey(Rules):
                     resolved = self.go_on(label, "out", {**end, key.name: key.changed()}, ["--check"]).stdout
                     self.assertNotEqual(values_in(resolved)[key.name], key.now)
                     continue
-                refused = self.go_on(label, "out", {key.name: key.changed()}, ["--check"], expect=BAD_INPUT)
+                words = ["--set", f"{key.name}={key.changed()}", "--check"]
+                refused = self.call(program, *LATEST, "--output", "out", *words, directory=self.here / "out")
+                if refused.status == COMPLETED:  # such as a column's profile without gravity: what is run is the same
+                    self.assertEqual(values_in(refused.stdout), values_in(self.go_on(label, "out", {}, ["--check"]).stdout))
+                    continue
+                self.assertEqual(refused.status, BAD_INPUT, refused)
                 group, name = key.name.split(".")
                 self.assertRegex(refused.stderr, r"&\w+ \w+")
                 if "a restart cannot change it" in refused.stderr:
-                    self.assertIn(f"--set {key.name}={key.changed()}: &{group} {name} = ", refused.stderr)
+                    self.assertIn(f"--set {key.name}=", refused.stderr)
+                    self.assertIn(f": &{group} {name} = ", refused.stderr)
                     self.assertIn("&time method", refused.stderr)
                     by_name += 1
         # Others do not go with the rest of the input.
         self.assertGreater(by_name, 0.25 * sum(not key.may_change for key in keys))
-        self.assertEqual({key.name.split(".")[0] for key in keys if key.may_change} - {"expert", "domain"}, {"time", "output", "run"})
+        self.assertEqual({key.name.split(".")[0] for key in keys if key.may_change} - {"expert", "domain", "initial"}, {"time", "output", "run"})
         self.assertIn("completed 3 steps", self.go_on(label, "out").stdout)
 
     def test_at_rest(self):
@@ -183,6 +189,7 @@ class Taken(Rules):
         for label in ["f", "rti", "drop", "conduction", "mantle", "flow"]:
             program, _, settings = CASES[label]
             whole = self.start(label, label, **{"output.interval": 0}).summary
+            first = self.start(label, f"{label}_first", **{"output.interval": 0, "time.steps": 1}).summary
             changes = [{"time.dt": whole["last_dt"] / 3}, {"time.method": "order_2"}]
             if label in ("rti", "mantle", "flow"):
                 changes.append({"time.cfl": 0.01})
@@ -191,27 +198,28 @@ class Taken(Rules):
             for change in changes:
                 with self.subTest(program, change=change):
                     output = f"{label}_again"
+                    for used in (output, f"{label}_fresh"):
+                        shutil.rmtree(self.here / used, ignore_errors=True)
                     shutil.copytree(self.here / label, self.here / output)
                     more = {**change, "time.steps": whole["steps"] + 1, "time.t_end": 100 * whole["time"]}
                     again = self.go_on(label, output, more).summary
                     fresh = self.start(label, f"{label}_fresh", **{**change, "time.steps": 1}).summary
                     self.assertEqual(again["steps"], whole["steps"] + 1)
-                    self.assertAlmostEqual(again["last_dt"] / fresh["last_dt"], 1, delta=0.1)
+                    if not {"time.dt", "time.method"} & change.keys():  # what a step may be changes on the way, with the flow
+                        self.assertAlmostEqual(again["last_dt"] / whole["last_dt"] / (fresh["last_dt"] / first["last_dt"]), 1, delta=0.1)
                     if "time.dt" in change:
                         self.assertAlmostEqual(again["last_dt"] / change["time.dt"], 1, delta=1e-9)
                     elif "time.method" in change:
                         self.assertIn(again["rhs_evaluations"] - whole["rhs_evaluations"], (2, 3))
                     else:
                         self.assertLess(again["last_dt"], 0.2 * whole["last_dt"])
-                    for used in (output, f"{label}_fresh"):
-                        shutil.rmtree(self.here / used)
 
     def test_all_of_a_run(self):
         """Whatever a restart may change has an effect that is seen; those of the balancer and of ranks decide who works."""
         self.start("flow", "out", **{"output.history_interval": 3})
         described = [key.name for key in keys_in(self.call("flow", "--describe").stdout) if key.may_change]
         observed = {
-            "time.method": ("'euler'", lambda r: r.summary["rhs_evaluations"] < 4 * 12 + 8),
+            "time.method": ("'euler'", lambda r: r.summary["rhs_evaluations"] < 4 * 18),
             "time.dt": ("1e-4", lambda r: abs(r.summary["last_dt"] - 1e-4) < 1e-9),
             "time.steps": ("14", lambda r: r.summary["steps"] == 14),
             "time.t_end": ("0.012", lambda r: r.summary["time"] == 0.012),
@@ -232,6 +240,7 @@ class Taken(Rules):
         self.assertEqual(unseen, set())
         for name, (value, seen) in observed.items():
             with self.subTest(name):
+                shutil.rmtree(self.here / "again", ignore_errors=True)
                 shutil.copytree(self.here / "out", self.here / "again")
                 settings = {"time.steps": 18, name: value}
                 if name in ("time.rtol", "expert.time_order"):
@@ -240,7 +249,6 @@ class Taken(Rules):
                 done = self.call("flow", *LATEST, "--output", "again", *words, directory=self.here / "again")
                 self.assertIn(done.status, (COMPLETED, INTERRUPTED), done)
                 self.assertTrue(seen(done), done)
-                shutil.rmtree(self.here / "again")
 
     def last_snapshot(self, result):
         file = h5py.File(sorted(result.directory.glob("snapshot_*.h5"))[-1])
@@ -251,10 +259,9 @@ class Taken(Rules):
         """As many steps behind the restart as a run with the smaller steps takes."""
         program, _, _ = CASES["flow"]
         settings = {"time.t_end": 0.02, "time.steps": 100000}
-        self.start("flow", "out", **settings)
+        first = self.start("flow", "out", **settings).summary["steps"]
         again = self.go_on("flow", "out", {"time.t_end": 0.04, "time.cfl": 0.2}).summary
         fresh = self.start("flow", "fresh", **{**settings, "time.t_end": 0.02, "time.cfl": 0.2}).summary
-        first = round(0.02 / self.start("flow", "whole", **settings).summary["last_dt"])
         self.assertAlmostEqual((again["steps"] - first) / fresh["steps"], 1, delta=0.1)
 
     def test_an_end_before_the_checkpoint(self):
@@ -303,6 +310,8 @@ class Ends(Rules):
                 settings = {key: value for key, value in settings.items() if key not in ("time.t_end", "time.method")}
                 dt = {"mantle": 1e10, "shock": 1e-4, "flow": 1e-4, "drop": 1e-3}.get(label, 0.05)
                 settings |= {"time.dt": dt, "time.steps": 4, "time.method": "euler", "output.interval": 0}
+                if label == "drop":
+                    settings |= {"drop.measure_from": 0}
                 done = self.run_program(program, self.here / "case.nml", settings, label).summary
                 self.assertEqual(done["steps"], 4)
                 self.assertAlmostEqual(done["time"] / (4 * dt), 1, delta=1e-9)

@@ -259,7 +259,7 @@ class Forms(Case):
 
     def test_no_snapshot(self):
         path = self.here / "start.h5"
-        for what, make, parts in [("nothing", lambda: None, ["No such file"]), ("a text", lambda: path.write_text("no HDF5"), ["signature"]),
+        for what, make, parts in [("nothing", lambda: None, ["there is no file"]), ("a text", lambda: path.write_text("no HDF5"), ["signature"]),
                                   ("half of it", lambda: path.write_bytes(self.ours.read_bytes()[:20000]), ["start.h5"]),
                                   ("a pipe", lambda: os.mkfifo(path), ["start.h5"]), ("a folder", path.mkdir, ["start.h5"])]:
             with self.subTest(what):

@@ -29,7 +29,7 @@ struct particles_of_two_fields {
   std::vector<integrators::field> fields() {
     return {{"x", w.s.x[0].data(), 0.0, 1.0},
             {"T", T.data(), 0.0, 1.0},
-            {"body_0", body.data(), 0.0, 1.0, nullptr, body.size()}};
+            {"body_0", body.data(), 0.0, 1.0, 0.0, 0.0, nullptr, body.size()}};
   }
   std::string fault(const std::string& before = "") {
     w.first_fault = {};

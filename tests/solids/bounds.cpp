@@ -161,7 +161,7 @@ BOOST_AUTO_TEST_CASE(poses_of_a_motion) {
   BOOST_TEST(most == 0.2, tt::tolerance(1e-12));
   BOOST_TEST(widest < 0.06);
   const prescribed<2> lift({{0.0, 0.0}}, {{1.0}},
-                           read_motion("0,0,0,0,0\n1,0,0.1,0,90\n2,0,0.7,0,0\n3,0,0.2,0,0\n", "lift.csv"));
+                           read_motion({"0,0,0,0,0\n1,0,0.1,0,90\n2,0,0.7,0,0\n3,0,0.2,0,0\n", "lift.csv"}, 2));
   most = 0.0;
   for (const auto& p : lift.poses()) most = std::max(most, p.shift[1]);
   BOOST_TEST(most == 0.7, tt::tolerance(1e-12));
