@@ -213,6 +213,9 @@ class problem_in_a_box : public problem {
   virtual void sum_rates(std::span<double* const> rate) = 0;
   // Collective. Of rates that are finite.
   virtual void complete_rates(std::span<double* const>) {}
+  // Whether steps that outrun their lists get wider ones. Where no other limit of the steps knows how fast particles
+  // are, lists are that limit, and stay: flows whose sound is slowed blow up else.
+  virtual bool widens_lists() const { return false; }
   // rebuild() of run/lists.hpp or run/supports.hpp, and what of the problem hangs on lists.
   virtual void make_lists(bool as_they_were) = 0;
   // Where particles stand behind the walls, those of this rank's cell when the cuts have moved.
@@ -232,7 +235,9 @@ class problem_in_a_box : public problem {
   }
   // That is the allowance.
   double part_of_skin() const { return box.skin > 0.0 ? allowance() / box.skin : 0.5; }
-  double skin_for(double allowance) const { return skin_within_limits(box, allowance / part_of_skin()); }
+  double skin_for(double allowance) const {
+    return widens_lists() ? skin_within_limits(box, allowance / part_of_skin()) : box.skin;
+  }
 
   // By the places of the start, or of a checkpoint. Whether lists have to be made anew.
   bool even_out(bool by_pairs) {

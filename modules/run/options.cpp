@@ -198,8 +198,6 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
 
 void resolve(const namelist::schema& schema, common_options& o) {
   resolve(schema, o.kernel);
-  // So many steps of a given length end a run that is not told when to end.
-  if (!schema.given("time", "t_end") && o.time.dt && o.time.steps < time_options{}.steps) o.time.t_end.reset();
   if (!o.start.file.empty()) o.start.place = schema.where("initial", "file") + ": &initial file: ";
   const auto f = stable_fractions(o.time.method);
   if (!o.time.cfl) o.time.cfl = f.cfl;

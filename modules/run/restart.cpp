@@ -70,18 +70,23 @@ void check_restart(const saved_run& was, const present_run& is) {
   if (was.program != is.program)
     foundation::fail_input("the checkpoint is of program " + was.program + ", not of " + is.program);
   const auto then = assignments_of(was.input), now = assignments_of(is.input);
+  std::string changed;  // one that --set gave rather than one that follows from it
   const auto check = [&](const std::string& key) {
     const auto found = is.keys.find(key);
     if (found != is.keys.end() && found->second.may_change) return;
     const auto *a = value_of(then, key), *b = value_of(now, key);
     if (a != nullptr && b != nullptr && *a == *b) return;
-    foundation::fail_input(
-        fmt::format("{}: {} = {}, and {} in the checkpoint's run: a restart cannot change it, only {}; leave it as it "
-                    "was, or start anew without --restart",
-                    place_of(is, key), key, told(b), told(a), those_that_may(is, now)));
+    const bool set = place_of(is, key).starts_with("--set");
+    if (changed.empty() || (set && !place_of(is, changed).starts_with("--set"))) changed = key;
   };
   for (const auto& [key, value] : now) check(key);
   for (const auto& [key, value] : then) check(key);
+  if (changed.empty()) return;
+  foundation::fail_input(
+      fmt::format("{}: {} = {}, and {} in the checkpoint's run: a restart cannot change it, only {}; leave it as it "
+                  "was, or start anew without --restart",
+                  place_of(is, changed), changed, told(value_of(now, changed)), told(value_of(then, changed)),
+                  those_that_may(is, now)));
 }
 
 void check_end(const saved_run& was, const present_run& is) {

@@ -148,7 +148,7 @@ BOOST_AUTO_TEST_CASE(inertia_of_a_body) {
     BOOST_CHECK_NO_THROW(read(possible));
   for (const auto& [gyration, message] :
        {std::pair{"gyration_x = 0.1",
-                  "case.nml:2: &motions gyration_y: motion 1 (of body 'boat'): expected a length "
+                  "&motions gyration_y: motion 1 (of body 'boat'): expected a length "
                   "above 0: in three dimensions a body takes all three radii of gyration, or none"},
         {"gyration_y = 0.1 gyration_z = 0.1", "&motions gyration_x: motion 1"},
         {"gyration_x = 0.1 gyration_y = 0.1 gyration_z = 0.15",

@@ -129,6 +129,7 @@ BOOST_AUTO_TEST_CASE(momentum_stays) {
   for (const char* volume : {"number_density", "our_method"}) {
     box b(volume, "none", "&walls floor = 'free_slip' lid = 'free_slip' /");
     b.o.gravity = 0.0;
+    b.f->world.w.g = {};
     auto& s = b.f->world.w.s;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       s.rho[i] *= 1.0 + 0.05 * test::noise(s.id[i], 2);

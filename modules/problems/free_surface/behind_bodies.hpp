@@ -15,26 +15,11 @@ solids::point<D> velocity_of_body(const water<D>& f, const moving_body<D>& b, st
   return b.rate.at(of_solids<D>(f.place(j)) - f.image_at(b.body, of_solids<D>(f.place(i))));
 }
 
-// m2/s2, of the wall particle i of a free body: how this angular acceleration lets the pressure rise along `apart` (m)
-// to it. Of the motion counts what is across the surface, that of i: the spin of a ball pushes no water.
-template <int D>
-double turning_to(const water<D>& f, const moving_body<D>& b, const solids::about<D>& angular,
-                  const solids::point<D>& apart, std::size_t i) {
-  const solids::point<D> n{f.world.walls.bodies.places[i - f.world.w.s.first_wall()].normal};
-  const auto x = of_solids<D>(f.place(i));
-  const auto acceleration = solids::cross<D>(angular, x - f.image_at(b.body, x) - b.rate.centre);
-  return -foundation::dot(n, acceleration) * foundation::dot(n, apart);
-}
-
 // m2/s2: how the acceleration of what of the body is half way between them lets the pressure rise from j to i.
 template <int D>
 double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std::size_t i) {
-  const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j)), apart = x_i - x_j;
-  auto without = b.rate;
-  if (b.free) without.angular_acceleration = {};
-  const auto middle = 0.5 * (x_i + x_j) - f.image_at(b.body, x_i);
-  const double rise = -foundation::dot(without.acceleration_at(middle), apart);
-  return b.free ? rise + turning_to(f, b, b.rate.angular_acceleration, apart, i) : rise;
+  const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j));
+  return -foundation::dot(b.rate.acceleration_at(0.5 * (x_i + x_j) - f.image_at(b.body, x_i)), x_i - x_j);
 }
 
 // From sources to their images, as a vector; wall particles of bodies have none.

@@ -2,9 +2,9 @@
 // other, and the evaluation of the water with them (docs/theory/free_bodies.md).
 //
 // The pressure of a wall particle is linear in the acceleration A of its body,
-//   p_w(A) = p_w(0) + Σ_k G_k A_k,   G_k = -Σ_j share_j ρ_j e_k(x_w)·(x_w - x_j)/Σ_j share_j
-// with e_k the unit motions of a rigid body, of those of its spin what is across the surface; so is the force on the
-// body, whose components are Q_k = Q_k(0) - m_kl A_l with
+//   p_w(A) = p_w(0) + Σ_k G_k A_k,   G_k = -Σ_j share_j ρ_j e_k(½ (x_j + x_w))·(x_w - x_j)/Σ_j share_j
+// with e_k the unit motions of a rigid body; so is the force on the body, whose components are Q_k = Q_k(0) - m_kl A_l
+// with
 //   m_kl = -Σ_i Σ_w e_k(x_i)·V_i V_w ∇_i W_iw G_l
 // the water that takes part in its acceleration. With M the body's own mass and inertia, (M + m) A = Q(0) + weight: its
 // solution is what both act by, at once, however light the body is.
@@ -62,6 +62,14 @@ struct added_mass {
   }
 };
 
+// m/s2, at x, of a body whose acceleration has this component alone, and is one.
+template <int D>
+solids::point<D> unit_motion(std::size_t component, const solids::point<D>& from_centre) {
+  solids::rigid<D> e;
+  e[component] = 1.0;
+  return e.linear + solids::cross<D>(e.turning, from_centre);
+}
+
 // Collective. G of the wall particles of free bodies, and of their images.
 template <int D>
 void find_responses(water<D>& f) {
@@ -73,12 +81,9 @@ void find_responses(water<D>& f) {
     std::array<double, N> G{};
     const auto* b = f.mover(s.material[i]);
     if (b == nullptr || !b->free) return G;
-    const auto apart = of_solids<D>(f.place(i)) - of_solids<D>(f.place(j));
-    for (std::size_t k = 0; k < N; ++k) {
-      solids::rigid<D> one;
-      one[k] = 1.0;
-      G[k] = s.rho[j] * (turning_to(f, *b, one.turning, apart, i) - foundation::dot(one.linear, apart));
-    }
+    const auto x_i = of_solids<D>(f.place(i)), x_j = of_solids<D>(f.place(j));
+    const auto middle = 0.5 * (x_i + x_j) - f.image_at(b->body, x_i) - b->rate.centre;
+    for (std::size_t k = 0; k < N; ++k) G[k] = -s.rho[j] * foundation::dot(unit_motion<D>(k, middle), x_i - x_j);
     return G;
   };
   walls::at_bodies<N, 0>(w, walls, response, [&](std::size_t i, const auto&, double, const auto& mean) {
