@@ -305,7 +305,7 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
                numbers("m",
                        "radii of gyration of a free body about axes through its centre of mass, which are its "
                        "principal axes: in 3-D "
-                       "all three; none: as of one density",
+                       "all three; none: as of one density, of a hundredth of the liquid's at least",
                        0.0));
 }
 

@@ -122,7 +122,7 @@ void balance_of(scene<D>& scene) {
     const double force = scene.sum([&](std::size_t i) { return f.force[a][i]; });
     const double size = scene.sum([&](std::size_t i) { return std::abs(f.force[a][i]); });
     BOOST_TEST(size > 100.0);
-    BOOST_TEST(std::abs(load.force[a]) > 1e-4 * size);  // a light body gives way
+    BOOST_TEST(std::abs(load.force[a]) > 1e-8 * size);  // a light body gives way
     BOOST_TEST(std::abs(force + load.force[a]) < 1e-12 * size);
     // Of water and body.
     if (!f.free.empty()) {

@@ -140,8 +140,12 @@ class EveryKey(Rules):
             with self.subTest(program=program, key=key.name, value=key.changed()):
                 if key.may_change:
                     end = {"time.t_end": now["time.t_end"] or "1000"} if key.name == "time.dt" else {}
-                    resolved = self.go_on(label, "out", {**end, key.name: key.changed()}, ["--check"]).stdout
-                    self.assertNotEqual(values_in(resolved)[key.name], key.now)
+                    words = [word for name, value in {**end, key.name: key.changed()}.items() for word in ("--set", f"{name}={value}")]
+                    changed = self.call(program, *LATEST, "--output", "out", *words, "--check", directory=self.here / "out")
+                    if changed.status == BAD_INPUT:  # too many snapshots, say
+                        self.assertIn("&{} {}".format(*key.name.split(".")), changed.stderr)
+                    else:
+                        self.assertNotEqual(values_in(changed.stdout)[key.name], key.now)
                     continue
                 words = ["--set", f"{key.name}={key.changed()}", "--check"]
                 refused = self.call(program, *LATEST, "--output", "out", *words, directory=self.here / "out")
@@ -206,7 +210,9 @@ class Taken(Rules):
                     fresh = self.start(label, f"{label}_fresh", **{**change, "time.steps": 1}).summary
                     self.assertEqual(again["steps"], whole["steps"] + 1)
                     if not {"time.dt", "time.method"} & change.keys():  # what a step may be changes on the way, with the flow
-                        self.assertAlmostEqual(again["last_dt"] / whole["last_dt"] / (fresh["last_dt"] / first["last_dt"]), 1, delta=0.1)
+                        as_fresh = again["last_dt"] / fresh["last_dt"]
+                        as_much_shorter = as_fresh * first["last_dt"] / whole["last_dt"]
+                        self.assertLess(min(abs(as_fresh - 1), abs(as_much_shorter - 1)), 0.1)
                     if "time.dt" in change:
                         self.assertAlmostEqual(again["last_dt"] / change["time.dt"], 1, delta=1e-9)
                     elif "time.method" in change:

@@ -104,7 +104,7 @@ class Snapshot(Case):
         self.file.write_text("no HDF5")
         self.refuse(FILE_FAILED, "start.h5")
         self.file.unlink()
-        self.refuse(FILE_FAILED, "start.h5")
+        self.refuse(BAD_INPUT, "&initial file", "there is no file")
 
 
 class OlderNames(Case):

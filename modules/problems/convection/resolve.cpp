@@ -232,7 +232,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
                       : p.weighed                           ? (c.eos_dynamic_pressure ? 1.0 : 0.0)
                       : c.gravity_density == "conventional" ? p.slowing.zeta * p.slowing.zeta
                                                             : 0.0;
-  if (!o.common.time.has_end())
+  if (!o.common.time.t_end)
     o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
   run::check_output(schema, o.common, {"Viscosity", "Volume"});
   return p;

@@ -148,6 +148,11 @@ solids::free_body<D> free_body_of(const options& o, const solids::body<D>& of, c
     for (auto& row : b.inertia) row = (how.mass / b.mass) * row;
     b.mass = how.mass;
   }
+  // The spin of a very light body follows the errors of the sums; that of the water that it drags along is not known.
+  constexpr double least = 0.01;  // of the liquid's density, as which its spin counts
+  const double density = how.density > 0.0 ? how.density : how.mass / mass_of<D>(o, of, 1.0).mass;
+  if (const double heavier = least * o.flow.density / density; heavier > 1.0)
+    for (auto& row : b.inertia) row = heavier * row;
   for (std::size_t k = 0; k < b.inertia.size(); ++k) {
     const double radius = how.gyration[D == 2 ? 2 : k];  // all of them are given, or none
     if (!(radius > 0.0)) continue;

@@ -49,6 +49,7 @@ TALLEST = 7.0  # inches: a map
 
 plt.rcdefaults()  # whatever a user's matplotlibrc says
 plt.rcParams.update({
+    "figure.max_open_warning": 0,
     "figure.dpi": 150, "savefig.dpi": 150, "figure.constrained_layout.use": True,
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.edgecolor": GREY, "axes.labelcolor": INK, "axes.linewidth": 0.7,
