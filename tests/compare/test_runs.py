@@ -360,7 +360,7 @@ class ForParaView(Case):
         self.assertEqual(made["Xdmf3ReaderT"]["FileName"], [str((run / "walls.xdmf").resolve())])  # the second of two
         self.assertEqual(made["UnstructuredGridRepresentation"]["ColorArrayName"], [""] * 5)
         (run / "walls.xdmf").unlink()
-        self.assert_refused(inside.call("paraview", run), "walls.xdmf", "No such file")
+        self.assert_refused(inside.call("paraview", run), "walls.xdmf", "No such file", status=4)
 
     def number(self, run, kind):
         return ElementTree.parse(run / "series.pvsm").getroot().find(f".//Proxy[@type='{kind}']").get("id")

@@ -322,7 +322,7 @@ class WhatMayChange(Robust):
                        {"domain.particles_x": 30, "domain.length_x": 150e3}]:
             with self.subTest(change):
                 refused = self.run_program("disph_f", name, {**settings, **change}, "out", options=LATEST, expect=BAD_INPUT)
-                self.assertIn("only &time, &output, &run, &balancer and &domain ranks_x and balance may change", refused.stderr)
+                self.assertIn("a restart cannot change it, only &domain ranks_x, balance", refused.stderr)
                 self.assertTrue(any(key.partition(".")[2] in refused.stderr for key in change), refused)
         self.assertEqual(self.listing(), before)
 
