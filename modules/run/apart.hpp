@@ -1,5 +1,6 @@
-// How far, or how fast, the fluid moves, as far as its particles' distances go: where all may drift along an axis
-// together, what they have in common counts for nothing.
+// A bound of how far, or how fast, particles move with respect to each other: what they have in common along an axis
+// where all may drift together counts for nothing. The bound is the same in all frames of reference if the vectors are
+// given in the frame that moves with the particles (pairs::workspace::frame).
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,7 @@ struct apart {
   std::array<bool, 3> drifts{};  // the axes along which nothing stands still
 
   // A bound, of the vectors less that in the middle. It is at most √D times the length of the longest of these. Where
-  // little is in common it is the longest vector's own length.
+  // little more is in common than the frame's motion it is the longest vector's own length.
   double length() const {
     constexpr double in_common = 1.2;
     double square = 0.0;

@@ -72,6 +72,7 @@ class problem_in_a_box : public problem {
     return h;
   }
 
+  void at_time(double t) override { box.now = t; }
   void expect_snapshot(bool shown) final {
     box.walls.complete = shown;
     box.walls.unread.reset();
@@ -170,6 +171,7 @@ class problem_in_a_box : public problem {
     g.reals["density_excess"] = density_excess_;
     g.reals["skin"] = box.skin;
     g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
+    g.reals["list_time"] = box.list_time;
     g.integers["balance_decisions"] = balancer.decisions;
     g.integers["balance_moves"] = balancer.moves;
     g.reals["balance_gain_predicted"] = balancer.gain_predicted;
@@ -181,6 +183,7 @@ class problem_in_a_box : public problem {
     density_excess_ = g.reals.at("density_excess");
     set_skin(box, g.reals.at("skin"));
     std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
+    box.list_time = g.reals.at("list_time");
     balancer.decisions = g.integers.at("balance_decisions");
     balancer.moves = g.integers.at("balance_moves");
     balancer.gain_predicted = g.reals.at("balance_gain_predicted");

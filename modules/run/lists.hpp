@@ -2,6 +2,7 @@
 // whenever a particle has moved far enough: who owns which particle, ghosts, what stands behind the walls.
 #pragma once
 
+#include <cmath>
 #include <pairs/workspace.hpp>
 #include <run/apart.hpp>
 #include <walls/bodies.hpp>
@@ -20,6 +21,7 @@ struct state {
     double skin = 0.0, halo = 0.0;  // m
   } narrowest;
   std::int64_t fluid_total = 0;
+  double now = 0.0, list_time = 0.0;  // s, of the state in the arrays; of that from which the lists were made
 
   bool mirrors() const { return std::holds_alternative<walls::mirror>(treatment); }
   // The axes along which all that particles meet moves with them: nothing stands there.
@@ -29,18 +31,28 @@ struct state {
   }
 };
 
-// m, the displacements on this rank since the lists were made.
+// m, how far the frame w.frame has moved since the lists were made.
+template <int D>
+std::array<double, D> frame_displacement(const state<D>& box) {
+  std::array<double, D> way;
+  for (std::size_t a = 0; a < D; ++a) way[a] = box.w.frame[a] * (box.now - box.list_time);
+  return way;
+}
+
+// m, the displacements on this rank since the lists were made, in the frame w.frame.
 template <int D>
 apart moved_since_lists(const state<D>& box) {
   const auto& s = box.w.s;
-  return apart_of<D>(s.fluid, box.drifts(), [&](std::size_t a, std::size_t i) { return s.x[a][i] - s.x_list[a][i]; });
+  return apart_of<D>(s.fluid, box.drifts(), [&, way = frame_displacement(box)](std::size_t a, std::size_t i) {
+    return s.x[a][i] - s.x_list[a][i] - way[a];
+  });
 }
 
-// m/s, the velocities on this rank.
+// m/s, the velocities on this rank, in the frame w.frame.
 template <int D>
 apart velocities(const state<D>& box) {
   const auto& s = box.w.s;
-  return apart_of<D>(s.fluid, box.drifts(), [&](std::size_t a, std::size_t i) { return s.v[a][i]; });
+  return apart_of<D>(s.fluid, box.drifts(), [&](std::size_t a, std::size_t i) { return s.v[a][i] - box.w.frame[a]; });
 }
 
 // m/s, the largest on this rank.
@@ -51,13 +63,14 @@ double largest_speed(const state<D>& box) {
   return all.numbers[apart::longest];
 }
 
-// Whether particles have drifted so far from where lists found them (m, on all ranks) that they are to be wrapped: the
-// digits of places far outside the box would be lost.
+// Whether particles have drifted so far from where lists found them that they are to be wrapped: the digits of
+// positions far outside the box would be lost. farthest: m, in the frame w.frame.
 template <int D>
 bool drifted(const state<D>& box, double farthest) {
   const auto along = box.drifts();
+  const auto way = frame_displacement(box);
   for (std::size_t a = 0; a < D; ++a)
-    if (along[a] && farthest > 0.5 * box.w.d.region.length[a]) return true;
+    if (along[a] && farthest + std::abs(way[a]) > 0.5 * box.w.d.region.length[a]) return true;
   return false;
 }
 
@@ -164,8 +177,10 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
     order_in_layers(w, l.reach, box.walls.bodies.any(), order);
     particles::reorder(s, 0, std::span<const std::uint32_t>(order));
   }
-  if (!as_they_were)
+  if (!as_they_were) {
     for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
+    box.list_time = box.now;
+  }
   surround(box, l.reach);
   w.exchange_fluid({s.m.data()});
   const auto grid = cells::make_grid<D>(s.x, s.id, s.total(), l.edge);

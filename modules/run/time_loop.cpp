@@ -50,6 +50,7 @@ struct loop {
 
   // One reduction for all that a step has to agree on.
   void hear_news(bool changed) {
+    p.at_time(integrator->time());
     apart speed = p.speed(), moved = p.moved();
     constexpr std::size_t n = std::tuple_size_v<decltype(speed.numbers)>;
     std::array<double, 3 + 2 * n> most{files.stop_reason(o.run), ranks.rank == 0 ? files.checkpoint_age() : 0.0,
@@ -140,8 +141,10 @@ struct loop {
   void refresh_lists() {
     const double speed = faster * news.speed, moved = news.moved;
     // A step that the input gives is kept as long as lists can follow particles that keep their speed; one with error
-    // control that they cannot follow is tried again.
-    const double most = (o.time.dt ? 1.0 : controls_error() ? a_little_faster : faster) * news.speed;
+    // control that they cannot follow is tried again, where lists are no limit of the flow's own.
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const bool lists_widen = p.possible_allowance(any) > p.possible_allowance(0.0);
+    const double most = (o.time.dt ? 1.0 : controls_error() && lists_widen ? a_little_faster : faster) * news.speed;
     const double next = controls_error() ? integrator->statistics().next_dt : dt;
     const double now = p.allowance();
     double wanted = speed * (bound.dt > 0.0 ? std::min(next, bound.dt) : next);

@@ -12,7 +12,10 @@ triangle_grid::triangle_grid(const triangles& of, const std::function<bool(const
     for (std::size_t a = 0; a < 3; ++a) low_[a] = std::min(low_[a], p[a]), high_[a] = std::max(high_[a], p[a]);
   double extent = 0.0;
   for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, high_[a] - low_[a]);
-  size_ = extent / static_cast<double>(most);
+  const double of_triangles = 2.0 * std::sqrt(static_cast<double>(of.corners.size()));
+  const std::int64_t along =
+      fewest + static_cast<std::int64_t>(std::min(of_triangles, static_cast<double>(most - fewest)));
+  size_ = extent / static_cast<double>(along);
   if (!(size_ > 0.0)) return;
   for (std::size_t a = 0; a < 3; ++a)
     cells_[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::ceil((high_[a] - low_[a]) / size_)), 1, most);

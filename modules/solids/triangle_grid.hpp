@@ -26,7 +26,8 @@ class triangle_grid {
   known at(const place& x) const;
 
  private:
-  static constexpr std::int64_t most = 96;  // cells along the longest axis
+  // Cells along the longest axis: as fine as the triangles of a surface of equal ones, and never finer than 96.
+  static constexpr std::int64_t fewest = 16, most = 96;
   using cell = std::array<std::int64_t, 3>;
 
   std::size_t number_of(const cell& c) const {

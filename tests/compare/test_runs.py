@@ -414,8 +414,8 @@ for index in range(4):
             self.state(write_series(run))
             moved.append(run.rename(self.here / f"{dimension} after"))
             self.state(moved[-1])
-        said = subprocess.run(["xvfb-run", "-a", "sh", "-c", f'for run; do pvbatch {script} "$run" || exit; done', "sh", *moved], capture_output=True, text=True,
-                              cwd="/", timeout=200, env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"})
+        said = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset",  # else the server starts anew between two clients
+                               "sh", "-c", f'for run; do pvbatch {script} "$run" || exit; done', "sh", *moved], capture_output=True, text=True, cwd="/", timeout=200, env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"})
         self.assertEqual(re.findall("seen (.*)", said.stdout), [f"{t}.0 {shown}" for shown in (144 + 20, 6**3 // 2) for t in (0, 10, 20, 30)],
                          said.stdout + said.stderr)
         for run in moved:

@@ -129,7 +129,10 @@ class flow : public run::problem_in_a_box<D> {
     return all;
   }
 
-  void at_time(double t) override { set_bodies_at(f_, t); }
+  void at_time(double t) override {
+    base::at_time(t);
+    set_bodies_at(f_, t);
+  }
   void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
   run::apart moved() override { return with_bodies(base::moved(), bodies_moved(f_)); }
   std::string farthest_moved() override {
