@@ -69,7 +69,7 @@ template <int D>
 cuts<D> propose(const cuts<D>& now, const std::vector<double>& time_per_rank, const balancer_options& o,
                 const extents<D>& where = {});
 
-// A stretch of an axis, of a group of cuts, in equal parts.
+// A part of an axis, of a group of cuts, in equal parts.
 struct window {
   std::size_t group;
   double lower, upper;  // m

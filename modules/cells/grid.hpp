@@ -1,5 +1,5 @@
 // Linked cells as sorted cells: the particles of a cell stand together, and a row of cells along the last axis is one
-// stretch of memory, in which particles are sorted along that axis; where they are level, along those before it. A
+// range of memory, in which particles are sorted along that axis; where they are level, along those before it. A
 // particle and its image may have the same ID.
 //
 // Cells are anchored at the origin of the domain, not of the rank, and ordered along
@@ -118,7 +118,7 @@ struct grid {
   }
   // The members [first, second) of the cells from c to that with the index `to` along the last axis, both in the
   // bounding box.
-  std::pair<std::uint32_t, std::uint32_t> stretch(const index<D>& c, std::int64_t to) const {
+  std::pair<std::uint32_t, std::uint32_t> members_in_row(const index<D>& c, std::int64_t to) const {
     const std::uint64_t from = key(c), end = from + static_cast<std::uint64_t>(to - c[D - 1]) + 1;
     if (!sparse) return {start[from], start[end]};
     const auto* column = column_of.find(from / static_cast<std::uint64_t>(extent[D - 1]));
@@ -264,7 +264,7 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
   return g;
 }
 
-// f(first, last) for every stretch of `members` in the cells that are within `reach` of the box from `low` to `high`,
+// f(first, last) for every range of `members` in the cells that are within `reach` of the box from `low` to `high`,
 // in the order of cells.
 template <int D, class F>
 void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const std::array<double, D>& high,
@@ -282,12 +282,12 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const 
     return std::pair{std::max(cell_at(low[a] - half), g.first[a]),
                      std::min(cell_at(high[a] + half), g.first[a] + g.extent[a] - 1)};
   };
-  // The last axis' cells are one stretch.
-  const auto stretch = [&](index<D> c, double left2) {
+  // The last axis' cells are one range.
+  const auto visit_row = [&](index<D> c, double left2) {
     const auto [from, to] = along(D - 1, std::sqrt(left2) * rounding);
     if (from > to) return;
     c[D - 1] = from;
-    const auto [begin, end] = g.stretch(c, to);
+    const auto [begin, end] = g.members_in_row(c, to);
     if (begin != end) f(begin, end);
   };
   // Columns one by one where they are fewer than those that the box would meet if all were there.
@@ -302,13 +302,13 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const 
         const index<D> c = g.cell_of_key(g.keys[g.columns[k]]);
         double left = reach2;
         for (std::size_t a = 0; a + 1 < D; ++a) left -= gap2(a, c[a]);
-        if (left > 0.0) stretch(c, left);
+        if (left > 0.0) visit_row(c, left);
       }
       return;
     }
   }
   const auto descend = [&](const auto& self, std::size_t a, index<D> c, double left2) -> void {
-    if (a + 1 == D) return stretch(c, left2);
+    if (a + 1 == D) return visit_row(c, left2);
     const auto [from, to] = along(a, std::sqrt(left2) * rounding);
     for (c[a] = from; c[a] <= to; ++c[a])
       if (const double left = left2 - gap2(a, c[a]); left > 0.0) self(self, a + 1, c, left);

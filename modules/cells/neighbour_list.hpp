@@ -62,7 +62,7 @@ struct neighbour_list : list_of_rows<std::uint16_t> {
   static_assert(width <= 8 && foundation::single::size() == 2 * width);
   static constexpr std::int32_t far_step = -128;
 
-  std::size_t at_once = 1;  // sequences, 1 or 2
+  std::size_t interleave = 1;  // sequences, 1 or 2
 
   // Scratch of the pair loop: what it reads of the neighbours, packed.
   struct scratch {
@@ -91,7 +91,7 @@ struct neighbour_list : list_of_rows<std::uint16_t> {
           if (const std::uint32_t of_lanes = n.of_lanes >> k * width & lanes_of_one; of_lanes != 0)
             f(n.j[k], of_lanes, k);
     };
-    at_once == 1 ? through(neighbours<1>(row(r))) : through(neighbours<2>(row(r)));
+    interleave == 1 ? through(neighbours<1>(row(r))) : through(neighbours<2>(row(r)));
   }
 
   // Goes through a row, its n sequences at once.
@@ -148,17 +148,17 @@ class row_of_clusters {
     if (of_lanes != 0) sequences_[sequence].push_back({j, of_lanes});
   }
   // The first so many sequences; those that are shorter end with neighbours that no lane has. Empty after that.
-  void write(std::size_t at_once, row_store<std::uint16_t>& made) {
+  void write(std::size_t interleave, row_store<std::uint16_t>& made) {
     const std::size_t length = std::max(sequences_[0].size(), sequences_[1].size());
-    for (std::size_t k = 0; k < at_once && length > 0; ++k) {
+    for (std::size_t k = 0; k < interleave && length > 0; ++k) {
       const auto& other = sequences_[1 - k];
       const std::uint32_t some = sequences_[k].empty() ? other.back().j : sequences_[k].back().j;
       sequences_[k].resize(length, {some, 0});
     }
-    std::uint16_t* out = made.room(length * at_once * 3);
+    std::uint16_t* out = made.room(length * interleave * 3);
     far_.clear();
     for (std::size_t at = 0; at < length; ++at)
-      for (std::size_t k = 0; k < at_once; ++k) {
+      for (std::size_t k = 0; k < interleave; ++k) {
         const entry e = sequences_[k][at];
         const std::uint32_t before = at > 0 ? sequences_[k][at - 1].j : 0;
         const std::int64_t step = std::int64_t{e.j} - std::int64_t{before};
@@ -309,7 +309,7 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
                const Reach& reach) {
   using foundation::real;
   constexpr std::size_t width = neighbour_list::width;
-  const auto sequences = list.at_once > 1 ? sequences_of(g) : std::vector<unsigned char>{};
+  const auto sequences = list.interleave > 1 ? sequences_of(g) : std::vector<unsigned char>{};
   make_rows(list, (n + width - 1) / width,
             [&, row = row_of_clusters(), spread = spread_cluster<D>()](std::size_t r, auto& made) mutable {
               const std::size_t first = r * width, members = std::min(width, n - first);
@@ -337,7 +337,7 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
                 spread.for_each_near(g, x, first, members, of_cluster.most, add_near);
               else
                 for_each_near<D>(g, cluster.low, cluster.high, of_cluster.most, add_near);
-              row.write(list.at_once, made);
+              row.write(list.interleave, made);
               return pairs;
             });
 }

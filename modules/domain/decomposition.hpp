@@ -94,18 +94,18 @@ void wrap(const box<D>& region, particles::particles<D>& s) {
 // Messages to a few ranks whose receivers do not know of them beforehand, without a step whose cost grows with the
 // number of ranks: the non-blocking consensus of Hoefler, Siebert & Lumsdaine, "Scalable communication protocols for
 // dynamic sparse data exchange", PPoPP (2010).
-struct letter {
+struct message {
   int rank = 0;  // where to, or where from
   std::vector<double> values;
 };
 
-// Sends every letter to its rank (each rank at most once, this rank among them if need be); returns what came
+// Sends every message to its rank (each rank at most once, this rank among them if need be); returns what came
 // here, by rank. All ranks call this together, and two calls that follow each other differ in `tag`: a rank may
 // be a call ahead of another.
-inline std::vector<letter> sparse_exchange(const communicator& ranks, const std::vector<letter>& out, int tag) {
-  std::vector<letter> in;
+inline std::vector<message> sparse_exchange(const communicator& ranks, const std::vector<message>& out, int tag) {
+  std::vector<message> in;
   std::vector<MPI_Request> sent;
-  for (const letter& l : out) {
+  for (const message& l : out) {
     if (l.rank == ranks.rank) {
       in.push_back(l);
       continue;
@@ -113,8 +113,8 @@ inline std::vector<letter> sparse_exchange(const communicator& ranks, const std:
     sent.emplace_back();
     // Synchronous: complete when the receiver has it.
     MPI_Issend(l.values.data(), static_cast<int>(l.values.size()), MPI_DOUBLE, l.rank, tag, ranks.comm, &sent.back());
-    ++foundation::sent.letter_messages;
-    foundation::sent.letter_bytes += static_cast<std::int64_t>(l.values.size() * sizeof(double));
+    ++foundation::sent.migration_messages;
+    foundation::sent.migration_bytes += static_cast<std::int64_t>(l.values.size() * sizeof(double));
   }
   if (ranks.size == 1) return in;
   const foundation::collective timed;
@@ -127,7 +127,7 @@ inline std::vector<letter> sparse_exchange(const communicator& ranks, const std:
     if (here != 0) {
       int n = 0;
       MPI_Get_count(&status, MPI_DOUBLE, &n);
-      letter l{status.MPI_SOURCE, std::vector<double>(static_cast<std::size_t>(n))};
+      message l{status.MPI_SOURCE, std::vector<double>(static_cast<std::size_t>(n))};
       MPI_Recv(l.values.data(), n, MPI_DOUBLE, l.rank, tag, ranks.comm, MPI_STATUS_IGNORE);
       in.push_back(std::move(l));
     }
@@ -141,7 +141,7 @@ inline std::vector<letter> sparse_exchange(const communicator& ranks, const std:
     all_mine_arrived = true;
     MPI_Ibarrier(ranks.comm, &barrier);
   }
-  std::sort(in.begin(), in.end(), [](const letter& a, const letter& b) { return a.rank < b.rank; });
+  std::sort(in.begin(), in.end(), [](const message& a, const message& b) { return a.rank < b.rank; });
   return in;
 }
 
@@ -182,7 +182,7 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
       leave.emplace_back(d.owner(x), i);
   }
   std::sort(leave.begin(), leave.end());
-  std::vector<letter> out;
+  std::vector<message> out;
   for (const auto& [rank, i] : leave) {
     if (out.empty() || out.back().rank != rank) out.push_back({rank, {}});
     auto& values = out.back().values;
@@ -193,11 +193,11 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
   const auto in = sparse_exchange(d.ranks, out, detail::next_tag(d));
   if (stay.size() < s.fluid) particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
   std::size_t fluid = stay.size();
-  for (const letter& l : in) fluid += l.values.size() / row;
+  for (const message& l : in) fluid += l.values.size() / row;
   // Room for the new fluid; the walls move along behind it.
   particles::allocate(s, fluid, 0, s.walls, 0);
   std::size_t i = stay.size();
-  for (const letter& l : in)
+  for (const message& l : in)
     for (const double* v = l.values.data(); v < l.values.data() + l.values.size(); v += row, ++i) {
       s.id[i] = std::bit_cast<std::int64_t>(v[0]);
       s.material[i] = static_cast<std::int32_t>(v[1]);
@@ -322,7 +322,7 @@ void make_halo(decomposition<D>& d, particles::particles<D>& s, std::size_t begi
                std::size_t ghosts_begin, halo<D>& plan, Grow&& grow) {
   detail::choose_sources<D>(d, s, begin, begin + owned, plan);
   constexpr std::size_t row = D + 2;
-  std::vector<letter> out;
+  std::vector<message> out;
   for (const auto& to : plan.to) {
     out.push_back({to.rank, {}});
     auto& values = out.back().values;
@@ -338,13 +338,13 @@ void make_halo(decomposition<D>& d, particles::particles<D>& s, std::size_t begi
   plan.from.clear();
   plan.ghosts_begin = ghosts_begin;
   plan.ghosts = 0;
-  for (const letter& l : in) {
+  for (const message& l : in) {
     plan.from.push_back({l.rank, plan.ghosts, l.values.size() / row});
     plan.ghosts += plan.from.back().count;
   }
   grow(plan.ghosts);
   std::size_t g = ghosts_begin;
-  for (const letter& l : in)
+  for (const message& l : in)
     for (const double* v = l.values.data(); v < l.values.data() + l.values.size(); v += row, ++g) {
       for (std::size_t a = 0; a < D; ++a) s.x[a][g] = v[a];
       s.id[g] = std::bit_cast<std::int64_t>(v[D]);

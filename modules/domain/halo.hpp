@@ -21,7 +21,7 @@ namespace tetsuame::domain {
 template <int D>
 struct halo {
   // What one rank sends to, or receives from, another (or itself, over a periodic border).
-  struct stretch {
+  struct index_range {
     int rank = 0;
     std::size_t begin = 0, count = 0;  // of `sources`, or of the ghosts
   };
@@ -30,7 +30,7 @@ struct halo {
   std::vector<std::uint32_t> sources;                    // local indices sent
   std::vector<std::uint8_t> shift;                       // of each source, into `shift_by`
   std::array<std::array<double, D>, shifts> shift_by{};  // m, added to the coordinates of what is sent
-  std::vector<stretch> to, from;                         // by rank
+  std::vector<index_range> to, from;                     // by rank
   std::size_t ghosts_begin = 0, ghosts = 0;              // local indices received
   int tag = 0;
 

@@ -209,7 +209,7 @@ template <class R>
 
 // A `single` holds the same particles twice, beside two neighbours: its lower half those with the one, its upper half
 // those with the other. Doubles as single numbers, in both halves:
-[[gnu::always_inline]] inline single in_both_halves(const real& a) {
+[[gnu::always_inline]] inline single duplicate_halves(const real& a) {
 #if defined(__AVX512F__)
   if constexpr (is_single<single, 16>) {
     const __m512 low = _mm512_castps256_ps512(_mm512_cvtpd_ps(static_cast<__m512d>(a)));
@@ -250,7 +250,7 @@ template <class R>
 // The sum of all lanes, in doubles.
 inline double sum(const single& a) { return sum(real(lower_half(a) + lower_half(halves_exchanged(a)))); }
 // *low in all lanes of the lower half, *high in those of the upper: loads, and no shuffle.
-[[gnu::always_inline]] inline single::lanes_type beside(const float* low, const float* high) {
+[[gnu::always_inline]] inline single::lanes_type concatenate(const float* low, const float* high) {
 #if defined(__AVX512F__)
   if constexpr (single::size() == 16)
     return single::lanes_type(_mm512_mask_blend_ps(0xff00, _mm512_set1_ps(*low), _mm512_set1_ps(*high)));

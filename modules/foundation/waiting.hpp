@@ -9,9 +9,9 @@ namespace tetsuame::foundation {
 
 // Since the process began. Copies of a rank to itself, over a periodic border, are no traffic.
 struct traffic {
-  std::int64_t halo_messages = 0, halo_bytes = 0;      // refreshing ghosts
-  std::int64_t letter_messages = 0, letter_bytes = 0;  // migration, and new halos
-  std::int64_t collectives = 0;                        // sums, maxima, agreements over all ranks
+  std::int64_t halo_messages = 0, halo_bytes = 0;            // refreshing ghosts
+  std::int64_t migration_messages = 0, migration_bytes = 0;  // migration, and new halos
+  std::int64_t collectives = 0;                              // sums, maxima, agreements over all ranks
 };
 inline traffic sent;
 

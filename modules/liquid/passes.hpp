@@ -11,7 +11,7 @@
 
 #define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
   where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
-                                                                                const pairs::stretch&)
+                                                                                const pairs::row_range&)
 
 // What walls with markers do with the fluid about these, in D dimensions: fields at the markers, and the fluid's
 // acceleration. where: extern, it is elsewhere; nothing: here.
@@ -32,9 +32,9 @@
   where template void tetsuame::volume::require_positive(pairs::workspace<D>&, const particles::array&, const char*, \
                                                          const char*);                                               \
   where template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);              \
-  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                   \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::row_range&);                 \
   where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::remainder&);                 \
-  where template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&, const surroundings<D>&);           \
+  where template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&, const wall_context<D>&);           \
   where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                               \
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                               \
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \

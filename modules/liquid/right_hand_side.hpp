@@ -80,7 +80,7 @@ void begin_forces(run::state<D>& box, const rates<D>& out) {
 }
 
 template <class Gradient, int D>
-void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::stretch& rows) {
+void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range& rows) {
   auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "gradient");
@@ -127,7 +127,7 @@ template <class Program, int D>
 void evaluate(run::state<D>& box, typename Program::volume& how, const volume::smoothing_options& smoothing,
               const rates<D>& out) {
   auto& w = box.w;
-  const volume::surroundings<D> around{box.treatment, box.walls, smoothing};
+  const volume::wall_context<D> around{box.treatment, box.walls, smoothing};
 
   using volume_module = typename Program::volume;
   using pressure = typename Program::pressure;

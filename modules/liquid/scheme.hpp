@@ -24,7 +24,7 @@ class scheme {
   virtual void evaluate(run::state<D>& box, const rates<D>& out) = 0;
 
   // As of run::problem.
-  virtual void keep_memory(run::state<D>&) {}
+  virtual void commit_lagged(run::state<D>&) {}
   virtual void begin_tables(run::run_directory&) {}
   virtual void expect_counts(bool) {}
   virtual void complete_tables(std::int64_t /*step*/) {}
@@ -44,8 +44,8 @@ class problem : public run::problem_in_a_box<D> {
   problem(run::state<D>& of_problem, const run::balance_options& o, std::unique_ptr<scheme<D>> how)
       : base(of_problem, o), scheme_(std::move(how)) {}
 
-  void keep_memory() override {
-    if (scheme_) scheme_->keep_memory(this->box);
+  void commit_lagged() override {
+    if (scheme_) scheme_->commit_lagged(this->box);
   }
   void expect_counts(bool counted) override {
     if (scheme_) scheme_->expect_counts(counted);

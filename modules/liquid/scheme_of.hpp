@@ -45,7 +45,7 @@ class scheme_of : public scheme<D> {
   // The iteration for Y starts from what it found at the last state that was reached. The start value
   // moves on only when the rate there is known, so that a restart, which has to find that rate
   // again, finds the same bits.
-  void keep_memory(run::state<D>& box) override {
+  void commit_lagged(run::state<D>& box) override {
     if constexpr (iterates)
       std::copy_n(box.w.s.rho.begin(), box.w.s.fluid, particles::extra(box.w.s, volume::density_guess).begin());
   }

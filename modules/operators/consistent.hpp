@@ -146,7 +146,7 @@ struct consistent {
     std::array<std::array<real, D>, D> M;
     for (std::size_t p = 0; p < D; ++p)
       for (std::size_t q = 0; q <= p; ++q) M[p][q] = -V * a.M[symmetric_place(q, p, D)];
-    if ((i.chosen & ~foundation::bits_of(factorise(M))) != 0) {
+    if ((i.mask & ~foundation::bits_of(factorise(M))) != 0) {
 #pragma omp atomic write
       *singular = true;
       return;

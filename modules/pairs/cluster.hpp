@@ -40,25 +40,25 @@ struct unit<single> {
 // Particles first + n; bit n of `chosen` says that the sum is for it.
 struct members {
   std::size_t first;
-  std::uint32_t chosen;
+  std::uint32_t mask;
 };
 
 // Lanes of those not chosen hold anything, and are not written.
 template <class R = real>
 struct cluster {
   std::size_t first;
-  std::uint32_t chosen;
+  std::uint32_t mask;
   [[no_unique_address]] unit<R> lengths;
 
   // Each member's value less a number, in m^n, times a factor; of `single`, in both halves. No branches for clusters of
   // which all are chosen: the compiler would fuse multiplications and additions here and not there, and sums would
   // depend on who else is in the cluster.
   R operator()(const double* a, int n = 0, double factor = 1.0, double less = 0.0) const {
-    const real values = foundation::load_where<real>(chosen, a + first) - less;
+    const real values = foundation::load_where<real>(mask, a + first) - less;
     if constexpr (std::is_same_v<R, real>)
       return values * factor;
     else
-      return foundation::in_both_halves(real(values * (lengths.to(-n) * factor)));
+      return foundation::duplicate_halves(real(values * (lengths.to(-n) * factor)));
   }
   // A value of the members in doubles and SI units, which goes with m^n.
   real in_doubles(const R& value, int n = 0) const {
@@ -68,21 +68,21 @@ struct cluster {
       return foundation::lower_half(value) * lengths.to(n);
   }
   void set(double* a, const R& value, int n = 0) const {
-    foundation::store_where(chosen, a + first, in_doubles(value, n));
+    foundation::store_where(mask, a + first, in_doubles(value, n));
   }
   // Of what is in doubles, and these lengths, already.
   void set_doubles(double* a, const real& value, int n = 0) const {
-    foundation::store_where(chosen, a + first, real(value * lengths.to(n)));
+    foundation::store_where(mask, a + first, real(value * lengths.to(n)));
   }
   void add(double* a, const R& value, int n = 0) const { add_doubles(a, in_doubles(value, n)); }
   void add_doubles(double* a, const real& value, int n = 0) const {
-    foundation::store_where(chosen, a + first,
-                            real(foundation::load_where<real>(chosen, a + first) + value * lengths.to(n)));
+    foundation::store_where(mask, a + first,
+                            real(foundation::load_where<real>(mask, a + first) + value * lengths.to(n)));
   }
   // f(particle, of) for every chosen one; of(value, n) is its lane's, n as above.
   template <class F>
   void each(F&& f) const {
-    for (std::uint32_t left = chosen; left != 0; left &= left - 1) {
+    for (std::uint32_t left = mask; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       f(first + lane, [&, lane](const R& value, int n = 0) {
         if constexpr (std::is_same_v<R, real>)
@@ -95,13 +95,13 @@ struct cluster {
   // f(doubles, of) for all members at once: a cluster of doubles; of(value, n) are its members', n as above.
   template <class F>
   void with_doubles(F&& f) const {
-    f(cluster<real>{first, chosen, {}}, [&](const R& value, int n = 0) { return in_doubles(value, n); });
+    f(cluster<real>{first, mask, {}}, [&](const R& value, int n = 0) { return in_doubles(value, n); });
   }
 };
 
 // Rows of sum_over: the particles [first, last), whose neighbours are all in [seen_first, seen_last). `first` begins a
 // cluster, `last` ends one, or is behind the last particle of the list.
-struct stretch {
+struct row_range {
   std::size_t first, last, seen_first, seen_last;
 
   std::size_t clusters() const { return (last - first + lanes - 1) / lanes; }
@@ -120,7 +120,7 @@ struct stretch {
 };
 
 // Some particles, and those that are one of them or in their lists: only these are packed.
-struct chosen {
+struct row_subset {
   std::vector<std::size_t> rows, seen;
   std::vector<members> of_rows;
 
@@ -129,31 +129,31 @@ struct chosen {
   const std::vector<std::size_t>& packed() const { return seen; }
 };
 
-// Those of a stretch that are not among some others.
+// Those of a row range that are not among some others.
 struct remainder {
-  stretch of;
+  row_range of;
   std::vector<members> of_rows;
 
   remainder() = default;
-  remainder(const stretch& rows, const chosen& others) : of(rows) {
+  remainder(const row_range& rows, const row_subset& others) : of(rows) {
     auto other = others.of_rows.begin();
     for (std::size_t r = 0; r < rows.clusters(); ++r) {
       members m = rows.cluster(r);
       while (other != others.of_rows.end() && other->first < m.first) ++other;
-      if (other != others.of_rows.end() && other->first == m.first) m.chosen &= ~other->chosen;
-      if (m.chosen != 0) of_rows.push_back(m);
+      if (other != others.of_rows.end() && other->first == m.first) m.mask &= ~other->mask;
+      if (m.mask != 0) of_rows.push_back(m);
     }
   }
   std::size_t clusters() const { return of_rows.size(); }
   const members& cluster(std::size_t r) const { return of_rows[r]; }
-  stretch::seen packed() const { return of.packed(); }
+  row_range::seen packed() const { return of.packed(); }
 };
 
 // Of `total` particles.
-inline chosen choose(const cells::neighbour_list& list, std::vector<std::size_t> rows, std::size_t total) {
+inline row_subset choose(const cells::neighbour_list& list, std::vector<std::size_t> rows, std::size_t total) {
   std::vector<std::uint32_t> bits(list.rows(), 0);
   for (const std::size_t i : rows) bits[i / lanes] |= 1U << i % lanes;
-  chosen c{std::move(rows), {}, {}};
+  row_subset c{std::move(rows), {}, {}};
   std::vector<char> needed(total, 0);
   for (std::size_t r = 0; r < bits.size(); ++r) {
     if (bits[r] == 0) continue;

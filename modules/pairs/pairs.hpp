@@ -162,12 +162,12 @@ template <class R, class Layout, class Kernel, class... Terms>
   for (std::size_t c = D; c < Layout::used; ++c)
     own[c] = i(fields.from[c], fields.lengths[c], fields.factor[c], fields.less[c]);
   const auto record_of = [&](std::uint32_t j) { return records + std::size_t{j} * Layout::size; };
-  constexpr std::size_t at_once = neighbours<R>::at_once;
-  cells::neighbour_list::neighbours<at_once> n(row);
+  constexpr std::size_t interleave = neighbours<R>::interleave;
+  cells::neighbour_list::neighbours<interleave> n(row);
   const auto next_pair = [&] {
     packed_pair<R, Layout> p;
     p.mine = &own;
-    for (std::size_t k = 0; k < at_once; ++k) p.others.records[k] = record_of(n.j[k]);
+    for (std::size_t k = 0; k < interleave; ++k) p.others.records[k] = record_of(n.j[k]);
     p.x_ij = vec<R, D>::of([&](std::size_t a) { return place.difference(x_i[a], p.others, a); });
     p.r2 = foundation::greater_where(n.of_lanes, foundation::dot(p.x_ij, p.x_ij), nearest, far);
     const auto root = foundation::both_roots(p.r2);
@@ -188,7 +188,7 @@ template <class R, class Layout, class Kernel, class... Terms>
     }
     add_all(mine, last, all_terms, terms...);
   }
-  if constexpr (at_once == 1) {
+  if constexpr (interleave == 1) {
     end_all(mine, i, all_terms, terms...);
   } else {
     auto joined = mine;
@@ -207,7 +207,7 @@ concept takes = requires(const Term& t, const cluster<R>& i) {
 template <int D, class R, class Kernel, class Rows, class... Terms>
 void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_list& list, const places<D>& x,
             const Kernel& kernel, const Terms&... terms) {
-  if (list.at_once != neighbours<R>::at_once) throw std::logic_error("the list is for sums in another precision");
+  if (list.interleave != neighbours<R>::interleave) throw std::logic_error("the list is for sums in another precision");
   const auto reads = std::apply([](auto... r) { return detail::unique_reads(std::tuple<>{}, r...); },
                                 std::tuple_cat(reads_of(terms)...));
   const std::size_t n = rows.clusters();
@@ -219,7 +219,7 @@ void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_lis
 #pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
   for (std::size_t r = 0; r < n; ++r) {
     const members m = rows.cluster(r);
-    sum_row(cluster<R>{m.first, m.chosen, lengths}, list.row_of(m.first), fields, place, records.data(), kernel,
+    sum_row(cluster<R>{m.first, m.mask, lengths}, list.row_of(m.first), fields, place, records.data(), kernel,
             terms...);
   }
 }

@@ -127,16 +127,16 @@ struct neighbours;
 
 template <>
 struct neighbours<real> {
-  static constexpr std::size_t at_once = 1;
-  std::array<const double*, at_once> records;
+  static constexpr std::size_t interleave = 1;
+  std::array<const double*, interleave> records;
   [[gnu::always_inline]] real operator[](std::size_t k) const { return records[0][k]; }
 };
 template <>
 struct neighbours<single> {
-  static constexpr std::size_t at_once = 2;
-  std::array<const float*, at_once> records;
+  static constexpr std::size_t interleave = 2;
+  std::array<const float*, interleave> records;
   [[gnu::always_inline]] single operator[](std::size_t k) const {
-    return single(foundation::beside(records[0] + k, records[1] + k));
+    return single(foundation::concatenate(records[0] + k, records[1] + k));
   }
 };
 
@@ -176,12 +176,12 @@ struct positions<single> {
   }
   float number_of(double x) const { return std::bit_cast<float>(steps(x)); }
   own_type own(const cluster<single>& i, const double* x) const {
-    const real whole = foundation::load_where<real>(i.chosen, x + i.first) * per_step + whole_numbers;
+    const real whole = foundation::load_where<real>(i.mask, x + i.first) * per_step + whole_numbers;
     const auto digits = std::bit_cast<std::array<std::uint64_t, lanes>>(whole);
     return own_type([&](auto lane) { return static_cast<std::uint32_t>(digits[lane % lanes]); });
   }
   [[gnu::always_inline]] static single difference(const own_type& x_i, const neighbours<single>& j, std::size_t at) {
-    const auto x_j = std::bit_cast<own_type>(foundation::beside(j.records[0] + at, j.records[1] + at));
+    const auto x_j = std::bit_cast<own_type>(foundation::concatenate(j.records[0] + at, j.records[1] + at));
     const auto steps = stdx::static_simd_cast<stdx::native_simd<std::int32_t>>(x_i - x_j);
     return single(stdx::static_simd_cast<single::lanes_type>(steps) * (1.0F / (1 << places)));
   }

@@ -38,7 +38,7 @@ struct fault {
 
 // For messages.
 template <int D>
-std::string where_is(const particles::particles<D>& s, std::size_t i) {
+std::string describe_position(const particles::particles<D>& s, std::size_t i) {
   std::string text = fmt::format("particle {} at (", s.id[i]);
   for (std::size_t a = 0; a < D; ++a) text += fmt::format("{}{:.6g}", a > 0 ? ", " : "", s.x[a][i]);
   return text + ") m";
@@ -67,9 +67,9 @@ struct workspace {
   // The owned fluid stands in layers: clusters before `border` have neighbours among the owned fluid alone, and
   // those from `border` on have none before `core`. Both are 0 where no other rank sends ghosts to wait for.
   std::size_t core = 0, border = 0;
-  stretch fluid() const { return {0, s.fluid, 0, s.total()}; }
-  stretch interior() const { return {0, border, 0, s.fluid}; }
-  stretch at_border() const { return {border, s.fluid, core, s.total()}; }
+  row_range fluid() const { return {0, s.fluid, 0, s.total()}; }
+  row_range interior() const { return {0, border, 0, s.fluid}; }
+  row_range at_border() const { return {border, s.fluid, core, s.total()}; }
 
   // Between the two a rank may compute what needs no ghosts of these fields, which must not change.
   void begin_fluid(std::initializer_list<double*> fields) const {
@@ -96,8 +96,10 @@ struct workspace {
   }
 
   // What pairs are computed in, before lists are made.
-  void compute_pairs_in(bool single_precision) { list.at_once = single_precision ? neighbours<single>::at_once : 1; }
-  bool single_pairs() const { return list.at_once != 1; }
+  void compute_pairs_in(bool single_precision) {
+    list.interleave = single_precision ? neighbours<single>::interleave : 1;
+  }
+  bool single_pairs() const { return list.interleave != 1; }
 
   // The terms' sums over the neighbours of these rows, with the kernel and the precision the run chose.
   template <class Rows, class... Terms>

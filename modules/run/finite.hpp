@@ -33,8 +33,8 @@ void report_particle(pairs::workspace<D>& w, std::span<const integrators::field>
     for (std::size_t i = 0; !fields[k].number && i < s.fluid; ++i)
       if (!std::isfinite(values[k][i]) && (worst == s.fluid || s.id[i] < s.id[worst])) worst = i, of = k;
   if (worst == s.fluid) return;
-  w.first_fault.report(s.id[worst],
-                       not_finite_text(before, fields[of].name, values[of][worst]) + ": " + pairs::where_is(s, worst));
+  w.first_fault.report(s.id[worst], not_finite_text(before, fields[of].name, values[of][worst]) + ": " +
+                                        pairs::describe_position(s, worst));
 }
 
 }  // namespace detail

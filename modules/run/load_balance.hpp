@@ -67,7 +67,7 @@ struct load_balance {
     v.lists_were_due = lists_are_due;
     std::vector<double> seconds_per_step, pairs, particles;
     balance::extents<D> where;
-    for (const told& r : readings_of_ranks(box)) {
+    for (const rank_readings& r : readings_of_ranks(box)) {
       seconds_per_step.push_back(r.seconds_per_step);
       pairs.push_back(r.pairs);
       particles.push_back(r.particles);
@@ -160,21 +160,21 @@ struct load_balance {
 
  private:
   // Of one rank; nothing but doubles, which is how it is told.
-  struct told {
+  struct rank_readings {
     double seconds_per_step, pairs, particles;
     balance::extent<D> where;
   };
 
-  std::vector<told> readings_of_ranks(const state<D>& box) const {
+  std::vector<rank_readings> readings_of_ranks(const state<D>& box) const {
     return every_rank(box, {computing / static_cast<double>(steps), pairs_of(box), static_cast<double>(box.w.s.fluid),
                             extent_of(box)});
   }
-  static std::vector<told> every_rank(const state<D>& box, const told& mine) {
-    const auto message = std::bit_cast<std::array<double, sizeof(told) / sizeof(double)>>(mine);
+  static std::vector<rank_readings> every_rank(const state<D>& box, const rank_readings& mine) {
+    const auto message = std::bit_cast<std::array<double, sizeof(rank_readings) / sizeof(double)>>(mine);
     const auto& ranks = box.w.d.ranks;
     const auto all = ranks.every(std::span<const double>(message));
-    std::vector<told> readings(static_cast<std::size_t>(ranks.size));
-    std::memcpy(static_cast<void*>(readings.data()), all.data(), readings.size() * sizeof(told));
+    std::vector<rank_readings> readings(static_cast<std::size_t>(ranks.size));
+    std::memcpy(static_cast<void*>(readings.data()), all.data(), readings.size() * sizeof(rank_readings));
     return readings;
   }
 

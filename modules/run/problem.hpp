@@ -65,7 +65,7 @@ class communication_meter {
   static std::array<double, 5> now() {
     const auto& s = foundation::sent;
     return {foundation::waited_seconds, static_cast<double>(s.halo_messages), static_cast<double>(s.halo_bytes),
-            static_cast<double>(s.letter_bytes), static_cast<double>(s.collectives)};
+            static_cast<double>(s.migration_bytes), static_cast<double>(s.collectives)};
   }
 
   std::array<double, 5> total_{}, before_{};  // of the steps that ended; at the last one's begin
@@ -93,7 +93,7 @@ class problem {
   // Collective: fail_calculation where a value of the integrated arrays is not finite.
   virtual void check_state() {}
   // dy/dt at the state in the arrays, both of finite numbers or fail_calculation. A memory (lagged terms) may be read;
-  // it moves on in keep_memory only.
+  // it moves on in commit_lagged only.
   virtual void evaluate(std::span<double* const> rate) = 0;
   virtual integrators::step_limit largest_step() = 0;  // s, of the present state, the same on all ranks
   // Collective: what the log is to warn of with fixed steps of dt (s), beside that limit; empty: nothing.
@@ -102,8 +102,8 @@ class problem {
   // s, of the present state, once its rate is known: a bound for the next step, whatever its length was to be.
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 
-  // Whether keep_memory may follow the next evaluations; else what serves that alone can be left out. True at first.
-  virtual void expect_memory(bool) {}
+  // Whether commit_lagged may follow the next evaluations; else what serves that alone can be left out. True at first.
+  virtual void expect_lagged(bool) {}
   // Whether the next evaluations are of a state that a snapshot shows: what serves that alone can be left out
   // otherwise. True at first.
   virtual void expect_snapshot(bool) {}
@@ -112,9 +112,9 @@ class problem {
   // After evaluations at the state of this step: tables of the problem's own that tell of them are brought up to date.
   virtual void complete_tables(std::int64_t /*step*/) {}
   // The rate at the present state is known: what the next evaluations lag behind may become the present.
-  virtual void keep_memory() {}
+  virtual void commit_lagged() {}
   // Whether that rate is to be evaluated again then, so that all stages of a step have one memory.
-  virtual bool asks_again() const { return false; }
+  virtual bool needs_lagged() const { return false; }
   // At the start and after each step. Returns whether the equations change with the time, so that a rate known is none.
   virtual bool set_time(double) { return false; }
   // After an accepted step. Returns whether it changed the state on this rank.

@@ -104,8 +104,8 @@ std::vector<std::int64_t> divisors(const std::vector<std::int64_t>& along) {
 }
 
 // Of history.csv: step, time and dt are its first columns.
-std::vector<rehearsal::stretch> course_in(const fs::path& history) {
-  std::vector<rehearsal::stretch> all;
+std::vector<rehearsal::interval> course_in(const fs::path& history) {
+  std::vector<rehearsal::interval> all;
   std::ifstream file(history);
   std::string line;
   std::getline(file, line);

@@ -10,10 +10,10 @@ namespace tetsuame::run {
 struct command_line;
 
 struct rehearsal {
-  struct stretch {
+  struct interval {
     double t, dt, steps;  // s, at its end; s, of its steps; their number
   };
-  std::vector<stretch> course;
+  std::vector<interval> course;
   double finer = 1.0;      // the run's particles along an axis, over those of the rehearsal
   bool completed = false;  // else it was too slow, or failed, behind the last of the course
   std::string what;        // "20 x 20 particles", or why there was none

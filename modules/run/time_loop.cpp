@@ -46,10 +46,10 @@ struct loop {
     double stop = 0.0;                // why to stop; 0: nobody asks for it
     double since_checkpoint = 0.0;    // s, by rank 0's clock
     bool changed = false;             // the problem changed the state after the step
-  } news{};
+  } step_flags{};
 
   // One reduction for all that a step has to agree on.
-  void hear_news(bool changed) {
+  void reduce_step_flags(bool changed) {
     p.at_time(integrator->time());
     apart speed = p.speed(), moved = p.moved();
     constexpr std::size_t n = std::tuple_size_v<decltype(speed.numbers)>;
@@ -60,9 +60,9 @@ struct loop {
     ranks.maximum(most);
     std::copy_n(most.begin() + 3, n, speed.numbers.begin());
     std::copy_n(most.begin() + 3 + n, n, moved.numbers.begin());
-    news = {speed.length(), moved.length(), most[0], most[1], most[2] > 0.0};
+    step_flags = {speed.length(), moved.length(), most[0], most[1], most[2] > 0.0};
     // Lists are made of finite places.
-    if (!std::isfinite(news.speed + news.moved)) p.check_state();
+    if (!std::isfinite(step_flags.speed + step_flags.moved)) p.check_state();
   }
 
   // ---- stepping ---------------------------------------------------------------------------
@@ -139,12 +139,15 @@ struct loop {
   static constexpr double faster = 1.6, a_little_faster = 1.2;
   double longest = std::numeric_limits<double>::infinity();  // s
   void refresh_lists() {
-    const double speed = faster * news.speed, moved = news.moved;
+    const double speed = faster * step_flags.speed, moved = step_flags.moved;
     // A step that the input gives is kept as long as lists can follow particles that keep their speed; one with error
     // control that they cannot follow is tried again, where lists are no limit of the flow's own.
     constexpr double any = std::numeric_limits<double>::infinity();
     const bool lists_widen = p.possible_allowance(any) > p.possible_allowance(0.0);
-    const double most = (o.time.dt ? 1.0 : controls_error() && lists_widen ? a_little_faster : faster) * news.speed;
+    const double most = (o.time.dt                         ? 1.0
+                         : controls_error() && lists_widen ? a_little_faster
+                                                           : faster) *
+                        step_flags.speed;
     const double next = controls_error() ? integrator->statistics().next_dt : dt;
     const double now = p.allowance();
     double wanted = speed * (bound.dt > 0.0 ? std::min(next, bound.dt) : next);
@@ -176,7 +179,7 @@ struct loop {
     fresh.statistics = before.statistics;
     integrator->restore(fresh);
     count_particles();
-    hear_news(false);
+    reduce_step_flags(false);
     files.tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
                            report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
     warn_about_step();
@@ -207,9 +210,9 @@ struct loop {
 
   void advance() {
     output::progress progress(ranks.rank == 0, stderr, state());
-    hear_news(false);
+    reduce_step_flags(false);
     while (!finished()) {
-      if (news.stop > 0.0) {
+      if (step_flags.stop > 0.0) {
         progress.finish(state());
         interrupt_run();
       }
@@ -234,13 +237,13 @@ struct loop {
       p.expect_counts(!integrator->repeats());
       integrator->prepare();
       p.expect_counts(true);
-      p.keep_memory();
-      if (p.asks_again()) integrator->state_changed();
+      p.commit_lagged();
+      if (p.needs_lagged()) integrator->state_changed();
       // The other methods may take the last stage's rate for the first of the next step.
-      p.expect_memory(o.time.method != "rk4");
+      p.expect_lagged(o.time.method != "rk4");
       const auto end = choose_end();
       integrator->step(end.t, end.by);
-      p.expect_memory(true);
+      p.expect_lagged(true);
     }
     p.worked(watch.busy());
   }
@@ -249,8 +252,8 @@ struct loop {
     ++step;
     const bool moved_on = p.set_time(integrator->time());
     if (moved_on && !o.time.dt && !controls_error()) bound = p.largest_step();
-    hear_news(p.complete_step(step));
-    if (news.changed || moved_on) integrator->state_changed();
+    reduce_step_flags(p.complete_step(step));
+    if (step_flags.changed || moved_on) integrator->state_changed();
   }
 
   output::progress_state state() const {
@@ -266,7 +269,7 @@ struct loop {
   [[noreturn]] void interrupt_run() {
     write_checkpoint();
     const auto steps = steps_asked();
-    files.interrupt(news.stop, step, steps ? fmt::format(" of {}", *steps) : "", integrator->time());
+    files.interrupt(step_flags.stop, step, steps ? fmt::format(" of {}", *steps) : "", integrator->time());
   }
 
   // ---- output -----------------------------------------------------------------------------
@@ -301,7 +304,7 @@ struct loop {
 
   bool checkpoint_is_due() const {
     if (o.run.checkpoint_interval > 0 && step % o.run.checkpoint_interval == 0) return true;
-    return o.run.checkpoint_seconds > 0.0 && news.since_checkpoint >= o.run.checkpoint_seconds;
+    return o.run.checkpoint_seconds > 0.0 && step_flags.since_checkpoint >= o.run.checkpoint_seconds;
   }
 
   std::vector<output::history_column> columns() const {
@@ -429,7 +432,7 @@ struct loop {
     report.dimension = p.header().dimension;
     count_particles();
     make_ready();
-    hear_news(false);
+    reduce_step_flags(false);
     long long evaluations = 0;
     foundation::stopwatch watch;
     double elapsed = 0.0;

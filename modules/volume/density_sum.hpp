@@ -40,7 +40,7 @@ struct density_sum {
   static constexpr carries carried = carries::nothing;
 
   template <int D>
-  static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
+  static void before_walls(pairs::workspace<D>& w, const wall_context<D>&) {
     auto& s = w.s;
     const std::size_t n = s.first_wall();
     for (std::size_t i = 0; i <= s.null(); ++i) s.Y[i] = i < n ? s.m[i] : 0.0;
@@ -50,7 +50,7 @@ struct density_sum {
   }
 
   template <class Pressure, int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+  static void determine(pairs::workspace<D>& w, const wall_context<D>& around) {
     find_pressure<Pressure>(w, around);
   }
 };

@@ -34,7 +34,7 @@ struct hosono_iteration {
   bool counts = true;                      // whether evaluations are added to these three
 
   template <int D>
-  void before_walls(pairs::workspace<D>& w, const surroundings<D>&) const {
+  void before_walls(pairs::workspace<D>& w, const wall_context<D>&) const {
     auto& s = w.s;
     std::copy_n(particles::extra(s, density_guess).begin(), s.fluid, s.rho.begin());
     w.exchange_fluid({s.rho.data()});
@@ -43,7 +43,7 @@ struct hosono_iteration {
   }
 
   template <class Pressure, int D>
-  void determine(pairs::workspace<D>& w, const surroundings<D>& around);
+  void determine(pairs::workspace<D>& w, const wall_context<D>& around);
 };
 
 namespace detail {
@@ -59,7 +59,7 @@ inline double bounded_log(double r) {
 template <int D>
 struct pass {
   pairs::workspace<D>& w;
-  const surroundings<D>& around;
+  const wall_context<D>& around;
   hosono_iteration& self;
   std::int64_t iteration = 0;
 
@@ -124,8 +124,8 @@ std::string worst_particle(const pairs::workspace<D>& w) {
   MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MIN, w.d.ranks.comm);
   std::string text;
   if (w.d.ranks.rank == teller)
-    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", pairs::where_is(s, worst), s.p[worst],
-                       s.p_eos[worst], s.rho[worst]);
+    text = fmt::format("{} (p = {:.6g} Pa, p^ = {:.6g} Pa, rho = {:.6g} kg/m3)", pairs::describe_position(s, worst),
+                       s.p[worst], s.p_eos[worst], s.rho[worst]);
   auto length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, teller, w.d.ranks.comm);
   text.resize(static_cast<std::size_t>(length));
@@ -135,7 +135,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
 
 // Proof that no state with p > 0 exists (docs/theory/lattice_sum.md), as a sentence; empty if a state may exist.
 template <int D>
-std::string no_state_exists(pairs::workspace<D>& w, const surroundings<D>& around) {
+std::string no_state_exists(pairs::workspace<D>& w, const wall_context<D>& around) {
   auto& s = w.s;
   particles::array dV(s.total() + 1);
   const double scale = around.smoothing.normalise ? w.lattice_sum : 1.0;
@@ -359,7 +359,7 @@ void newton(pass<D>& one, double omega, double tolerance, double kappa) {
 }  // namespace detail
 
 template <class Pressure, int D>
-void hosono_iteration::determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+void hosono_iteration::determine(pairs::workspace<D>& w, const wall_context<D>& around) {
   auto& s = w.s;
   if (counts) ++evaluations;
   const double kappa = detail::largest_kappa(w);

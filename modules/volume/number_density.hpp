@@ -13,7 +13,7 @@ struct number_density {
   static constexpr carries carried = carries::nothing;
 
   template <int D>
-  static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
+  static void before_walls(pairs::workspace<D>& w, const wall_context<D>&) {
     auto& s = w.s;
     volumes_by_number(w, w.lattice_sum, s.dV.data());
     w.exchange_fluid({s.dV.data()});
@@ -23,7 +23,7 @@ struct number_density {
   }
 
   template <class Pressure, int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+  static void determine(pairs::workspace<D>& w, const wall_context<D>& around) {
     find_pressure<Pressure>(w, around);
   }
 };

@@ -32,7 +32,7 @@ concept works_ahead = requires(pairs::workspace<2>& w) {
 
 // Everything `determine` may use beside the workspace.
 template <int D>
-struct surroundings {
+struct wall_context {
   const walls::any& treatment;
   walls::wall_set<D>& walls;
   smoothing_options smoothing;
@@ -46,7 +46,7 @@ struct surroundings {
 
 // Y of the walls for a change of the fluid's Y: the part of `weights` that is linear in it.
 template <int D>
-void linear_weights(pairs::workspace<D>& w, const surroundings<D>& around) {
+void linear_weights(pairs::workspace<D>& w, const wall_context<D>& around) {
   std::visit(
       [&]<class Treatment>(Treatment t) {
         auto& s = w.s;
@@ -156,7 +156,7 @@ void require_positive(pairs::workspace<D>& w, const particles::array& p, const c
           s.id[i],
           fmt::format("{} = {:.6g} {} is not positive and finite: {}, rho = {:.6g} kg/m3, T = {:.6g} K. Y = p dV "
                       "has no meaning there (disph_n and rti need no p > 0)",
-                      what, p[i], unit, pairs::where_is(s, i), s.rho[i], s.T[i]));
+                      what, p[i], unit, pairs::describe_position(s, i), s.rho[i], s.T[i]));
 }
 
 }  // namespace tetsuame::volume

@@ -136,7 +136,7 @@ void volumes_from_weights(pairs::workspace<D>& w) {
 
 // Y of the walls, p, then ΔV = Y/p, where Y and ΔV = m/ρ of fluid and ghosts are known.
 template <class Pressure, int D>
-void find_pressure(pairs::workspace<D>& w, const surroundings<D>& around) {
+void find_pressure(pairs::workspace<D>& w, const wall_context<D>& around) {
   around.weights(w);
   Pressure::sum(w, around, w.fluid());
   Pressure::begin(w);
@@ -146,7 +146,7 @@ void find_pressure(pairs::workspace<D>& w, const surroundings<D>& around) {
 // The sums in three parts, where walls have markers: who is apart from these; with f = ν∇²v + g, which the walls' Y
 // need and which goes over the same neighbours, the others' sums over the fluid; what wall particles add to them.
 template <int D, bool mean>
-void smooth_with_acceleration(pairs::workspace<D>& w, const surroundings<D>& around, auto treatment) {
+void smooth_with_acceleration(pairs::workspace<D>& w, const wall_context<D>& around, auto treatment) {
   auto& s = w.s;
   auto& set = around.walls;
   if constexpr (mean) set.kernel_sum.resize(s.total() + 1);
@@ -162,12 +162,12 @@ struct smoothed {
 
   // p of all rows.
   template <int D>
-  static void sum(pairs::workspace<D>& w, const surroundings<D>& around, const pairs::stretch& rows) {
+  static void sum(pairs::workspace<D>& w, const wall_context<D>& around, const pairs::row_range& rows) {
     smooth(w, around.smoothing.normalise, rows);
   }
   // p of the rows that do not wait for the walls, of the interior or of the border; all where walls have no markers.
   template <int D>
-  static void sum_apart(pairs::workspace<D>& w, const surroundings<D>& around, bool interior) {
+  static void sum_apart(pairs::workspace<D>& w, const wall_context<D>& around, bool interior) {
     std::visit(
         [&]<class Treatment>(Treatment) {
           if constexpr (Treatment::has_markers)
@@ -179,7 +179,7 @@ struct smoothed {
   }
   // Kinematics of the walls and, where these have markers, the other rows' sums over the fluid.
   template <int D>
-  static void with_kinematics(pairs::workspace<D>& w, const surroundings<D>& around) {
+  static void with_kinematics(pairs::workspace<D>& w, const wall_context<D>& around) {
     std::visit(
         [&]<class Treatment>(Treatment t) {
           if constexpr (!Treatment::has_markers)
@@ -193,8 +193,8 @@ struct smoothed {
   }
   // What wall particles with markers add, once their Y are known.
   template <int D>
-  static void add_walls(pairs::workspace<D>& w, const surroundings<D>& around) {
-    if (around.walls.beside.rows.empty()) return;
+  static void add_walls(pairs::workspace<D>& w, const wall_context<D>& around) {
+    if (around.walls.rows_near_walls.rows.empty()) return;
     if (around.smoothing.normalise)
       add_walls<true>(w, around.walls);
     else
@@ -218,7 +218,7 @@ struct smoothed {
   static void add_walls(pairs::workspace<D>& w, walls::wall_set<D>& set) {
     auto& s = w.s;
     std::swap(set.wall_neighbours.records, w.list.records);  // one scratch for all passes
-    w.sum_by(set.wall_neighbours, set.beside,
+    w.sum_by(set.wall_neighbours, set.rows_near_walls,
              weight_sum_of_walls<D, mean>{s.Y.data(), set.kernel_sum.data(), s.p.data()});
     std::swap(set.wall_neighbours.records, w.list.records);
   }
@@ -229,15 +229,15 @@ struct non_smoothed {
 
   // The ghosts' p is known like the owned particles'.
   template <int D>
-  static void sum(pairs::workspace<D>&, const surroundings<D>&, const pairs::stretch&) {}
+  static void sum(pairs::workspace<D>&, const wall_context<D>&, const pairs::row_range&) {}
   template <int D>
-  static void sum_apart(pairs::workspace<D>&, const surroundings<D>&, bool) {}
+  static void sum_apart(pairs::workspace<D>&, const wall_context<D>&, bool) {}
   template <int D>
-  static void with_kinematics(pairs::workspace<D>& w, const surroundings<D>& around) {
+  static void with_kinematics(pairs::workspace<D>& w, const wall_context<D>& around) {
     std::visit([&](auto t) { t.kinematics(w, around.walls); }, around.treatment);
   }
   template <int D>
-  static void add_walls(pairs::workspace<D>&, const surroundings<D>&) {}
+  static void add_walls(pairs::workspace<D>&, const wall_context<D>&) {}
   template <int D>
   static void begin(pairs::workspace<D>& w) {
     auto& s = w.s;

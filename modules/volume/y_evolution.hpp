@@ -14,7 +14,7 @@ struct y_evolution {
 
   // Volumes by number for the walls' viscous term; the true ones follow from Y.
   template <int D>
-  static void before_walls(pairs::workspace<D>& w, const surroundings<D>&) {
+  static void before_walls(pairs::workspace<D>& w, const wall_context<D>&) {
     auto& s = w.s;
     require_positive(w, s.Y, "the weight Y", "J");
     volumes_by_number(w, w.lattice_sum, s.dV.data());
@@ -23,7 +23,7 @@ struct y_evolution {
   }
 
   template <class Pressure, int D>
-  static void determine(pairs::workspace<D>& w, const surroundings<D>& around) {
+  static void determine(pairs::workspace<D>& w, const wall_context<D>& around) {
     auto& s = w.s;
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise);

@@ -29,7 +29,7 @@ void hand_over(domain::decomposition<D>& d, std::vector<body_place<D>>& places) 
     auto& to = leave[d.owner(p.marker)];
     to.insert(to.end(), values.begin(), values.end());
   }
-  std::vector<domain::letter> out;
+  std::vector<domain::message> out;
   for (auto& [rank, values] : leave) out.push_back({rank, std::move(values)});
   for (const auto& l : domain::sparse_exchange(d.ranks, out, domain::detail::next_tag(d)))
     for (std::size_t k = 0; k < l.values.size(); k += row) {
@@ -165,12 +165,12 @@ void at_bodies(const pairs::workspace<D>& w, const wall_set<D>& set, const Value
 template <int D>
 std::array<double, D> reflected_velocity(const body_place<D>& of, std::array<double, D> v, bool sticks) {
   if (sticks) {
-    for (double& component : v) component *= -of.odd;
+    for (double& component : v) component *= -of.reflection_ratio;
     return v;
   }
   double across = 0.0;
   for (std::size_t a = 0; a < D; ++a) across += v[a] * of.normal[a];
-  for (std::size_t a = 0; a < D; ++a) v[a] -= (1.0 + of.odd) * across * of.normal[a];
+  for (std::size_t a = 0; a < D; ++a) v[a] -= (1.0 + of.reflection_ratio) * across * of.normal[a];
   return v;
 }
 

@@ -79,9 +79,9 @@ double to_whole_clusters(double depth, const side<D>& wall, double dx) {
 // The owned fluid that one of these markers, on whichever rank, may see until it has moved so far (m), and all that may
 // see a wall particle; without some that is known. Collective.
 template <int D>
-pairs::chosen choose_near_wall(const pairs::workspace<D>& w, const wall_set<D>& set,
-                               const std::vector<std::uint32_t>& markers, double moved,
-                               const std::vector<std::size_t>& without) {
+pairs::row_subset choose_near_wall(const pairs::workspace<D>& w, const wall_set<D>& set,
+                                   const std::vector<std::uint32_t>& markers, double moved,
+                                   const std::vector<std::size_t>& without) {
   const auto& s = w.s;
   double depth = 0.0;
   for (const std::uint32_t r : markers)
@@ -133,27 +133,27 @@ void list_walls(const pairs::workspace<D>& w, wall_set<D>& set) {
   const std::size_t first_wall = w.s.first_wall();
   std::vector<char> near(w.list.rows(), 0);
   for (const auto& m : set.read.near_wall.of_rows) near[m.first / lanes] = 1;
-  std::vector<std::uint32_t> beside(near.size(), 0);
-  set.wall_neighbours.at_once = w.list.at_once;
+  std::vector<std::uint32_t> lanes_near_walls(near.size(), 0);
+  set.wall_neighbours.interleave = w.list.interleave;
   cells::make_rows(set.wall_neighbours, near.size(),
                    [&, row = cells::row_of_clusters()](std::size_t r, auto& made) mutable {
                      std::size_t pairs = 0;
-                     beside[r] = 0;
+                     lanes_near_walls[r] = 0;
                      if (near[r] != 0)
                        w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, std::size_t sequence) {
                          if (j < first_wall) return;
                          row.add(sequence, j, of_lanes);
-                         beside[r] |= of_lanes;
+                         lanes_near_walls[r] |= of_lanes;
                          pairs += static_cast<std::size_t>(std::popcount(of_lanes));
                        });
-                     row.write(w.list.at_once, made);
+                     row.write(w.list.interleave, made);
                      return pairs;
                    });
   std::vector<std::size_t> rows;
-  for (std::size_t r = 0; r < beside.size(); ++r)
-    for (std::uint32_t left = beside[r]; left != 0; left &= left - 1)
+  for (std::size_t r = 0; r < lanes_near_walls.size(); ++r)
+    for (std::uint32_t left = lanes_near_walls[r]; left != 0; left &= left - 1)
       rows.push_back(r * lanes + static_cast<std::size_t>(std::countr_zero(left)));
-  set.beside = pairs::choose(set.wall_neighbours, std::move(rows), w.s.total());
+  set.rows_near_walls = pairs::choose(set.wall_neighbours, std::move(rows), w.s.total());
   set.interior_apart = {w.interior(), set.read.near_wall};
   set.border_apart = {w.at_border(), set.read.near_wall};
 }

@@ -282,15 +282,15 @@ std::vector<std::size_t> walled_axes(const wall_set<D>& set) {
 }
 
 // Σ of the viscous forces (N) on these rows, of N components, and other terms' sums over the same neighbours.
-template <int D, std::size_t N, class... Beside>
-void viscous_forces(const pairs::workspace<D>& w, const pairs::chosen& rows, const std::array<const double*, N>& v,
-                    const std::array<double*, N>& force, const Beside&... beside) {
+template <int D, std::size_t N, class... Added>
+void viscous_forces(const pairs::workspace<D>& w, const pairs::row_subset& rows, const std::array<const double*, N>& v,
+                    const std::array<double*, N>& force, const Added&... added) {
   using diffusion::viscous_sum;
   const auto& s = w.s;
-  constexpr bool shared = sizeof...(Beside) > 0;
+  constexpr bool shared = sizeof...(Added) > 0;
   const auto sum = [&](const auto& viscous) {
     if constexpr (shared)
-      w.sum_in_common(rows, viscous, beside...);
+      w.sum_in_common(rows, viscous, added...);
     else
       w.sum(rows, viscous);
   };
@@ -301,23 +301,23 @@ void viscous_forces(const pairs::workspace<D>& w, const pairs::chosen& rows, con
 }
 
 // f = ν∇²v + g of these rows, along axes that have walls. Along one alone it takes a third less.
-template <int D, class... Beside>
-void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pairs::chosen& near,
-                      const Beside&... beside) {
+template <int D, class... Added>
+void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pairs::row_subset& near,
+                      const Added&... added) {
   const auto& s = w.s;
   const auto axes = walled_axes(set);
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) { set.f[a][near.rows[k]] = 0.0; });
   // Where other sums share the pass, most of it is theirs.
-  const foundation::stage timed(w.times, sizeof...(Beside) > 0 ? "pressure" : "walls");
+  const foundation::stage timed(w.times, sizeof...(Added) > 0 ? "pressure" : "walls");
   if (axes.size() == 1) {
-    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]].data()}, beside...);
+    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]].data()}, added...);
   } else {
     // Along axes without walls nobody reads it.
     std::array<double*, D> f;
     particles::array unread(axes.size() < D ? s.total() + 1 : 0);
     for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a].empty() ? unread.data() : set.f[a].data();
-    viscous_forces<D, D>(w, near, pairs::pointers<D>(s.v), f, beside...);
+    viscous_forces<D, D>(w, near, pairs::pointers<D>(s.v), f, added...);
   }
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) {
@@ -328,9 +328,9 @@ void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pair
 
 // f of the fluid near the walls, ghosts included. Beside it, and over the same neighbours, other terms' sums of the
 // fluid that markers in use see.
-template <int D, class... Beside>
-void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
-  sum_acceleration(w, set, set.read.near_wall, beside...);
+template <int D, class... Added>
+void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const Added&... added) {
+  sum_acceleration(w, set, set.read.near_wall, added...);
   if (set.unread) sum_acceleration(w, set, set.unread->near_wall);
   std::vector<double*> wanted;
   for (const std::size_t a : walled_axes(set)) wanted.push_back(set.f[a].data());

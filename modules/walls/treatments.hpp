@@ -40,10 +40,10 @@ struct none : nothing {
 struct with_markers : nothing {
   static constexpr bool has_particles = true, has_markers = true;
 
-  template <int D, class... Beside>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
+  template <int D, class... Added>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Added&... added) {
     detail::marker_kinematics(w, set);
-    detail::nonpressure_acceleration(w, set, beside...);
+    detail::nonpressure_acceleration(w, set, added...);
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
@@ -58,9 +58,9 @@ struct with_markers : nothing {
 struct virtual_marker : with_markers {
   static constexpr const char* name = "virtual_marker";
 
-  template <int D, class... Beside>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Beside&... beside) {
-    with_markers::kinematics(w, set, beside...);
+  template <int D, class... Added>
+  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set, const Added&... added) {
+    with_markers::kinematics(w, set, added...);
     set.steps_due = true;
   }
   template <int D>

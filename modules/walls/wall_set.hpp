@@ -19,7 +19,7 @@ struct marker_rows {
   // single precision are multiplied, so that their sum is one.
   cells::neighbour_list::scratch phi;
   std::vector<double> scale;
-  pairs::chosen near_wall;  // owned fluid that some marker may see
+  pairs::row_subset near_wall;  // owned fluid that some marker may see
 };
 
 // A wall particle of a body, where it is now, and its marker.
@@ -27,7 +27,7 @@ template <int D>
 struct body_place {
   std::array<double, D> x, marker, normal;  // m, m, into the fluid
   double height = 0.0;                      // m, of the marker above the surface
-  double odd = 1.0;                         // what is odd about the wall: minus so much of the marker's value
+  double reflection_ratio = 1.0;            // what is odd about the wall: minus so much of the marker's value
   std::int64_t number = 0;                  // on the lattice
   std::int32_t body = 0;                    // of the problem
 };
@@ -70,7 +70,7 @@ struct wall_set {
 
   // Of the owned fluid: who stands near wall particles, and which of these each has for neighbours; who is in no
   // `read.near_wall`, in the rows that wait for no ghosts and in those at the border.
-  pairs::chosen beside;
+  pairs::row_subset rows_near_walls;
   cells::neighbour_list wall_neighbours;
   pairs::remainder interior_apart, border_apart;
   particles::array kernel_sum;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it

@@ -5,8 +5,8 @@
 namespace tetsuame::free_surface {
 
 // In sums_2d.cpp.
-extern template void sum_over_neighbours(water<2>&, const pairs::stretch&);
-extern template void sum_over_neighbours(water<2>&, const pairs::chosen&);
+extern template void sum_over_neighbours(water<2>&, const pairs::row_range&);
+extern template void sum_over_neighbours(water<2>&, const pairs::row_subset&);
 
 }  // namespace tetsuame::free_surface
 

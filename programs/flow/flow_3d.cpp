@@ -5,8 +5,8 @@
 namespace tetsuame::free_surface {
 
 // In sums_3d.cpp.
-extern template void sum_over_neighbours(water<3>&, const pairs::stretch&);
-extern template void sum_over_neighbours(water<3>&, const pairs::chosen&);
+extern template void sum_over_neighbours(water<3>&, const pairs::row_range&);
+extern template void sum_over_neighbours(water<3>&, const pairs::row_subset&);
 
 }  // namespace tetsuame::free_surface
 

@@ -3,7 +3,7 @@
 
 namespace tetsuame::free_surface {
 
-template void sum_over_neighbours(water<2>&, const pairs::stretch&);
-template void sum_over_neighbours(water<2>&, const pairs::chosen&);
+template void sum_over_neighbours(water<2>&, const pairs::row_range&);
+template void sum_over_neighbours(water<2>&, const pairs::row_subset&);
 
 }  // namespace tetsuame::free_surface

@@ -21,9 +21,16 @@ struct trial_question {
 // The program that runs such an input, where none is named.
 std::string program_for(const std::string& input) {
   const auto document = namelist::parse_file(input);
-  for (const auto& group : document.groups())
-    if (auto of = run::program_of_group(group.name); !of.empty()) return of;
-  return "disph_c";
+  std::string found = "disph_c";
+  bool chooses_walls = false;
+  for (const auto& group : document.groups()) {
+    if (auto of = run::program_of_group(group.name); !of.empty() && found == "disph_c") found = of;
+    for (const auto& of : group.assignments) chooses_walls |= group.name == "walls" && of.key == "treatment";
+  }
+  if (found == "balance")
+    foundation::fail_input(input + ": is an input of balance, which takes no time steps: balance INPUT.nml");
+  // rti and drop have walls of their own; the programs of the notes choose them.
+  return chooses_walls && (found == "rti" || found == "drop") ? "disph_c" : found;
 }
 
 // PROGRAM INPUT --plan, in place of this process.

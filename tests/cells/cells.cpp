@@ -63,7 +63,7 @@ using sequences = std::array<std::vector<std::int64_t>, 2>;
 // last axis, then ID; in one sequence or two.
 template <int D>
 sequences expected(const std::vector<point<D>>& all, const point<D>& centre, double reach, double edge,
-                   std::size_t at_once) {
+                   std::size_t interleave) {
   std::vector<std::tuple<std::array<double, D>, double, std::int64_t, std::size_t>> found;
   for (const auto& p : all) {
     double r2 = 0.0;
@@ -73,7 +73,7 @@ sequences expected(const std::vector<point<D>>& all, const point<D>& centre, dou
       cell[a] = std::floor(p.x[a] / edge);
     }
     if (r2 < reach * reach && !(p.id == centre.id && r2 == 0.0))
-      found.emplace_back(cell, p.x[D - 1], p.id, at_once > 1 ? sequence_of<D>(p.x, edge) : 0);
+      found.emplace_back(cell, p.x[D - 1], p.id, interleave > 1 ? sequence_of<D>(p.x, edge) : 0);
   }
   std::sort(found.begin(), found.end());
   sequences ids;
@@ -97,14 +97,14 @@ void check_lists(const hydrostatic::scene<D>& scene) {
     std::vector<sequences> is(width);
     w.list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) {
       wrong += of_lanes == 0;
-      const std::size_t sequence = w.list.at_once > 1 ? sequence_of<D>(cells::position<D>(s.x, j), edge) : 0;
+      const std::size_t sequence = w.list.interleave > 1 ? sequence_of<D>(cells::position<D>(s.x, j), edge) : 0;
       for (std::size_t lane = 0; lane < width; ++lane)
         if ((of_lanes >> lane & 1U) != 0) is[lane][sequence].push_back(s.id[j]);
     });
     for (std::size_t lane = 0; lane < width; ++lane) {
       const std::size_t i = r * width + lane;
       const auto should = i < s.fluid
-                              ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach, edge, w.list.at_once)
+                              ? expected<D>(all, {cells::position<D>(s.x, i), s.id[i]}, reach, edge, w.list.interleave)
                               : sequences{};
       wrong += is[lane] != should;
       pairs += should[0].size() + should[1].size();
@@ -299,21 +299,21 @@ BOOST_AUTO_TEST_CASE(entries_come_back) {
   using row_of_two = std::array<std::vector<entry>, 2>;
   const std::vector<row_of_two> rows{row_of_two{first, second}, row_of_two{second, first}, row_of_two{second, none},
                                      row_of_two{none, first},   row_of_two{none, none},    row_of_two{first, none}};
-  for (const std::size_t at_once : {1, 2}) {
+  for (const std::size_t interleave : {1, 2}) {
     cells::neighbour_list list;
-    list.at_once = at_once;
+    list.interleave = interleave;
     cells::make_rows(list, rows.size(), [&, row = cells::row_of_clusters()](std::size_t r, auto& made) mutable {
-      for (std::size_t k = 0; k < at_once; ++k)
+      for (std::size_t k = 0; k < interleave; ++k)
         for (const auto& [j, of_lanes] : rows[r][k]) row.add(k, j, of_lanes);
       row.add(0, 12, 0);
-      row.write(at_once, made);
+      row.write(interleave, made);
       return 1;
     });
     BOOST_TEST(list.pairs == rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
       std::vector<entry> should, found;  // side by side
       for (std::size_t n = 0; n < first.size(); ++n)
-        for (std::size_t k = 0; k < at_once; ++k)
+        for (std::size_t k = 0; k < interleave; ++k)
           if (n < rows[r][k].size()) should.push_back(rows[r][k][n]);
       list.for_each(r, [&](std::uint32_t j, std::uint32_t of_lanes, auto...) { found.emplace_back(j, of_lanes); });
       BOOST_TEST((found == should));

@@ -98,7 +98,7 @@ BOOST_AUTO_TEST_CASE(exp_and_log) {
 // A register of doubles is either half of one of single numbers, in order; each rounds once.
 BOOST_AUTO_TEST_CASE(single_numbers_from_doubles_and_back) {
   const real given = filled([](std::size_t k) { return -3.0 - static_cast<double>(k) / 7.0; });
-  const single both = in_both_halves(given);
+  const single both = duplicate_halves(given);
   const real back = lower_half(both);
   for (std::size_t k = 0; k < lanes; ++k) {
     const double one = given[k];
@@ -152,7 +152,7 @@ BOOST_AUTO_TEST_CASE(single_roots_to_a_rounding_or_two) {
   std::uniform_real_distribution<double> exponent(-16.0, 16.0);
   for (int n = 0; n < 2000; ++n) {
     const auto some = [&](std::size_t) { return std::pow(10.0, exponent(random)); };
-    const single one = in_both_halves(filled(some)), other = halves_exchanged(in_both_halves(filled(some)));
+    const single one = duplicate_halves(filled(some)), other = halves_exchanged(duplicate_halves(filled(some)));
     const single r2 = select(other < one, one, other);
     const auto root = both_roots(r2);
     for (std::size_t k = 0; k < single::size(); ++k) {

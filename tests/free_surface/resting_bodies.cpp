@@ -122,7 +122,7 @@ BOOST_AUTO_TEST_CASE(velocities_in_bodies) {
   BOOST_TEST(across[1] == -1.6, tt::tolerance(1e-12));
   const auto along = walls::reflected_velocity<2>(of, {-0.8, 0.6}, false);
   BOOST_TEST(along[0] == -0.8, tt::tolerance(1e-12));
-  of.odd = 2.0;  // a marker half as far away as the wall particle
+  of.reflection_ratio = 2.0;  // a marker half as far away as the wall particle
   const auto stuck = walls::reflected_velocity<2>(of, {-0.8, 0.6}, true);
   BOOST_TEST(stuck[0] == 1.6, tt::tolerance(1e-12));
   BOOST_TEST(stuck[1] == -1.2, tt::tolerance(1e-12));

@@ -56,6 +56,32 @@ class AllInputs(Case):
             return ""
         return f"exit {result.status}: {said}"
 
+    def test_check_prints_what_a_run_uses(self):
+        """Each input by the program of its groups: what --check prints, values that follow from others too, is what a run resolves."""
+        for path in sorted(INPUTS.glob("*.nml")):
+            if path.name.startswith("balance_"):
+                continue
+            with self.subTest(path.name):
+                groups = re.findall(r"^\s*&(\w+)", path.read_text(), re.M)
+                program = next((g for g in groups if g in PROGRAMS), "disph_c")
+                program = "disph_c" if path.stem == "contact" else program
+                settings = {**particles(path), "time.steps": 1, "output.interval": 0}
+                words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+                checked = self.call(program, path, *words, "--check")
+                self.assertEqual(checked.status, COMPLETED, checked)
+                run = self.run_program(program, path, settings, path.stem)
+                self.assertEqual(self.assignments(checked.stdout), self.assignments((run.directory / "resolved.nml").read_text()))
+
+    def test_derived_values_are_checked(self):
+        """A Rayleigh number takes the place of the expansivity."""
+        said = self.call("convection", INPUTS / "blankenbach_1a.nml", "--set", "convection.rayleigh=10", "--check").stdout
+        self.assertEqual(float(dict(self.assignments(said))["expansivity"]), 2.5e-8)
+
+    @staticmethod
+    def assignments(resolved):
+        lines = (line.split("!")[0].partition("=") for line in resolved.splitlines())
+        return [(key.strip(), value.strip()) for key, sign, value in lines if sign]
+
     def test_all(self):
         cases = [(program, path) for path in sorted(INPUTS.glob("*.nml")) for program in PROGRAMS]
         with concurrent.futures.ThreadPoolExecutor(2) as pool:

@@ -7,6 +7,7 @@ import unittest
 import h5py
 
 from running import BAD_INPUT, COMPLETED, FILE_FAILED, INPUTS, Case
+from test_all_inputs import particles
 
 # [S1, table 1]; Ra = 1e4, 1e5, 1e6 by dT = 1e-2, 1e-1, 1
 AIR = ["--L", 0.1, "--rho", 1, "--kappa", 1e-5, "--nu", 7.1e-6, "--g", 10, "--alpha", 7.1e-3, "--c-p", 1e3, "--K", 1.4e5]
@@ -64,6 +65,16 @@ class OfAnInput(Case):
                 self.assertTrue(result.stdout.startswith(program + " "), result.stdout)
                 self.assertEqual(list(said), ["particles", "dt", "steps", "a step", "run time", "memory", "snapshots"])
         self.assertEqual(self.listing(), before)
+
+    def test_every_input(self):
+        for path in sorted(INPUTS.glob("*.nml")):
+            with self.subTest(path.name):
+                settings = [word for key, value in particles(path).items() for word in ("--set", f"{key}={value}")]
+                result = self.call("plan", path, *settings)
+                if path.name.startswith("balance_"):
+                    self.assert_says(result, BAD_INPUT, "balance, which takes no time steps")
+                else:
+                    self.assertGreater(float(self.figures(result)["steps"].split()[0]), 0)
 
     def test_is_what_the_run_takes(self):
         """The number of steps and the size of a snapshot, against those of the run."""

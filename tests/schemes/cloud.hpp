@@ -30,14 +30,14 @@ struct cloud : particles::particles<D>, schemes::arrays<D> {
     see_all(1);
   }
   // Each sees all others, in so many sequences.
-  void see_all(std::size_t at_once) {
-    list.at_once = at_once;
+  void see_all(std::size_t interleave) {
+    list.interleave = interleave;
     cells::make_rows(list, (n + pairs::lanes - 1) / pairs::lanes, [&](std::size_t r, auto& made) {
       cells::row_of_clusters row;
       for (std::size_t j = 0; j < n; ++j)
-        row.add(j % at_once, static_cast<std::uint32_t>(j),
+        row.add(j % interleave, static_cast<std::uint32_t>(j),
                 ((1U << pairs::lanes) - 1U) & ~(j / pairs::lanes == r ? 1U << j % pairs::lanes : 0U));
-      row.write(at_once, made);
+      row.write(interleave, made);
       return n * n;
     });
   }
@@ -45,11 +45,11 @@ struct cloud : particles::particles<D>, schemes::arrays<D> {
   schemes::fields<D> fields() { return {*this, *this}; }
 
   void sum(const auto& term) {
-    pairs::sum_over<D>(pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(this->x), schemes::distances_only{1e-9},
+    pairs::sum_over<D>(pairs::row_range{0, n, 0, n}, list, pairs::pointers<D>(this->x), schemes::distances_only{1e-9},
                        term);
   }
   void sum_single(const auto& term) {
-    pairs::sum_in<D>(pairs::unit<pairs::single>(1.0), pairs::stretch{0, n, 0, n}, list, pairs::pointers<D>(this->x),
+    pairs::sum_in<D>(pairs::unit<pairs::single>(1.0), pairs::row_range{0, n, 0, n}, list, pairs::pointers<D>(this->x),
                      schemes::distances_only{1e-9}, term);
   }
   template <class Kernel>

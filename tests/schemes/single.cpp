@@ -143,7 +143,7 @@ void liquid_is_opposite() {
       for (auto& f : g.force) std::fill(f.begin(), f.end(), 0.0);
       g.power.assign(g.power.size(), 0.0);
       g.see_all(2);
-      pairs::sum_in<D>(pairs::unit<pairs::single>(1.0), pairs::stretch{0, 2, 0, 2}, g.list, pairs::pointers<D>(g.x),
+      pairs::sum_in<D>(pairs::unit<pairs::single>(1.0), pairs::row_range{0, 2, 0, 2}, g.list, pairs::pointers<D>(g.x),
                        kernel, term);
       for (const auto& f : g.force) BOOST_TEST(f[0] == -f[1], name);
     };

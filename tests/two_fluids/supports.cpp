@@ -63,7 +63,7 @@ struct box {
   double potential() {
     auto& s = f->world.w.s;
     for (int round = 0; round < 20; ++round) {
-      begin_motion(*f);
+      begin_halo_exchange(*f);
       end_motion(*f);
       count_neighbours(*f);
       follow_volumes(*f);
@@ -135,7 +135,7 @@ BOOST_AUTO_TEST_CASE(momentum_stays) {
       s.rho[i] *= 1.0 + 0.05 * test::noise(s.id[i], 2);
       for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = 100.0 * test::noise(s.id[i], 3 + static_cast<int>(a));
     }
-    two_fluids::begin_motion(*b.f);
+    two_fluids::begin_halo_exchange(*b.f);
     two_fluids::end_motion(*b.f);
     if (!b.f->carried) count_neighbours(*b.f);
     follow_volumes(*b.f);

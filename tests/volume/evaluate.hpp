@@ -11,7 +11,7 @@ template <class Pressure, class Volume, int D>
 void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing_options& smoothing = {}) {
   auto& w = scene.w;
   w.first_fault = {};
-  const volume::surroundings<D> around{scene.treatment, scene.walls, smoothing};
+  const volume::wall_context<D> around{scene.treatment, scene.walls, smoothing};
   if constexpr (volume::works_ahead<Volume>) {
     how.ahead(w);
     how.with_ghosts(w);

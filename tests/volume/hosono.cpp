@@ -144,7 +144,7 @@ BOOST_AUTO_TEST_CASE(proof_that_no_state_exists) {
     refresh(scene);
     volume::add_density_guess(scene.w.s);
     volume::hosono_iteration how;
-    const volume::surroundings<2> around{scene.treatment, scene.walls, {normalise}};
+    const volume::wall_context<2> around{scene.treatment, scene.walls, {normalise}};
     how.before_walls(scene.w, around);
     return volume::detail::no_state_exists(scene.w, around);
   };

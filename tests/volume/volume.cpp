@@ -21,10 +21,10 @@ using namespace tetsuame::test;
   extern template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, walls::wall_set<D>&);           \
   extern template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, walls::wall_set<D>&);         \
   extern template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);             \
-  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::stretch&);                  \
+  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::row_range&);                \
   extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::remainder&);                \
   extern template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&,                                   \
-                                                             const tetsuame::volume::surroundings<D>&);              \
+                                                             const tetsuame::volume::wall_context<D>&);              \
   extern template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool)
 
 TETSUAME_VOLUME_PASSES(2);

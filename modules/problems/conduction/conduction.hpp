@@ -86,7 +86,7 @@ class problem : public run::problem_in_a_box<D> {
     return 4.0 * D * o_.kappa / (dx * dx);
   }
 
-  void keep_memory() override {
+  void commit_lagged() override {
     if (o_.scheme == "sum") return;
     std::copy_n(next_plain_.begin(), world_.w.s.fluid, plain_.begin());
     for (std::size_t k = 0; k < S; ++k) std::copy_n(next_B_[k].begin(), world_.w.s.fluid, B_[k].begin());

@@ -14,7 +14,7 @@ namespace tetsuame::convection {
 
 // pass.hpp; of each law compiled by itself (programs/convection).
 template <int D, int K, bool graded>
-void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows, bool whole);
+void sum_over_neighbours(convection_state<D>& state, const pairs::row_range& rows, bool whole);
 
 template <int D>
 class problem : public run::problem_in_a_box<D> {
@@ -46,7 +46,7 @@ class problem : public run::problem_in_a_box<D> {
 
   void sum_rates(std::span<double* const> rate) override {
     const auto& layer = state_.layer;
-    const auto sum = [&](const pairs::stretch& rows) {
+    const auto sum = [&](const pairs::row_range& rows) {
       if (layer.law.varies)
         sum_over_neighbours<D, unknown<D>::count, true>(state_, rows, whole_);
       else if (layer.relaxed)
@@ -54,9 +54,9 @@ class problem : public run::problem_in_a_box<D> {
       else
         sum_over_neighbours<D, unknown<D>::count, false>(state_, rows, whole_);
     };
-    begin_state(state_);
+    begin_halo_exchange(state_);
     sum(state_.world.w.interior());
-    end_state(state_);
+    end_halo_exchange(state_);
     sum(state_.world.w.at_border());
     rates_of_change(state_, rate);
   }
@@ -109,9 +109,9 @@ class problem : public run::problem_in_a_box<D> {
     return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
   }
 
-  void expect_memory(bool expected) override { whole_ = expected; }
-  void keep_memory() override { begin_step(state_); }
-  bool asks_again() const override { return state_.before || lacks_rate_; }
+  void expect_lagged(bool expected) override { whole_ = expected; }
+  void commit_lagged() override { begin_step(state_); }
+  bool needs_lagged() const override { return state_.before || lacks_rate_; }
   // The viscosity at time t; slowed sound may follow it.
   bool set_time(double t) override {
     auto& layer = state_.layer;

@@ -107,10 +107,10 @@ void mirror_state(convection_state<D>& state, const std::vector<double*>& f, std
   (*state.own_viscosity)[i] = (*state.own_viscosity)[j];
 }
 
-// The state sets out to the ghosts; it is there, and that of images, after end_state(). What the images lag behind is
-// in their lagged terms.
+// The state sets out to the ghosts; it is there, and that of images, after end_halo_exchange(). What the images lag
+// behind is in their lagged terms.
 template <int D>
-void begin_state(convection_state<D>& state) {
+void begin_halo_exchange(convection_state<D>& state) {
   auto& w = state.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
@@ -120,7 +120,7 @@ void begin_state(convection_state<D>& state) {
 }
 
 template <int D>
-void end_state(convection_state<D>& state) {
+void end_halo_exchange(convection_state<D>& state) {
   auto& w = state.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");

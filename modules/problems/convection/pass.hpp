@@ -13,7 +13,7 @@ inline constexpr slopes_tag of_slopes;
 // fields of operators::consistent; what G_i takes is G_i·Σ V F r. Graded: Q(p) takes the part min(1, ν_i/ν_j) of a
 // pair. Where ξ² goes with ν, energy is p²/ξ²: so it falls, whatever the contrast.
 template <int D, int fields, bool graded>
-struct noise {
+struct hyperdiffusion {
   static constexpr std::size_t K = fields;
   std::array<const double*, K * D> gradients;  // of each field
   double V;                                    // m^D
@@ -67,7 +67,7 @@ struct noise {
 
 // Σ_j V F r [1 + 0.2 (W/W(Δx))⁴] (1/m), and Σ_j W with the particle itself (1/m^D).
 template <int D>
-struct unevenness {
+struct shifting_sum {
   double V, W_self, per_W_dx;
   std::array<double*, D> out;
   double* W_sum;
@@ -149,7 +149,7 @@ graded_viscosity<D> viscous_term(convection_state<D>& state) {
 // whole: with what is kept for the step, which the stages after the first do not need. The shift is that of the
 // first.
 template <int D, int K, bool graded, bool whole>
-void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows) {
+void sum_over_neighbours(convection_state<D>& state, const pairs::row_range& rows) {
   auto& w = state.world.w;
   auto& last = state.last;
   const auto& lagged = state.lagged;
@@ -159,14 +159,14 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
   constexpr unsigned velocity = ((1U << D) - 1U) << (K == unknown<D>::count_with_z ? unknown<D>::z : 0);
   constexpr unsigned wanted = 1U << unknown<D>::T | (graded ? 0U : velocity);
   operators::consistent<D, K, whole, wanted> derivatives{{}, {}, {}, at_start.V, at_start.beta, {}, &singular};
-  noise<D, K, graded> smooth{{}, at_start.V, {}};
+  hyperdiffusion<D, K, graded> smooth{{}, at_start.V, {}};
   const auto f = unknown_arrays(state);
   for (std::size_t k = 0; k < K; ++k) {
     derivatives.f[k] = f[k];
     derivatives.P[k] = lagged.laplacian[k]->data();
     derivatives.out.laplacian[k] = last.laplacian[k].data();
     derivatives.out.plain[k] = last.latest.laplacian[k]->data();
-    smooth.out[k] = last.noise[k].data();
+    smooth.out[k] = last.hyperdiffusion[k].data();
     for (std::size_t a = 0; a < D; ++a) {
       derivatives.out.gradient[k][a] = last.latest.gradient[k][a].data();
       smooth.gradients[k * D + a] = lagged.gradient[k][a].data();
@@ -174,7 +174,7 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
   }
   for (std::size_t k = 0; k < operators::symmetric_terms(D); ++k) derivatives.B[k] = lagged.tensor[k].data();
   derivatives.out.next_B = last.latest.tensor.data();
-  const unevenness<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, last.uneven.data(), last.W.data()};
+  const shifting_sum<D> uneven{at_start.V, at_start.W_self, at_start.per_W_dx, last.uneven.data(), last.W.data()};
   if constexpr (graded && whole)
     w.sum(rows, derivatives, smooth, uneven, viscous_term(state),
           contrast{state.viscosity_root->data(), state.own_viscosity->data(), last.contrast[0].data(),
@@ -189,7 +189,7 @@ void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows)
 }
 
 template <int D, int K, bool graded>
-void sum_over_neighbours(convection_state<D>& state, const pairs::stretch& rows, bool whole) {
+void sum_over_neighbours(convection_state<D>& state, const pairs::row_range& rows, bool whole) {
   const foundation::stage timed(state.world.w.times, "sums");
   whole ? sum_over_neighbours<D, K, graded, true>(state, rows) : sum_over_neighbours<D, K, graded, false>(state, rows);
 }

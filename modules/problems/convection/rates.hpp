@@ -108,7 +108,7 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
   const auto& last = state.last;
   constexpr std::size_t T = unknown<D>::T, p = unknown<D>::p, z = unknown<D>::z;
   const auto G = [&](std::size_t k, std::size_t a) { return i(last.latest.gradient[k][a].data()); };
-  const auto noise = [&](std::size_t k) { return i(last.noise[k].data()); };
+  const auto hyperdiffusion = [&](std::size_t k) { return i(last.hyperdiffusion[k].data()); };
   const auto [w, remap] = shift_of(state, i);
   const real nu = layer.law.varies ? one_by_one(i, [&](std::size_t k) { return state.viscosity(k); }) : real(layer.nu);
   const real xi2 = inertia(layer, nu), per_xi2 = 1.0 / xi2;
@@ -120,8 +120,8 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
     moving[a] = w[a] + a_inertia * v[a];
   }
   real speed2 = 0.0, divergence = 0.0;
-  real dT = f.kappa * i(last.laplacian[T].data()) + layer.heating + remap * noise(T);
-  real dp = *c.pressure_diffusion * state.at_start.h * layer.c_eff * noise(p);
+  real dT = f.kappa * i(last.laplacian[T].data()) + layer.heating + remap * hyperdiffusion(T);
+  real dp = *c.pressure_diffusion * state.at_start.h * layer.c_eff * hyperdiffusion(p);
   for (std::size_t a = 0; a < D; ++a) {
     const auto& viscous = layer.law.varies ? last.viscous[a] : last.laplacian[layer.relaxed ? z + a : a];
     real force = nu * i(viscous.data()) - G(p, a) / f.rho, advected = 0.0;
@@ -129,13 +129,13 @@ double rates_of(const convection_state<D>& state, const several& i, std::span<do
     for (std::size_t b = 0; b < D; ++b) advected += moving[b] * G(a, b);
     const real dx = v[a] + w[a];
     i.set(rate[a], dx);
-    set(D + a, per_xi2 * force + advected + remap * noise(a));
+    set(D + a, per_xi2 * force + advected + remap * hyperdiffusion(a));
     if (layer.relaxed) {
       real carried = 0.0;
       for (std::size_t b = 0; b < D; ++b) carried += moving[b] * G(z + a, b);
       set(D + z + a, layer.instant_share * per_xi2 * force +
                          (v[a] - i(state.z[a].data())) * (1.0 / layer.relaxation_time) + carried +
-                         remap * noise(z + a));
+                         remap * hyperdiffusion(z + a));
     }
     speed2 += dx * dx;
     divergence += G(a, a);
@@ -162,7 +162,7 @@ void rates_of_change(convection_state<D>& state, std::span<double* const> rate) 
 #pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const auto m = rows.cluster(r);
-    speed2 = std::max(speed2, rates_of(state, several{m.first, m.chosen, {}}, rate));
+    speed2 = std::max(speed2, rates_of(state, several{m.first, m.mask, {}}, rate));
   }
   state.displacing = std::sqrt(speed2);
 }

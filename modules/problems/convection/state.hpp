@@ -107,10 +107,10 @@ struct sums {
   template <std::size_t K>
   using vector_field = particles::vector_field<K>;
 
-  lagged_terms<D> latest;                                   // what the next evaluations may lag behind
-  vector_field<unknown<D>::count_with_z> laplacian, noise;  // L and Q of each unknown
-  vector_field<D> uneven;                                   // 1/m, how unevenly particles stand
-  particles::array& W;                                      // Σ W, 1/m^D
+  lagged_terms<D> latest;                                            // what the next evaluations may lag behind
+  vector_field<unknown<D>::count_with_z> laplacian, hyperdiffusion;  // L and Q of each unknown
+  vector_field<D> uneven;                                            // 1/m, how unevenly particles stand
+  particles::array& W;                                               // Σ W, 1/m^D
   // Where the viscosity varies: its force over ν and that without correction, 1/(m s); ∇ln ν, 1/m; contrast.
   vector_field<D> viscous, plain_viscous, log_slope;
   vector_field<2> contrast;  // of viscosity, of sound
@@ -124,7 +124,7 @@ struct sums {
       field = particles::declare_vector<K>(s, name, unit, particles::role::derived);
     };
     add(laplacian, "Laplacian", "");
-    add(noise, "Noise", "");
+    add(hyperdiffusion, "Noise", "");
     add(uneven, "Unevenness", "1/m");
     if (!layer.law.varies) return;
     add(viscous, "ViscousForceOverViscosity", "1/(m s)");

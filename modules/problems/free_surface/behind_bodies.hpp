@@ -59,7 +59,7 @@ void find_rows_beside(water<D>& f) {
     for (std::size_t i = r * pairs::lanes; near && i < std::min(s.fluid, (r + 1) * pairs::lanes); ++i)
       rows.push_back(i);
   }
-  f.beside = pairs::choose(w.list, std::move(rows), s.total());
+  f.rows_near_bodies = pairs::choose(w.list, std::move(rows), s.total());
 }
 
 // Collective. Of the water beside bodies the direction in which they press it, that of Σ_w V_w ∇_j W_jw over their wall
@@ -75,9 +75,9 @@ void find_pressed(water<D>& f) {
   foundation::for_all(walls.body_particles, [&](std::size_t r) { f.volume_in_bodies[first + r] = V[first + r]; });
   walls::for_each_image(walls, s, walls.images_of_fluid, walls.source.size(),
                         [&](const walls::image& of) { f.volume_in_bodies[of.i] = V[of.j]; });
-  w.sum(f.beside, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
-  foundation::for_all(f.beside.rows.size(), [&](std::size_t r) {
-    const std::size_t i = f.beside.rows[r];
+  w.sum(f.rows_near_bodies, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
+  foundation::for_all(f.rows_near_bodies.rows.size(), [&](std::size_t r) {
+    const std::size_t i = f.rows_near_bodies.rows[r];
     const double length = length_of<D>(f.pressed, i);
     for (std::size_t a = 0; a < D; ++a) f.pressed[a][i] = length > 0.0 ? f.pressed[a][i] / length : 0.0;
   });
@@ -93,10 +93,10 @@ void find_pressed(water<D>& f) {
 //   α = -(P A + ε² G B)/(A² + ε² G²),   P = Σ_j V_j [p_w v_j + p_j (v_m - n n·v_m) - p_j (v_j - m_j m_j·v_j)]·∇_j W_jw
 //   A = Σ_j V_j p_j ∂_j,   B = Σ_j V_j n·v_j ∂_j,   G = Σ_j V_j ∂_j,   ∂_j = n·∇_j W_jw
 // but for ε, by which water without pressure counts as if it had some. What P has beyond the part across, p_w B, is of
-// first order in the velocity, as what viscosity takes is not: it counts by 1 - l² with l of liveliness(), in full in
-// slow water, and not at all in fast water, whose jets would pay for it. α is beyond what would reverse the velocities
-// of the water about it, with which the sound between a particle and the wall may grow, by no more than that part of
-// the speed along the wall; not at bodies that move, which it throws about.
+// first order in the velocity, as what viscosity takes is not: it counts by 1 - l² with l of speed_limiter(), in full
+// in slow water, and not at all in fast water, whose jets would pay for it. α is beyond what would reverse the
+// velocities of the water about it, with which the sound between a particle and the wall may grow, by no more than that
+// part of the speed along the wall; not at bodies that move, which it throws about.
 template <int D>
 std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const walls::body_place<D>& of) {
   const auto& w = f.world.w;
@@ -128,7 +128,7 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
     most = std::max(most, -outwards);
   }
   const double both = A * A + slight * slight * G * G;
-  const double l = liveliness(f, solids::norm<D>(v_m)), counted = 1.0 - l * l;
+  const double l = speed_limiter(f, solids::norm<D>(v_m)), counted = 1.0 - l * l;
   P = p_w * B + counted * (P - p_w * B);
   const double alpha = both > 0.0 ? -(P * A + slight * slight * G * B) / both : 0.0;
   const double more = b == nullptr ? counted * solids::norm<D>(along) : 0.0;

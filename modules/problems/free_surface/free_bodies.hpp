@@ -108,8 +108,8 @@ std::vector<solids::rigid_matrix<D>> find_added_masses(water<D>& f) {
     for (const auto& group : f.groups) {
       if (group.body != b.body) continue;
       for (const std::size_t i : group.members) f.volume_in_bodies[i] = s.dV[i];
-      f.world.w.sum(f.beside, added_mass<D>{f, group, b.rate.centre, f.volume_in_bodies.data(),
-                                            pairs::pointers<N>(f.response), of_threads});
+      f.world.w.sum(f.rows_near_bodies, added_mass<D>{f, group, b.rate.centre, f.volume_in_bodies.data(),
+                                                      pairs::pointers<N>(f.response), of_threads});
       for (const std::size_t i : group.members) f.volume_in_bodies[i] = 0.0;
     }
     for (std::size_t t = 1; t < of_threads.size(); ++t)
@@ -158,7 +158,7 @@ std::vector<load<D>> accelerate_free_bodies(water<D>& f) {
     ++n;
   }
   mirror(f);
-  sum_over_neighbours(f, f.beside);
+  sum_over_neighbours(f, f.rows_near_bodies);
   auto loads = loads_on(f, bodies, about);
   for (std::size_t k = 0; k < loads.size(); ++k) {
     const auto held = held_turns(f, bodies[k]);
@@ -207,7 +207,7 @@ template <int D>
 std::vector<load<D>> read_loads(water<D>& f) {
   forget_accelerations(f);
   refresh(f);
-  sum_over_neighbours(f, f.beside);
+  sum_over_neighbours(f, f.rows_near_bodies);
   if (!f.free.empty()) accelerate_free_bodies(f);
   std::vector<std::size_t> bodies;
   std::vector<solids::point<D>> about;
@@ -225,7 +225,7 @@ template <int D>
 void evaluate(water<D>& f, std::span<double* const> rate) {
   auto& w = f.world.w;
   forget_accelerations(f);
-  begin_motion(f);
+  begin_halo_exchange(f);
   find_own(f, 0, w.s.fluid);
   sum_over_neighbours(f, w.interior());
   end_motion(f);

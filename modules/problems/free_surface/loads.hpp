@@ -51,7 +51,7 @@ void sum_without(water<D>& f, const wall_group<D>& group) {
     std::swap(f.density_rate, f.density_rate_without);
   };
   exchange_results();
-  sum_over_neighbours(f, f.beside);
+  sum_over_neighbours(f, f.rows_near_bodies);
   exchange_results();
   for (std::size_t k = 0; k < volumes.size(); ++k) V[group.members[k]] = volumes[k];
 }
@@ -76,7 +76,7 @@ std::vector<load<D>> loads_on(water<D>& f, const std::vector<std::size_t>& bodie
   for (const auto& group : f.groups) {
     if (std::ranges::find(bodies, group.body) == bodies.end()) continue;
     sum_without(f, group);
-    for (const std::size_t i : f.beside.rows) {
+    for (const std::size_t i : f.rows_near_bodies.rows) {
       auto x = of_solids<D>(f.place(i)) - group.image;
       auto by = solids::point<D>::of([&](std::size_t a) { return f.force_without[a][i] - f.force[a][i]; });
       mirror_load(f, group, x, by);

@@ -181,9 +181,9 @@ void place_moving_walls(water<D>& f) {
       const auto x = places[n] + shift, marker = m.marker + shift;
       const auto image = into_box(pose.to_space(b.rest[n])) + shift;
       if (!f.world.w.d.within(cell, marker.c)) continue;
-      const double odd = m.height > 0.0 ? m.depth / m.height : 1.0;
-      walls.places.push_back({x.c, marker.c, m.normal.c, m.height, odd, b.first_number + static_cast<std::int64_t>(n),
-                              static_cast<std::int32_t>(b.body)});
+      const double reflection_ratio = m.height > 0.0 ? m.depth / m.height : 1.0;
+      walls.places.push_back({x.c, marker.c, m.normal.c, m.height, reflection_ratio,
+                              b.first_number + static_cast<std::int64_t>(n), static_cast<std::int32_t>(b.body)});
       f.in_body.push_back(
           {b.rest[n], pose.to_body(marker - image), solids::turn_back<D>(pose.turned, m.normal), image});
     }

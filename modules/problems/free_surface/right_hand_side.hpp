@@ -20,7 +20,7 @@ namespace tetsuame::free_surface {
 
 // Set out to the ghosts; there after end_motion().
 template <int D>
-void begin_motion(water<D>& f) {
+void begin_halo_exchange(water<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
@@ -76,7 +76,7 @@ void end_motion(water<D>& f) {
 // Collective. Ghosts, pressures, volumes, and what stands behind walls, as of now.
 template <int D>
 void refresh(water<D>& f) {
-  begin_motion(f);
+  begin_halo_exchange(f);
   find_own(f, 0, f.world.w.s.fluid);
   end_motion(f);
 }
@@ -106,7 +106,7 @@ pairs::remainder clusters_where(const pairs::workspace<D>& w, bool with_neighbou
 template <int D, class Rows, class Term>
 void sum_motion(water<D>& f, const Rows& rows, const Term& term) {
   auto& w = f.world.w;
-  if constexpr (std::is_same_v<Rows, pairs::stretch>)
+  if constexpr (std::is_same_v<Rows, pairs::row_range>)
     if (f.has_tension()) return w.sum(rows, term, inward<D>{w.s.dV.data(), places_of(f.inward)});
   w.sum(rows, term);
 }
@@ -145,7 +145,7 @@ inline constexpr double farthest_above = 10.0;  // of the box's height
 inline constexpr double most_compressed = 1.3;
 
 template <int D>
-bool is_sound(const water<D>& f, std::size_t i) {
+bool is_valid(const water<D>& f, std::size_t i) {
   const auto& s = f.world.w.s;
   if (!f.moving.empty() && s.rho[i] > most_compressed * f.o.flow.density) return false;
   return s.rho[i] > 0.0 && s.x[1][i] < (1.0 + farthest_above) * f.o.domain.length[1];
@@ -174,7 +174,7 @@ void report_fault(water<D>& f, std::size_t i) {
                                        : "it is more than ten heights of the box above its top";
   w.first_fault.report(s.id[i], fmt::format("{}: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow has blown up, or the "
                                             "step is too large{}",
-                                            what, pairs::where_is(s, i), s.rho[i], s.p[i], moved_by(f, i)));
+                                            what, pairs::describe_position(s, i), s.rho[i], s.p[i], moved_by(f, i)));
 }
 
 // Of x, v, ρ.
@@ -193,12 +193,12 @@ void find_rates(water<D>& f, std::span<double* const> rate) {
       if (tense) rate[D + a][i] += f.tension[a][i] / s.m[i];
     }
     rate[2 * D][i] = f.density_rate[i];
-    sound = sound && is_sound(f, i);
+    sound = sound && is_valid(f, i);
   }
   hold(f, rate.subspan(D, D));
   if (sound) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
-    if (!is_sound(f, i)) report_fault(f, i);
+    if (!is_valid(f, i)) report_fault(f, i);
 }
 
 }  // namespace tetsuame::free_surface

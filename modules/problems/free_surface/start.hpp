@@ -135,10 +135,12 @@ void set_up_bodies(water<D>& f) {
   const auto cell = w.d.cell();
   const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support(), {cell.lower, cell.upper});
   // On the surface itself both are 0.
-  const auto odd = [&](std::size_t n) { return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0; };
+  const auto reflection_ratio = [&](std::size_t n) {
+    return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0;
+  };
   for (std::size_t n = 0; n < made.x.size(); ++n)
-    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], odd(n), made.place[n],
-                            static_cast<std::int32_t>(number[made.body[n]])});
+    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], reflection_ratio(n),
+                            made.place[n], static_cast<std::int32_t>(number[made.body[n]])});
   f.resting = walls.places.size();
 }
 

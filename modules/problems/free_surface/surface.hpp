@@ -94,7 +94,7 @@ void slacken(water<D>& f, double dt) {
   const double left = std::exp(-dt * f.p.water.sound / f.world.w.support()), rest = f.o.flow.density;
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (!(f.eigenvalue[i] < inside)) return;
-    const double l = liveliness(f, std::sqrt(f.speed2(i))), beyond = s.rho[i] - rest;
+    const double l = speed_limiter(f, std::sqrt(f.speed2(i))), beyond = s.rho[i] - rest;
     s.rho[i] -= l * l * (beyond > 0.0 ? 1.0 - left : 1.0) * beyond;
   });
 }
@@ -108,7 +108,7 @@ void shift(water<D>& f, double dt) {
   for (const auto& h : f.held) before.push_back(of_solids<D>(f.place(h.i)));
   foundation::for_all(s.fluid, [&](std::size_t i) {
     if (f.eigenvalue[i] < of_spray) return;
-    const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * liveliness(f, speed);
+    const double speed = std::sqrt(f.speed2(i)), of_path = size * speed * speed_limiter(f, speed);
     std::array<double, D> by;
     double across = 0.0, length2 = 0.0;
     for (std::size_t a = 0; a < D; ++a) {

@@ -87,8 +87,8 @@ struct water {
     const moving_body<D>* body;
   };
   std::vector<held_particle> held = {};
-  pairs::chosen beside = {};    // fluid with wall particles of bodies in its lists
-  bool two_velocities = false;  // what stands behind walls has another one in the viscous sum (terms.hpp)
+  pairs::row_subset rows_near_bodies = {};  // fluid with wall particles of bodies in its lists
+  bool two_velocities = false;              // what stands behind walls has another one in the viscous sum (terms.hpp)
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
   std::vector<moving_body<D>> moving = {};
@@ -194,7 +194,7 @@ struct water {
 inline constexpr double slow = 0.01;
 // 1 of water that moves, less of slow water.
 template <int D>
-double liveliness(const water<D>& f, double speed) {
+double speed_limiter(const water<D>& f, double speed) {
   return std::min(1.0, speed / (slow * f.p.water.sound));
 }
 

@@ -165,7 +165,7 @@ class flow : public run::problem_in_a_box<D> {
   double allowance() const override { return gas::allowance(g_); }
   bool widens_lists() const override { return true; }  // the signal velocity limits steps too
 
-  void keep_memory() override { next_supports(g_); }
+  void commit_lagged() override { next_supports(g_); }
   bool set_time(double t) override {
     time_ = t;
     return false;

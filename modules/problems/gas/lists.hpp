@@ -15,9 +15,9 @@ void find_weights(world<D>& g, std::size_t first, std::size_t last) {
   });
 }
 
-// x, v, u set out to the ghosts; they are there, and those of images, with the weights, after end_state().
+// x, v, u set out to the ghosts; they are there, and those of images, with the weights, after end_halo_exchange().
 template <int D>
-void begin_state(world<D>& g) {
+void begin_halo_exchange(world<D>& g) {
   auto& s = g.w.s;
   const foundation::stage timed(g.w.times, "halo");
   std::array<double*, D + 1> state;
@@ -28,7 +28,7 @@ void begin_state(world<D>& g) {
 }
 
 template <int D>
-void end_state(world<D>& g) {
+void end_halo_exchange(world<D>& g) {
   auto& s = g.w.s;
   const foundation::stage timed(g.w.times, "halo");
   g.w.end_fluid();
@@ -76,8 +76,8 @@ void make_lists(world<D>& g, bool as_they_were) {
   resize_arrays(g);
   std::copy_n(g.support.begin(), s.fluid, g.S.begin());
   std::fill(g.signal.begin(), g.signal.end(), 0.0);
-  begin_state(g);
-  end_state(g);
+  begin_halo_exchange(g);
+  end_halo_exchange(g);
 }
 
 // m, what the lists cover.

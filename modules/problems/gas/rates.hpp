@@ -29,7 +29,7 @@ void next_supports(world<D>& g) {
 }
 
 template <int D>
-void sum_densities(world<D>& g, const pairs::stretch& rows) {
+void sum_densities(world<D>& g, const pairs::row_range& rows) {
   const foundation::stage timed(g.w.times, "densities");
   std::visit(
       [&]<class Kernel>(const Kernel& unit) {
@@ -44,8 +44,8 @@ void check_sums(world<D>& g) {
   const auto& s = g.w.s;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const auto fault = [&](const char* what, double value, const char* unit) {
-      g.w.first_fault.report(
-          s.id[i], fmt::format("the {} is {:.3g} {}, not above 0: {}", what, value, unit, pairs::where_is(s, i)));
+      g.w.first_fault.report(s.id[i], fmt::format("the {} is {:.3g} {}, not above 0: {}", what, value, unit,
+                                                  pairs::describe_position(s, i)));
     };
     if (g.evolves_density && !(g.evolved[i] > 0.0))
       fault("density", g.evolved[i], "kg/m^D");
@@ -63,7 +63,7 @@ void check_sound(world<D>& g) {
     if (!(s.c[i] > 0.0)) {
       g.w.first_fault.report(
           s.id[i], fmt::format("no sound at {:.4g} kg/m^3 and {:.4g} J/kg, where '{}' does not reach: {}", s.rho[i],
-                               s.u[i], eos::about(g.caloric_of(i).material()).name, pairs::where_is(s, i)));
+                               s.u[i], eos::about(g.caloric_of(i).material()).name, pairs::describe_position(s, i)));
     }
 }
 
@@ -104,9 +104,10 @@ walls::signed_fields found_fields(world<D>& g) {
   return walls::even({&g.correction, &s.rho, &s.p, &s.c, &s.dV, &g.per_S, &g.slope, &g.dissipation, &g.stiffness});
 }
 
-// The state that follows from the sums, set out to the ghosts; it is there, and that of images, after end_found().
+// The state that follows from the sums, set out to the ghosts; it is there, and that of images, after
+// end_derived_exchange().
 template <int D>
-void begin_found(world<D>& g) {
+void begin_derived_exchange(world<D>& g) {
   const foundation::stage timed(g.w.times, "densities");
   auto& s = g.w.s;
   const auto& o = g.o;
@@ -132,7 +133,7 @@ void begin_found(world<D>& g) {
 }
 
 template <int D>
-void end_found(world<D>& g) {
+void end_derived_exchange(world<D>& g) {
   const foundation::stage timed(g.w.times, "halo");
   g.w.end_fluid();
   walls::fill_images(g.walls, g.w.s, found_fields(g));
@@ -153,7 +154,7 @@ void find_corrections(world<D>& g, const Kernel& unit) {
 }
 
 template <int D, class Kernel>
-void find_forces(world<D>& g, const Kernel& unit, const pairs::stretch& rows) {
+void find_forces(world<D>& g, const Kernel& unit, const pairs::row_range& rows) {
   const foundation::stage timed(g.w.times, "forces");
   const auto& q = g.o.shock;
   const auto all = g.fields();
@@ -205,15 +206,15 @@ template <int D>
 void evaluate(world<D>& g, std::span<double* const> rate) {
   const auto& w = g.w;
   const bool from_state = !g.second_order && !g.evolves_density;  // forces need no gradients of the ghosts
-  begin_state(g);
+  begin_halo_exchange(g);
   sum_densities(g, w.interior());
-  end_state(g);
+  end_halo_exchange(g);
   sum_densities(g, w.at_border());
-  begin_found(g);
+  begin_derived_exchange(g);
   std::visit(
       [&](const auto& unit) {
         if (from_state) find_forces(g, unit, w.interior());
-        end_found(g);
+        end_derived_exchange(g);
         if (g.evolves_density) find_corrections(g, unit);
         if (!from_state) find_gradients(g, unit);
         find_forces(g, unit, from_state ? w.at_border() : w.fluid());

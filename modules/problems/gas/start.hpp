@@ -159,8 +159,8 @@ void settle(world<D>& g) {
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
   sum_densities(g, g.w.fluid());
   std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
-  begin_found(g);
-  end_found(g);
+  begin_derived_exchange(g);
+  end_derived_exchange(g);
 }
 
 }  // namespace tetsuame::gas

@@ -94,7 +94,7 @@ std::pair<double, double> gas_of(const world<D>& g, std::int32_t material) {
 // The pair sum of a term over the neighbours of these rows, in the precision that the run chose. The unit of length of
 // single precision is near the largest reach of a pair.
 template <int D, class Term>
-void sum(world<D>& g, const pairs::stretch& rows, const Term& term) {
+void sum(world<D>& g, const pairs::row_range& rows, const Term& term) {
   const double nearest = 1e-9 * g.support_over_dx * g.w.dx;
   if constexpr (pairs::takes<Term, pairs::single>)
     if (g.w.single_pairs()) {

@@ -5,17 +5,17 @@
 #include <two_fluids/right_hand_side.hpp>
 
 #define TETSUAME_TWO_FLUIDS_SUM(where, D, ...) \
-  where template void tetsuame::two_fluids::sum(const fluids<D>&, const pairs::stretch&, const __VA_ARGS__&)
+  where template void tetsuame::two_fluids::sum(const fluids<D>&, const pairs::row_range&, const __VA_ARGS__&)
 
 // where: extern, they are elsewhere; nothing: here.
-#define TETSUAME_TWO_FLUIDS_SUMS(where, D)                                            \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, false>);                                \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, true>);                                 \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate<D>);                                 \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange<D>);                             \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                        \
-  where template void tetsuame::two_fluids::count(fluids<D>&, const pairs::stretch&); \
-  where template void tetsuame::two_fluids::count_neighbours(fluids<D>&);             \
+#define TETSUAME_TWO_FLUIDS_SUMS(where, D)                                              \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, false>);                                  \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, true>);                                   \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate<D>);                                   \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange<D>);                               \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                          \
+  where template void tetsuame::two_fluids::count(fluids<D>&, const pairs::row_range&); \
+  where template void tetsuame::two_fluids::count_neighbours(fluids<D>&);               \
   where template void tetsuame::two_fluids::find_tension(fluids<D>&)
 
 TETSUAME_TWO_FLUIDS_SUMS(extern, 2);

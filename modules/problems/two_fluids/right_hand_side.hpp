@@ -16,7 +16,7 @@ namespace tetsuame::two_fluids {
 
 // Where ghosts are, and how they move, sets out to them; it is there after end_motion().
 template <int D>
-void begin_motion(fluids<D>& f) {
+void begin_halo_exchange(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "halo");
@@ -47,7 +47,7 @@ void mirror(fluids<D>& f, particles::array& p) {
 
 // ΔV = s/Σ W_ij of these rows, where volumes come from it.
 template <int D>
-void count(fluids<D>& f, const pairs::stretch& rows) {
+void count(fluids<D>& f, const pairs::row_range& rows) {
   if (f.carried || f.follows) return;
   const foundation::stage timed(f.world.w.times, "volumes");
   f.world.w.sum(rows,
@@ -198,7 +198,7 @@ void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
 
 // What the element gains in these rows.
 template <int D>
-void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
+void exchange_element(fluids<D>& f, const pairs::row_range& rows) {
   const foundation::stage timed(f.world.w.times, "element");
   sum(f, rows,
       element_exchange<D>{f.element.data(), f.partition.data(), f.mobility.data(), f.metal.data(),
@@ -207,7 +207,7 @@ void exchange_element(fluids<D>& f, const pairs::stretch& rows) {
 
 // Pressure and viscosity, of the stress that the run chose.
 template <int D, bool symmetric>
-void sum_forces(fluids<D>& f, const pairs::stretch& rows) {
+void sum_forces(fluids<D>& f, const pairs::row_range& rows) {
   auto& s = f.world.w.s;
   forces<D, symmetric> all{
       pairs::pointers<D>(s.v), f.stress.data(), s.dV.data(), s.eta.data(), f.viscous.a0, f.viscous.a1, {},
@@ -225,7 +225,7 @@ double diffusion_of_slowed(const fluids<D>& f) {
 
 // Sums over the neighbours of these rows.
 template <int D>
-void sum_over_neighbours(fluids<D>& f, const pairs::stretch& rows) {
+void sum_over_neighbours(fluids<D>& f, const pairs::row_range& rows) {
   auto& w = f.world.w;
   auto& s = w.s;
   const auto v = pairs::pointers<D>(s.v);
@@ -305,7 +305,7 @@ template <int D>
 void evaluate(fluids<D>& f, std::span<double* const> rate) {
   auto& w = f.world.w;
   const std::size_t own = w.s.fluid;
-  begin_motion(f);
+  begin_halo_exchange(f);
   count(f, w.interior());
   end_motion(f);
   count(f, w.at_border());

@@ -49,7 +49,7 @@ struct with_supports {
 
 // A sum over the neighbours of these rows, with the one kernel or with everyone's own.
 template <int D, class Term>
-void sum(const fluids<D>& f, const pairs::stretch& rows, const Term& term) {
+void sum(const fluids<D>& f, const pairs::row_range& rows, const Term& term) {
   const auto& w = f.world.w;
   if (!f.follows) {
     w.sum(rows, term);

@@ -143,9 +143,9 @@ class problem : public liquid::problem<D> {
     const double n = narrowest(f_);
     return bounds_.radius / (n * n);
   }
-  void keep_memory() override {
+  void commit_lagged() override {
     if (f_.follows) follow_volumes(f_);
-    base::keep_memory();
+    base::commit_lagged();
   }
 
   // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.

@@ -144,7 +144,7 @@ class rig {
     {
       const foundation::stage timed(box_->times(), "integration");
       integrator_->prepare();
-      box_->keep_memory();
+      box_->commit_lagged();
       integrator_->step(integrator_->time() + dt_);
     }
     box_->complete_step(++steps_);
