@@ -1,6 +1,6 @@
 // Thermal convection of air and mantle, with slowed sound and inertia [S1].
 #include <convection/options.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 
 using namespace tetsuame;
 

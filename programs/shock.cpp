@@ -1,12 +1,12 @@
 // Gas with contacts and shocks: SSPH, DISPH, GSPH, Godunov DISPH [S4] and REMIX.
 #include <gas/convergence.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 
 using namespace tetsuame;
 
 namespace {
 
-std::unique_ptr<run::problem> make(const gas::options& o, const std::vector<gas::level>& coarser) {
+std::unique_ptr<run::simulation> make(const gas::options& o, const std::vector<gas::level>& coarser) {
   return o.domain.dimension == 1   ? gas::make_1d(o, coarser)
          : o.domain.dimension == 2 ? gas::make_2d(o, coarser)
                                    : gas::make_3d(o, coarser);

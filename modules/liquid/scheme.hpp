@@ -6,7 +6,7 @@
 #include <liquid/right_hand_side.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 namespace tetsuame::liquid {
 
@@ -23,7 +23,7 @@ class scheme {
   virtual void recall_density(run::state<D>&) const {}
   virtual void evaluate(run::state<D>& box, const rates<D>& out) = 0;
 
-  // As of run::problem.
+  // As of run::particle_simulation.
   virtual void commit_lagged(run::state<D>&) {}
   virtual void begin_tables(run::run_directory&) {}
   virtual void expect_counts(bool) {}
@@ -37,9 +37,9 @@ class scheme {
 // A problem that a scheme carries through, with what the scheme has to remember, to tell and to save. None: the problem
 // has sums of its own.
 template <int D>
-class problem : public run::problem_in_a_box<D> {
+class problem : public run::particle_simulation<D> {
  public:
-  using base = run::problem_in_a_box<D>;
+  using base = run::particle_simulation<D>;
 
   problem(run::state<D>& of_problem, const run::balance_options& o, std::unique_ptr<scheme<D>> how)
       : base(of_problem, o), scheme_(std::move(how)) {}
@@ -61,19 +61,19 @@ class problem : public run::problem_in_a_box<D> {
     base::begin_tables(files);
     if (scheme_) scheme_->begin_tables(files);
   }
-  void fail(const foundation::error& e, std::int64_t step, run::summary& r) override {
+  void report_failure(const foundation::error& e, std::int64_t step, run::summary& r) override {
     if (scheme_) scheme_->fail(e, step, r);
   }
   void report_counts(run::summary& r) override {
     base::report_counts(r);
     if (scheme_) scheme_->report(this->box, r.metrics);
   }
-  void save(output::checkpoint_globals& g) const override {
-    base::save(g);
+  void save_globals(output::checkpoint_globals& g) const override {
+    base::save_globals(g);
     if (scheme_) scheme_->save(g);
   }
-  void restore(const output::checkpoint_globals& g) override {
-    base::restore(g);
+  void restore_globals(const output::checkpoint_globals& g) override {
+    base::restore_globals(g);
     if (scheme_) scheme_->restore(g);
   }
 

@@ -216,7 +216,7 @@ void sum_in(const unit<R>& lengths, const Rows& rows, const cells::neighbour_lis
   const positions<R> place(lengths);
   auto& records = list.records.template of<typename positions<R>::number>();
   pack<R>(fields, rows.packed(), lengths, place, records);
-#pragma omp parallel for schedule(static) if (n > foundation::rows_worth_threads / lanes)
+#pragma omp parallel for schedule(dynamic, 64) if (n > foundation::rows_worth_threads / lanes)
   for (std::size_t r = 0; r < n; ++r) {
     const members m = rows.cluster(r);
     sum_row(cluster<R>{m.first, m.mask, lengths}, list.row_of(m.first), fields, place, records.data(), kernel,

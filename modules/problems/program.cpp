@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <problems/make.hpp>
 #include <problems/program.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 
 namespace tetsuame::problems {
 
@@ -23,7 +23,7 @@ struct problem_of_input {
   virtual run::memory_need need() const = 0;
   virtual std::string theory() const { return "there is no theory of this problem\n"; }
   virtual run::common_options& common() = 0;
-  virtual std::unique_ptr<run::problem> make() const = 0;
+  virtual std::unique_ptr<run::simulation> make() const = 0;
 };
 
 // An iteration ends where sums are known to its tolerance.
@@ -49,7 +49,7 @@ struct box_at_rest : problem_of_input {
                         o.domain.dimension);
   }
   run::common_options& common() override { return o; }
-  std::unique_ptr<run::problem> make() const override { return at_rest(o, scheme); }
+  std::unique_ptr<run::simulation> make() const override { return at_rest(o, scheme); }
 };
 
 struct fluids_of_input : problem_of_input {
@@ -76,7 +76,7 @@ struct fluids_of_input : problem_of_input {
   }
   std::string theory() const override { return two_fluids::theory_text(kind, o, p); }
   run::common_options& common() override { return o.common; }
-  std::unique_ptr<run::problem> make() const override {
+  std::unique_ptr<run::simulation> make() const override {
     return (o.domain.dimension == 3 ? two_fluids_3d : two_fluids_2d)(kind, o, p, scheme);
   }
 };
@@ -95,7 +95,7 @@ struct body_of_input : problem_of_input {
     return run::need_of(o.domain.lattice_particles(), 300.0, o.common.kernel, o.domain.dimension);
   }
   run::common_options& common() override { return o.common; }
-  std::unique_ptr<run::problem> make() const override { return problems::conduction(o); }
+  std::unique_ptr<run::simulation> make() const override { return problems::conduction(o); }
 };
 
 // What the input names, for a program whose scheme runs several.

@@ -21,7 +21,7 @@ struct state {
     double skin = 0.0, halo = 0.0;  // m
   } narrowest;
   std::int64_t fluid_total = 0;
-  double now = 0.0, list_time = 0.0;  // s, of the state in the arrays; of that from which the lists were made
+  double state_time = 0.0, list_time = 0.0;  // s, of the state in the arrays; of that from which the lists were made
 
   bool mirrors() const { return std::holds_alternative<walls::mirror>(treatment); }
   // The axes along which all that particles meet moves with them: nothing stands there.
@@ -35,7 +35,7 @@ struct state {
 template <int D>
 std::array<double, D> frame_displacement(const state<D>& box) {
   std::array<double, D> way;
-  for (std::size_t a = 0; a < D; ++a) way[a] = box.w.frame[a] * (box.now - box.list_time);
+  for (std::size_t a = 0; a < D; ++a) way[a] = box.w.frame[a] * (box.state_time - box.list_time);
   return way;
 }
 
@@ -179,7 +179,7 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
   }
   if (!as_they_were) {
     for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
-    box.list_time = box.now;
+    box.list_time = box.state_time;
   }
   surround(box, l.reach);
   w.exchange_fluid({s.m.data()});

@@ -190,10 +190,10 @@ bool time_options::controls_error() const {
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
   if (of_problem.starts_from_file) declare(schema, o.start);
   declare(schema, o.time, of_problem);
-  declare(schema, o.kernel, of_problem);
+  if (of_problem.particles) declare(schema, o.kernel, of_problem);
   declare(schema, o.output);
   declare(schema, o.run);
-  declare(schema, o.balance);
+  if (of_problem.particles) declare(schema, o.balance);
 }
 
 void resolve(const namelist::schema& schema, common_options& o) {

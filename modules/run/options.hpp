@@ -82,6 +82,7 @@ struct common_options {
 
 // What a problem has room for, and so what is declared.
 struct abilities {
+  bool particles = true;                  // a kernel and cuts between ranks are worth choosing
   bool single_pairs = false;              // its sums can be computed in single precision
   bool lists_change = true;               // particles move: a skin is worth choosing
   bool keeps_rate = false;                // it has arrays for the rate of the step before, which 'ab2' needs
@@ -90,7 +91,7 @@ struct abilities {
   bool limits_diffusion = true;           // viscosity or conduction limits its steps
   bool starts_from_file = false;          // a snapshot says enough of its particles
 };
-// &domain must be there.
+// With particles &domain must be there.
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem);
 
 // Fills h_over_dx, with which the kernel must reach the nearest neighbours, and the fractions of sound's and

@@ -2,7 +2,7 @@
 // library run_passes, for the files that include this.
 #pragma once
 
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 // where: extern, they are elsewhere; nothing: here.
 #define TETSUAME_RUN_PASSES(where, D)                                                                             \
@@ -23,7 +23,7 @@
   where template void tetsuame::run::fluid_from_checkpoint(const output::table&, particles::particles<D>&,        \
                                                            bool (*)(std::string_view));                           \
   where template struct tetsuame::run::load_balance<D>;                                                           \
-  where template class tetsuame::run::problem_in_a_box<D>
+  where template class tetsuame::run::particle_simulation<D>
 
 TETSUAME_RUN_PASSES(extern, 2);
 TETSUAME_RUN_PASSES(extern, 3);

@@ -10,21 +10,21 @@
 #include <optional>
 #include <output/progress.hpp>
 #include <run/amounts.hpp>
-#include <run/problem.hpp>
 #include <run/run_directory.hpp>
+#include <run/simulation.hpp>
 
 namespace tetsuame::run {
 
 namespace {
 
 struct loop {
-  problem& p;
+  simulation& p;
   const common_options& o;
   const command_line& line;
   const std::string& resolved;
 
-  const domain::communicator& ranks = p.ranks();
-  run_directory files{ranks, line, resolved, static_cast<int>(p.simd_lanes())};
+  const domain::communicator& ranks = p.ranks;
+  run_directory files{ranks, line, resolved, p.simd_lanes};
   summary& report = files.report;
   std::unique_ptr<integrators::explicit_integrator> integrator{};
   std::int64_t step = 0;
@@ -42,56 +42,42 @@ struct loop {
 
   // What all ranks know together after a step.
   struct {
-    double speed = 0.0, moved = 0.0;  // m/s, m, of what counts for lists; the latter since they were made
-    double stop = 0.0;                // why to stop; 0: nobody asks for it
-    double since_checkpoint = 0.0;    // s, by rank 0's clock
-    bool changed = false;             // the problem changed the state after the step
+    std::optional<std::array<double, 16>> maxima{};  // what the simulation asked for; none: it has other arrays now
+    double stop = 0.0;                               // why to stop; 0: nobody asks for it
+    double since_checkpoint = 0.0;                   // s, by rank 0's clock
+    bool state_changed = false;                      // after the step
   } step_flags{};
 
   // One reduction for all that a step has to agree on.
-  void reduce_step_flags(bool changed) {
-    p.at_time(integrator->time());
-    apart speed = p.speed(), moved = p.moved();
-    constexpr std::size_t n = std::tuple_size_v<decltype(speed.numbers)>;
-    std::array<double, 3 + 2 * n> most{files.stop_reason(o.run), ranks.rank == 0 ? files.checkpoint_age() : 0.0,
-                                       changed ? 1.0 : 0.0};
-    std::copy_n(speed.numbers.begin(), n, most.begin() + 3);
-    std::copy_n(moved.numbers.begin(), n, most.begin() + 3 + n);
+  void reduce_step_flags(const completion* done) {
+    std::array<double, 3 + std::tuple_size_v<decltype(completion::maxima)>> most{
+        files.stop_reason(o.run), ranks.rank == 0 ? files.checkpoint_age() : 0.0,
+        done != nullptr && done->state_changed ? 1.0 : 0.0};
+    if (done != nullptr) std::copy(done->maxima.begin(), done->maxima.end(), most.begin() + 3);
     ranks.maximum(most);
-    std::copy_n(most.begin() + 3, n, speed.numbers.begin());
-    std::copy_n(most.begin() + 3 + n, n, moved.numbers.begin());
-    step_flags = {speed.length(), moved.length(), most[0], most[1], most[2] > 0.0};
-    // Lists are made of finite places.
-    if (!std::isfinite(step_flags.speed + step_flags.moved)) p.check_state();
+    step_flags = {{}, most[0], most[1], most[2] > 0.0};
+    if (done == nullptr) return;
+    auto& maxima = step_flags.maxima.emplace();
+    std::copy(most.begin() + 3, most.end(), maxima.begin());
+    const bool bounded =
+        std::ranges::all_of(maxima, [](double m) { return m < std::numeric_limits<double>::infinity(); });
+    if (!bounded) check_state();
   }
+  void check_state() { p.evaluate({.of = purpose::check}, {}); }
 
   // ---- stepping ---------------------------------------------------------------------------
 
+  evaluation next_evaluation{};  // but for its time and purpose
   int right_hand_side(double at, std::span<double* const> rate) {
-    p.at_time(at);
-    // A stage may leave what the lists cover: a smaller step then helps, where there is a choice.
-    const double moved = on_all(ranks, p.moved()).length();
-    if (!(moved <= p.allowance())) {
-      if (controls_error()) return 1;
-      p.check_state();
-      foundation::fail_calculation(
-          fmt::format("{} moved {:.3g} m within one step, more than half the skin of the neighbour lists "
-                      "({:.3g} m): the time step is too large, or the flow has blown up",
-                      p.farthest_moved(), moved, p.allowance()));
-    }
-    if (controls_error() && !p.evaluable()) return 1;
-    p.evaluate(rate);
-    return 0;
+    next_evaluation.time = at;
+    next_evaluation.step = step;
+    next_evaluation.shorter_steps_help = controls_error();
+    return p.evaluate(next_evaluation, rate) ? 0 : 1;
   }
 
-  void evaluate_here() {
-    p.at_time(integrator->time());
-    integrator->lend([&](std::span<double* const> rates) { p.evaluate(rates); });
-    p.complete_tables(step);
-  }
-  void evaluate_for_snapshot() {
-    p.expect_snapshot(true);
-    evaluate_here();
+  void evaluate_for(purpose of, bool counts = true) {
+    const evaluation what{.time = integrator->time(), .step = step, .of = of, .counts = counts};
+    integrator->lend([&](std::span<double* const> rates) { p.evaluate(what, rates); });
   }
 
   // What the length of steps follows from: where a restart changes it, they are chosen anew.
@@ -103,7 +89,6 @@ struct loop {
 
   // kept: s, the fixed step of the run that goes on.
   void make_integrator(double kept = 0.0) {
-    p.expect_snapshot(false);
     integrators::explicit_options how;
     how.method = o.time.method;
     how.order = static_cast<int>(o.time.order);
@@ -113,7 +98,7 @@ struct loop {
       how.dt = *o.time.dt;
       dt_is = "fixed";
     } else {
-      const auto limit = p.largest_step();
+      const auto limit = p.limits(false).stable;
       how.dt = how.error_control ? 0.0 : kept > 0.0 ? kept : limit.dt;
       dt_is = limit.name;
       if (!how.error_control && !(how.dt > 0.0 && std::isfinite(how.dt)))
@@ -122,47 +107,36 @@ struct loop {
     }
     how.dt_is = dt_is;
     integrators::radius_function radius;
-    if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.diffusion_radius(); };
+    if (o.time.method == "rkl2" || o.time.method == "rkc2") radius = [this](double) { return p.limits(true).radius; };
+    const auto arrays = p.arrays();
     integrator = std::make_unique<integrators::explicit_integrator>(
-        ranks.comm, p.fields(), p.local_particles(), 0.0, how,
+        ranks.comm, arrays.fields, arrays.size, 0.0, how,
         [this](double at, std::span<double* const> rate) { return right_hand_side(at, rate); },
-        [this](double) { return p.largest_step(); }, radius);
+        [this](double) { return p.limits(false).stable; }, radius);
     dt = how.dt;
   }
   double dt = 0.0;                         // s, fixed
   std::string dt_is{};                     // what set it
   integrators::step_limit bound{0.0, {}};  // of equations that have changed since dt was chosen; 0: they have not
 
-  // New lists before the next step could outrun the old ones, with a wider skin where it could outrun those that the
-  // input asks for: that costs less than to halve the step. Where it could outrun the widest, a shorter step. Particles
-  // may gain speed on the way.
-  static constexpr double faster = 1.6, a_little_faster = 1.2;
-  double longest = std::numeric_limits<double>::infinity();  // s
-  void refresh_lists() {
-    const double speed = faster * step_flags.speed, moved = step_flags.moved;
-    // A step that the input gives is kept as long as lists can follow particles that keep their speed; one with error
-    // control that they cannot follow is tried again, where lists are no limit of the flow's own.
-    constexpr double any = std::numeric_limits<double>::infinity();
-    const bool lists_widen = p.possible_allowance(any) > p.possible_allowance(0.0);
-    const double most = (o.time.dt                         ? 1.0
-                         : controls_error() && lists_widen ? a_little_faster
-                                                           : faster) *
-                        step_flags.speed;
+  step_preparation prepared{};
+  void prepare_step(bool first = false) {
     const double next = controls_error() ? integrator->statistics().next_dt : dt;
-    const double now = p.allowance();
-    double wanted = speed * (bound.dt > 0.0 ? std::min(next, bound.dt) : next);
-    if (controls_error() && wanted > now) wanted = std::min(wanted, speed * p.largest_step().dt);
-    const auto longest_within = [&](double allowed) {
-      return most > 0.0 ? allowed / most : std::numeric_limits<double>::infinity();
-    };
-    const bool wider = p.possible_allowance(wanted) > now * (1.0 + 1e-9);
-    const bool due = (moved != 0.0 || wider) && !(moved + speed * std::min(next, longest_within(now)) <= now);
-    if (due) p.set_allowance(wanted);
-    longest = longest_within(p.allowance());
-    if (p.renew(due, step, last_step() - step)) integrator->resize(p.fields(), p.local_particles());
+    prepared = p.prepare({.time = integrator->time(),
+                          .step = step,
+                          .steps_left = last_step() - step,
+                          .dt = next,
+                          .bound = bound.dt,
+                          .fixed = o.time.dt.has_value(),
+                          .controls_error = controls_error(),
+                          .first = first,
+                          .maxima = step_flags.maxima});
+    if (!prepared.arrays_moved) return;
+    const auto arrays = p.arrays();
+    integrator->resize(arrays.fields, arrays.size);
   }
 
-  // With the problem's new particles, at the same time; the integrator's counts go on.
+  // With the simulation's new arrays, at the same time; the integrator's counts go on.
   void refine() {
     if (finished()) return;
     const std::string change = p.refine(integrator->time());
@@ -170,21 +144,19 @@ struct loop {
     const auto before = integrator->save();
     coarser_updates = updates();
     coarser_evaluations = before.statistics.evaluations;
-    p.rebuild(false);
-    p.set_time(before.t);
     make_integrator();
     bound = {0.0, {}};
     integrators::explicit_memory fresh;
     fresh.t = before.t;
     fresh.statistics = before.statistics;
     integrator->restore(fresh);
-    count_particles();
-    reduce_step_flags(false);
+    count_values();
+    reduce_step_flags(nullptr);
     files.tell(fmt::format("step {}, t = {:.6g} s: {}; goes on with {} particles{}", step, before.t, change,
                            report.fluid_particles, dt > 0.0 ? fmt::format(", dt = {:.4g} s", dt) : ""));
     warn_about_step();
   }
-  void count_particles() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.local_particles())); }
+  void count_values() { report.fluid_particles = ranks.sum(static_cast<std::int64_t>(p.arrays().size)); }
   double updates() const {
     return coarser_updates + static_cast<double>(report.fluid_particles) *
                                  static_cast<double>(integrator->statistics().evaluations - coarser_evaluations);
@@ -193,12 +165,10 @@ struct loop {
   bool finished() const { return step >= last_step() || is_steady || integrator->time() >= t_end() * (1.0 - 1e-12); }
 
   // Where the next step must end. Fixed steps keep their length but for what the state asks, output times and the end.
-  run::next_end choose_end() const {
+  run::next_end choose_end(double for_accuracy) const {
     const double t = integrator->time(), interval = o.output.interval;
-    if (!(t + 1e-3 * longest > t))
-      foundation::fail_calculation("particles are so fast that no step can follow them: the flow has blown up");
-    integrators::step_limit most{longest, "displacement"};
-    if (const double own = p.longest_step(); own < most.dt) most = {own, "accuracy"};
+    integrators::step_limit most = prepared.longest;
+    if (for_accuracy < most.dt) most = {for_accuracy, "accuracy"};
     if (controls_error()) {
       const double last = files.last_end(t_end(), interval);
       return t + most.dt < last ? run::next_end{t + most.dt, most.name} : run::next_end{last, "output"};
@@ -210,7 +180,7 @@ struct loop {
 
   void advance() {
     output::progress progress(ranks.rank == 0, stderr, state());
-    reduce_step_flags(false);
+    reduce_step_flags(nullptr);
     while (!finished()) {
       if (step_flags.stop > 0.0) {
         progress.finish(state());
@@ -218,9 +188,9 @@ struct loop {
       }
       const foundation::stopwatch watch;
       p.communication.begin();
-      refresh_lists();
+      prepare_step(std::exchange(warns, false));
+      if (!prepared.warning.empty()) files.tell("warning: " + prepared.warning);
       take_step();
-      complete_step();
       p.communication.end();
       files.stepping_seconds += watch.elapsed();
       record();
@@ -232,28 +202,24 @@ struct loop {
   void take_step() {
     const foundation::stopwatch watch;
     {
-      const foundation::stage timed(p.times(), "integration");
+      const foundation::stage timed(p.times, "integration");
       // The rate that was known when the checkpoint was written was counted then.
-      p.expect_counts(!integrator->repeats());
+      next_evaluation.counts = !integrator->repeats();
       integrator->prepare();
-      p.expect_counts(true);
-      p.commit_lagged();
-      if (p.needs_lagged()) integrator->state_changed();
+      next_evaluation.counts = true;
+      const committed now = p.commit();
+      if (now.evaluate_again) integrator->state_changed();
       // The other methods may take the last stage's rate for the first of the next step.
-      p.expect_lagged(o.time.method != "rk4");
-      const auto end = choose_end();
+      next_evaluation.may_commit = o.time.method != "rk4";
+      const auto end = choose_end(now.longest);
       integrator->step(end.t, end.by);
-      p.expect_lagged(true);
+      next_evaluation.may_commit = true;
     }
-    p.worked(watch.busy());
-  }
-
-  void complete_step() {
     ++step;
-    const bool moved_on = p.set_time(integrator->time());
-    if (moved_on && !o.time.dt && !controls_error()) bound = p.largest_step();
-    reduce_step_flags(p.complete_step(step));
-    if (step_flags.changed || moved_on) integrator->state_changed();
+    const completion done = p.complete({integrator->time(), step, watch.busy()});
+    if (done.equations_changed && !o.time.dt && !controls_error()) bound = p.limits(false).stable;
+    reduce_step_flags(&done);
+    if (step_flags.state_changed || done.equations_changed) integrator->state_changed();
   }
 
   output::progress_state state() const {
@@ -281,9 +247,9 @@ struct loop {
     const bool line_due = step % o.output.history_interval == 0;
     const bool snapshot_due = files.snapshot_due(integrator->time(), o.output.interval);
     if (snapshot_due)
-      evaluate_for_snapshot();
+      evaluate_for(purpose::snapshot);
     else if (line_due)
-      evaluate_here();
+      evaluate_for(purpose::line);
     if (line_due) append_history();
     if (snapshot_due) write_snapshot();
     if (line_due) refine();
@@ -295,9 +261,9 @@ struct loop {
   void record_end() {
     if (checkpoint_step != step) write_checkpoint();
     if (snapshot_step != step)
-      evaluate_for_snapshot();
+      evaluate_for(purpose::snapshot);
     else
-      evaluate_here();
+      evaluate_for(purpose::line);
     if (line_step != step) append_history();
     if (snapshot_step != step) write_snapshot();
   }
@@ -314,30 +280,29 @@ struct loop {
   }
 
   void append_history() {
-    const foundation::stage timed(p.times(), "output");
+    const foundation::stage timed(p.times, "output");
     std::vector<double> values{integrator->time(), integrator->statistics().last_dt};
-    for (const double v : p.row(integrator->time())) values.push_back(v);
+    const auto line_now = p.row(integrator->time());
+    values.insert(values.end(), line_now.values.begin(), line_now.values.end());
     files.append_line(step, values);
     line_step = step;
-    is_steady = p.steady();
+    is_steady = line_now.steady;
   }
 
   void write_snapshot() {
-    const foundation::stage timed(p.times(), "output");
-    auto header = p.header();
+    const foundation::stage timed(p.times, "output");
+    auto [header, groups, made] = p.snapshot();
     header.time = integrator->time();
     header.step = step;
     header.kernel_support = kernels::find(o.kernel.name).support_over_h;
-    std::vector<particles::array> extra;
-    files.write_snapshot(header, p.snapshot(extra), o.output);
-    p.expect_snapshot(false);
+    files.write_snapshot(header, std::move(groups), o.output);
     snapshot_step = step;
   }
 
   // Collective.
   bool state_is_finite() {
     try {
-      p.check_state();
+      check_state();
     } catch (const foundation::error&) {
       return false;
     }
@@ -345,27 +310,26 @@ struct loop {
   }
 
   void write_checkpoint() {
-    const foundation::stage timed(p.times(), "output");
+    const foundation::stage timed(p.times, "output");
     output::checkpoint_globals g;
-    p.save(g);
+    std::vector<std::int64_t> integers;
+    const auto table = p.save(g, integers);
     g.reals["fixed_dt"] = dt;
     g.reals["bound_dt"] = bound.dt;
     g.texts["bound_is"] = bound.name;
     g.texts["steps_follow_from"] = steps_follow_from();
     g.reals["coarser_updates"] = coarser_updates;
     g.integers["coarser_evaluations"] = coarser_evaluations;
-    std::vector<std::int64_t> materials;
     g.integers["line_step"] = line_step;
     g.integers["snapshot_step"] = snapshot_step;
-    files.write_checkpoint(step, *integrator, std::move(g), p.particles_table(materials));
+    files.write_checkpoint(step, *integrator, std::move(g), table);
     checkpoint_step = step;
   }
 
   // ---- start, restart, end ----------------------------------------------------------------
 
   void make_ready() {
-    p.rebuild(false);
-    p.set_time(0.0);
+    p.begin(nullptr, files);
     make_integrator();
   }
 
@@ -373,37 +337,27 @@ struct loop {
     make_ready();
     files.begin();
     files.start_history(columns());
-    p.begin_tables(files);
-    evaluate_for_snapshot();
+    evaluate_for(purpose::snapshot);
     append_history();
     write_snapshot();
   }
 
   void continue_from(const output::latest_checkpoint& saved) {
     const auto& g = saved.state.globals;
-    p.restore(g);
-    p.read_particles(saved.state.tables.at("fluid"));
     step = g.integers.at("step");
-    p.check_state();
-    p.rebuild(true);
-    count_particles();
-    p.set_time(g.reals.at("time"));
+    is_steady = p.begin(&saved.state, files);
+    count_values();
     const bool as_before = g.texts.at("steps_follow_from") == steps_follow_from();
     make_integrator(as_before ? g.reals.at("fixed_dt") : 0.0);
     if (as_before) bound = {g.reals.at("bound_dt"), g.texts.at("bound_is")};
     step = files.continue_from(saved, *integrator, columns(), o.output.interval);
     if (!as_before) integrator->choose_steps_anew();
-    p.set_time(integrator->time());
     line_step = g.integers.at("line_step");
     snapshot_step = g.integers.at("snapshot_step");
     if (files.continues_here()) checkpoint_step = step;
     coarser_updates = g.reals.at("coarser_updates");
     coarser_evaluations = g.integers.at("coarser_evaluations");
-    is_steady = p.steady();
-    p.begin_tables(files);
-    p.expect_counts(false);  // it was, before the checkpoint
-    evaluate_here();
-    p.expect_counts(true);
+    evaluate_for(purpose::line, false);  // it was counted before the checkpoint
     // An interrupted run may have ended before it went on finer.
     if (step % o.output.history_interval == 0) refine();
   }
@@ -411,13 +365,13 @@ struct loop {
   void fill_report() {
     files.fill_report(step, integrator.get());
     if (integrator) report.particle_updates = updates();
-    report.stages = p.times().seconds();
-    p.report_counts(report);
+    report.stages = p.times.seconds();
   }
 
+  bool warns = false;  // the next step is the first of its kind
   void warn_about_step() {
-    if (const auto warning = p.warning_of_step(dt); !warning.empty()) files.tell("warning: " + warning);
-    const auto limit = p.largest_step();
+    warns = true;
+    const auto limit = p.limits(false).stable;
     if (!controls_error() && dt > limit.dt * (1.0 + 1e-12))
       files.tell(fmt::format("warning: dt = {:.3g} s is above the {} limit, {:.3g} s; expect it to blow up", dt,
                              limit.name, limit.dt));
@@ -429,19 +383,18 @@ struct loop {
   void plan() {
     constexpr std::int64_t most = 20;
     constexpr double long_enough = 5.0;  // s
-    report.dimension = p.header().dimension;
-    count_particles();
+    report.dimension = p.dimension;
+    count_values();
     make_ready();
-    reduce_step_flags(false);
+    reduce_step_flags(nullptr);
     long long evaluations = 0;
     foundation::stopwatch watch;
     double elapsed = 0.0;
     while (!finished() && step < most && elapsed < long_enough) {
       // As if they were written.
       while (files.snapshot_due(integrator->time(), o.output.interval)) files.next_snapshot += o.output.interval;
-      refresh_lists();
+      prepare_step();
       take_step();
-      complete_step();
       if (step == 1) {
         first_dt = integrator->statistics().last_dt;
         watch = {};
@@ -478,8 +431,8 @@ struct loop {
     const auto a_step = [&](auto of_all) {
       return timed > 0 ? static_cast<double>(of_all) / static_cast<double>(timed) : 0.0;
     };
-    std::vector<particles::array> extra;
-    const auto bytes = static_cast<std::int64_t>(output::bytes_of(p.snapshot(extra), o.output.form()));
+    const auto shown = p.snapshot();
+    const auto bytes = static_cast<std::int64_t>(output::bytes_of(shown.groups, o.output.form()));
     const auto snapshot = static_cast<double>(ranks.sum(bytes));
     const double snapshots = interval > 0.0 && t_end() > 0.0 ? 1.0 + std::ceil(t_end() / interval * (1.0 - 1e-9)) : 2.0;
     std::string text;
@@ -501,10 +454,10 @@ struct loop {
   }
 
   void carry_out() {
-    report.dimension = p.header().dimension;
-    count_particles();
+    report.dimension = p.dimension;
+    count_values();
     auto found = files.open();
-    for (const auto& text : p.about()) files.tell(text);
+    for (const auto& text : p.about) files.tell(text);
     try {
       if (found)
         continue_from(*found);
@@ -515,13 +468,12 @@ struct loop {
       advance();
       record_end();
       fill_report();
-      p.report(integrator->time(), report);
-      report.state_hash = p.hash();
+      p.report({integrator->time(), step}, report);
       files.complete(step, integrator->time(), t_end(), is_steady ? ", where the flow is steady" : "");
     } catch (const foundation::error& e) {
       // The last good state is in the arrays: it goes to disk with the reason.
       files.fail(e, step, [&] {
-        p.fail(e, step, report);
+        p.report({integrator ? integrator->time() : 0.0, step, &e}, report);
         if (e.status() == foundation::exit_status::calculation_failed && integrator && state_is_finite())
           write_checkpoint();
         fill_report();
@@ -532,7 +484,7 @@ struct loop {
 
 }  // namespace
 
-void carry_out(problem& p, const common_options& o, const run::command_line& line, const std::string& resolved) {
+void carry_out(simulation& p, const common_options& o, const run::command_line& line, const std::string& resolved) {
   loop run{p, o, line, resolved};
   line.plan ? run.plan() : run.carry_out();
 }

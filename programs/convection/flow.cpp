@@ -3,7 +3,7 @@
 
 namespace tetsuame::convection {
 
-std::unique_ptr<run::problem> make(const options& o, const parameters& p) {
+std::unique_ptr<run::simulation> make(const options& o, const parameters& p) {
   if (o.domain.dimension == 3) return std::make_unique<problem<3>>(o, p);
   return std::make_unique<problem<2>>(o, p);
 }

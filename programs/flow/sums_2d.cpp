@@ -1,9 +1,4 @@
-// The sums over neighbours of flow_2d.cpp.
-#include <free_surface/right_hand_side.hpp>
+// What flow_2d.cpp and the tests compute on particles.
+#include <free_surface/passes.hpp>
 
-namespace tetsuame::free_surface {
-
-template void sum_over_neighbours(water<2>&, const pairs::row_range&);
-template void sum_over_neighbours(water<2>&, const pairs::row_subset&);
-
-}  // namespace tetsuame::free_surface
+TETSUAME_WATER_PASSES(, 2);

@@ -1,6 +1,6 @@
 #include <gas/flow.hpp>
 #include <run/passes.hpp>
 
-std::unique_ptr<tetsuame::run::problem> tetsuame::gas::make_2d(const options& o, const std::vector<level>& coarser) {
+std::unique_ptr<tetsuame::run::simulation> tetsuame::gas::make_2d(const options& o, const std::vector<level>& coarser) {
   return std::make_unique<flow<2>>(o, coarser);
 }

@@ -41,10 +41,10 @@ template <int D, class Propose>
 outcome run_with(const hydrostatic::options& o, const domain::communicator& ranks, Propose&& propose) {
   hydrostatic::problem<D> box(o, std::make_unique<liquid::scheme_of<program, D>>(o.scheme), ranks);
   box.rebuild(false);
-  integrators::explicit_integrator integrator(ranks.comm, box.fields(), box.local_particles(), 0.0,
+  integrators::explicit_integrator integrator(ranks.comm, box.arrays().fields, box.arrays().size, 0.0,
                                               {.method = o.time.method, .dt = *o.time.dt},
                                               [&](double, std::span<double* const> rate) {
-                                                box.evaluate(rate);
+                                                box.evaluate({}, rate);
                                                 return 0;
                                               });
   outcome found;
@@ -54,17 +54,17 @@ outcome run_with(const hydrostatic::options& o, const domain::communicator& rank
         run::on_all(ranks, box.moved()).length() + 1.6 * run::on_all(ranks, box.speed()).length() * *o.time.dt;
     const bool due = n > 0 && reach > box.allowance();
     if (due) {
-      sizes.push_back(box.local_particles());
+      sizes.push_back(box.arrays().size);
       box.move_cuts(propose(box.world.w.d.cuts, found.moves++));
     }
-    if (box.renew(due, n, o.time.steps - n)) integrator.resize(box.fields(), box.local_particles());
+    if (box.renew(due, n, o.time.steps - n)) integrator.resize(box.arrays().fields, box.arrays().size);
     integrator.step(integrator.time() + *o.time.dt);
     box.complete_step(n + 1);
   }
-  std::vector<particles::array> rates(box.fields().size(), particles::array(box.local_particles()));
+  std::vector<particles::array> rates(box.fields().size(), particles::array(box.arrays().size));
   std::vector<double*> pointers;
   for (auto& a : rates) pointers.push_back(a.data());
-  box.evaluate(pointers);
+  box.evaluate({}, pointers);
   found.hash = box.hash();
   std::sort(sizes.begin(), sizes.end());
   found.distinct_sizes = static_cast<std::size_t>(std::unique(sizes.begin(), sizes.end()) - sizes.begin());

@@ -111,7 +111,7 @@ BOOST_AUTO_TEST_CASE(single_numbers_from_doubles_and_back) {
 
 BOOST_AUTO_TEST_CASE(halves_beside_each_other) {
   const float low = 1.5F, high = -2.5F;
-  const single is(beside(&low, &high)), exchanged = halves_exchanged(is);
+  const single is(concatenate(&low, &high)), exchanged = halves_exchanged(is);
   for (std::size_t k = 0; k < single::size(); ++k) {
     BOOST_TEST(is[k] == (k < lanes ? low : high));
     BOOST_TEST(exchanged[k] == (k < lanes ? high : low));

@@ -3,11 +3,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <free_surface/free_bodies.hpp>
-#include <free_surface/start.hpp>
+#include <free_surface/passes.hpp>
 #include <namelist/document.hpp>
 #include <optional>
-#include <run/passes.hpp>
 #include <string>
 
 #include "../support/mpi.hpp"

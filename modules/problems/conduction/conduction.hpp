@@ -11,16 +11,16 @@
 #include <liquid/sums.hpp>
 #include <operators/consistent.hpp>
 #include <particles/named_fields.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
 
 namespace tetsuame::conduction {
 
 template <int D>
-class problem : public run::problem_in_a_box<D> {
+class problem : public run::particle_simulation<D> {
  public:
-  using base = run::problem_in_a_box<D>;
+  using base = run::particle_simulation<D>;
   using base::ranks;
 
   explicit problem(const options& o) : base(world_, o.common.balance), o_(o) {
@@ -42,10 +42,9 @@ class problem : public run::problem_in_a_box<D> {
         for (std::size_t b = a; b < D; ++b) B_[k++][i] = a == b ? 1.0 : 0.0;
     }
     if (o.common.start.is_read()) run::start_from_file(o.common.start, {.motion = false}, world_);
+    this->about = o.lines;
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
   }
-
-  std::vector<std::string> about() const override { return o_.lines; }
 
   std::vector<integrators::field> fields() override {
     return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
@@ -96,12 +95,12 @@ class problem : public run::problem_in_a_box<D> {
   std::vector<output::history_column> columns() const override {
     return {{"temperature_error_l2", "1"}, {"temperature_error_max", "1"}, {"heat", "K m^D"}};
   }
-  std::vector<double> row(double t) override {
+  std::vector<double> measure(double t) override {
     const auto e = errors(t);
     return {e.l2, e.maximum, e.heat};
   }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     const auto& s = world_.w.s;
     auto g = output::group_of(s, 0, 0, s.fluid);
     const auto add = [&](const char* name, double value) {
@@ -116,7 +115,7 @@ class problem : public run::problem_in_a_box<D> {
     return {g};
   }
 
-  void report(double t, run::summary& r) override {
+  void report_results(double t, run::summary& r) override {
     const auto e = errors(t);
     r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
     r.metrics["reference"] = o_.reference;
@@ -160,7 +159,7 @@ class problem : public run::problem_in_a_box<D> {
       add(e * e, s.T[i] * volume_);
       largest = std::max(largest, std::abs(e));
     });
-    return {std::sqrt(squares / static_cast<double>(world_.fluid_total)), ranks().maximum(largest), heat};
+    return {std::sqrt(squares / static_cast<double>(world_.fluid_total)), ranks.maximum(largest), heat};
   }
 
   // Of ghosts, and of what stands behind the walls.

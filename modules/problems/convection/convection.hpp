@@ -8,7 +8,7 @@
 #include <convection/levels.hpp>
 #include <convection/step.hpp>
 #include <output/groups.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 namespace tetsuame::convection {
 
@@ -17,14 +17,14 @@ template <int D, int K, bool graded>
 void sum_over_neighbours(convection_state<D>& state, const pairs::row_range& rows, bool whole);
 
 template <int D>
-class problem : public run::problem_in_a_box<D> {
+class problem : public run::particle_simulation<D> {
  public:
-  using base = run::problem_in_a_box<D>;
+  using base = run::particle_simulation<D>;
   using base::ranks;
 
-  problem(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {}
-
-  std::vector<std::string> about() const override { return state_.layer.lines; }
+  problem(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {
+    this->about = state_.layer.lines;
+  }
 
   std::vector<integrators::field> fields() override {
     auto& s = state_.fluid();
@@ -46,13 +46,14 @@ class problem : public run::problem_in_a_box<D> {
 
   void sum_rates(std::span<double* const> rate) override {
     const auto& layer = state_.layer;
+    const bool whole = base::evaluating().may_commit;  // lagged terms are kept
     const auto sum = [&](const pairs::row_range& rows) {
       if (layer.law.varies)
-        sum_over_neighbours<D, unknown<D>::count, true>(state_, rows, whole_);
+        sum_over_neighbours<D, unknown<D>::count, true>(state_, rows, whole);
       else if (layer.relaxed)
-        sum_over_neighbours<D, unknown<D>::count_with_z, false>(state_, rows, whole_);
+        sum_over_neighbours<D, unknown<D>::count_with_z, false>(state_, rows, whole);
       else
-        sum_over_neighbours<D, unknown<D>::count, false>(state_, rows, whole_);
+        sum_over_neighbours<D, unknown<D>::count, false>(state_, rows, whole);
     };
     begin_halo_exchange(state_);
     sum(state_.world.w.interior());
@@ -109,7 +110,6 @@ class problem : public run::problem_in_a_box<D> {
     return margin > 1.0 ? largest_step().dt / margin : std::numeric_limits<double>::infinity();
   }
 
-  void expect_lagged(bool expected) override { whole_ = expected; }
   void commit_lagged() override { begin_step(state_); }
   bool needs_lagged() const override { return state_.before || lacks_rate_; }
   // The viscosity at time t; slowed sound may follow it.
@@ -136,12 +136,12 @@ class problem : public run::problem_in_a_box<D> {
   // ---- measures ---------------------------------------------------------------------------
 
   std::vector<output::history_column> columns() const override { return history_columns(); }
-  std::vector<double> row(double t) override { return measure(state_, t, measured_); }
+  std::vector<double> measure(double t) override { return convection::measure(state_, t, measured_); }
   bool steady() const override {
     const double tolerance = state_.input.convection.steady_tolerance;
     return state_.at_start.level == 0 && tolerance > 0.0 && settled(state_, measured_, tolerance);
   }
-  std::string refine(double) override {
+  std::string refine_particles(double) override {
     const double tolerance = coarser_tolerance * state_.input.convection.steady_tolerance;
     if (state_.at_start.level == 0 || !settled(state_, measured_, tolerance)) return {};
     go_to_next_level(state_);
@@ -149,7 +149,7 @@ class problem : public run::problem_in_a_box<D> {
     return "half the particle spacing";
   }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     const auto& s = state_.fluid();
     auto g = output::group_of(s, 0, 0, s.fluid);
     const auto add = [&](const char* name, const double* values) { output::add_quantity(g, name, {values}); };
@@ -166,7 +166,7 @@ class problem : public run::problem_in_a_box<D> {
     return {g};
   }
 
-  void report(double, run::summary& r) override { convection::report(state_, measured_, steady(), r); }
+  void report_results(double, run::summary& r) override { convection::report(state_, measured_, steady(), r); }
 
   // ---- checkpoints ------------------------------------------------------------------------
 
@@ -177,23 +177,23 @@ class problem : public run::problem_in_a_box<D> {
       return name.starts_with("EarlierRate_") || name.starts_with("Before");
     });
   }
-  void save(output::checkpoint_globals& g) const override {
+  void save_globals(output::checkpoint_globals& g) const override {
     g.reals["v_max"] = state_.start.v_max;
     g.reals["faster"] = state_.start.faster;
     for (auto last = measured_; const auto& [name, value] : last.scalars()) g.reals[name] = *value;
     g.integers["level"] = state_.at_start.level;
     g.integers["has_before"] = state_.has_before ? 1 : 0;
-    base::save(g);
+    base::save_globals(g);
     g.blobs["samples"] = measured_.samples.flat();
   }
-  void restore(const output::checkpoint_globals& g) override {
+  void restore_globals(const output::checkpoint_globals& g) override {
     lay(state_, g.integers.at("level"));
     state_.has_before = state_.before && g.integers.at("has_before") != 0;
     state_.start.v_max = g.reals.at("v_max");
     state_.start.faster = g.reals.at("faster");
     for (const auto& [name, value] : measured_.scalars()) *value = g.reals.at(name);
     measured_.samples.restore(g.blobs.at("samples"));
-    base::restore(g);
+    base::restore_globals(g);
   }
 
  protected:
@@ -205,7 +205,6 @@ class problem : public run::problem_in_a_box<D> {
  private:
   convection_state<D> state_;
   measured measured_;
-  bool whole_ = true;        // the next evaluation is one whose lagged terms are kept
   bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
 };
 

@@ -11,7 +11,7 @@
 #include <relaxation/options.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 
 namespace tetsuame::convection {
 
@@ -96,7 +96,7 @@ struct parameters {
 };
 
 // Of the input's dimension (programs/convection/flow.cpp). Options and parameters outlive the problem.
-std::unique_ptr<run::problem> make(const options& o, const parameters& p);
+std::unique_ptr<run::simulation> make(const options& o, const parameters& p);
 
 void declare(namelist::schema& schema, options& o);
 // Makes the overridden values consistent, fills what was left open, checks.

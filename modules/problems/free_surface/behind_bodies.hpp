@@ -69,9 +69,8 @@ void find_pressed(water<D>& f) {
   auto& w = f.world.w;
   const auto& s = w.s;
   const auto& walls = f.world.walls;
-  const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
+  const std::size_t first = s.first_wall();
   const auto& V = s.dV;
-  const std::size_t images = walls.images_of_fluid;
   foundation::for_all(walls.body_particles, [&](std::size_t r) { f.volume_in_bodies[first + r] = V[first + r]; });
   walls::for_each_image(walls, s, walls.images_of_fluid, walls.source.size(),
                         [&](const walls::image& of) { f.volume_in_bodies[of.i] = V[of.j]; });

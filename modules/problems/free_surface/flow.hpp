@@ -10,7 +10,7 @@
 #include <free_surface/traction.hpp>
 #include <numbers>
 #include <output/groups.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -88,9 +88,9 @@ std::vector<probe<D>> probes_of(const options& o, const parameters& p) {
 }
 
 template <int D>
-class flow : public run::problem_in_a_box<D> {
+class flow : public run::particle_simulation<D> {
  public:
-  using base = run::problem_in_a_box<D>;
+  using base = run::particle_simulation<D>;
   using base::ranks;
 
   flow(const options& o, const parameters& p)
@@ -98,12 +98,9 @@ class flow : public run::problem_in_a_box<D> {
     for (const auto& probe : probes_)
       for (const auto& column : probe.columns) read_.columns.push_back(column);
     set_up(f_);
-  }
-
-  std::vector<std::string> about() const override {
-    return {fmt::format(
-        "speed of sound {:.4g} m/s, kinematic viscosity {:.4g} m2/s {}", f_.p.water.sound, f_.p.kinematic_viscosity,
-        f_.p.by == scheme::riemann ? "beside what Riemann problems dissipate" : "with the artificial one")};
+    this->about = {fmt::format(
+        "speed of sound {:.4g} m/s, kinematic viscosity {:.4g} m2/s {}", p.water.sound, p.kinematic_viscosity,
+        p.by == scheme::riemann ? "beside what Riemann problems dissipate" : "with the artificial one")};
   }
 
   std::vector<integrators::field> fields() override {
@@ -136,7 +133,7 @@ class flow : public run::problem_in_a_box<D> {
   void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
   run::apart moved() override { return with_bodies(base::moved(), bodies_moved(f_)); }
   std::string farthest_moved() override {
-    if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks(), base::moved()).length())
+    if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks, base::moved()).length())
       return base::farthest_moved();
     const auto& farthest = *std::ranges::max_element(f_.moving, {}, body_moved<D>);
     return fmt::format("body '{}'", f_.p.template bodies_in<D>()[farthest.body].name());
@@ -203,19 +200,19 @@ class flow : public run::problem_in_a_box<D> {
     if (f_.has_tension()) all.push_back({"surface_energy", "J"});
     return all;
   }
-  std::vector<double> row(double) override {
+  std::vector<double> measure(double) override {
     const energies now = energies_of(f_);
     if (!first_) first_ = now;
     base::note_density_excess(density_excess(f_));
     kinetic_most_ = std::max(kinetic_most_, now.kinetic);
-    std::vector<double> all{now.kinetic, now.potential, now.elastic, ranks().maximum(run::largest_speed(f_.world)),
+    std::vector<double> all{now.kinetic, now.potential, now.elastic, ranks.maximum(run::largest_speed(f_.world)),
                             largest_compression(f_)};
     if (!f_.free.empty()) all.push_back(now.bodies);
     if (f_.has_tension()) all.push_back(now.surface);
     return all;
   }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     const auto& s = f_.world.w.s;
     const auto on_surface = find_surface(f_);
     auto g = output::group_of(s, 0, 0, s.fluid);
@@ -233,7 +230,7 @@ class flow : public run::problem_in_a_box<D> {
     return {g, wall_particles(extra)};
   }
 
-  void report(double t, run::summary& r) override {
+  void report_results(double t, run::summary& r) override {
     const energies now = energies_of(f_);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0}, {"energy", energy_change(now)}};
     auto& m = r.metrics;
@@ -250,8 +247,8 @@ class flow : public run::problem_in_a_box<D> {
     report_gauges(m);
   }
 
-  void save(output::checkpoint_globals& to) const override {
-    base::save(to);
+  void save_globals(output::checkpoint_globals& to) const override {
+    base::save_globals(to);
     to.blobs["readings"] = read_.saved();
     to.reals["kinetic_most"] = kinetic_most_;
     if (!f_.moving.empty()) to.blobs["bodies"] = saved_bodies(f_);
@@ -259,8 +256,8 @@ class flow : public run::problem_in_a_box<D> {
       to.blobs["first_energies"] = {first_->mass,    first_->kinetic, first_->potential,
                                     first_->elastic, first_->bodies,  first_->surface};
   }
-  void restore(const output::checkpoint_globals& from) override {
-    base::restore(from);
+  void restore_globals(const output::checkpoint_globals& from) override {
+    base::restore_globals(from);
     read_.restore(from.blobs.at("readings"));
     kinetic_most_ = from.reals.at("kinetic_most");
     time_ = from.reals.at("time");

@@ -7,7 +7,7 @@
 #include <gas/convergence.hpp>
 #include <gas/setups.hpp>
 #include <output/directory.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 #include <sstream>
 
 namespace tetsuame::gas {

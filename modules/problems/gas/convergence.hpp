@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <run/command_line.hpp>
-#include <run/problem.hpp>
+#include <run/simulation.hpp>
 #include <string>
 #include <vector>
 
@@ -31,14 +31,14 @@ std::vector<coarser_input> coarser_inputs(const namelist::schema& schema, option
 // Collective. The coarser runs one after the other in OUTPUT/coarser_k, whole runs of their own, then the one asked
 // for. With --restart: those that completed are taken as they are, the others continue from their last checkpoint, or
 // start.
-using maker = std::function<std::unique_ptr<run::problem>(const options&, const std::vector<level>& coarser)>;
+using maker = std::function<std::unique_ptr<run::simulation>(const options&, const std::vector<level>& coarser)>;
 void run_all(const options& o, const std::string& resolved, const std::vector<coarser_input>& coarser,
              const run::command_line& line, const maker& make);
 
 // The problem in one, two and three dimensions, each compiled by itself (programs/shock).
-std::unique_ptr<run::problem> make_1d(const options& o, const std::vector<level>& coarser);
-std::unique_ptr<run::problem> make_2d(const options& o, const std::vector<level>& coarser);
-std::unique_ptr<run::problem> make_3d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::simulation> make_1d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::simulation> make_2d(const options& o, const std::vector<level>& coarser);
+std::unique_ptr<run::simulation> make_3d(const options& o, const std::vector<level>& coarser);
 
 // For summary.json: by level, and the orders. A level without errors, or at another time, is named and left out.
 nlohmann::ordered_json convergence(std::vector<level> levels, const level& finest);

@@ -9,7 +9,7 @@
 #include <gas/rates.hpp>
 #include <gas/start.hpp>
 #include <output/groups.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 namespace tetsuame::gas {
 
@@ -131,9 +131,9 @@ output::particle_group snapshot(world<D>& g, double t, std::vector<particles::ar
 // --------------------------------------------------------------------------------------------
 
 template <int D>
-class flow : public run::problem_in_a_box<D> {
+class flow : public run::particle_simulation<D> {
  public:
-  using base = run::problem_in_a_box<D>;
+  using base = run::particle_simulation<D>;
   using base::ranks;
 
   flow(const options& o, const std::vector<level>& coarser)
@@ -148,7 +148,7 @@ class flow : public run::problem_in_a_box<D> {
     double least = std::numeric_limits<double>::infinity();
     if (g_.any_eos) return true;
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
-    return ranks().minimum(least) > 0.0;
+    return ranks.minimum(least) > 0.0;
   }
   void sum_rates(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
 
@@ -159,7 +159,7 @@ class flow : public run::problem_in_a_box<D> {
       const double spacing = g_.S[i] / g_.support_over_dx, signal = std::max(g_.signal[i], 2.0 * g_.sound_speed(i));
       least = std::min(least, 2.0 * spacing / signal);
     }
-    return {*g_.o.common.time.cfl * ranks().minimum(least), "sound"};
+    return {*g_.o.common.time.cfl * ranks.minimum(least), "sound"};
   }
   run::apart moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
@@ -177,7 +177,7 @@ class flow : public run::problem_in_a_box<D> {
     for (const trace& t : g_.test.traces) all.push_back({t.name, t.unit});
     return all;
   }
-  std::vector<double> row(double time) override {
+  std::vector<double> measure(double time) override {
     const totals<D> now = sum_up(g_);
     if (!first_) first_ = now;
     std::vector<double> all{now.kinetic, now.internal, now.momentum[0], largest_density(g_)};
@@ -187,11 +187,11 @@ class flow : public run::problem_in_a_box<D> {
     samples_.push_back(std::move(sample));
     return all;
   }
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     return {gas::snapshot(g_, time_, extra)};
   }
 
-  void report(double t, run::summary& r) override {
+  void report_results(double t, run::summary& r) override {
     const totals<D> now = sum_up(g_);
     r.conservation = {{"mass", now.mass / first_->mass - 1.0},
                       {"momentum", momentum_change(g_, now, *first_)},
@@ -207,16 +207,16 @@ class flow : public run::problem_in_a_box<D> {
     if (!coarser_.empty()) r.errors["convergence"] = convergence(coarser_, {g_.o.domain.particles[0], t, r.errors, ""});
   }
 
-  void save(output::checkpoint_globals& to) const override {
-    base::save(to);
+  void save_globals(output::checkpoint_globals& to) const override {
+    base::save_globals(to);
     if (!first_) return;
     const auto all = std::bit_cast<numbers_of_totals>(*first_);
     to.blobs["first_totals"].assign(all.begin(), all.end());
     std::vector<double>& flat = to.blobs["samples"];
     for (const auto& line : samples_) flat.insert(flat.end(), line.begin(), line.end());
   }
-  void restore(const output::checkpoint_globals& from) override {
-    base::restore(from);
+  void restore_globals(const output::checkpoint_globals& from) override {
+    base::restore_globals(from);
     numbers_of_totals all;
     std::copy_n(from.blobs.at("first_totals").begin(), all.size(), all.begin());
     first_ = std::bit_cast<totals<D>>(all);

@@ -95,7 +95,7 @@ class problem : public liquid::problem<D> {
             {"displacement_max", "dx"},      {"kinetic_energy", "J"},     {"potential_energy", "J"},
             {"internal_energy_gained", "J"}, {"energy_change", "J"}};
   }
-  std::vector<double> row(double) override {
+  std::vector<double> measure(double) override {
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
     if (!start_) start_ = t;
@@ -104,11 +104,11 @@ class problem : public liquid::problem<D> {
             t.kinetic,       t.potential,    t.internal,    t.energy() - start_->energy()};
   }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     return snapshot_groups(world, o_.kernel.h_over_dx * world.w.dx, extra);
   }
 
-  void report(double, run::summary& r) override {
+  void report_results(double, run::summary& r) override {
     const auto e = measure_errors(world);
     const auto t = measure_totals(world);
     r.errors = {{"pressure_mean", e.pressure_mean},
@@ -137,13 +137,13 @@ class problem : public liquid::problem<D> {
 
   // ---- checkpoints ------------------------------------------------------------------------
 
-  void save(output::checkpoint_globals& g) const override {
+  void save_globals(output::checkpoint_globals& g) const override {
     hydrostatic::save(start_.value_or(totals<D>{}), g);
-    base::save(g);
+    base::save_globals(g);
   }
-  void restore(const output::checkpoint_globals& g) override {
+  void restore_globals(const output::checkpoint_globals& g) override {
     start_ = totals_of_start<D>(g);
-    base::restore(g);
+    base::restore_globals(g);
   }
 
  protected:

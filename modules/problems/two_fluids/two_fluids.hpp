@@ -104,9 +104,8 @@ class problem : public liquid::problem<D> {
     bounds_ = find_limit(f_);
     f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
     if (scheme_) begin_scheme();
+    this->about = f_.p.lines;
   }
-
-  std::vector<std::string> about() const override { return f_.p.lines; }
 
   std::vector<integrators::field> fields() override {
     auto& s = f_.world.w.s;
@@ -149,7 +148,7 @@ class problem : public liquid::problem<D> {
   }
 
   // From one line of the history to the next, as far as the run goes on: the same lines in a continued run.
-  std::string refine(double) override {
+  std::string refine_particles(double) override {
     const bool fell = m_.dissipated < m_.dissipated_most * (1.0 - 1e-6);
     m_.dissipated_most = std::max(m_.dissipated_most, m_.dissipated);
     if (!fell || !f_.fourth_order()) return {};
@@ -170,16 +169,16 @@ class problem : public liquid::problem<D> {
     for (const auto& [column, value] : columns_of(f_)) all.push_back(column);
     return all;
   }
-  std::vector<double> row(double t) override {
+  std::vector<double> measure(double t) override {
     next_line(m_, f_, t);
     base::note_density_excess(m_.density_excess);
     std::vector<double> values;
     for (const auto& [column, value] : columns_of(f_)) values.push_back(m_.*value);
     return values;
   }
-  void report(double, run::summary& r) override { tell(r, m_, f_); }
+  void report_results(double, run::summary& r) override { tell(r, m_, f_); }
 
-  std::vector<output::particle_group> snapshot(std::vector<particles::array>& extra) override {
+  std::vector<output::particle_group> particle_groups(std::vector<particles::array>& extra) override {
     const auto& s = f_.world.w.s;
     auto g = output::group_of(s, 0, 0, s.fluid);
     const auto add = [&](const char* name, const double* values) { output::add_quantity(g, name, {values}); };
@@ -202,12 +201,12 @@ class problem : public liquid::problem<D> {
     return {g};
   }
 
-  void save(output::checkpoint_globals& g) const override {
-    base::save(g);
+  void save_globals(output::checkpoint_globals& g) const override {
+    base::save_globals(g);
     two_fluids::save(m_, f_, g);
   }
-  void restore(const output::checkpoint_globals& g) override {
-    base::restore(g);
+  void restore_globals(const output::checkpoint_globals& g) override {
+    base::restore_globals(g);
     m_ = restored(f_, g);
     bounds_ = find_limit(f_);
   }

@@ -16,7 +16,7 @@
 #include <output/hash.hpp>
 #include <problems/make.hpp>
 #include <programs/schemes.hpp>
-#include <run/box.hpp>
+#include <run/particle_simulation.hpp>
 
 namespace tetsuame::bench {
 
@@ -83,8 +83,12 @@ inline double heap_bytes() {
 template <int D>
 class rig {
  public:
-  rig(const request& asked, const run::time_options& time, std::unique_ptr<run::problem> box)
-      : asked_(asked), dt_(*time.dt), box_(std::move(box)), world_(static_cast<run::problem_in_a_box<D>&>(*box_).box) {
+  rig(const request& asked, const run::time_options& time, std::unique_ptr<run::simulation> box)
+      : asked_(asked),
+        dt_(*time.dt),
+        box_(std::move(box)),
+        particles_(static_cast<run::particle_simulation<D>&>(*box_)),
+        world_(particles_.box) {
     const bool gas = is_scheme(asked.name);
     auto& w = world_.w;
     auto& s = w.s;
@@ -97,13 +101,14 @@ class rig {
       if (!gas) s.T[i] += scatter(s.id[i], 6);  // K
     }
     make_lists();
-    box_->expect_snapshot(false);
     integrators::explicit_options how;
     how.method = time.method;
     how.dt = dt_;
+    const auto arrays = box_->arrays();
     integrator_ = std::make_unique<integrators::explicit_integrator>(
-        box_->ranks().comm, box_->fields(), box_->local_particles(), 0.0, how,
-        [this](double, std::span<double* const> rate) { return evaluate(rate); });
+        box_->ranks.comm, arrays.fields, arrays.size, 0.0, how, [this](double t, std::span<double* const> rate) {
+          return box_->evaluate({.time = t, .step = steps_, .shorter_steps_help = true}, rate) ? 0 : -1;
+        });
     step();
   }
 
@@ -129,25 +134,22 @@ class rig {
 
  private:
   void make_lists() {
-    box_->rebuild(false);
-    if (integrator_) integrator_->resize(box_->fields(), box_->local_particles());
+    particles_.rebuild(false);
+    if (!integrator_) return;
+    const auto arrays = box_->arrays();
+    integrator_->resize(arrays.fields, arrays.size);
   }
 
-  // As in the time loop (run/time_loop.cpp).
-  int evaluate(std::span<double* const> rate) {
-    if (!(box_->moved().length() <= box_->allowance())) return -1;
-    box_->evaluate(rate);
-    return 0;
-  }
+  // As in the time loop (run/time_loop.cpp), with lists that keep their width.
   void step() {
-    if (box_->moved().length() + box_->speed().length() * dt_ > box_->allowance()) make_lists();
+    if (particles_.moved().length() + particles_.speed().length() * dt_ > particles_.allowance()) make_lists();
     {
-      const foundation::stage timed(box_->times(), "integration");
+      const foundation::stage timed(box_->times, "integration");
       integrator_->prepare();
-      box_->commit_lagged();
+      box_->commit();
       integrator_->step(integrator_->time() + dt_);
     }
-    box_->complete_step(++steps_);
+    box_->complete({integrator_->time(), ++steps_});
   }
 
   // m2, of particle i
@@ -255,7 +257,8 @@ class rig {
 
   request asked_;
   double dt_;  // s
-  std::unique_ptr<run::problem> box_;
+  std::unique_ptr<run::simulation> box_;
+  run::particle_simulation<D>& particles_;
   run::state<D>& world_;
   std::unique_ptr<integrators::explicit_integrator> integrator_;
   std::int64_t steps_ = 0;
