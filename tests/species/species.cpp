@@ -59,7 +59,7 @@ scenario<D> crossing() {
   all.box.length.fill(D == 2 ? 6.0 : 4.0);
   all.box.length[0] = D == 2 ? 9.0 : 5.0;
   all.streams = {{170, east, 1.1, 1}, {90, back, 1.7, 1000}};
-  all.reach = {0.9, 1.3, 1.1, 1.9};
+  all.reach = {0.9, 1.6, 0.8, 1.2};
   return all;
 }
 
