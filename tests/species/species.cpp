@@ -211,7 +211,7 @@ void pass_through_each_other(int steps, double dt, int search_every) {
     on_all.m.rebuild();
     on_one.m.rebuild();
     if (n % search_every == 0) wrong += on_all.differences(expected);
-    for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t a = 0; a < 2 && n % 4 == 0; ++a)
       for (std::size_t b = 0; b < 2; ++b) {
         const auto sums = on_all.sums(a, b);
         other_bits += !same_bits(sums, on_one.sums(a, b));
@@ -231,7 +231,7 @@ void pass_through_each_other(int steps, double dt, int search_every) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(two_species_pass_through_each_other) { pass_through_each_other<2>(200, 0.06, 1); }
+BOOST_AUTO_TEST_CASE(two_species_pass_through_each_other) { pass_through_each_other<2>(120, 0.1, 1); }
 BOOST_AUTO_TEST_CASE(in_three_dimensions) { pass_through_each_other<3>(40, 0.15, 4); }
 
 // Lists with a skin serve several steps, with ghosts whose positions are refreshed; then all pairs nearer than
@@ -402,7 +402,7 @@ BOOST_AUTO_TEST_CASE(lists_as_they_were) {
 BOOST_AUTO_TEST_CASE(fields_and_partners_travel) {
   const auto world = domain::communicator::world();
   auto all = crossing<2>();
-  constexpr double dt = 0.05;
+  constexpr double dt = 0.1;
   simulated<2> is(all, world);
   search<2> expected(all);
   auto& spin = particles::declare(is.m[1].s, "Spin", "1/s", particles::role::integrated);
@@ -414,7 +414,7 @@ BOOST_AUTO_TEST_CASE(fields_and_partners_travel) {
   is.m.attach(1, touched);
   std::map<std::pair<std::size_t, std::int64_t>, double> counts;
   std::size_t wrong = 0, ended = 0;
-  for (int n = 0; n < 200; ++n) {
+  for (int n = 0; n < 100; ++n) {
     is.m.rebuild();
     touched.begin();
     is.m.for_each_pair(1, 0, [&](std::size_t i, std::uint32_t j) { touched.insert(i, is.m[0].s.id[j])[0] += 1.0; });
