@@ -303,8 +303,9 @@ std::vector<unsigned char> sequences_of(const grid<D>& g) {
 
 // Rows of the clusters of particles [0, n): the particles nearer than the pair's reach to a member. reach.of(first, n),
 // of the cluster [first, first + n), has `most`, m, no smaller than any pair's reach, and squared(j), m2, that of j
-// with each member of the cluster.
-template <int D, class Reach>
+// with each member of the cluster. `among_members`: the grid's members, those with the same local index, are these
+// particles themselves, which are not their own neighbours; else they are another set of particles.
+template <int D, bool among_members = true, class Reach>
 void make_list(neighbour_list& list, const grid<D>& g, const std::array<particles::array, D>& x, std::size_t n,
                const Reach& reach) {
   using foundation::real;
@@ -327,8 +328,8 @@ void make_list(neighbour_list& list, const grid<D>& g, const std::array<particle
                     r2 += x_ij * x_ij;
                   }
                   std::uint32_t within = foundation::bits_of_less(r2, of_cluster.squared(j)) & all_members;
-                  // None is its own neighbour.
-                  if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
+                  if constexpr (among_members)
+                    if (const std::size_t own = j - first; own < width) within &= ~(1U << own);
                   row.add(sequences.empty() ? 0 : sequences[at], j, within);
                   pairs += static_cast<std::size_t>(std::popcount(within));
                 }

@@ -17,6 +17,7 @@
 #include <domain/options.hpp>
 #include <foundation/waiting.hpp>
 #include <limits>
+#include <particles/partners.hpp>
 #include <particles/storage.hpp>
 #include <span>
 #include <vector>
@@ -164,10 +165,11 @@ int next_tag(decomposition<D>& d) {
 
 }  // namespace detail
 
-// Hands every fluid particle to the rank whose cell holds its position.
-// Ghosts are gone afterwards; the order is arbitrary until it is sorted.
+// Hands every fluid particle to the rank whose cell holds its position, and with it its rows of the attached partners.
+// Ghosts are gone afterwards; the order is arbitrary until it is sorted, that of the rows the same.
 template <int D>
-void migrate(decomposition<D>& d, particles::particles<D>& s) {
+void migrate(decomposition<D>& d, particles::particles<D>& s, std::span<particles::partners* const> attached = {}) {
+  for (const auto* p : attached) p->require_rows_of({s.id.data(), s.fluid});
   const auto fields = detail::travelling_fields<D>(s);
   const std::size_t row = fields.size() + 2;
   const auto cell = d.cell();
@@ -189,20 +191,30 @@ void migrate(decomposition<D>& d, particles::particles<D>& s) {
     values.push_back(std::bit_cast<double>(s.id[i]));
     values.push_back(static_cast<double>(s.material[i]));
     for (const auto* a : fields) values.push_back((*a)[i]);
+    for (const auto* p : attached) p->pack(i, values);
   }
   const auto in = sparse_exchange(d.ranks, out, detail::next_tag(d));
-  if (stay.size() < s.fluid) particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
-  std::size_t fluid = stay.size();
-  for (const message& l : in) fluid += l.values.size() / row;
-  // Room for the new fluid; the walls move along behind it.
-  particles::allocate(s, fluid, 0, s.walls, 0);
-  std::size_t i = stay.size();
-  for (const message& l : in)
-    for (const double* v = l.values.data(); v < l.values.data() + l.values.size(); v += row, ++i) {
-      s.id[i] = std::bit_cast<std::int64_t>(v[0]);
-      s.material[i] = static_cast<std::int32_t>(v[1]);
-      for (std::size_t f = 0; f < fields.size(); ++f) (*fields[f])[i] = v[2 + f];
+  if (stay.size() < s.fluid) {
+    particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
+    for (auto* p : attached) p->reorder(stay);
+  }
+  std::vector<const double*> rows;  // where that of each particle that came begins
+  for (const auto& l : in)
+    for (const double* v = l.values.data(); v < l.values.data() + l.values.size();) {
+      rows.push_back(v);
+      const auto id = std::bit_cast<std::int64_t>(v[0]);
+      v += row;
+      for (auto* p : attached) v = p->append(id, v);
     }
+  // Room for the new fluid; the walls move along behind it.
+  particles::allocate(s, stay.size() + rows.size(), 0, s.walls, 0);
+  std::size_t i = stay.size();
+  for (const double* v : rows) {
+    s.id[i] = std::bit_cast<std::int64_t>(v[0]);
+    s.material[i] = static_cast<std::int32_t>(v[1]);
+    for (std::size_t f = 0; f < fields.size(); ++f) (*fields[f])[i] = v[2 + f];
+    ++i;
+  }
 }
 
 namespace detail {

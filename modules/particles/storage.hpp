@@ -78,4 +78,11 @@ void reorder(particles<D>& s, std::size_t begin, std::span<const std::uint32_t> 
   });
 }
 
+// Exchanges the positions of the fluid for those that its neighbour lists were made from.
+template <int D>
+void exchange_list_positions(particles<D>& s) {
+  for (std::size_t a = 0; a < D; ++a)
+    std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
+}
+
 }  // namespace tetsuame::particles

@@ -134,13 +134,6 @@ void end_layers_with_clusters(pairs::workspace<D>& w) {
     w.list.for_each(r, [&](std::uint32_t j, auto...) { w.core = std::min<std::size_t>(w.core, j); });
 }
 
-// Positions of the fluid, and those that the lists were made from.
-template <int D>
-void exchange_list_positions(particles::particles<D>& s) {
-  for (std::size_t a = 0; a < D; ++a)
-    std::swap_ranges(s.x[a].begin(), s.x[a].begin() + static_cast<std::ptrdiff_t>(s.fluid), s.x_list[a].begin());
-}
-
 // Ghosts of the fluid, and what stands behind the walls: particles that stay, images.
 template <int D>
 void surround(state<D>& box, double reach) {

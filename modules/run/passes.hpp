@@ -11,7 +11,8 @@
   where template void tetsuame::particles::reorder(particles<D>&, std::size_t, std::span<const std::uint32_t>);   \
   where template tetsuame::cells::grid<D> tetsuame::cells::make_grid<D>(                                          \
       const std::array<particles::array, D>&, const std::vector<std::int64_t>&, std::size_t, double);             \
-  where template void tetsuame::domain::migrate(decomposition<D>&, particles::particles<D>&);                     \
+  where template void tetsuame::domain::migrate(decomposition<D>&, particles::particles<D>&,                      \
+                                                std::span<particles::partners* const>);                           \
   where template void tetsuame::walls::place(pairs::workspace<D>&, wall_set<D>&, std::int64_t, double);           \
   where template void tetsuame::walls::make_images(wall_set<D>&, particles::particles<D>&, std::int64_t, double); \
   where template void tetsuame::walls::detail::prepare_markers(pairs::workspace<D>&, wall_set<D>&,                \
