@@ -1,5 +1,6 @@
-"""Carries out the recipe "A new pressure gradient" of docs/add_a_variant.md as it stands there, in a copy of the sources: its
-files, its lines for CMake, its run and its test. The library is the one that is built already, which the recipe leaves alone."""
+"""Carries out the recipes "A new pressure gradient" of docs/add_a_variant.md and "A dye in a uniform flow" of docs/add_a_problem.md
+as they stand there, in a copy of the sources: their files, their lines for CMake, their runs and tests. The library is the one that
+is built already, which the recipes leave alone."""
 
 import json
 import os
@@ -18,13 +19,12 @@ BUILD = pathlib.Path(os.environ["TETSUAME_BUILD"]).resolve()
 CACHED = ["CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_COMPILER_LAUNCHER", "TETSUAME_ARCH", "TETSUAME_AVX512", "TETSUAME_SANITIZE"]
 
 
-def recipe():
-    """The section of the page, and its blocks: the file that the text before a block names last, its language, its content."""
-    page = (SOURCE / "docs" / "add_a_variant.md").read_text()
-    section = page.partition("\n## A new pressure gradient\n")[2].partition("\n## ")[0]
+def recipe(page, title):
+    """A section of a page, in blocks: the file that the text before a block names last, its language, its content."""
+    section = (SOURCE / "docs" / page).read_text().partition(f"\n## {title}\n")[2].partition("\n## ")[0]
     blocks, before = [], 0
     for block in re.finditer(r"^```(\w*)\n(.*?)^```$", section, re.MULTILINE | re.DOTALL):
-        named = re.findall(r"[`*]((?:modules|programs|tests)/[\w/]+\.\w+)[`*]", section[before:block.start()])
+        named = re.findall(r"[`*]((?:modules|programs|tests|inputs)/[\w/]+\.\w+)[`*]", section[before:block.start()])
         blocks.append((named[-1] if named else None, block[1], block[2]))
         before = block.end()
     return blocks
@@ -64,11 +64,11 @@ class AddAVariant(unittest.TestCase):
         for command in commands:
             self.run_in(self.here / "build", command, shell=True)
 
-    def test_recipe(self):
-        self.copy_sources()
+    def write(self, page, title):
+        """The files of a recipe, and its commands."""
         files, shell = [], []
-        for name, language, content in recipe():
-            if language == "cpp":
+        for name, language, content in recipe(page, title):
+            if language in ("cpp", "fortran"):
                 self.assertFalse((self.here / name).exists(), f"{name} is there already")
                 (self.here / name).write_text(content)
                 files.append(name)
@@ -77,9 +77,30 @@ class AddAVariant(unittest.TestCase):
                     file.write(content)
             else:
                 shell += content.splitlines()
-        self.assertEqual(len(files), 3, "a module, a program, a test")
-        self.configure()
+        return files, shell
 
+    def test_recipes(self):
+        self.copy_sources()
+        files, shell = self.write("add_a_variant.md", "A new pressure gradient")
+        self.assertEqual(len(files), 3, "a module, a program, a test")
+        problem, runs = self.write("add_a_problem.md", "A dye in a uniform flow")
+        self.assertEqual(len(problem), 2, "a program, an input")
+        self.configure()
+        self.variant(files, shell)
+        self.problem(pathlib.Path(problem[0]).stem, [line for line in runs if "build/programs/" in line])
+
+    def problem(self, program, runs):
+        self.build(program, program)
+        self.assertEqual(len(runs), 2, "on one rank and on two")
+        for line in runs:
+            self.run_in(self.here, shlex.split(line))
+        summaries = [json.loads((self.here / shlex.split(line)[-1] / "summary.json").read_text()) for line in runs]
+        self.assertEqual(summaries[0]["state_hash"], summaries[1]["state_hash"])
+        error = summaries[0]["metrics"]["concentration_error"]
+        said = float(re.search(r"`concentration_error`, ([\d.]+) at", (SOURCE / "docs/add_a_problem.md").read_text())[1])
+        self.assertAlmostEqual(error, said, delta=0.1 * said)
+
+    def variant(self, files, shell):
         program, test = (pathlib.Path(name).stem for name in files[1:])
         self.build(program, program)
         line = next(command for text in shell for command in text.split(" && ") if command.startswith("build/programs/"))
