@@ -23,10 +23,15 @@ class vector_field {
 
   static constexpr std::size_t size() { return N; }
   array& operator[](std::size_t k) const { return *components_[k]; }
-  // Where the values lie until the next allocate(); null of a field that the run lacks.
+  // Where the values lie until the next allocate(), to be written or read; null of a field that the run lacks.
   std::array<double*, N> data() const {
     std::array<double*, N> all;
-    for (std::size_t k = 0; k < N; ++k) all[k] = components_[k] == nullptr ? nullptr : components_[k]->data();
+    for (std::size_t k = 0; k < N; ++k) all[k] = components_[k]->data();
+    return all;
+  }
+  std::array<const double*, N> read() const {
+    std::array<const double*, N> all;
+    for (std::size_t k = 0; k < N; ++k) all[k] = components_[k]->data();
     return all;
   }
 
@@ -53,16 +58,22 @@ vector_field<N> declare_vector(particles<D>& s, const std::string& name, const s
 }
 
 // A field of some runs. The others have in its place one without values, which nobody may read.
+inline array& no_values() {
+  static array none;
+  return none;
+}
 template <int D>
 array& declare_if(bool needed, particles<D>& s, const char* name, const char* unit, role kind,
                   const char* description = "") {
-  static array none;
-  return needed ? declare(s, name, unit, kind, description) : none;
+  return needed ? declare(s, name, unit, kind, description) : no_values();
 }
 template <std::size_t N, int D>
 vector_field<N> declare_vector_if(bool needed, particles<D>& s, const char* name, const char* unit, role kind,
                                   const char* description = "") {
-  return needed ? declare_vector<N>(s, name, unit, kind, description) : vector_field<N>();
+  if (needed) return declare_vector<N>(s, name, unit, kind, description);
+  std::array<array*, N> none;
+  none.fill(&no_values());
+  return vector_field<N>(none);
 }
 
 // Sets all derived fields that problems have declared to 0, as after new lists, whose particles are others.
