@@ -83,9 +83,10 @@ struct workspace {
     domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(fields.begin(), fields.size()));
   }
   // A vector field and others, in one message a neighbour.
-  void exchange_walls(std::array<particles::array, D>& vectors, std::initializer_list<double*> fields) const {
+  template <class Components>
+  void exchange_walls(Components& vectors, std::initializer_list<double*> fields) const {
     std::vector<double*> all(fields);
-    for (auto& component : vectors) all.push_back(component.data());
+    for (std::size_t a = 0; a < D; ++a) all.push_back(vectors[a].data());
     domain::exchange<D>(d.ranks, d.wall_halo, std::span<double* const>(all));
   }
   // Collective: throws the fault of all ranks, which is then forgotten.

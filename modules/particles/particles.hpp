@@ -46,11 +46,11 @@ enum class role {
   derived,     // recomputed in every evaluation
 };
 
-// A field that only one problem has, beside those below.
+// A field that only one problem has, beside those below: what declare() is told of it, and its values.
 struct extra_field {
   std::string name, unit, description;
   role kind = role::memory;
-  array values;
+  array values;  // of all particles and the null particle
 };
 
 template <int D>
@@ -82,8 +82,7 @@ struct particles {
   array c_V;    // J/(kg K)
   array c;      // m/s, sound speed
 
-  // Declared by the problem before the first particle is there (named_fields.hpp), and stay where they are; not in
-  // snapshots.
+  // Declared by the problem (named_fields.hpp), and stay where they are; not in snapshots.
   std::deque<extra_field> extras;
 
   std::size_t first_wall() const { return fluid + fluid_ghosts; }
@@ -103,7 +102,7 @@ template <class P>
 auto& extra(P& s, std::string_view name) {
   for (auto& e : s.extras)
     if (e.name == name) return e.values;
-  throw std::logic_error("no extra field " + std::string(name));
+  throw std::logic_error("field " + std::string(name) + " is not declared");
 }
 
 struct field_info {

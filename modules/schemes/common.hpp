@@ -13,6 +13,7 @@
 #include <cmath>
 #include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
+#include <particles/named_fields.hpp>
 
 namespace tetsuame::schemes {
 
@@ -36,27 +37,65 @@ inline constexpr field<struct grad_p_tag> of_grad_p;
 inline constexpr field<struct grad_rho_tag> of_grad_rho;
 inline constexpr field<struct grad_v_tag> of_grad_v;  // [D a + b]: ∂v_a/∂x_b
 
-// One array a quantity, beside those that all particles have.
+// One field a quantity, beside those that all particles have.
 template <int D>
 struct arrays {
   using array = particles::array;
   static constexpr std::size_t G = static_cast<std::size_t>(D) * (D + 2), R = 2 + G;
+  template <std::size_t N>
+  using vector_field = particles::vector_field<N>;
+
+ private:
+  particles::particles<D>& table_;
+  const bool slopes_, corrects_;
+
+ protected:
+  array& derived(const char* name, const char* unit, const char* about, bool needed = true) {
+    return particles::declare_if(needed, table_, name, unit, particles::role::derived, about);
+  }
+  template <std::size_t N>
+  vector_field<N> derived_vector(const char* name, const char* unit, const char* about, bool needed = true) {
+    return particles::declare_vector_if<N>(needed, table_, name, unit, particles::role::derived, about);
+  }
+
+ public:
+  // slopes: the scheme reads gradients. corrects: it has REMIX's kernels, and ρ by continuity.
+  arrays(particles::particles<D>& s, bool slopes, bool corrects) : table_(s), slopes_(slopes), corrects_(corrects) {}
+  arrays(const arrays&) = delete;  // its fields are the particles', and move with them
+  arrays& operator=(const arrays&) = delete;
+  arrays(arrays&&) = default;
 
   // Of all particles, ghosts and images included
-  array S = {}, per_S = {}, weight = {}, slope = {}, correction = {}, dissipation = {};
-  array gamma = {}, stiffness = {}, kind = {};  // kind: which material
-  std::array<array, G> gradient = {};           // of p (REMIX: of u), of ρ, [D a + b] of v
-  std::array<array, R> reproducing = {};        // m_0, A, B, gradients of A and B
+  array& S = derived("KernelSupport", "m", "S, in the sums");
+  array& per_S = derived("InverseSupport", "1/m", "1/S");
+  array& weight = derived("SmoothedWeight", "", "w: m, m u or the volume at the start");
+  array& slope = derived("SlopeFactor", "", "f/y^2, with the pressure where the scheme has one of its own");
+  array& correction = derived("SupportTerm", "", "z where the forces have it");
+  array& dissipation = derived("DissipationFactor", "1", "of the pair's viscosity or star pressure");
+  array& gamma = derived("AdiabaticExponent", "1", "of the gas, or of the material at the start");
+  array& stiffness = derived("StiffenedPressure", "Pa", "p_inf");
+  array& kind = derived("KindOfMaterial", "1", "which material");
+  vector_field<G> gradient = derived_vector<G>("Gradient", "", "of p (REMIX: u), of rho, [D a + b] of v", slopes_);
+  vector_field<R> reproducing =
+      derived_vector<R>("ReproducingCoefficient", "", "m_0, A, B, gradients of A and B", corrects_);
   // Of the particles that have neighbours
-  array y = {}, f = {}, z = {}, divergence = {}, curl = {};  // ∇·v, |∇×v|, 1/s
-  array number = {}, mass_density = {};                      // n, Σ m W
-  array count = {}, count_slope = {};                        // n S^D, and the same of r² F
-  std::array<array, D> force = {};                           // N
-  array power = {}, signal = {}, density_rate = {};          // W, m/s, kg/(m^D s)
+  array& y = derived("SumOfWeights", "", "y: sum of w W");
+  array& f = derived("SupportFactor", "1", "f: of supports that follow y");
+  array& z = derived("SupportSum", "", "z: of supports that follow n");
+  array& divergence = derived("VelocityDivergence", "1/s", "");
+  array& curl = derived("VelocityCurl", "1/s", "absolute value");
+  array& number = derived("NumberDensity", "1/m^D", "n: sum of W");
+  array& mass_density = derived("MassDensity", "kg/m^D", "sum of m W");
+  array& count = derived("NeighbourCount", "1", "n S^D");
+  array& count_slope = derived("NeighbourCountSlope", "1", "its slope over S");
+  vector_field<D> force = derived_vector<D>("Force", "N", "");
+  array& power = derived("Power", "W", "");
+  array& signal = derived("SignalVelocity", "m/s", "");
+  array& density_rate = derived("DensityRate", "kg/(m^D s)", "by continuity", corrects_);
 };
 
-template <std::size_t N>
-std::array<const double*, N> slice(std::span<const particles::array> all, std::size_t first) {
+template <std::size_t N, std::size_t M>
+std::array<const double*, N> slice(const particles::vector_field<M>& all, std::size_t first) {
   std::array<const double*, N> part;
   for (std::size_t k = 0; k < N; ++k) part[k] = all[first + k].data();
   return part;

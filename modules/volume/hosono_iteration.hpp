@@ -1,7 +1,7 @@
 // Y by the iteration of Hosono et al. (2013) (programs A, B). x, m, T are held; sought is Y with
 //   p_i = Σ_j Y_j W_ij,   ρ_i = m_i p_i/Y_i,   Y_i = m_i p^(ρ_i, T_i)/ρ_i.
 // The residual is ln(Y_new/Y) = ln(p^/p), the same for every solver: docs/theory/hosono_iteration.md.
-// Every evaluation starts from the density of the last completed step (an extra field, part of a
+// Every evaluation starts from the density of the last completed step (a declared field, part of a
 // checkpoint), so that what an evaluation gives does not depend on those between.
 #pragma once
 
@@ -16,11 +16,10 @@ namespace tetsuame::volume {
 
 inline constexpr const char* density_guess = "DensityGuess";
 
-// The field from which the iteration starts, with the present density in it: to be added once the particles are there.
+// The field from which the iteration starts, with the present density in it.
 template <int D>
 void add_density_guess(particles::particles<D>& s) {
-  s.extras.push_back({density_guess, "kg/m^3", "start value of the iteration for Y", particles::role::memory,
-                      particles::array(s.rho)});
+  particles::declare(s, density_guess, "kg/m^3", particles::role::memory, "start value of the iteration for Y") = s.rho;
 }
 
 struct hosono_iteration {

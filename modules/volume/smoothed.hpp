@@ -149,12 +149,12 @@ template <int D, bool mean>
 void smooth_with_acceleration(pairs::workspace<D>& w, const wall_context<D>& around, auto treatment) {
   auto& s = w.s;
   auto& set = around.walls;
-  if constexpr (mean) set.kernel_sum.resize(s.total() + 1);
+  if constexpr (mean) set.declare_kernel_sum(s);
   const std::size_t first = s.first_wall();
   foundation::for_all(s.total() - first, [&](std::size_t k) { s.Y[first + k] = 0.0; });
   treatment.kinematics(w, set,
                        weight_sum<D, mean>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data(),
-                                           mean ? set.kernel_sum.data() : nullptr});
+                                           mean ? set.kernel_sum->data() : nullptr});
 }
 
 struct smoothed {
@@ -219,7 +219,7 @@ struct smoothed {
     auto& s = w.s;
     std::swap(set.wall_neighbours.records, w.list.records);  // one scratch for all passes
     w.sum_by(set.wall_neighbours, set.rows_near_walls,
-             weight_sum_of_walls<D, mean>{s.Y.data(), set.kernel_sum.data(), s.p.data()});
+             weight_sum_of_walls<D, mean>{s.Y.data(), mean ? set.kernel_sum->data() : nullptr, s.p.data()});
     std::swap(set.wall_neighbours.records, w.list.records);
   }
 };

@@ -75,7 +75,7 @@ inline signed_fields even(std::initializer_list<particles::array*> fields) {
 template <class Components>
 signed_fields vector(Components& components) {
   signed_fields rule;
-  for (auto& component : components) rule.all.push_back({component.data(), 1U << rule.all.size()});
+  for (std::size_t a = 0; a < components.size(); ++a) rule.all.push_back({components[a].data(), 1U << a});
   return rule;
 }
 
@@ -85,7 +85,8 @@ struct velocity {
   std::array<double*, D> v;
   bool sticks = true;
 
-  explicit velocity(std::array<particles::array, D>& components, bool with_no_slip = true) : sticks(with_no_slip) {
+  template <class Components>
+  explicit velocity(Components& components, bool with_no_slip = true) : sticks(with_no_slip) {
     for (std::size_t a = 0; a < D; ++a) v[a] = components[a].data();
   }
   void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {

@@ -161,13 +161,11 @@ void list_walls(const pairs::workspace<D>& w, wall_set<D>& set) {
 // With new lists of the fluid: which wall particles these read, and what fluid is near their markers. Collective.
 template <int D>
 void prepare_markers(pairs::workspace<D>& w, wall_set<D>& set, const cells::grid<D>& grid, double skin) {
-  const auto& s = w.s;
+  auto& s = w.s;
   set.reach = radius_factor(set.how) * w.support();
-  set.pressure_step.assign(s.walls, 0.0);
-  set.weight_step.assign(s.walls, 0.0);
-  set.mass.assign(s.walls, 0.0);
-  set.steps_due = false;
-  for (const auto& wall : set.sides) set.f[wall.axis].assign(s.total() + 1, 0.0);
+  set.declare_fields(s);
+  particles::clear_derived(s);
+  set.clear_rows(s.walls);
   // Repulsion acts on all fluid near a wall, whichever of the markers are read.
   const bool all = set.how.treatment == "repulsion";
   // Lists end when some fluid has moved half the skin. Markers and wall particles do not move.

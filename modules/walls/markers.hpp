@@ -277,7 +277,7 @@ template <int D>
 std::vector<std::size_t> walled_axes(const wall_set<D>& set) {
   std::vector<std::size_t> axes;
   for (std::size_t a = 0; a < D; ++a)
-    if (!set.f[a].empty()) axes.push_back(a);
+    if (set.f[a] != nullptr) axes.push_back(a);
   return axes;
 }
 
@@ -307,21 +307,21 @@ void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pair
   const auto& s = w.s;
   const auto axes = walled_axes(set);
   for (const std::size_t a : axes)
-    foundation::for_all(near.rows.size(), [&](std::size_t k) { set.f[a][near.rows[k]] = 0.0; });
+    foundation::for_all(near.rows.size(), [&](std::size_t k) { (*set.f[a])[near.rows[k]] = 0.0; });
   // Where other sums share the pass, most of it is theirs.
   const foundation::stage timed(w.times, sizeof...(Added) > 0 ? "pressure" : "walls");
   if (axes.size() == 1) {
-    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]].data()}, added...);
+    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]]->data()}, added...);
   } else {
     // Along axes without walls nobody reads it.
     std::array<double*, D> f;
     particles::array unread(axes.size() < D ? s.total() + 1 : 0);
-    for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a].empty() ? unread.data() : set.f[a].data();
+    for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a] == nullptr ? unread.data() : set.f[a]->data();
     viscous_forces<D, D>(w, near, pairs::pointers<D>(s.v), f, added...);
   }
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) {
-      double& f = set.f[a][near.rows[k]];
+      double& f = (*set.f[a])[near.rows[k]];
       f = f / s.m[near.rows[k]] + w.g[a];
     });
 }
@@ -333,7 +333,7 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const Ad
   sum_acceleration(w, set, set.read.near_wall, added...);
   if (set.unread) sum_acceleration(w, set, set.unread->near_wall);
   std::vector<double*> wanted;
-  for (const std::size_t a : walled_axes(set)) wanted.push_back(set.f[a].data());
+  for (const std::size_t a : walled_axes(set)) wanted.push_back(set.f[a]->data());
   domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(wanted));
 }
 
@@ -347,7 +347,7 @@ void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array
   const auto sweep = [&]<std::size_t Axes>(std::integral_constant<std::size_t, Axes>) {
     std::array<const double*, N + Axes> all;
     std::copy(fields.begin(), fields.end(), all.begin());
-    for (std::size_t k = 0; k < Axes; ++k) all[N + k] = set.f[axes[k]].data();
+    for (std::size_t k = 0; k < Axes; ++k) all[N + k] = set.f[axes[k]]->data();
     for_all_rows(set, [&](const marker_rows& rows) {
       for_each_marker(w, rows, all, [&](std::size_t r, const auto& values) {
         const std::size_t i = s.first_wall() + r;

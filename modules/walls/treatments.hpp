@@ -80,7 +80,7 @@ struct repulsion : with_markers {
       for (const auto& wall : set.sides) {
         const double y = (w.s.x[wall.axis][i] - wall.position) * wall.inward;
         const double lambda = -std::max(0.0, 1.0 - y / range);
-        force[wall.axis][i] += w.s.m[i] * set.f[wall.axis][i] * lambda;  // m (f·n) λ n
+        force[wall.axis][i] += w.s.m[i] * (*set.f[wall.axis])[i] * lambda;  // m (f·n) λ n
       }
   }
 };

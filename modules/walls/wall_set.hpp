@@ -5,6 +5,8 @@
 #include <foundation/error.hpp>
 #include <optional>
 #include <pairs/workspace.hpp>
+#include <particles/named_fields.hpp>
+#include <string>
 #include <walls/boundary_force.hpp>
 #include <walls/options.hpp>
 
@@ -73,14 +75,31 @@ struct wall_set {
   pairs::row_subset rows_near_walls;
   cells::neighbour_list wall_neighbours;
   pairs::remainder interior_apart, border_apart;
-  particles::array kernel_sum;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it
+  particles::array* kernel_sum = nullptr;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it
 
-  // What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx (J). Due: the next sweep
-  // over the markers makes them.
+  // Fields of the particles, m/s2, of fluid near the walls: ν∇²v + g. None along axes that have no walls.
+  std::array<particles::array*, D> f{};
+
+  // Rows of wall particles. What the momentum balance adds between marker and wall particle: ρ f·Δx (Pa) and m f·Δx
+  // (J). Due: the next sweep over the markers makes them.
   particles::array pressure_step, weight_step;
   bool steps_due = false;
-  particles::array mass;              // kg, of the fluid at each marker
-  std::array<particles::array, D> f;  // m/s2, of fluid near the walls: ν∇²v + g, along axes that have walls
+  particles::array mass;  // kg, of the fluid at each marker
+  void clear_rows(std::size_t number) {
+    for (auto* rows : {&pressure_step, &weight_step, &mass}) rows->assign(number, 0.0);
+    steps_due = false;
+  }
+
+  // Where walls have markers, with the first lists; and where smoothing divides by the sum, with the first evaluation.
+  void declare_fields(particles::particles<D>& s) {
+    for (const auto& wall : sides)
+      if (auto& field = f[wall.axis]; field == nullptr)
+        field = &particles::declare(s, "WallAcceleration_" + std::to_string(wall.axis), "m/s^2",
+                                    particles::role::derived, "of fluid near walls, without pressure");
+  }
+  void declare_kernel_sum(particles::particles<D>& s) {
+    if (kernel_sum == nullptr) kernel_sum = &particles::declare(s, "KernelSum", "1", particles::role::derived);
+  }
 
   particles::array p_given, rho_given;  // Pa, kg/m3, of each owned wall particle, where they stay as at the start
 };

@@ -33,7 +33,7 @@ struct scene {
   void rebuild() {
     place_bodies_for_lists(*f, false);
     run::rebuild(f->world, false);
-    f->make_room();
+    particles::clear_derived(particles());
     find_beside_bodies(*f);
     find_rows_beside(*f);
     group_walls(*f);

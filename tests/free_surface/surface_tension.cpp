@@ -61,7 +61,7 @@ BOOST_AUTO_TEST_CASE(uniform_pressure_is_balanced) {
   std::ranges::fill(s.v[1], 0.0);
   std::array<particles::array, 2> G{particles::array(s.total() + 1), particles::array(s.total() + 1)};
   sum_over_neighbours(*scene.f, w.fluid());
-  w.sum(w.fluid(), inward<2>{s.dV.data(), places_of(G)});
+  w.sum(w.fluid(), inward<2>{s.dV.data(), {G[0].data(), G[1].data()}});
   for (std::size_t i = 0; i < s.fluid; ++i)
     for (const std::size_t a : {0, 1})
       BOOST_TEST(std::abs(scene.f->force[a][i] + 2.0 * 3.0 * s.dV[i] * G[a][i]) < 1e-12);

@@ -17,16 +17,9 @@ struct cloud : particles::particles<D>, schemes::arrays<D> {
   std::size_t n;
   cells::neighbour_list list;
 
-  explicit cloud(std::size_t count_) : n(count_) {
+  explicit cloud(std::size_t count_) : schemes::arrays<D>(*this, true, true), n(count_) {
     particles::allocate(*this, n, 0, 0, 0);
-    const auto to_size = [&](auto&... all) { (all.assign(n + 1, 0.0), ...); };
-    to_size(this->S, this->per_S, this->weight, this->slope, this->correction, this->dissipation, this->stiffness,
-            this->kind, this->y, this->f, this->z, this->divergence, this->curl, this->number, this->mass_density,
-            this->count, this->count_slope, this->power, this->signal, this->density_rate);
-    for (auto& a : this->force) to_size(a);
-    for (auto& a : this->gradient) to_size(a);
-    for (auto& a : this->reproducing) to_size(a);
-    this->gamma.assign(n + 1, adiabatic);
+    std::fill(this->gamma.begin(), this->gamma.end(), adiabatic);
     see_all(1);
   }
   // Each sees all others, in so many sequences.

@@ -58,7 +58,7 @@ void all_schemes_conserve(const Kernel& unit) {
       prepare(g, unit, weigh::energy, false, number);
       g.sum(schemes::gdisph<D, Kernel>{unit, g.fields(), 2.0, false});
       check_conservation(g, "gdisph");
-      for (auto& slopes : g.gradient) std::fill(slopes.begin(), slopes.end(), 0.0);
+      for (std::size_t k = 0; k < g.gradient.size(); ++k) std::fill(g.gradient[k].begin(), g.gradient[k].end(), 0.0);
       g.sum(schemes::gdisph<D, Kernel>{unit, g.fields(), 2.0, true});
       check_conservation(g, "gdisph, first order, exact");
     }

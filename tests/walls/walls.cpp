@@ -247,7 +247,7 @@ void check_acceleration(bool along_one_axis) {
         for (std::size_t a = 0; a < 2; ++a) r2 += std::pow(s.x[a][j] - scene.walls.marker[a][markers->of[k]], 2);
         if (r2 >= std::pow(scene.walls.reach, 2)) continue;
         ++seen;
-        for (std::size_t a = along_one_axis ? 1 : 0; a < 2; ++a) wrong += scene.walls.f[a][j] != f[a][j];
+        for (std::size_t a = along_one_axis ? 1 : 0; a < 2; ++a) wrong += (*scene.walls.f[a])[j] != f[a][j];
       }
   BOOST_TEST((seen > 0 || s.walls == 0));
   BOOST_TEST(wrong == 0U);
@@ -320,7 +320,7 @@ BOOST_AUTO_TEST_CASE(acceleration_of_one_viscosity) {
     if (told) w.uniform_transport = eta;
     walls::virtual_marker::kinematics(w, scene.walls);
     for (const std::size_t i : scene.walls.read.near_wall.rows)
-      for (const auto& f : scene.walls.f) near[told ? 1 : 0].push_back(f[i]);
+      for (const auto* f : scene.walls.f) near[told ? 1 : 0].push_back((*f)[i]);
   }
   BOOST_REQUIRE(near[0].size() == near[1].size());
   double most = 0.0, apart = 0.0;

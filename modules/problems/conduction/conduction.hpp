@@ -62,11 +62,9 @@ class problem : public run::particle_simulation<D> {
     } else {
       bool singular = false;
       operators::consistent<D, 1> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_, {}, &singular};
-      for (std::size_t k = 0; k < S; ++k) {
-        term.B[k] = B_[k].data();
-        term.out.next_B[k] = next_B_[k].data();
-      }
-      for (std::size_t a = 0; a < D; ++a) term.out.gradient[0][a] = gradient_[a].data();
+      term.B = B_.read();
+      term.out.next_B = next_B_.data();
+      term.out.gradient[0] = gradient_.data();
       term.out.laplacian[0] = dT;
       term.out.plain[0] = next_plain_.data();
       w.sum(w.fluid(), term);
@@ -130,9 +128,7 @@ class problem : public run::particle_simulation<D> {
     std::fill(s.k.begin(), s.k.end() - 1, o_.kappa);
     std::fill(s.dV.begin(), s.dV.end() - 1, volume_);
     std::fill(s.rho.begin(), s.rho.end() - 1, 1.0);
-    next_plain_.assign(s.fluid, 0.0);
-    for (auto& a : next_B_) a.assign(s.fluid, 0.0);
-    for (auto& a : gradient_) a.assign(s.fluid, 0.0);
+    particles::clear_derived(s);
     refresh_memory();
   }
   void place_walls() override {
@@ -182,9 +178,14 @@ class problem : public run::particle_simulation<D> {
   particles::array& plain_ = particles::declare(world_.w.s, "LaplacianOfT", "K/m^2", particles::role::memory);
   particles::vector_field<S> B_ =
       particles::declare_vector<S>(world_.w.s, "LaplacianWeight", "1", particles::role::memory);
-  particles::array next_plain_;
-  std::array<particles::array, S> next_B_;
-  std::array<particles::array, D> gradient_;
+  // Those of this evaluation, and ∇T, where the operator is not the plain sum.
+  const bool consistent_ = o_.scheme != "sum";
+  particles::array& next_plain_ =
+      particles::declare_if(consistent_, world_.w.s, "NextLaplacianOfT", "K/m^2", particles::role::derived);
+  particles::vector_field<S> next_B_ =
+      particles::declare_vector_if<S>(consistent_, world_.w.s, "NextLaplacianWeight", "1", particles::role::derived);
+  particles::vector_field<D> gradient_ =
+      particles::declare_vector_if<D>(consistent_, world_.w.s, "GradientOfT", "K/m", particles::role::derived);
 };
 
 }  // namespace tetsuame::conduction

@@ -24,19 +24,19 @@ double inertia_to(const water<D>& f, const moving_body<D>& b, std::size_t j, std
 
 // From sources to their images, as a vector; wall particles of bodies have none.
 template <int D>
-void mirror_vectors(water<D>& f, std::array<particles::array, D>& values) {
+void mirror_vectors(water<D>& f, const particles::vector_field<D>& values) {
   const auto& walls = f.world.walls;
   const std::size_t first = f.world.w.s.first_wall();
   foundation::for_all(walls.body_particles, [&](std::size_t n) {
-    for (auto& component : values) component[first + n] = 0.0;
+    for (std::size_t a = 0; a < D; ++a) values[a][first + n] = 0.0;
   });
   walls::fill_images(walls, f.world.w.s, walls::vector(values));
 }
 
 // Collective. To ghosts, and to what stands behind walls.
 template <int D>
-void share_vectors(water<D>& f, std::array<particles::array, D>& values) {
-  const auto fields = places_of(values);
+void share_vectors(water<D>& f, const particles::vector_field<D>& values) {
+  const auto fields = values.data();
   domain::exchange<D>(f.world.w.d.ranks, f.world.w.d.fluid_halo, std::span<double* const>(fields));
   mirror_vectors<D>(f, values);
 }
@@ -74,7 +74,7 @@ void find_pressed(water<D>& f) {
   foundation::for_all(walls.body_particles, [&](std::size_t r) { f.volume_in_bodies[first + r] = V[first + r]; });
   walls::for_each_image(walls, s, walls.images_of_fluid, walls.source.size(),
                         [&](const walls::image& of) { f.volume_in_bodies[of.i] = V[of.j]; });
-  w.sum(f.rows_near_bodies, inward<D>{f.volume_in_bodies.data(), places_of(f.pressed)});
+  w.sum(f.rows_near_bodies, inward<D>{f.volume_in_bodies.data(), f.pressed.data()});
   foundation::for_all(f.rows_near_bodies.rows.size(), [&](std::size_t r) {
     const std::size_t i = f.rows_near_bodies.rows[r];
     const double length = length_of<D>(f.pressed, i);
@@ -102,7 +102,7 @@ std::array<double, D> balanced_velocity(const water<D>& f, std::size_t i, const 
   const auto& s = w.s;
   const auto* b = f.mover(s.material[i]);
   const solids::point<D> n{of.normal};
-  const auto vector = [](const std::array<particles::array, D>& from, std::size_t j) {
+  const auto vector = [](const auto& from, std::size_t j) {
     return solids::point<D>::of([&](std::size_t a) { return from[a][j]; });
   };
   const auto v_m = vector(s.v, i);

@@ -270,7 +270,7 @@ class flow : public run::particle_simulation<D> {
   void make_lists(bool as_they_were) override {
     place_bodies_for_lists(f_, as_they_were);
     run::rebuild(f_.world, as_they_were);
-    f_.make_room();
+    particles::clear_derived(f_.world.w.s);
     find_beside_bodies(f_);
     find_rows_beside(f_);
     group_walls(f_);

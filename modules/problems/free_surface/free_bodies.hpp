@@ -89,10 +89,10 @@ void find_responses(water<D>& f) {
   walls::at_bodies<N, 0>(w, walls, response, [&](std::size_t i, const auto&, double, const auto& mean) {
     for (std::size_t k = 0; k < N; ++k) f.response[k][i] = mean[k];
   });
-  const auto fields = places_of(f.response);
+  const auto fields = f.response.data();
   domain::exchange<D>(w.d.ranks, w.d.wall_halo, std::span<double* const>(fields));
-  for (auto& component : f.response)
-    walls::fill_image_range(walls, s, walls.images_of_fluid, walls.source.size(), walls::even({&component}));
+  for (std::size_t k = 0; k < N; ++k)
+    walls::fill_image_range(walls, s, walls.images_of_fluid, walls.source.size(), walls::even({&f.response[k]}));
 }
 
 // Collective, after find_responses(). Of each free body, by exact sums.
@@ -108,8 +108,8 @@ std::vector<solids::rigid_matrix<D>> find_added_masses(water<D>& f) {
     for (const auto& group : f.groups) {
       if (group.body != b.body) continue;
       for (const std::size_t i : group.members) f.volume_in_bodies[i] = s.dV[i];
-      f.world.w.sum(f.rows_near_bodies, added_mass<D>{f, group, b.rate.centre, f.volume_in_bodies.data(),
-                                                      pairs::pointers<N>(f.response), of_threads});
+      f.world.w.sum(f.rows_near_bodies,
+                    added_mass<D>{f, group, b.rate.centre, f.volume_in_bodies.data(), f.response.read(), of_threads});
       for (const std::size_t i : group.members) f.volume_in_bodies[i] = 0.0;
     }
     for (std::size_t t = 1; t < of_threads.size(); ++t)

@@ -47,7 +47,7 @@ void sum_without(water<D>& f, const wall_group<D>& group) {
   std::vector<double> volumes;
   for (const std::size_t i : group.members) volumes.push_back(std::exchange(V[i], 0.0));
   const auto exchange_results = [&] {
-    std::swap(f.force, f.force_without);
+    for (std::size_t a = 0; a < D; ++a) std::swap(f.force[a], f.force_without[a]);
     std::swap(f.density_rate, f.density_rate_without);
   };
   exchange_results();

@@ -107,7 +107,7 @@ template <int D, class Rows, class Term>
 void sum_motion(water<D>& f, const Rows& rows, const Term& term) {
   auto& w = f.world.w;
   if constexpr (std::is_same_v<Rows, pairs::row_range>)
-    if (f.has_tension()) return w.sum(rows, term, inward<D>{w.s.dV.data(), places_of(f.inward)});
+    if (f.has_tension()) return w.sum(rows, term, inward<D>{w.s.dV.data(), f.inward.data()});
   w.sum(rows, term);
 }
 
@@ -116,13 +116,13 @@ void sum_over_neighbours_of(water<D>& f, const Rows& rows) {
   auto& w = f.world.w;
   auto& s = w.s;
   sums_of_water<D, two_velocities> all{pairs::pointers<D>(s.v),
-                                       pairs::pointers<D>(f.viscous_velocity),
+                                       f.viscous_velocity.read(),
                                        s.p.data(),
                                        s.dV.data(),
                                        s.rho.data(),
                                        f.o.flow.density * f.p.kinematic_viscosity,
                                        f.gravity(),
-                                       places_of(f.force),
+                                       f.force.data(),
                                        f.density_rate.data()};
   const double c = f.p.water.sound;
   if (f.p.by == scheme::riemann)

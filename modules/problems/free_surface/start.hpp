@@ -120,7 +120,6 @@ void set_up_bodies(water<D>& f) {
   walls.numbers = 1;
   for (std::size_t a = 0; a < D; ++a) walls.numbers *= std::llround(box.length[a] / f.dx());
   set_up_moving(f);
-  f.asks_loads = !f.p.force.empty() || !f.free.empty();
   f.solid = solid_with(f, [](const auto& b) { return b.now; });
   std::vector<solids::body<D>> resting;
   std::vector<std::size_t> number;
@@ -148,16 +147,16 @@ template <int D>
 void set_up(water<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
   set_up_bodies(f);
-  const bool has_bodies = f.world.walls.bodies.any();
   std::optional<ball> drop;
   if (f.o.flow.start == "drop") drop = drop_of(f.p);
   place_blocks(f, [&](const point& x) {
     return !(drop && drop->distance2(x) >= drop->radius * drop->radius) &&
-           !(has_bodies && f.solid.solid(of_solids<D>(x)));
+           !(f.has_bodies && f.solid.solid(of_solids<D>(x)));
   });
   f.world.w.g[1] = -f.gravity();
-  f.two_velocities = f.world.walls.bodies.no_slip || (has_bodies && f.p.by != scheme::riemann) ||
+  f.two_velocities = f.world.walls.bodies.no_slip || (f.has_bodies && f.p.by != scheme::riemann) ||
                      std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
+  f.viscous_velocity = f.template vector<D>(f.two_velocities, "ViscousVelocity", "m/s");
   auto& s = f.world.w.s;
   const double V = std::pow(f.dx(), D);
   for (std::size_t i = 0; i < s.fluid; ++i) {

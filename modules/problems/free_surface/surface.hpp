@@ -74,14 +74,14 @@ pairs::remainder find_arrangement(water<D>& f) {
   const foundation::stage timed(w.times, "surface");
   refresh_places(f);
   const double W = std::visit([&](const auto& k) { return k.value(w.dx); }, w.kernel);
-  w.sum(w.fluid(), arrangement<D>{s.dV.data(), 1.0 / W, f.eigenvalue.data(), places_of(f.slope)});
+  w.sum(w.fluid(), arrangement<D>{s.dV.data(), 1.0 / W, f.eigenvalue.data(), f.slope.data()});
   w.exchange_fluid({f.eigenvalue.data()});
   // What is dry is no surface.
   behind_walls(f, f.eigenvalue, [](double wet, double lambda) { return wet > 0.0 ? lambda : 1.0; });
   f.eigenvalue[s.null()] = 1.0;
   std::ranges::fill(f.least_near, 1.0);
   auto near = clusters_near_surface(f);
-  w.sum(near, outward<D>{s.dV.data(), f.eigenvalue.data(), places_of(f.normal), f.least_near.data()});
+  w.sum(near, outward<D>{s.dV.data(), f.eigenvalue.data(), f.normal.data(), f.least_near.data()});
   return near;
 }
 
@@ -145,7 +145,7 @@ template <int D>
 std::vector<bool> find_surface(water<D>& f) {
   const auto near = find_arrangement(f);
   auto& w = f.world.w;
-  const auto n = pairs::pointers<D>(f.normal);
+  const auto n = f.normal.read();
   w.sum(near, cone<D>{n, w.s.dV.data(), f.p.smoothing_length, f.covered.data()});
   std::vector<bool> found(w.s.fluid);
   for (std::size_t i = 0; i < found.size(); ++i)

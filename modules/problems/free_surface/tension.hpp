@@ -134,20 +134,20 @@ void find_tension(water<D>& f) {
     f.curvature[i] = 0.0;
   });
   share_vectors<D>(f, f.inward);
+  const auto G = f.inward.read();
   const auto has_inward = [&](std::size_t i) {
-    return std::ranges::any_of(f.inward, [i](const auto& component) { return component[i] != 0.0; });
+    return std::ranges::any_of(G, [i](const double* component) { return component[i] != 0.0; });
   };
   const double W0 = std::visit([](const auto& k) { return k.self(); }, w.kernel);
-  const auto G = pairs::pointers<D>(f.inward);
   // Of all other clusters g is 0.
-  w.sum(clusters_where(w, true, has_inward), smoothed_inward<D>{s.dV.data(), W0, G, places_of(f.normal_within)});
+  w.sum(clusters_where(w, true, has_inward), smoothed_inward<D>{s.dV.data(), W0, G, f.normal_within.data()});
   share_vectors<D>(f, f.normal_within);
   foundation::for_all(s.fluid, [&](std::size_t i) {
     const double length = length_of<D>(f.normal_within, i);
     f.surface_weight[i] = length < least ? 0.0 : length;
   });
   w.sum(clusters_where(w, false, [&](std::size_t i) { return f.surface_weight[i] > 0.0; }),
-        curvature<D>{s.dV.data(), pairs::pointers<D>(f.normal_within), least, (D - 1.0) / f.dx(), f.curvature.data()});
+        curvature<D>{s.dV.data(), f.normal_within.read(), least, (D - 1.0) / f.dx(), f.curvature.data()});
   w.exchange_fluid({f.curvature.data(), f.surface_weight.data()});
   const auto& walls = f.world.walls;
   for (auto* values : {&f.curvature, &f.surface_weight}) {
@@ -155,7 +155,7 @@ void find_tension(water<D>& f) {
     walls::fill_images(walls, s, walls::even({values}));
   }
   w.sum(clusters_where(w, false, has_inward), tension<D>{s.dV.data(), f.curvature.data(), f.surface_weight.data(), W0,
-                                                         G, f.o.flow.surface_tension, places_of(f.tension)});
+                                                         G, f.o.flow.surface_tension, f.tension.data()});
 }
 
 // J, collective: σ times the area of the surface, Σ 2 |G| V.
@@ -164,7 +164,7 @@ double surface_energy(water<D>& f) {
   if (!f.has_tension()) return 0.0;
   auto& w = f.world.w;
   refresh(f);
-  w.sum(w.fluid(), inward<D>{w.s.dV.data(), places_of(f.inward)});
+  w.sum(w.fluid(), inward<D>{w.s.dV.data(), f.inward.data()});
   const double least = least_normal / f.p.smoothing_length;
   foundation::exact_sum area;
   for (std::size_t i = 0; i < w.s.fluid; ++i)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <free_surface/options.hpp>
 #include <limits>
+#include <particles/named_fields.hpp>
 #include <run/start.hpp>
 
 namespace tetsuame::free_surface {
@@ -89,6 +90,7 @@ struct water {
   std::vector<held_particle> held = {};
   pairs::row_subset rows_near_bodies = {};  // fluid with wall particles of bodies in its lists
   bool two_velocities = false;              // what stands behind walls has another one in the viscous sum (terms.hpp)
+  particles::vector_field<D> viscous_velocity = {};  // m/s, that one; declared by the start
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
   std::vector<moving_body<D>> moving = {};
@@ -101,55 +103,53 @@ struct water {
   };
   std::vector<place_in_body> in_body = {};  // of the walls' places
 
+  const bool has_bodies = !p.template bodies_in<D>().empty();
+  const bool has_free_bodies = std::ranges::any_of(
+      p.template motions_in<D>(), [](const auto& motion) { return motion.moves() && motion.free.has_value(); });
+
   // Where forces on bodies are asked for (loads.hpp).
-  bool asks_loads = false;
+  const bool asks_loads = has_bodies && (!p.force.empty() || has_free_bodies);
   std::vector<wall_group<D>> groups = {};
-  std::array<particles::array, D> force_without = {};  // N
-  particles::array density_rate_without = {};
+  particles::vector_field<D> force_without = vector<D>(asks_loads, "ForceWithout", "N");
+  particles::array& density_rate_without = field(asks_loads, "DensityRateWithout", "kg/(m^3 s)");
 
-  // With free bodies: how the pressure of their wall particles follows each component of their acceleration
-  // (free_bodies.hpp).
-  std::array<particles::array, solids::rigid<D>::components> response = {};  // Pa s2/m, Pa s2
+  // With free bodies: how the pressure of their wall particles follows each component of their acceleration, of
+  // displacement and of rotation (free_bodies.hpp).
+  particles::vector_field<solids::rigid<D>::components> response =
+      vector<solids::rigid<D>::components>(has_free_bodies, "PressureResponse", "Pa s^2/m, Pa s^2");
 
-  // Filled by evaluations, with room for every particle.
-  std::array<particles::array, D> viscous_velocity = {};  // m/s, with two velocities
-  std::array<particles::array, D> force = {};             // N, but for gravity
-  std::array<particles::array, D> pressed = {};           // beside bodies: of length 1, or 0 (behind_bodies.hpp)
-  particles::array volume_in_bodies = {};                 // m^D, of their wall particles; of all others 0
-  particles::array density_rate = {};                     // kg/(m3 s)
+  // Of the last evaluation.
+  particles::vector_field<D> force = vector<D>(true, "Force", "N");  // but for gravity
+  particles::array& density_rate = field(true, "DensityRate", "kg/(m^3 s)");
+  // Beside bodies (behind_bodies.hpp): a direction, or 0; the volume of their wall particles, 0 elsewhere.
+  particles::vector_field<D> pressed = vector<D>(has_bodies, "PressedDirection", "1");
+  particles::array& volume_in_bodies = field(has_bodies, "VolumeInBodies", "m^D");
 
   // With surface tension (tension.hpp): G, smoothed G, forces; curvature and its weight.
-  std::array<particles::array, D> inward = {}, normal_within = {}, tension = {};  // 1/m, 1/m, N
-  particles::array curvature = {}, surface_weight = {};                           // 1/m
+  particles::vector_field<D> inward = vector<D>(has_tension(), "InwardNormal", "1/m");
+  particles::vector_field<D> normal_within = vector<D>(has_tension(), "SmoothedInwardNormal", "1/m");
+  particles::vector_field<D> tension = vector<D>(has_tension(), "TensionForce", "N");
+  particles::array& curvature = field(has_tension(), "Curvature", "1/m");
+  particles::array& surface_weight = field(has_tension(), "SurfaceWeight", "1/m");
 
-  // Filled by what looks at the surface (surface.hpp).
-  std::array<particles::array, D> slope = {}, normal = {};          // 1/m; of length 1
-  particles::array eigenvalue = {}, least_near = {}, covered = {};  // λ, the least of the neighbourhood; 1 or 0
+  // Of what looks at the surface (surface.hpp): λ, the least of the neighbourhood; 1 or 0.
+  particles::vector_field<D> slope = vector<D>(true, "ConcentrationGradient", "1/m");
+  particles::vector_field<D> normal = vector<D>(true, "SurfaceNormal", "1");
+  particles::array& eigenvalue = field(true, "Eigenvalue", "1");
+  particles::array& least_near = field(true, "LeastEigenvalueNear", "1");
+  particles::array& covered = field(true, "Covered", "1");
 
   water(const options& of_input, const parameters& that_follow) : o(of_input), p(that_follow) {}
 
-  void make_room() {
-    std::vector<particles::array*> all{&density_rate, &eigenvalue, &least_near, &covered};
-    for (auto* vectors : {&force, &slope, &normal})
-      for (auto& a : *vectors) all.push_back(&a);
-    if (world.walls.bodies.any()) {
-      all.push_back(&volume_in_bodies);
-      for (auto& a : pressed) all.push_back(&a);
-    }
-    if (two_velocities)
-      for (auto& a : viscous_velocity) all.push_back(&a);
-    if (has_tension()) {
-      all.insert(all.end(), {&curvature, &surface_weight});
-      for (auto* vectors : {&inward, &normal_within, &tension})
-        for (auto& a : *vectors) all.push_back(&a);
-    }
-    if (!free.empty())
-      for (auto& a : response) all.push_back(&a);
-    if (asks_loads) {
-      all.push_back(&density_rate_without);
-      for (auto& a : force_without) all.push_back(&a);
-    }
-    for (auto* a : all) a->assign(world.w.s.total() + 1, 0.0);
+  water(const water&) = delete;  // its fields are the state's
+  water& operator=(const water&) = delete;
+
+  particles::array& field(bool needed, const char* name, const char* unit) {
+    return particles::declare_if(needed, world.w.s, name, unit, particles::role::derived);
+  }
+  template <std::size_t N>
+  particles::vector_field<N> vector(bool needed, const char* name, const char* unit) {
+    return particles::declare_vector_if<N>(needed, world.w.s, name, unit, particles::role::derived);
   }
 
   // The body that a wall particle moves with; none: it stands still.
@@ -198,15 +198,8 @@ double speed_limiter(const water<D>& f, double speed) {
   return std::min(1.0, speed / (slow * f.p.water.sound));
 }
 
-// Vectors as arrays of components.
-template <std::size_t N>
-std::array<double*, N> places_of(std::array<particles::array, N>& a) {
-  std::array<double*, N> all;
-  for (std::size_t k = 0; k < N; ++k) all[k] = a[k].data();
-  return all;
-}
 template <int D>
-double length_of(const std::array<particles::array, D>& v, std::size_t i) {
+double length_of(const particles::vector_field<D>& v, std::size_t i) {
   double squared = 0.0;
   for (std::size_t a = 0; a < D; ++a) squared += v[a][i] * v[a][i];
   return std::sqrt(squared);

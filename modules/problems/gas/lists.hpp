@@ -41,29 +41,11 @@ void end_halo_exchange(world<D>& g) {
 template <int D>
 void refresh_constants(world<D>& g) {
   auto& s = g.w.s;
-  for (auto* a : {&g.gamma, &g.stiffness}) a->assign(s.total() + 1, 0.0);
   for (std::size_t i = 0; i < s.fluid; ++i) std::tie(g.gamma[i], g.stiffness[i]) = gas_of(g, s.material[i]);
   g.gamma[s.null()] = g.o.shock.gamma;
-  g.kind.assign(s.total() + 1, 0.0);
   const bool two = g.any_eos || gas_of(g, 0) != gas_of(g, 1);
   for (std::size_t i = 0; i < s.fluid; ++i) g.kind[i] = two ? s.material[i] : 0;
   walls::update_ghosts_and_images(g.w, g.walls, walls::even({&s.m, &g.start_volume, &g.gamma, &g.stiffness, &g.kind}));
-}
-
-template <int D>
-void resize_arrays(world<D>& g) {
-  const auto& s = g.w.s;
-  for (auto* a : {&g.S, &g.per_S, &g.weight, &g.slope, &g.correction, &g.dissipation}) a->assign(s.total() + 1, 0.0);
-  for (auto* a : {&g.y, &g.f, &g.z, &g.divergence, &g.curl, &g.number, &g.number_volume, &g.count, &g.count_slope,
-                  &g.power, &g.signal, &g.mass_density})
-    a->resize(s.fluid);
-  for (auto& a : g.force) a.resize(s.fluid);
-  if (g.evolves_density) {
-    for (auto& a : g.reproducing) a.assign(s.total() + 1, 0.0);
-    g.density_rate.resize(s.fluid);
-  }
-  if (g.godunov || g.evolves_density)  // zero: first order
-    for (auto& a : g.gradient) a.assign(s.total() + 1, 0.0);
 }
 
 // With supports of the particles' own.
@@ -72,10 +54,9 @@ void make_lists(world<D>& g, bool as_they_were) {
   auto& s = g.w.s;
   run::rebuild_with_supports(g, as_they_were, g.support_over_dx, g.support, g.list_support);
   const foundation::stage timed(g.w.times, "lists");
+  particles::clear_derived(s);
   refresh_constants(g);
-  resize_arrays(g);
   std::copy_n(g.support.begin(), s.fluid, g.S.begin());
-  std::fill(g.signal.begin(), g.signal.end(), 0.0);
   begin_halo_exchange(g);
   end_halo_exchange(g);
 }

@@ -143,14 +143,14 @@ template <int D, class Kernel>
 void find_gradients(world<D>& g, const Kernel& unit) {
   const foundation::stage timed(g.w.times, "gradients");
   sum(g, g.w.fluid(), schemes::gradients<D, Kernel>{unit, g.fields(), g.evolves_density ? g.w.s.u : g.w.s.p});
-  spread(g, g.gradient, 0);
+  spread<D>(g, g.gradient.data(), 0);
 }
 
 template <int D, class Kernel>
 void find_corrections(world<D>& g, const Kernel& unit) {
   const foundation::stage timed(g.w.times, "corrections");
   sum(g, g.w.fluid(), schemes::reproducing<D, Kernel>{unit, g.fields()});
-  spread(g, g.reproducing, 2);
+  spread<D>(g, g.reproducing.data(), 2);
 }
 
 template <int D, class Kernel>

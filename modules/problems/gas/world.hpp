@@ -40,9 +40,12 @@ struct world : run::state<D>, schemes::arrays<D> {
   particles::array& start_sum = field("StartSum", "1", "sum of StartVolume W at the start");
   particles::array& evolved = field("EvolvedDensity", "kg/m^D", "density by continuity", particles::role::integrated);
 
-  particles::array number_volume = {};  // 1/n, m^D
+  particles::array& number_volume = this->derived("NumberVolume", "m^D", "1/n");
 
-  world(const options& o_, setup test_) : o(o_), test(std::move(test_)) {}
+  world(const options& o_, setup test_)
+      : schemes::arrays<D>(w.s, o_.godunov() || o_.evolves_density(), o_.evolves_density()),
+        o(o_),
+        test(std::move(test_)) {}
 
   particles::array& field(const char* name, const char* of_unit, const char* about,
                           particles::role role = particles::role::memory) {
@@ -107,7 +110,7 @@ void sum(world<D>& g, const pairs::row_range& rows, const Term& term) {
 
 // At ghosts and images: first so many even fields, then the gradients of two of them, and that of a vector.
 template <int D>
-void spread(world<D>& g, std::span<particles::array> arrays, std::size_t even) {
+void spread(world<D>& g, std::span<double* const> arrays, std::size_t even) {
   walls::signed_fields fields;
   for (std::size_t n = 0; n < arrays.size(); ++n) {
     unsigned along = 0;
@@ -115,7 +118,7 @@ void spread(world<D>& g, std::span<particles::array> arrays, std::size_t even) {
       const std::size_t k = (n - even) / D, b = (n - even) % D;
       along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
     }
-    fields.all.push_back({arrays[n].data(), along});
+    fields.all.push_back({arrays[n], along});
   }
   walls::update_ghosts_and_images(g.w, g.walls, fields);
 }

@@ -20,6 +20,7 @@ class fluids {
   problem_kind kind;
   const options& o;
   const parameters& p;
+  const bool by_program;
   run::state<D> world;
 
   // A program's scheme says itself which of the two it carries.
@@ -53,34 +54,42 @@ class fluids {
 
   // Where supports follow the volume (supports.hpp): the kernel with support 1, that of the start, those in the sums.
   kernels::any<D> unit = kernels::make<D>("quintic", 1.0);
-  double S_0 = 0.0;                                              // m
-  particles::array S, per_S, count, count_slope, follow_factor;  // m, 1/m, 1, 1, 1
+  double S_0 = 0.0;  // m
+  particles::array& S = field(follows, "KernelSupport", "m");
+  particles::array& per_S = field(follows, "InverseSupport", "1/m");
+  particles::array& count = field(follows, "NeighbourCount", "1");
+  particles::array& count_slope = field(follows, "NeighbourCountSlope", "1");
+  particles::array& follow_factor = field(follows, "SupportFactor", "1");
 
-  std::array<particles::array, D> force;
-  particles::array stress, compression, heat, rho_rate, conducted;
-  particles::array melt, inertia;                     // melt fraction; what ξ² has of the viscosity
-  particles::array lift;                              // N, of slowed sound
-  particles::array partition, mobility, metal, gain;  // of an element: P, ρ D; 1 in metal; kg/s
+  // Sums over neighbours; a program's scheme has its own.
+  particles::vector_field<D> force = vector(!by_program, "Force", "N");
+  particles::array& stress = field(!by_program, "Stress", "");
+  particles::array& compression = field(!by_program, "Compression", "");
+  particles::array& heat = field(true, "Heating", "W");
+  particles::array& rho_rate = field(!by_program && carried, "DensityRate", "kg/(m^D s)");
+  particles::array& conducted = field(o.conductivity > 0.0, "ConductedHeat", "W");
+  particles::array& lift = field(slows, "Lift", "N");  // of slowed sound
 
-  particles::array area, squared_volume;                        // 1/m, |G|; m^2D, ΔV²/s
-  std::array<particles::array, D> colour_slope, tension_force;  // 1/m, G of terms.hpp; N
+  particles::array& melt = field(enthalpy, "MeltFraction", "1");
+  particles::array& inertia = field(enthalpy, "Inertia", "1");  // what ξ² has of the viscosity
 
-  fluids(problem_kind kind_, const options& o_, const parameters& p_) : kind(kind_), o(o_), p(p_) {
+  particles::array& partition = field(dissolved, "PartitionCoefficient", "1");
+  particles::array& mobility = field(dissolved, "ElementMobility", "kg/(m s)");  // ρ D
+  particles::array& gain = field(dissolved, "ElementGain", "kg/s");
+  particles::array& metal = field(dissolved || tense, "Metal", "1");  // 1 in metal, or 0
+
+  particles::array& area = field(tense, "ContactArea", "1/m");                       // |G|
+  particles::array& squared_volume = field(tense, "SquaredVolume", "m^2D");          // ΔV²/s
+  particles::vector_field<D> colour_slope = vector(tense, "ColourGradient", "1/m");  // G of terms.hpp
+  particles::vector_field<D> tension_force = vector(tense, "TensionForce", "N");
+
+  // by_program: a program's scheme makes the sums.
+  fluids(problem_kind kind_, const options& o_, const parameters& p_, bool by_program_ = false)
+      : kind(kind_), o(o_), p(p_), by_program(by_program_) {
     world.w.s.keeps_start = true;
   }
   fluids(const fluids&) = delete;  // its fields are the state's
   fluids& operator=(const fluids&) = delete;
-
-  // Those that an evaluation fills, with room for every particle.
-  void make_room() {
-    std::vector<particles::array*> all{&stress, &compression, &heat,        &rho_rate,       &conducted,
-                                       &melt,   &inertia,     &lift,        &partition,      &mobility,
-                                       &metal,  &gain,        &area,        &squared_volume, &S,
-                                       &per_S,  &count,       &count_slope, &follow_factor};
-    for (auto* vectors : {&force, &tension_force, &colour_slope})
-      for (auto& a : *vectors) all.push_back(&a);
-    for (auto* a : all) a->resize(std::max(a->size(), world.w.s.total() + 1));
-  }
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
   bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }
@@ -103,10 +112,12 @@ class fluids {
   bool fourth_order() const { return o.scheme.viscous_order == 4 && !second_order; }
 
  private:
-  particles::array& field(bool needed, const char* name, const char* unit_of, particles::role kind_of) {
-    return needed ? particles::declare(world.w.s, name, unit_of, kind_of) : none_;
+  particles::array& field(bool needed, const char* name, const char* unit_of, role kind_of = role::derived) {
+    return particles::declare_if(needed, world.w.s, name, unit_of, kind_of);
   }
-  particles::array none_;
+  particles::vector_field<D> vector(bool needed, const char* name, const char* unit_of) {
+    return particles::declare_vector_if<D>(needed, world.w.s, name, unit_of, role::derived);
+  }
 };
 
 // A material by itself: isotherm or adiabat through the lid's pressure and temperature.

@@ -146,8 +146,7 @@ template <int D>
 void find_contact(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
-  std::array<double*, D> G;
-  for (std::size_t a = 0; a < D; ++a) G[a] = f.colour_slope[a].data();
+  const auto G = f.colour_slope.data();
   w.sum(w.fluid(), colour_gradient<D>{s.dV.data(), f.metal.data(), G});
   foundation::for_all(s.fluid, [&](std::size_t i) {
     double G2 = 0.0;
@@ -164,11 +163,9 @@ void find_tension(fluids<D>& f) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "surface tension");
   find_contact(f);
-  std::array<double*, D> force;
-  for (std::size_t a = 0; a < D; ++a) force[a] = f.tension_force[a].data();
   foundation::for_all(s.total(), [&](std::size_t i) { f.squared_volume[i] = s.dV[i] * s.dV[i] / w.lattice_sum; });
   w.sum(w.fluid(),
-        surface_stress<D>{f.squared_volume.data(), pairs::pointers<D>(f.colour_slope), f.o.surface_tension, force});
+        surface_stress<D>{f.squared_volume.data(), f.colour_slope.read(), f.o.surface_tension, f.tension_force.data()});
 }
 
 // p̂ as Σ Y W over Σ ΔV W.
@@ -193,7 +190,6 @@ void find_stress(fluids<D>& f, std::size_t first, std::size_t last) {
     f.stress[i] = (s.p[i] - f.reference_pressure(s.x[1][i])) * element_of_work(f, i);
     if (has_factor(f)) f.stress[i] *= f.follow_factor[i];
   });
-  f.stress[s.null()] = 0.0;
 }
 
 // What the element gains in these rows.
@@ -210,9 +206,8 @@ template <int D, bool symmetric>
 void sum_forces(fluids<D>& f, const pairs::row_range& rows) {
   auto& s = f.world.w.s;
   forces<D, symmetric> all{
-      pairs::pointers<D>(s.v), f.stress.data(), s.dV.data(), s.eta.data(), f.viscous.a0, f.viscous.a1, {},
-      f.compression.data(),    f.heat.data()};
-  for (std::size_t a = 0; a < D; ++a) all.force[a] = f.force[a].data();
+      pairs::pointers<D>(s.v), f.stress.data(),      s.dV.data(),  s.eta.data(), f.viscous.a0, f.viscous.a1,
+      f.force.data(),          f.compression.data(), f.heat.data()};
   sum(f, rows, all);
 }
 

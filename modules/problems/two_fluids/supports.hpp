@@ -186,11 +186,9 @@ void make_lists(fluids<D>& f, bool as_they_were) {
     s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
     s.k[i] = f.o.conductivity;
   }
-  f.make_room();
   if (f.tense)
     for (std::size_t i = 0; i < s.total(); ++i) f.metal[i] = f.is_metal(i) ? 1.0 : 0.0;
-  f.stress[s.null()] = f.squared_volume[s.null()] = 0.0;
-  f.partition[s.null()] = 1.0;
+  if (f.dissolved) f.partition[s.null()] = 1.0;
   if (f.follows) take_supports(f);
 }
 

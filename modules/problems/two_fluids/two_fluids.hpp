@@ -93,7 +93,7 @@ class problem : public liquid::problem<D> {
 
   // scheme: of a program; none: that of terms.hpp, as the input says.
   problem(problem_kind kind, const options& o, const parameters& p, std::unique_ptr<liquid::scheme<D>> scheme = {})
-      : base(f_.world, o.common.balance, std::move(scheme)), f_(kind, o, p) {
+      : base(f_.world, o.common.balance, std::move(scheme)), f_(kind, o, p, scheme_ != nullptr) {
     if (scheme_) {
       f_.carried = scheme_->carried() == volume::carries::density;
       f_.weighed = scheme_->carried() == volume::carries::weight;
