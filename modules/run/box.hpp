@@ -94,9 +94,11 @@ class problem_in_a_box : public problem {
     return put_back > 0;
   }
 
+  // What is integrated, and all else that travels with the particles.
   void check_state() final {
     box.w.first_fault = {};
     report_state();
+    report_not_finite_in_table(box.w, particles::travels);
     box.w.agree();
   }
   // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums.
