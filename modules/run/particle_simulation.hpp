@@ -240,9 +240,11 @@ class particle_simulation : public simulation {
 
   // ---- lists and cuts ---------------------------------------------------------------------
 
+  // What is integrated, and all else that travels with the particles.
   void check_state() {
     box.w.first_fault = {};
     report_state();
+    report_not_finite_in_table(box.w, particles::travels);
     box.w.agree();
   }
   // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums.

@@ -154,5 +154,43 @@ BOOST_AUTO_TEST_CASE(fields_declared_by_name) {
   BOOST_TEST(&extra(s, "Force_0") == &force[0]);
   BOOST_TEST(force.data()[1] == extra(s, "Force_1").data());
   BOOST_TEST(s.extras[2].description == "per mass");
+  BOOST_TEST(force.read()[0] == force.data()[0]);
   BOOST_CHECK_THROW(declare(s, "Force_0", "1", role::memory), std::logic_error);
+}
+
+// Only what the run has takes room; later fields have the room of those that are there; new lists clear what is
+// derived.
+BOOST_AUTO_TEST_CASE(fields_of_some_runs) {
+  particles<2> s;
+  const array& absent = declare_if(false, s, "Melt", "1", role::derived);
+  const auto absent_vector = declare_vector_if<2>(false, s, "Gradient", "1/m", role::derived);
+  BOOST_TEST(s.extras.empty());
+  allocate(s, 4, 2, 3, 1);
+  BOOST_TEST(absent.empty());
+  BOOST_TEST(absent_vector.data()[1] == nullptr);
+  array& melt = declare_if(true, s, "Melt", "1", role::derived);
+  const auto gradient = declare_vector_if<2>(true, s, "Gradient", "1/m", role::derived);
+  array& content = declare_if(true, s, "Enthalpy", "J/kg", role::integrated);
+  BOOST_TEST(gradient.data()[1] == extra(s, "Gradient_1").data());
+  for (auto* a : {&melt, &gradient[0], &gradient[1], &content}) {
+    BOOST_TEST(a->size() == 11U);
+    std::fill(a->begin(), a->end(), 7.0);
+  }
+  s.p[2] = 5.0;
+  clear_derived(s);
+  BOOST_TEST((melt == array(11, 0.0) && gradient[1] == array(11, 0.0)));
+  BOOST_TEST((content[3] == 7.0 && s.p[2] == 5.0));  // what travels, and what all particles have
+  allocate(s, 6, 0, 3, 0);
+  BOOST_TEST(content.size() == 10U);
+  BOOST_TEST(content[s.null()] == 0.0);
+}
+
+BOOST_AUTO_TEST_CASE(wrong_names_are_told) {
+  particles<3> s;
+  declare(s, "Melt", "1", role::derived);
+  const auto says = [](const char* text) {
+    return [text](const std::logic_error& e) { return std::string(e.what()) == text; };
+  };
+  BOOST_CHECK_EXCEPTION(declare(s, "Melt", "1", role::memory), std::logic_error, says("field Melt is declared twice"));
+  BOOST_CHECK_EXCEPTION(extra(s, "Enthalpy"), std::logic_error, says("field Enthalpy is not declared"));
 }

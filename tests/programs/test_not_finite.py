@@ -76,7 +76,7 @@ CASES = {
     "convection, relaxed": ("convection", "blankenbach_1a", SMALL,
                             {**VECTOR, "Temperature_0": "T", "DynamicPressure_0": "p", "RelaxedVelocity_0_0": "zx", "RelaxedVelocity_1_0": "zy"}),
     "flow": ("flow", "still_water", {"domain.particles_x": 20, "domain.particles_y": 24}, {**VECTOR, "Density_0": "rho"}),
-    "gas": ("shock", "sod", {"domain.particles_x": 48, "shock.scheme": "ssph", "shock.time_dependent_alpha": ".true."}, {**GAS, "Alpha_0": "alpha"}),
+    "gas": ("shock", "sod", {"domain.particles_x": 48, "shock.scheme": "ssph", "shock.time_dependent_alpha": ".true."}, {**GAS, "Alpha_0": "alpha", "Support_0": "Support"}),
     "gas, Godunov": ("shock", "sod", {"domain.particles_x": 48}, GAS),
     "gas, materials": ("shock", "melts_shock", {"domain.particles_x": 48}, GAS),
     "gas, density": ("shock", "sod", {"domain.particles_x": 48, "shock.scheme": "remix"}, {**GAS, "EvolvedDensity_0": "density"}),

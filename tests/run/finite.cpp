@@ -71,6 +71,43 @@ BOOST_AUTO_TEST_CASE(the_particle_of_the_lowest_id_is_told_with_its_field) {
   BOOST_TEST(p.fault() == "body_0 is nan, not a finite number");
 }
 
+// Every field of a table, those that all particles have and those that a problem declares, by role and name.
+BOOST_AUTO_TEST_CASE(every_field_of_the_table_is_told_by_its_name) {
+  particles_of_two_fields p(5);
+  auto& s = p.w.s;
+  particles::declare(s, "Support", "m", particles::role::memory);
+  particles::declare_vector<2>(s, "Force", "N", particles::role::derived);
+  particles::declare_if(false, s, "Absent", "1", particles::role::derived);
+  const auto told = [&](const auto& which) {
+    p.w.first_fault = {};
+    run::report_not_finite_in_table(p.w, which);
+    return p.w.first_fault.message;
+  };
+  const auto all = [](particles::role) { return true; };
+  BOOST_TEST(told(all) == "");
+  std::size_t number = 0;
+  particles::for_each_field<2>(s, [&](const particles::field_info& field, const auto& components) {
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      auto& values = *components[k];
+      BOOST_TEST_REQUIRE(values.size() == s.total() + 1);
+      const double kept = std::exchange(values[2], none);
+      const std::string name = field.name + (components.size() > 1 ? "_" + std::to_string(k) : "");
+      BOOST_TEST(told(all).starts_with(name + " is nan, not a finite number: particle 3 at ("));
+      BOOST_TEST(told(particles::travels).empty() == !particles::travels(field.kind));
+      values[2] = kept;
+      values[s.null()] = none;  // no particle
+      BOOST_TEST(told(all) == "");
+      ++number;
+    }
+  });
+  BOOST_TEST(number > 20U);
+  // Of a rate, with the derived fields that it may follow from.
+  particles::extra(s, "Force_1")[2] = s.p[2] = none;
+  p.T[2] = none;
+  BOOST_TEST(p.fault("the rate of ") ==
+             "the rate of T is nan, not a finite number: particle 3 at (2, 0.5) m; nor are its Pressure, Force_1");
+}
+
 BOOST_AUTO_TEST_CASE(what_was_agreed_on_is_forgotten) {
   particles_of_two_fields p(3);
   p.T[0] = none;

@@ -178,7 +178,7 @@ class problem : public run::particle_simulation<D> {
   particles::array& plain_ = particles::declare(world_.w.s, "LaplacianOfT", "K/m^2", particles::role::memory);
   particles::vector_field<S> B_ =
       particles::declare_vector<S>(world_.w.s, "LaplacianWeight", "1", particles::role::memory);
-  // Those of this evaluation, and ∇T, where the operator is not the plain sum.
+  // An evaluation leaves the next ones, and ∇T, where the operator is not the plain sum.
   const bool consistent_ = o_.scheme != "sum";
   particles::array& next_plain_ =
       particles::declare_if(consistent_, world_.w.s, "NextLaplacianOfT", "K/m^2", particles::role::derived);

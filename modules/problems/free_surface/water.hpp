@@ -90,7 +90,7 @@ struct water {
   std::vector<held_particle> held = {};
   pairs::row_subset rows_near_bodies = {};  // fluid with wall particles of bodies in its lists
   bool two_velocities = false;              // what stands behind walls has another one in the viscous sum (terms.hpp)
-  particles::vector_field<D> viscous_velocity = {};  // m/s, that one; declared by the start
+  particles::vector_field<D> viscous_velocity = {};  // m/s, that of these; the start declares it
 
   // Bodies that move. `solid` is as they were when lists were made, and put_out_of_bodies() as they are.
   std::vector<moving_body<D>> moving = {};
@@ -118,7 +118,7 @@ struct water {
   particles::vector_field<solids::rigid<D>::components> response =
       vector<solids::rigid<D>::components>(has_free_bodies, "PressureResponse", "Pa s^2/m, Pa s^2");
 
-  // Of the last evaluation.
+  // An evaluation fills these.
   particles::vector_field<D> force = vector<D>(true, "Force", "N");  // but for gravity
   particles::array& density_rate = field(true, "DensityRate", "kg/(m^3 s)");
   // Beside bodies (behind_bodies.hpp): a direction, or 0; the volume of their wall particles, 0 elsewhere.
@@ -132,7 +132,7 @@ struct water {
   particles::array& curvature = field(has_tension(), "Curvature", "1/m");
   particles::array& surface_weight = field(has_tension(), "SurfaceWeight", "1/m");
 
-  // Of what looks at the surface (surface.hpp): λ, the least of the neighbourhood; 1 or 0.
+  // What looks at the surface fills these (surface.hpp): λ, the least of the neighbourhood; 1 or 0.
   particles::vector_field<D> slope = vector<D>(true, "ConcentrationGradient", "1/m");
   particles::vector_field<D> normal = vector<D>(true, "SurfaceNormal", "1");
   particles::array& eigenvalue = field(true, "Eigenvalue", "1");
