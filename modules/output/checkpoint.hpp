@@ -49,7 +49,7 @@ struct table_view {
   std::vector<std::pair<std::string, const std::int64_t*>> integers;
 };
 
-// As read: rank r of p holds rows N r / p up to N (r + 1) / p, ascending in ID.
+// As read: ascending in ID, in equal parts, of which the first N mod p of p ranks have one row more.
 struct table {
   std::vector<std::int64_t> ids;
   named_values<std::vector<double>> reals;

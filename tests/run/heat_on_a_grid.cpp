@@ -23,7 +23,8 @@ struct options {
 class rod : public run::simulation {
  public:
   rod(const domain::communicator& of, const options& o) : simulation(of, stages_, 1), o_(o), dx_(o.length / cells()) {
-    const std::int64_t first = o.cells * of.rank / of.size, last = o.cells * (of.rank + 1) / of.size;
+    const auto begin = [&](std::int64_t rank) { return o.cells / of.size * rank + std::min(rank, o.cells % of.size); };
+    const std::int64_t first = begin(of.rank), last = begin(of.rank + 1);
     for (std::int64_t n = first; n < last; ++n) ids_.push_back(n);
     T_.assign(ids_.size() + 2, 0.0);  // with a ghost cell at each end
     for (std::size_t k = 0; k < ids_.size(); ++k) T_[k + 1] = std::sin(std::numbers::pi * place(k) / o.length);
