@@ -107,7 +107,7 @@ destination overwrite(N_Vector v) {
 template <class Kernel>
 void over_blocks(const family& f, Kernel kernel) {
   const std::size_t blocks = (f.most + block_length - 1) / block_length;
-#pragma omp parallel for schedule(dynamic, 2) if (blocks > 8)
+#pragma omp parallel for schedule(static) if (blocks > 8)
   for (std::size_t b = 0; b < blocks; ++b)
     for (std::size_t k = 0; k < f.fields; ++k)
       if (const std::size_t end = std::min(f.n[k], (b + 1) * block_length); b * block_length < end)

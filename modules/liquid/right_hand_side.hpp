@@ -103,7 +103,7 @@ void finish_rates(run::state<D>& box, const rates<D>& out) {
   auto& w = box.w;
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
-#pragma omp parallel for schedule(dynamic, 1024) if (s.fluid > foundation::values_worth_threads)
+#pragma omp parallel for schedule(static) if (s.fluid > foundation::values_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho()[i], friction = out.heat()[i] * per_mass;
     const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;

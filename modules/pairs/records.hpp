@@ -236,7 +236,7 @@ void pack(
   std::array<double, Layout::used> scale;
   for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]) * fields.factor[c];
   number* const out = records.data();
-#pragma omp parallel for schedule(dynamic, 1024) if (n > foundation::values_worth_threads)
+#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const std::size_t i = chosen[r];
     number* const record = out + i * Layout::size;

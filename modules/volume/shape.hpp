@@ -119,7 +119,7 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t la
   for (std::size_t k = 0; k < w.materials.size(); ++k)
     std::visit(
         [&](const auto& material) {
-#pragma omp parallel for schedule(dynamic, 64) if (last - first > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) if (last - first > foundation::rows_worth_threads)
           for (std::size_t group = 0; group < groups; ++group)
             detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k), first + group * pairs::lanes, last);
         },

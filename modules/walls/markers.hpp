@@ -208,7 +208,7 @@ void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_ro
   {
     std::vector<seen<D, R>> near;
     std::vector<double> scratch;
-#pragma omp for schedule(dynamic, 16)
+#pragma omp for schedule(static)
     for (std::size_t first = 0; first < n; first += lanes) {
       const std::size_t last = std::min(n, first + lanes);
       find(search, first, last, near);
@@ -227,7 +227,7 @@ void for_each_marker(const pairs::workspace<D>& w, const marker_rows& rows, cons
 #pragma omp parallel if (n > foundation::rows_worth_threads)
   {
     std::vector<double> scratch;
-#pragma omp for schedule(dynamic, 64)
+#pragma omp for schedule(static)
     for (std::size_t k = 0; k < n; ++k)
       f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
   }

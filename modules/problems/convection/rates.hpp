@@ -159,7 +159,7 @@ void rates_of_change(convection_state<D>& state, std::span<double* const> rate) 
   double speed2 = 0.0;  // m2/s2
   const auto rows = w.fluid();
   const std::size_t n = rows.clusters();
-#pragma omp parallel for schedule(dynamic, 64) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) reduction(max : speed2) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t r = 0; r < n; ++r) {
     const auto m = rows.cluster(r);
     speed2 = std::max(speed2, rates_of(state, several{m.first, m.mask, {}}, rate));

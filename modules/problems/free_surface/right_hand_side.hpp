@@ -185,7 +185,7 @@ void find_rates(water<D>& f, std::span<double* const> rate) {
   const foundation::stage timed(w.times, "rates");
   const bool tense = f.has_tension();
   bool sound = true;
-#pragma omp parallel for schedule(dynamic, 512) reduction(&& : sound) if (s.fluid > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) reduction(&& : sound) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) {
     for (std::size_t a = 0; a < D; ++a) {
       rate[a][i] = s.v[a][i];

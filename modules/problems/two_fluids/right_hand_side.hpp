@@ -292,7 +292,7 @@ void find_rates(fluids<D>& f, std::span<double* const> rate) {
   auto& s = w.s;
   const foundation::stage timed(w.times, "rates");
   const places_of_rates<D> at(f);
-#pragma omp parallel for schedule(dynamic, 256) if (s.fluid > foundation::rows_worth_threads)
+#pragma omp parallel for schedule(static) if (s.fluid > foundation::rows_worth_threads)
   for (std::size_t i = 0; i < s.fluid; ++i) combine(f, i, at, rate);
 }
 
