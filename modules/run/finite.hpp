@@ -1,6 +1,6 @@
 // Numbers that are none: looked for at one place, for all problems alike. In what is integrated over time and its
-// rates, in the fields that each problem declares (particle_simulation.hpp); in any field of the particles' table, by its name
-// there.
+// rates, in the fields that each problem declares (particle_simulation.hpp); in any field of the particles' table, by
+// its name there.
 #pragma once
 
 #include <fmt/format.h>
