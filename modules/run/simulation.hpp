@@ -1,6 +1,6 @@
 // What the time loop (time_loop.cpp) asks of a simulation, in this order. A simulation has arrays that are integrated,
 // their rate, and what is told of them. It need not have particles: those that have are particle_simulation.hpp's, and
-// tests/run/grid.hpp is one on a grid.
+// tests/run/heat_on_a_grid.cpp is one on a grid.
 //
 //   begin            at the start, or from a checkpoint
 //   evaluate, row, snapshot     the state at the start
@@ -107,6 +107,9 @@ struct step_limits {
   double radius = 0.0;  // 1/s, bounds the spectrum of the rate, for 'rkl2' and 'rkc2' where these are offered
 };
 
+// A simulation's own numbers after a step, of which prepare() is given the maxima over the ranks.
+using step_maxima = std::array<double, 16>;
+
 // What prepare() knows of the step that follows.
 struct step_ahead {
   double time = 0.0;      // s
@@ -116,8 +119,8 @@ struct step_ahead {
   double bound = 0.0;  // s, of equations that have changed since dt was chosen; 0: none
   bool fixed = false;  // the input gives dt
   bool controls_error = false;
-  bool first = false;                              // warnings are welcome
-  std::optional<std::array<double, 16>> maxima{};  // of complete(), over the ranks; none: the state is a new one
+  bool first = false;                   // warnings are welcome
+  std::optional<step_maxima> maxima{};  // of complete(), over the ranks; none: the state is a new one
 };
 struct step_preparation {
   bool arrays_moved = false;
@@ -140,7 +143,7 @@ struct completion {
   bool equations_changed = false;  // with the time, so that a rate known is none
   // This rank's numbers of which prepare() is given the maxima; one that is not a number, or infinite, has the state
   // checked.
-  std::array<double, 16> maxima{};
+  step_maxima maxima{};
 };
 
 struct history_line {

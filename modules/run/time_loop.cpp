@@ -42,17 +42,17 @@ struct loop {
 
   // What all ranks know together after a step.
   struct {
-    std::optional<std::array<double, 16>> maxima{};  // what the simulation asked for; none: it has other arrays now
-    double stop = 0.0;                               // why to stop; 0: nobody asks for it
-    double since_checkpoint = 0.0;                   // s, by rank 0's clock
-    bool state_changed = false;                      // after the step
+    std::optional<step_maxima> maxima{};  // what the simulation asked for; none: it has other arrays now
+    double stop = 0.0;                    // why to stop; 0: nobody asks for it
+    double since_checkpoint = 0.0;        // s, by rank 0's clock
+    bool state_changed = false;           // after the step
   } step_flags{};
 
   // One reduction for all that a step has to agree on.
   void reduce_step_flags(const completion* done) {
-    std::array<double, 3 + std::tuple_size_v<decltype(completion::maxima)>> most{
-        files.stop_reason(o.run), ranks.rank == 0 ? files.checkpoint_age() : 0.0,
-        done != nullptr && done->state_changed ? 1.0 : 0.0};
+    std::array<double, 3 + std::tuple_size_v<step_maxima>> most{files.stop_reason(o.run),
+                                                                ranks.rank == 0 ? files.checkpoint_age() : 0.0,
+                                                                done != nullptr && done->state_changed ? 1.0 : 0.0};
     if (done != nullptr) std::copy(done->maxima.begin(), done->maxima.end(), most.begin() + 3);
     ranks.maximum(most);
     step_flags = {{}, most[0], most[1], most[2] > 0.0};
