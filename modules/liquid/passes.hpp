@@ -5,7 +5,7 @@
 
 #include <gradient/pattern_1.hpp>
 #include <gradient/pattern_2.hpp>
-#include <liquid/right_hand_side.hpp>
+#include <liquid/rates.hpp>
 #include <run/passes.hpp>
 #include <volume/hosono_iteration.hpp>
 
@@ -27,17 +27,21 @@
                                                                         const volume::weight_sum<D, true>&)
 
 // Volumes, and the forces with a gradient, in the same way.
-#define TETSUAME_LIQUID_PASSES(where, D)                                                                             \
-  where template void tetsuame::volume::equation_of_state(pairs::workspace<D>&, std::size_t, std::size_t);           \
-  where template void tetsuame::volume::require_positive(pairs::workspace<D>&, const particles::array&, const char*, \
-                                                         const char*);                                               \
-  where template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);              \
-  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::row_range&);                 \
-  where template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::remainder&);                 \
-  where template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&, const wall_context<D>&);           \
-  where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool);                               \
-  where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                               \
-  TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                       \
+#define TETSUAME_LIQUID_PASSES(where, D)                                                                               \
+  where template void tetsuame::volume::equation_of_state(pairs::workspace<D>&, std::size_t, std::size_t);             \
+  where template void tetsuame::volume::require_positive(pairs::workspace<D>&, const particles::array&, const char*,   \
+                                                         const char*);                                                 \
+  where template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, const pairs::row_range&, double, \
+                                                          double*);                                                    \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, bool,                    \
+                                               const pairs::row_range&);                                               \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, bool,                    \
+                                               const pairs::remainder&);                                               \
+  where template void tetsuame::volume::smooth_over_walls<D, false>(pairs::workspace<D>&, walls::wall_set<D>&);        \
+  where template void tetsuame::volume::smooth_over_walls<D, true>(pairs::workspace<D>&, walls::wall_set<D>&);         \
+  where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool, const pairs::row_range&);        \
+  where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                                 \
+  TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                         \
   TETSUAME_LIQUID_FORCES(where, D, pattern_2)
 
 TETSUAME_MARKER_PASSES(extern, 2);

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <functional>
-#include <liquid/right_hand_side.hpp>
+#include <liquid/rates.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <passes/evaluation.hpp>
 #include <run/particle_simulation.hpp>
 
 namespace tetsuame::liquid {
@@ -21,7 +22,10 @@ class scheme {
   virtual void begin(run::state<D>& box) = 0;
   // ρ where it is remembered.
   virtual void recall_density(run::state<D>&) const {}
-  virtual void evaluate(run::state<D>& box, const rates<D>& out) = 0;
+  // Its passes, after those that are there. viscosity_changes: one of these writes it. rates: the integrated fields
+  // that the last pass serves; out(): where the rates stand, but for heat and dlnrho, which are the scheme's.
+  virtual void declare(run::state<D>& box, passes::evaluation<D>& e, const passes::fields& rates,
+                       bool viscosity_changes, std::function<liquid::rates<D>()> out) = 0;
 
   // As of run::particle_simulation.
   virtual void commit_lagged(run::state<D>&) {}

@@ -9,8 +9,9 @@
 //   };
 #pragma once
 
+#include <liquid/evaluation.hpp>
 #include <liquid/scheme.hpp>
-#include <volume/hosono_iteration.hpp>
+#include <optional>
 
 namespace tetsuame::liquid {
 
@@ -38,8 +39,10 @@ class scheme_of : public scheme<D> {
     if constexpr (iterates)
       std::copy_n(particles::extra(box.w.s, volume::density_guess).begin(), box.w.s.fluid, box.w.s.rho.begin());
   }
-  void evaluate(run::state<D>& box, const rates<D>& out) override {
-    liquid::evaluate<Program>(box, how_, smoothing_, out);
+  void declare(run::state<D>& box, passes::evaluation<D>& e, const passes::fields& rates, bool viscosity_changes,
+               std::function<liquid::rates<D>()> out) override {
+    list_.emplace(box, how_, smoothing_);
+    list_->declare(e, rates, viscosity_changes, std::move(out));
   }
 
   // The iteration for Y starts from what it found at the last state that was reached. The start value
@@ -106,6 +109,7 @@ class scheme_of : public scheme<D> {
 
   volume_module how_{};
   volume::smoothing_options smoothing_;
+  std::optional<list_of_passes<Program, D>> list_;
   output::history* residuals_ = nullptr;
   double start_kappa_ = 0.0;  // K_T/p of the start state, at its largest
 };

@@ -23,6 +23,7 @@ class vector_field {
 
   static constexpr std::size_t size() { return N; }
   array& operator[](std::size_t k) const { return *components_[k]; }
+  const std::array<array*, N>& fields() const { return components_; }
   // Where the values lie until the next allocate(), to be written or read; null of a field that the run lacks.
   std::array<double*, N> data() const {
     std::array<double*, N> all;

@@ -38,21 +38,6 @@ struct mass_sum {
 struct density_sum {
   static constexpr const char* name = "density_sum";
   static constexpr carries carried = carries::nothing;
-
-  template <int D>
-  static void before_walls(pairs::workspace<D>& w, const wall_context<D>&) {
-    auto& s = w.s;
-    const std::size_t n = s.first_wall();
-    for (std::size_t i = 0; i <= s.null(); ++i) s.Y[i] = i < n ? s.m[i] : 0.0;
-    w.sum(w.fluid(), mass_sum<D>{s.Y.data(), self_value(w), 1.0 / w.lattice_sum, s.rho.data()});
-    w.exchange_fluid({s.rho.data()});
-    weights_by_density(w, 0, n);
-  }
-
-  template <class Pressure, int D>
-  static void determine(pairs::workspace<D>& w, const wall_context<D>& around) {
-    find_pressure<Pressure>(w, around);
-  }
 };
 
 }  // namespace tetsuame::volume

@@ -32,16 +32,9 @@ struct hosono_iteration {
   std::vector<residual_record> residuals;  // since they were last taken away
   bool counts = true;                      // whether evaluations are added to these three
 
+  // Y, p and what follows, of fluid and ghosts, from the start values ρ, V and Y; Y of the walls on the way.
+  // Collective.
   template <int D>
-  void before_walls(pairs::workspace<D>& w, const wall_context<D>&) const {
-    auto& s = w.s;
-    std::copy_n(particles::extra(s, density_guess).begin(), s.fluid, s.rho.begin());
-    w.exchange_fluid({s.rho.data()});
-    weights_by_density(w, 0, s.first_wall());
-    require_positive(w, s.p_eos, "the start value's pressure p");
-  }
-
-  template <class Pressure, int D>
   void determine(pairs::workspace<D>& w, const wall_context<D>& around);
 };
 
@@ -67,7 +60,7 @@ struct pass {
     auto& s = w.s;
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
-    smooth_by_lattice(w, around.smoothing.normalise);
+    smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
     for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = s.m[i] * s.p[i] / s.Y[i];
     equation_of_state(w, s.fluid);
   }
@@ -138,7 +131,7 @@ std::string no_state_exists(pairs::workspace<D>& w, const wall_context<D>& aroun
   auto& s = w.s;
   particles::array dV(s.total() + 1);
   const double scale = around.smoothing.normalise ? w.lattice_sum : 1.0;
-  volumes_by_number(w, scale, dV.data());
+  volumes_by_number(w, w.fluid(), scale, dV.data());
   double densest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < s.fluid; ++i) densest = std::min(densest, dV[i]);
   densest = w.d.ranks.minimum(densest);
@@ -296,10 +289,10 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   }
   const auto residual = [&](std::span<const double> at, std::span<double> f) {
     for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = std::exp(at[i]);
-    weights_by_density(w, 0, s.fluid);
+    weights_by_density(w, around.V, 0, s.fluid);
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
-    smooth_by_lattice(w, around.smoothing.normalise);
+    smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
     bool finite = true;
     for (std::size_t i = 0; i < s.fluid; ++i) {
       f[i] = (s.p_eos[i] - s.p[i]) / scale[i];
@@ -310,16 +303,17 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   };
   // δ(p^_i - p_i) = K_i δx_i - Σ_j ΔV_j (K_j - p^_j) δx_j W_ij; the walls' weights are linear in the fluid's.
   const auto product = [&](std::span<const double>, std::span<const double> v, std::span<double> jv) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.dV[i] * (s.K_T[i] - s.p_eos[i]) * v[i];
+    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = around.V[i] * (s.K_T[i] - s.p_eos[i]) * v[i];
     w.exchange_fluid({s.Y.data()});
     linear_weights(w, around);
-    smooth_by_lattice(w, around.smoothing.normalise);
+    smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
     for (std::size_t i = 0; i < s.fluid; ++i) jv[i] = (s.K_T[i] * v[i] - s.p[i]) / scale[i];
     return 0;
   };
   const double self = self_value(w) / (around.smoothing.normalise ? w.lattice_sum : 1.0);
   const auto diagonal = [&](std::span<const double>, std::span<double> d) {
-    for (std::size_t i = 0; i < s.fluid; ++i) d[i] = (s.K_T[i] - s.dV[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
+    for (std::size_t i = 0; i < s.fluid; ++i)
+      d[i] = (s.K_T[i] - around.V[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
     return 0;
   };
   return integrators::newton_krylov(
@@ -357,7 +351,7 @@ void newton(pass<D>& one, double omega, double tolerance, double kappa) {
 
 }  // namespace detail
 
-template <class Pressure, int D>
+template <int D>
 void hosono_iteration::determine(pairs::workspace<D>& w, const wall_context<D>& around) {
   auto& s = w.s;
   if (counts) ++evaluations;
@@ -379,7 +373,7 @@ void hosono_iteration::determine(pairs::workspace<D>& w, const wall_context<D>& 
   // m p/Y in its place would enlarge the residual by the factor κ - 1.
   w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});
   equation_of_state(w, s.first_wall());
-  volumes_from_weights(w);
+  foundation::for_all(s.first_wall(), [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
 }
 
 }  // namespace tetsuame::volume

@@ -11,21 +11,6 @@ namespace tetsuame::volume {
 struct number_density {
   static constexpr const char* name = "number_density";
   static constexpr carries carried = carries::nothing;
-
-  template <int D>
-  static void before_walls(pairs::workspace<D>& w, const wall_context<D>&) {
-    auto& s = w.s;
-    volumes_by_number(w, w.lattice_sum, s.dV.data());
-    w.exchange_fluid({s.dV.data()});
-    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.rho[i] = s.m[i] / s.dV[i]; });
-    equation_of_state(w, s.first_wall());
-    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.Y[i] = s.p_eos[i] * s.dV[i]; });
-  }
-
-  template <class Pressure, int D>
-  static void determine(pairs::workspace<D>& w, const wall_context<D>& around) {
-    find_pressure<Pressure>(w, around);
-  }
 };
 
 }  // namespace tetsuame::volume

@@ -9,16 +9,6 @@ namespace tetsuame::volume {
 struct our_method {
   static constexpr const char* name = "our_method";
   static constexpr carries carried = carries::density;
-
-  template <int D>
-  static void ahead(pairs::workspace<D>& w) {
-    weights_by_density(w, 0, w.s.fluid);
-    require_positive(w, w.s.p_eos, "the equation of state's pressure p");
-  }
-  template <int D>
-  static void with_ghosts(pairs::workspace<D>& w) {
-    weights_by_density(w, w.s.fluid, w.s.first_wall());
-  }
 };
 
 }  // namespace tetsuame::volume

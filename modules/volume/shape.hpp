@@ -1,14 +1,9 @@
 // What the ways to find Y have in common. Each is a struct in a file of its own with
 //
-//   name                             as in outputs
-//   carried                          what of it the time integration carries
-//   before_walls(w, ...)             ρ and ΔV of the fluid and its ghosts, as far as known before the walls are
-//   determine(w, walls, ...)         Y, p, ΔV = Y/p, ρ and the material's properties, of fluid and ghosts
-//
-// One whose Y needs no neighbours has in the place of these two, so that ranks can compute while ghosts travel:
-//
-//   ahead(w)                         of the owned fluid
-//   with_ghosts(w)                   of the ghosts
+//   name        as in outputs
+//   carried     what of it the time integration carries
+// and their passes in liquid/evaluation.hpp. V, m^D: volumes before the pressure is known, with which the walls'
+// treatment and the mean of smoothing are made; the forces' ΔV = Y/p follow from the pressure.
 #pragma once
 
 #include <fmt/format.h>
@@ -24,18 +19,13 @@ namespace tetsuame::volume {
 // Which field beside position, velocity, temperature and energy is part of the state.
 enum class carries { density, weight, nothing };
 
-template <class Volume>
-concept works_ahead = requires(pairs::workspace<2>& w) {
-  Volume::ahead(w);
-  Volume::with_ghosts(w);
-};
-
 // Everything `determine` may use beside the workspace.
 template <int D>
 struct wall_context {
   const walls::any& treatment;
   walls::wall_set<D>& walls;
   smoothing_options smoothing;
+  particles::array& V;
 
   // Y of the walls from the fluid's.
   void weights(pairs::workspace<D>& w) const {
@@ -130,15 +120,15 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
   equation_of_state(w, 0, n);
 }
 
-// ΔV = m/ρ and Y = p^ ΔV of the particles [first, last), with the equation of state.
+// V = m/ρ and Y = p^ V of the particles [first, last), with the equation of state.
 template <int D>
-void weights_by_density(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
+void weights_by_density(pairs::workspace<D>& w, particles::array& V, std::size_t first, std::size_t last) {
   auto& s = w.s;
   equation_of_state(w, first, last);
   foundation::for_all(last - first, [&](std::size_t k) {
     const std::size_t i = first + k;
-    s.dV[i] = s.m[i] / s.rho[i];
-    s.Y[i] = s.p_eos[i] * s.dV[i];
+    V[i] = s.m[i] / s.rho[i];
+    s.Y[i] = s.p_eos[i] * V[i];
   });
 }
 

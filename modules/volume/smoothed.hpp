@@ -99,52 +99,32 @@ double self_value(const pairs::workspace<D>& w) {
   return std::visit([](const auto& k) { return k.self(); }, w.kernel);
 }
 
-// scale/Σ_j W_ij of the owned fluid.
+// scale/Σ_j W_ij of these rows.
 template <int D>
-void volumes_by_number(const pairs::workspace<D>& w, double scale, double* dV) {
-  w.sum(w.fluid(), number_volume<D>{self_value(w), scale, dV});
+void volumes_by_number(const pairs::workspace<D>& w, const pairs::row_range& rows, double scale, double* V) {
+  w.sum(rows, number_volume<D>{self_value(w), scale, V});
 }
 
-// Σ_j Y_j W_ij of these rows, divided by Σ_j ΔV_j W_ij where `normalise`.
+// Σ_j Y_j W_ij of these rows, divided by Σ_j V_j W_ij where `normalise`.
 template <int D, class Rows>
-void smooth(pairs::workspace<D>& w, bool normalise, const Rows& rows) {
+void smooth(pairs::workspace<D>& w, const particles::array& V, bool normalise, const Rows& rows) {
   auto& s = w.s;
   if (normalise)
-    w.sum(rows, weight_sum<D, true>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data()});
+    w.sum(rows, weight_sum<D, true>{s.Y.data(), V.data(), self_value(w), 1.0, s.p.data()});
   else
     w.sum(rows, weight_sum<D, false>{s.Y.data(), nullptr, self_value(w), 1.0, s.p.data()});
 }
 
-// Σ_j Y_j W_ij of the owned fluid, divided by the lattice's sum where `normalise`.
+// Σ_j Y_j W_ij of these rows, divided by the lattice's sum where `normalise`.
 template <int D>
-void smooth_by_lattice(pairs::workspace<D>& w, bool normalise) {
+void smooth_by_lattice(pairs::workspace<D>& w, bool normalise, const pairs::row_range& rows) {
   const double scale = normalise ? 1.0 / w.lattice_sum : 1.0;
-  w.sum(w.fluid(), weight_sum<D, false>{w.s.Y.data(), nullptr, self_value(w), scale, w.s.p.data()});
+  w.sum(rows, weight_sum<D, false>{w.s.Y.data(), nullptr, self_value(w), scale, w.s.p.data()});
 }
 
-// ΔV = Y/p of [first, last), once both are known there.
-template <int D>
-void volumes_from_weights(pairs::workspace<D>& w, std::size_t first, std::size_t last) {
-  auto& s = w.s;
-  foundation::for_all(last - first, [&](std::size_t k) { s.dV[first + k] = s.Y[first + k] / s.p[first + k]; });
-}
-// Of fluid and ghosts.
-template <int D>
-void volumes_from_weights(pairs::workspace<D>& w) {
-  volumes_from_weights(w, 0, w.s.first_wall());
-}
-
-// Y of the walls, p, then ΔV = Y/p, where Y and ΔV = m/ρ of fluid and ghosts are known.
-template <class Pressure, int D>
-void find_pressure(pairs::workspace<D>& w, const wall_context<D>& around) {
-  around.weights(w);
-  Pressure::sum(w, around, w.fluid());
-  Pressure::begin(w);
-  Pressure::end(w);
-}
-
-// The sums in three parts, where walls have markers: who is apart from these; with f = ν∇²v + g, which the walls' Y
-// need and which goes over the same neighbours, the others' sums over the fluid; what wall particles add to them.
+// The sums of the owned fluid in two parts, where walls have markers and Y is known before their pressures are. First,
+// with f = ν∇²v + g, which the walls' Y need and which goes over the same neighbours, those near markers over the
+// fluid; then what wall particles add to them.
 template <int D, bool mean>
 void smooth_with_acceleration(pairs::workspace<D>& w, const wall_context<D>& around, auto treatment) {
   auto& s = w.s;
@@ -153,98 +133,25 @@ void smooth_with_acceleration(pairs::workspace<D>& w, const wall_context<D>& aro
   const std::size_t first = s.first_wall();
   foundation::for_all(s.total() - first, [&](std::size_t k) { s.Y[first + k] = 0.0; });
   treatment.kinematics(w, set,
-                       weight_sum<D, mean>{s.Y.data(), s.dV.data(), self_value(w), 1.0, s.p.data(),
+                       weight_sum<D, mean>{s.Y.data(), around.V.data(), self_value(w), 1.0, s.p.data(),
                                            mean ? set.kernel_sum->data() : nullptr});
+}
+template <int D, bool mean>
+void smooth_over_walls(pairs::workspace<D>& w, walls::wall_set<D>& set) {
+  if (set.rows_near_walls.rows.empty()) return;
+  auto& s = w.s;
+  std::swap(set.wall_neighbours.records, w.list.records);  // one scratch for all passes
+  w.sum_by(set.wall_neighbours, set.rows_near_walls,
+           weight_sum_of_walls<D, mean>{s.Y.data(), mean ? set.kernel_sum->data() : nullptr, s.p.data()});
+  std::swap(set.wall_neighbours.records, w.list.records);
 }
 
 struct smoothed {
   static constexpr const char* name = "smoothed";
-
-  // p of all rows.
-  template <int D>
-  static void sum(pairs::workspace<D>& w, const wall_context<D>& around, const pairs::row_range& rows) {
-    smooth(w, around.smoothing.normalise, rows);
-  }
-  // p of the rows that do not wait for the walls, of the interior or of the border; all where walls have no markers.
-  template <int D>
-  static void sum_apart(pairs::workspace<D>& w, const wall_context<D>& around, bool interior) {
-    std::visit(
-        [&]<class Treatment>(Treatment) {
-          if constexpr (Treatment::has_markers)
-            smooth(w, around.smoothing.normalise, interior ? around.walls.interior_apart : around.walls.border_apart);
-          else
-            smooth(w, around.smoothing.normalise, interior ? w.interior() : w.at_border());
-        },
-        around.treatment);
-  }
-  // Kinematics of the walls and, where these have markers, the other rows' sums over the fluid.
-  template <int D>
-  static void with_kinematics(pairs::workspace<D>& w, const wall_context<D>& around) {
-    std::visit(
-        [&]<class Treatment>(Treatment t) {
-          if constexpr (!Treatment::has_markers)
-            t.kinematics(w, around.walls);
-          else if (around.smoothing.normalise)
-            smooth_with_acceleration<D, true>(w, around, t);
-          else
-            smooth_with_acceleration<D, false>(w, around, t);
-        },
-        around.treatment);
-  }
-  // What wall particles with markers add, once their Y are known.
-  template <int D>
-  static void add_walls(pairs::workspace<D>& w, const wall_context<D>& around) {
-    if (around.walls.rows_near_walls.rows.empty()) return;
-    if (around.smoothing.normalise)
-      add_walls<true>(w, around.walls);
-    else
-      add_walls<false>(w, around.walls);
-  }
-  // p sets out to the ghosts, ΔV of the owned; p has come, ΔV of the ghosts.
-  template <int D>
-  static void begin(pairs::workspace<D>& w) {
-    require_positive(w, w.s.p, "the smoothed pressure p");
-    w.begin_fluid({w.s.p.data()});
-    volumes_from_weights(w, 0, w.s.fluid);
-  }
-  template <int D>
-  static void end(pairs::workspace<D>& w) {
-    w.end_fluid();
-    volumes_from_weights(w, w.s.fluid, w.s.first_wall());
-  }
-
- private:
-  template <bool mean, int D>
-  static void add_walls(pairs::workspace<D>& w, walls::wall_set<D>& set) {
-    auto& s = w.s;
-    std::swap(set.wall_neighbours.records, w.list.records);  // one scratch for all passes
-    w.sum_by(set.wall_neighbours, set.rows_near_walls,
-             weight_sum_of_walls<D, mean>{s.Y.data(), mean ? set.kernel_sum->data() : nullptr, s.p.data()});
-    std::swap(set.wall_neighbours.records, w.list.records);
-  }
 };
 
 struct non_smoothed {
   static constexpr const char* name = "non_smoothed";
-
-  // The ghosts' p is known like the owned particles'.
-  template <int D>
-  static void sum(pairs::workspace<D>&, const wall_context<D>&, const pairs::row_range&) {}
-  template <int D>
-  static void sum_apart(pairs::workspace<D>&, const wall_context<D>&, bool) {}
-  template <int D>
-  static void with_kinematics(pairs::workspace<D>& w, const wall_context<D>& around) {
-    std::visit([&](auto t) { t.kinematics(w, around.walls); }, around.treatment);
-  }
-  template <int D>
-  static void add_walls(pairs::workspace<D>&, const wall_context<D>&) {}
-  template <int D>
-  static void begin(pairs::workspace<D>& w) {
-    auto& s = w.s;
-    foundation::for_all(s.first_wall(), [&](std::size_t i) { s.p[i] = s.p_eos[i]; });
-  }
-  template <int D>
-  static void end(pairs::workspace<D>&) {}
 };
 
 }  // namespace tetsuame::volume

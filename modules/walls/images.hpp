@@ -1,7 +1,7 @@
 // What mirror images hold: every field has a rule by which the value of an image follows from its source's.
 //
 //   even          the source's value: mass, density, volume
-//   signed        a component of a vector or tensor changes its sign once for each of its axes that lies across the
+//   signed_by_axes   a component of a vector or tensor changes its sign once for each of its axes that lies across the
 //                 mirror: the gradient of an even field, the velocity at a wall of free slip
 //   velocity      the image of a velocity: at a wall of no slip 2 u_wall - v, at one of free slip the component across
 //                 the wall changes its sign
@@ -45,130 +45,102 @@ unsigned axes_across(const wall_set<D>& set, std::size_t r) {
   return axes;
 }
 
-// Fields that change their sign for each axis of `along` (bits) that lies across the mirror.
-struct signed_field {
-  double* values;
-  unsigned along;
-};
-struct signed_fields {
-  std::vector<signed_field> all;
+// How a field goes on behind a mirror: one of the rules above, as data.
+enum class parity { even, signed_by_axes, velocity, temperature, odd_temperature, hydrostatic };
 
-  template <int D>
-  void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {
-    const unsigned across = axes_across(set, of.number);
-    for (const auto& f : all) {
-      const double value = f.values[of.j];
-      f.values[of.i] = std::popcount(across & f.along) % 2 == 0 ? value : -value;
-    }
-  }
-  template <class F>
-  void each_array(const F& f) const {
-    for (const auto& one : all) f(one.values);
-  }
+struct mirrored {
+  particles::array* values;
+  parity by = parity::even;
+  unsigned axes = 0;                          // signed_by_axes: bit a, axis a
+  std::size_t component = 0;                  // velocity: along this axis
+  bool sticks = true;                         // velocity: at walls of no slip; else all of them let slip
+  const particles::array* density = nullptr;  // hydrostatic: kg/m3, or kg
+  const double* g = nullptr;                  // hydrostatic: m/s2, a number an axis, looked at when images are filled
 };
-inline signed_fields even(std::initializer_list<particles::array*> fields) {
-  signed_fields rule;
-  for (auto* field : fields) rule.all.push_back({field->data(), 0});
-  return rule;
+using mirrored_fields = std::vector<mirrored>;
+
+inline mirrored_fields even(std::initializer_list<particles::array*> fields) {
+  mirrored_fields all;
+  for (auto* field : fields) all.push_back({field});
+  return all;
 }
 // The components of a vector.
 template <class Components>
-signed_fields vector(Components& components) {
-  signed_fields rule;
-  for (std::size_t a = 0; a < components.size(); ++a) rule.all.push_back({components[a].data(), 1U << a});
-  return rule;
+mirrored_fields vector(Components& components) {
+  mirrored_fields all;
+  for (std::size_t a = 0; a < components.size(); ++a)
+    all.push_back({.values = &components[a], .by = parity::signed_by_axes, .axes = 1U << a});
+  return all;
+}
+template <class Components>
+mirrored_fields velocity(Components& components, bool sticks = true) {
+  mirrored_fields all;
+  for (std::size_t a = 0; a < components.size(); ++a)
+    all.push_back({.values = &components[a], .by = parity::velocity, .component = a, .sticks = sticks});
+  return all;
+}
+inline mirrored_fields temperature(particles::array& T) { return {{.values = &T, .by = parity::temperature}}; }
+// Of what is odd where the temperature less the wall's is: its Laplacian.
+inline mirrored_fields odd_temperature(particles::array& values) {
+  return {{.values = &values, .by = parity::odd_temperature}};
+}
+// p: Pa, or J.
+template <std::size_t D>
+mirrored_fields hydrostatic(particles::array& p, const particles::array& density, const std::array<double, D>& g) {
+  return {{.values = &p, .by = parity::hydrostatic, .density = &density, .g = g.data()}};
 }
 
-// sticks: at walls of no slip; else all of them let slip.
+// The value of an image, by its source's. A fixed flux of heat counts as none here.
 template <int D>
-struct velocity {
-  std::array<double*, D> v;
-  bool sticks = true;
+double image_value(const wall_set<D>& set, const particles::particles<D>& s, const mirrored& field, const image& of) {
+  double value = (*field.values)[of.j];
+  switch (field.by) {
+    case parity::even:
+      break;
+    case parity::signed_by_axes:
+      if (std::popcount(axes_across(set, of.number) & field.axes) % 2 != 0) value = -value;
+      break;
+    case parity::velocity:
+      for_each_mirror(set, of.number, [&](const side<D>& wall) {
+        value = reflected_component(wall, field.sticks, field.component, value);
+      });
+      break;
+    case parity::temperature:
+      value = mirror_temperature(set, of.number, value);
+      break;
+    case parity::odd_temperature:
+      for_each_mirror(set, of.number, [&](const side<D>& wall) {
+        if (wall.thermal == heat::fixed_temperature) value = -value;
+      });
+      break;
+    case parity::hydrostatic:
+      for (std::size_t a = 0; a < D; ++a)
+        if (field.g[a] != 0.0) value += (*field.density)[of.j] * field.g[a] * (s.x[a][of.i] - s.x[a][of.j]);
+      break;
+  }
+  return value;
+}
 
-  template <class Components>
-  explicit velocity(Components& components, bool with_no_slip = true) : sticks(with_no_slip) {
-    for (std::size_t a = 0; a < D; ++a) v[a] = components[a].data();
-  }
-  void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {
-    std::array<double, D> value;
-    for (std::size_t a = 0; a < D; ++a) value[a] = v[a][of.j];
-    for_each_mirror(set, of.number, [&](const side<D>& wall) { reflect_velocity<D>(wall, sticks, value); });
-    for (std::size_t a = 0; a < D; ++a) v[a][of.i] = value[a];
-  }
-  template <class F>
-  void each_array(const F& f) const {
-    for (double* component : v) f(component);
-  }
-};
-
-struct temperature {
-  double* T;  // K
-
-  template <int D>
-  void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {
-    T[of.i] = mirror_temperature(set, of.number, T[of.j]);
-  }
-  template <class F>
-  void each_array(const F& f) const {
-    f(T);
-  }
-};
-
-// What is odd where the temperature less the wall's is: its Laplacian.
-struct odd_temperature {
-  double* values;
-
-  template <int D>
-  void operator()(const wall_set<D>& set, const particles::particles<D>&, const image& of) const {
-    double value = values[of.j];
-    for_each_mirror(set, of.number, [&](const side<D>& wall) {
-      if (wall.thermal == heat::fixed_temperature) value = -value;
-    });
-    values[of.i] = value;
-  }
-  template <class F>
-  void each_array(const F& f) const {
-    f(values);
-  }
-};
-
+// The images [first, last) of these fields, whose sources are up to date.
 template <int D>
-struct hydrostatic {
-  double* p;                // Pa, or J
-  const double* density;    // kg/m3, or kg
-  std::array<double, D> g;  // m/s2
-
-  void operator()(const wall_set<D>&, const particles::particles<D>& s, const image& of) const {
-    double value = p[of.j];
-    for (std::size_t a = 0; a < D; ++a)
-      if (g[a] != 0.0) value += density[of.j] * g[a] * (s.x[a][of.i] - s.x[a][of.j]);
-    p[of.i] = value;
-  }
-  template <class F>
-  void each_array(const F& f) const {
-    f(p);
-  }
-};
-
-// The images [first, last) of these fields, whose sources are up to date. Rules that read each other's images, or
-// places, stand behind them.
-template <int D, class... Rules>
 void fill_image_range(const wall_set<D>& set, const particles::particles<D>& s, std::size_t first, std::size_t last,
-                      const Rules&... rules) {
-  for_each_image(set, s, first, last, [&](const image& of) { (rules(set, s, of), ...); });
+                      const mirrored_fields& fields) {
+  for_each_image(set, s, first, last, [&](const image& of) {
+    for (const auto& field : fields) (*field.values)[of.i] = image_value(set, s, field, of);
+  });
 }
-template <int D, class... Rules>
-void fill_images(const wall_set<D>& set, const particles::particles<D>& s, const Rules&... rules) {
-  fill_image_range(set, s, 0, set.source.size(), rules...);
+template <int D>
+void fill_images(const wall_set<D>& set, const particles::particles<D>& s, const mirrored_fields& fields) {
+  fill_image_range(set, s, 0, set.source.size(), fields);
 }
 
 // Collective. Ghosts of these fields, then images.
-template <int D, class... Rules>
-void update_ghosts_and_images(const pairs::workspace<D>& w, const wall_set<D>& set, const Rules&... rules) {
-  std::vector<double*> fields;
-  (rules.each_array([&](double* a) { fields.push_back(a); }), ...);
-  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields));
-  fill_images(set, w.s, rules...);
+template <int D>
+void update_ghosts_and_images(const pairs::workspace<D>& w, const wall_set<D>& set, const mirrored_fields& fields) {
+  std::vector<double*> arrays;
+  for (const auto& field : fields) arrays.push_back(field.values->data());
+  domain::exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(arrays));
+  fill_images(set, w.s, fields);
 }
 
 }  // namespace tetsuame::walls

@@ -240,8 +240,9 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
   constexpr std::size_t N = D + 4 + (Transport ? 2 : 0);
   std::array<const double*, N> arrays;
   std::copy_n(pairs::pointers<D>(s.v).begin(), D, arrays.begin());
-  const std::array<const double*, 6> scalars{s.T.data(), s.rho.data(), s.dV.data(),
-                                             s.m.data(), s.eta.data(), s.k.data()};
+  auto &density = set.densities(s), &volume = set.volumes(s);
+  const std::array<const double*, 6> scalars{s.T.data(), density.data(), volume.data(),
+                                             s.m.data(), s.eta.data(),   s.k.data()};
   std::copy_n(scalars.begin(), N - D, arrays.begin() + D);
   set.unread.reset();
   if (set.complete) find_unread(w, set);
@@ -253,8 +254,8 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
       mirror_velocity<D>(set, r, v);
       for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
       s.T[i] = mirror_temperature(set, r, values[D]);
-      s.rho[i] = values[D + 1];
-      s.dV[i] = values[D + 2];
+      density[i] = values[D + 1];
+      volume[i] = values[D + 2];
       set.mass[r] = values[D + 3];
       if constexpr (Transport) s.eta[i] = values[D + 4], s.k[i] = values[D + 5];
     };
@@ -262,9 +263,9 @@ void marker_kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
                      : find_shapes<D, real>(w, set, rows, arrays, mirror);
   });
   if constexpr (Transport)
-    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.eta.data(), s.k.data(), s.dV.data()});
+    w.exchange_walls(s.v, {s.T.data(), density.data(), s.eta.data(), s.k.data(), volume.data()});
   else
-    w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.dV.data()});
+    w.exchange_walls(s.v, {s.T.data(), density.data(), volume.data()});
 }
 
 template <int D>
@@ -283,8 +284,8 @@ std::vector<std::size_t> walled_axes(const wall_set<D>& set) {
 
 // Σ of the viscous forces (N) on these rows, of N components, and other terms' sums over the same neighbours.
 template <int D, std::size_t N, class... Added>
-void viscous_forces(const pairs::workspace<D>& w, const pairs::row_subset& rows, const std::array<const double*, N>& v,
-                    const std::array<double*, N>& force, const Added&... added) {
+void viscous_forces(const pairs::workspace<D>& w, const particles::array& V, const pairs::row_subset& rows,
+                    const std::array<const double*, N>& v, const std::array<double*, N>& force, const Added&... added) {
   using diffusion::viscous_sum;
   const auto& s = w.s;
   constexpr bool shared = sizeof...(Added) > 0;
@@ -295,29 +296,29 @@ void viscous_forces(const pairs::workspace<D>& w, const pairs::row_subset& rows,
       w.sum(rows, viscous);
   };
   if (w.uniform_transport)
-    sum(viscous_sum<D, double, N, false, shared>{v, *w.uniform_transport, s.dV.data(), force});
+    sum(viscous_sum<D, double, N, false, shared>{v, *w.uniform_transport, V.data(), force});
   else
-    sum(viscous_sum<D, const double*, N, false, shared>{v, s.eta.data(), s.dV.data(), force});
+    sum(viscous_sum<D, const double*, N, false, shared>{v, s.eta.data(), V.data(), force});
 }
 
 // f = ν∇²v + g of these rows, along axes that have walls. Along one alone it takes a third less.
 template <int D, class... Added>
-void sum_acceleration(const pairs::workspace<D>& w, wall_set<D>& set, const pairs::row_subset& near,
-                      const Added&... added) {
+void sum_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const pairs::row_subset& near, const Added&... added) {
   const auto& s = w.s;
+  const auto& V = set.volumes(w.s);
   const auto axes = walled_axes(set);
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) { (*set.f[a])[near.rows[k]] = 0.0; });
   // Where other sums share the pass, most of it is theirs.
   const foundation::stage timed(w.times, sizeof...(Added) > 0 ? "pressure" : "walls");
   if (axes.size() == 1) {
-    viscous_forces<D, 1>(w, near, {s.v[axes[0]].data()}, {set.f[axes[0]]->data()}, added...);
+    viscous_forces<D, 1>(w, V, near, {s.v[axes[0]].data()}, {set.f[axes[0]]->data()}, added...);
   } else {
     // Along axes without walls nobody reads it.
     std::array<double*, D> f;
     particles::array unread(axes.size() < D ? s.total() + 1 : 0);
     for (std::size_t a = 0; a < D; ++a) f[a] = set.f[a] == nullptr ? unread.data() : set.f[a]->data();
-    viscous_forces<D, D>(w, near, pairs::pointers<D>(s.v), f, added...);
+    viscous_forces<D, D>(w, V, near, pairs::pointers<D>(s.v), f, added...);
   }
   for (const std::size_t a : axes)
     foundation::for_all(near.rows.size(), [&](std::size_t k) {
@@ -343,6 +344,7 @@ void nonpressure_acceleration(pairs::workspace<D>& w, wall_set<D>& set, const Ad
 template <int D, std::size_t N, class Put>
 void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array<const double*, N>& fields, Put&& put) {
   const auto& s = w.s;
+  const auto& density = set.density != nullptr ? *set.density : s.rho;
   const auto axes = walled_axes(set);
   const auto sweep = [&]<std::size_t Axes>(std::integral_constant<std::size_t, Axes>) {
     std::array<const double*, N + Axes> all;
@@ -354,7 +356,7 @@ void at_markers(const pairs::workspace<D>& w, wall_set<D>& set, const std::array
         if constexpr (Axes > 0) {
           double f_dx = 0.0;
           for (std::size_t k = 0; k < Axes; ++k) f_dx += values[N + k] * (s.x[axes[k]][i] - set.marker[axes[k]][r]);
-          set.pressure_step[r] = s.rho[i] * f_dx;
+          set.pressure_step[r] = density[i] * f_dx;
           set.weight_step[r] = set.mass[r] * f_dx;
         }
         put(i, values);

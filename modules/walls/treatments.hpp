@@ -1,7 +1,6 @@
 // What stands beyond a wall, by name (docs/theory/walls.md). Every treatment has the same steps, called in this
 // order in each evaluation (the fluid's ghosts are up to date, ρ, ΔV and the constants too):
 //
-//   places       of what stands behind the walls, where it moves with the fluid     (before the volumes are found)
 //   kinematics   v, T, η, k, ΔV of the wall particles; with markers f = ν∇²v + g of the fluid that they see, and, when
 //                terms are handed over, their sums over the same neighbours in the same pass
 //   weights      Y of the wall particles from the fluid's Y          (before pressure is smoothed)
@@ -19,8 +18,6 @@ namespace tetsuame::walls {
 
 // Steps that a treatment does not need.
 struct nothing {
-  template <int D>
-  static void places(pairs::workspace<D>&, wall_set<D>&) {}
   template <int D>
   static void kinematics(pairs::workspace<D>&, wall_set<D>&) {}
   template <int D>
@@ -93,17 +90,19 @@ struct frozen : nothing {
   template <int D>
   static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
     auto& s = w.s;
+    auto &density = set.densities(s), &volume = set.volumes(s);
     for (std::size_t r = 0; r < s.walls; ++r) {
       const std::size_t i = s.first_wall() + r;
       std::array<double, D> v{};
       for (std::size_t k = 0; k < set.sides.size(); ++k)
         if ((set.mirrored[r] >> k & 1U) != 0) v = set.sides[k].velocity;
       for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-      s.rho[i] = set.rho_given[r];
+      s.rho[i] = density[i] = set.rho_given[r];
       s.p[i] = set.p_given[r];
-      s.dV[i] = s.m[i] / s.rho[i];
+      s.dV[i] = volume[i] = s.m[i] / s.rho[i];
     }
     w.exchange_walls(s.v, {s.T.data(), s.rho.data(), s.p.data(), s.dV.data(), s.eta.data(), s.k.data()});
+    if (&volume != &s.dV) w.exchange_walls({volume.data(), density.data()});
   }
   template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>&) {
@@ -117,22 +116,8 @@ struct mirror : nothing {
   static constexpr bool has_particles = false, has_markers = false;
 
   template <int D>
-  static void places(pairs::workspace<D>& w, wall_set<D>& set) {
-    move_images(set, w.s);
-  }
-  template <int D>
-  static void kinematics(pairs::workspace<D>& w, wall_set<D>& set) {
-    auto& s = w.s;
-    fill_images(set, s, velocity<D>{s.v}, temperature{s.T.data()}, even({&s.rho, &s.dV, &s.eta, &s.k}));
-  }
-  template <int D>
   static void weights(pairs::workspace<D>& w, wall_set<D>& set) {
-    fill_images(set, w.s, hydrostatic<D>{w.s.Y.data(), w.s.m.data(), w.g});
-  }
-  template <int D>
-  static void pressures(pairs::workspace<D>& w, wall_set<D>& set) {
-    auto& s = w.s;
-    fill_images(set, s, hydrostatic<D>{s.p.data(), s.rho.data(), w.g}, even({&s.dV}));
+    fill_images(set, w.s, hydrostatic(w.s.Y, w.s.m, w.g));
   }
   template <int D>
   static void push(const pairs::workspace<D>& w, const wall_set<D>& set, const std::array<double*, D>& force) {

@@ -75,6 +75,11 @@ struct wall_set {
   pairs::row_subset rows_near_walls;
   cells::neighbour_list wall_neighbours;
   pairs::remainder interior_apart, border_apart;
+  // What the walls' kinematics take for volume and density of the fluid; null: ΔV and ρ.
+  particles::array *volume = nullptr, *density = nullptr;
+  particles::array& volumes(particles::particles<D>& s) const { return volume != nullptr ? *volume : s.dV; }
+  particles::array& densities(particles::particles<D>& s) const { return density != nullptr ? *density : s.rho; }
+
   particles::array* kernel_sum = nullptr;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it
 
   // Fields of the particles, m/s2, of fluid near the walls: ν∇²v + g. None along axes that have no walls.
@@ -202,11 +207,13 @@ void place(pairs::workspace<D>& w, wall_set<D>& set, std::int64_t fluid_total, d
 // Values of a wall particle from those at its marker, one mirror after the other: odd about
 // the wall's value where it is fixed, even where it is free. In a corner both walls act.
 template <int D>
+double reflected_component(const side<D>& wall, bool sticks, std::size_t a, double v) {
+  if (sticks && wall.no_slip) return 2.0 * wall.velocity[a] - v;  // v_w = 2 u_wall - v_m
+  return a == wall.axis ? -v : v;                                 // v_w = v_m - 2 (v_m·n) n
+}
+template <int D>
 void reflect_velocity(const side<D>& wall, bool sticks, std::array<double, D>& v) {
-  if (sticks && wall.no_slip)
-    for (std::size_t a = 0; a < D; ++a) v[a] = 2.0 * wall.velocity[a] - v[a];  // v_w = 2 u_wall - v_m
-  else
-    v[wall.axis] = -v[wall.axis];  // v_w = v_m - 2 (v_m·n) n
+  for (std::size_t a = 0; a < D; ++a) v[a] = reflected_component(wall, sticks, a, v[a]);
 }
 template <int D>
 void mirror_velocity(const wall_set<D>& set, std::size_t r, std::array<double, D>& v) {

@@ -28,6 +28,7 @@ struct scene {
     p = resolve(schema, o);
     f.emplace(o, p);
     set_up(*f);
+    free_surface::declare(*f);
     rebuild();
   }
   void rebuild() {
@@ -46,7 +47,7 @@ struct scene {
     for (const auto& component : f->free.state) all.emplace_back(component.size(), 0.0);
     std::vector<double*> places;
     for (auto& a : all) places.push_back(a.data());
-    evaluate(*f, std::span<double* const>(places));
+    f->rates.run(places);
     return all;
   }
   template <class Value>

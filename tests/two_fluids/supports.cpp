@@ -2,8 +2,8 @@
 // The same of the force of walls.
 #include <liquid/passes.hpp>
 #include <namelist/document.hpp>
+#include <two_fluids/evaluation.hpp>
 #include <two_fluids/measures.hpp>
-#include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/start.hpp>
 #include <two_fluids/step_limit.hpp>
 
@@ -19,6 +19,7 @@ struct box {
   options o;
   parameters p;
   std::unique_ptr<fluids<2>> f;
+  std::unique_ptr<list_of_passes<2>> passes;
   std::vector<std::vector<double>> rates;
 
   box(const std::string& volume, const std::string& reference, const std::string& walls,
@@ -39,6 +40,8 @@ struct box {
     place_fluid(*f);
     find_reference(*f);
     find_limit(*f);
+    passes = std::make_unique<list_of_passes<2>>(*f, nullptr);
+    passes->declare(1.0, {});
     auto& s = f->world.w.s;
     // Off the lattice, so that neither supports nor f_i are those of a lattice.
     for (std::size_t i = 0; i < s.fluid; ++i)
@@ -53,19 +56,24 @@ struct box {
     evaluate();
   }
 
+  // Places of ghosts and images.
+  void move_ghosts() {
+    auto& w = f->world.w;
+    domain::exchange<2>(w.d.ranks, w.d.fluid_halo, {}, &w.s.x);
+    walls::move_images(f->world.walls, w.s);
+  }
   void evaluate() {
     std::vector<double*> to;
     for (auto& r : rates) to.push_back(r.data());
-    two_fluids::evaluate(*f, std::span<double* const>(to));
+    passes->e.run(std::span<double* const>(to));
   }
 
   // With the supports that belong to the places.
   double potential() {
     auto& s = f->world.w.s;
     for (int round = 0; round < 20; ++round) {
-      begin_halo_exchange(*f);
-      end_motion(*f);
-      count_neighbours(*f);
+      move_ghosts();
+      count_neighbours(*f, f->world.w.fluid());
       follow_volumes(*f);
     }
     evaluate();
@@ -135,9 +143,8 @@ BOOST_AUTO_TEST_CASE(momentum_stays) {
       s.rho[i] *= 1.0 + 0.05 * test::noise(s.id[i], 2);
       for (std::size_t a = 0; a < 2; ++a) s.v[a][i] = 100.0 * test::noise(s.id[i], 3 + static_cast<int>(a));
     }
-    two_fluids::begin_halo_exchange(*b.f);
-    two_fluids::end_motion(*b.f);
-    if (!b.f->carried) count_neighbours(*b.f);
+    b.move_ghosts();
+    if (!b.f->carried) count_neighbours(*b.f, b.f->world.w.fluid());
     follow_volumes(*b.f);
     b.evaluate();
     foundation::exact_sum force, scale;

@@ -1,38 +1,47 @@
-// The stages of an evaluation that find Y, in the right-hand side's order.
+// An evaluation of a scene by the passes of a program with these modules, as problems have it.
 #pragma once
 
-#include <volume/smoothed.hpp>
+#include <gradient/pattern_1.hpp>
+#include <liquid/evaluation.hpp>
 
 #include "../support/scene.hpp"
 
 namespace tetsuame::test {
 
+template <class Volume, class Pressure>
+struct program_of {
+  using volume = Volume;
+  using pressure = Pressure;
+  using gradient = gradient::pattern_1;
+};
+
 template <class Pressure, class Volume, int D>
 void evaluate(hydrostatic::scene<D>& scene, Volume& how, const volume::smoothing_options& smoothing = {}) {
   auto& w = scene.w;
+  auto& s = w.s;
   w.first_fault = {};
-  const volume::wall_context<D> around{scene.treatment, scene.walls, smoothing};
-  if constexpr (volume::works_ahead<Volume>) {
-    how.ahead(w);
-    how.with_ghosts(w);
-  } else {
-    how.before_walls(w, around);
+  const std::size_t fields_before = s.extras.size();
+  {
+    passes::evaluation<D> e(scene);
+    e.integrate_motion({});
+    e.integrate(s.T, {"T"});
+    e.integrate(s.u, {"u"});
+    passes::fields rates{s.x, s.v, s.T, s.u};
+    if (Volume::carried == volume::carries::density) e.integrate(s.rho, {"rho"}), rates.add({s.rho});
+    if (Volume::carried == volume::carries::weight) e.integrate(s.Y, {"Y"}), rates.add({s.Y});
+    liquid::list_of_passes<program_of<Volume, Pressure>, D> list(scene, how, smoothing);
+    list.declare(e, rates, false, [&] { return liquid::rates_in_order<D>(e.rates()); });
+    e.complete(passes::behind<D>(scene));
+    BOOST_TEST_MESSAGE(e.describe());
+    std::vector<std::vector<double>> rate(e.fields().size(), std::vector<double>(s.fluid));
+    std::vector<double*> to;
+    for (auto& r : rate) to.push_back(r.data());
+    e.run(to);
   }
   w.agree();
-  if constexpr (volume::works_ahead<Volume>) {
-    Pressure::sum_apart(w, around, true);
-    Pressure::with_kinematics(w, around);
-    around.weights(w);
-    Pressure::sum_apart(w, around, false);
-    Pressure::add_walls(w, around);
-    Pressure::begin(w);
-    Pressure::end(w);
-  } else {
-    std::visit([&](auto t) { t.kinematics(w, scene.walls); }, scene.treatment);
-    how.template determine<Pressure>(w, around);
-  }
-  w.agree();
-  std::visit([&](auto t) { t.pressures(w, scene.walls); }, scene.treatment);
+  // The fields that the list has declared go with it.
+  while (s.extras.size() > fields_before) s.extras.pop_back();
+  scene.walls.volume = scene.walls.density = scene.walls.kernel_sum = nullptr;
 }
 
 // The state's ghosts as the time integration would have them.

@@ -20,12 +20,18 @@ using namespace tetsuame::test;
                                                                          const volume::weight_sum<D, true>&);        \
   extern template void tetsuame::walls::detail::marker_weights(pairs::workspace<D>&, walls::wall_set<D>&);           \
   extern template void tetsuame::walls::detail::marker_pressures(pairs::workspace<D>&, walls::wall_set<D>&);         \
-  extern template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, double, double*);             \
-  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::row_range&);                \
-  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, bool, const pairs::remainder&);                \
-  extern template void tetsuame::volume::smoothed::add_walls(pairs::workspace<D>&,                                   \
-                                                             const tetsuame::volume::wall_context<D>&);              \
-  extern template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool)
+  extern template void tetsuame::volume::volumes_by_number(const pairs::workspace<D>&, const pairs::row_range&,      \
+                                                           double, double*);                                         \
+  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, bool,                 \
+                                                const pairs::row_range&);                                            \
+  extern template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, bool,                 \
+                                                const pairs::remainder&);                                            \
+  extern template void tetsuame::volume::smooth_over_walls<D, false>(pairs::workspace<D>&, walls::wall_set<D>&);     \
+  extern template void tetsuame::volume::smooth_over_walls<D, true>(pairs::workspace<D>&, walls::wall_set<D>&);      \
+  extern template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool, const pairs::row_range&);     \
+  extern template void tetsuame::liquid::begin_forces(run::state<D>&, const liquid::rates<D>&);                      \
+  extern template void tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D>(                               \
+      run::state<D>&, const liquid::rates<D>&, const pairs::row_range&)
 
 TETSUAME_VOLUME_PASSES(2);
 TETSUAME_VOLUME_PASSES(3);
@@ -245,10 +251,10 @@ BOOST_AUTO_TEST_CASE(smoothing_in_parts_is_one_sum) {
     volume::our_method how;
     test::evaluate<volume::smoothed>(scene, how, {.normalise = normalise});
     const auto parts = fluid_by_id(scene, w.s.p);
-    how.ahead(w);
-    how.with_ghosts(w);
+    volume::weights_by_density(w, w.s.dV, 0, w.s.first_wall());
     walls::virtual_marker::kinematics(w, scene.walls);
-    volume::find_pressure<volume::smoothed>(w, {scene.treatment, scene.walls, {.normalise = normalise}});
+    walls::virtual_marker::weights(w, scene.walls);
+    volume::smooth(w, w.s.dV, normalise, w.fluid());
     const auto once = fluid_by_id(scene, w.s.p);
     double apart = 0.0;
     for (std::size_t k = 0; k < once.size(); ++k)

@@ -11,6 +11,7 @@
 #include <liquid/sums.hpp>
 #include <operators/consistent.hpp>
 #include <particles/named_fields.hpp>
+#include <passes/evaluation.hpp>
 #include <run/particle_simulation.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
@@ -44,34 +45,11 @@ class problem : public run::particle_simulation<D> {
     if (o.common.start.is_read()) run::start_from_file(o.common.start, {.motion = false}, world_);
     this->about = o.lines;
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
+    declare_evaluation();
   }
 
-  std::vector<integrators::field> fields() override {
-    return {{"T", world_.w.s.T.data(), 0.0, std::abs(o_.start - o_.temperature_top())}};
-  }
-
-  void sum_rates(std::span<double* const> rate) override {
-    auto& w = world_.w;
-    auto& s = w.s;
-    refresh_temperature();
-    double* dT = rate[0];
-    if (o_.scheme == "sum") {
-      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] = 0.0; });
-      w.sum(w.fluid(), diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), dT});
-      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] /= volume_; });
-    } else {
-      bool singular = false;
-      operators::consistent<D, 1> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_, {}, &singular};
-      term.B = B_.read();
-      term.out.next_B = next_B_.data();
-      term.out.gradient[0] = gradient_.data();
-      term.out.laplacian[0] = dT;
-      term.out.plain[0] = next_plain_.data();
-      w.sum(w.fluid(), term);
-      if (singular) w.first_fault.report(0, "particles lie so that a gradient is not determined");
-      foundation::for_all(s.fluid, [&](std::size_t i) { dT[i] *= o_.kappa; });
-    }
-  }
+  std::vector<integrators::field> fields() override { return evaluation_.fields(); }
+  void sum_rates(std::span<double* const> rate) override { evaluation_.run(rate); }
 
   // Euler on the lattice is stable up to dx²/(2 d kappa).
   integrators::step_limit largest_step() override {
@@ -158,18 +136,57 @@ class problem : public run::particle_simulation<D> {
     return {std::sqrt(squares / static_cast<double>(world_.fluid_total)), ranks.maximum(largest), heat};
   }
 
-  // Of ghosts, and of what stands behind the walls.
-  void refresh_temperature() {
-    auto& w = world_.w;
-    auto& s = w.s;
-    if (world_.mirrors()) return walls::update_ghosts_and_images(w, world_.walls, walls::temperature{s.T.data()});
-    w.exchange_fluid({s.T.data()});
-    std::visit([&](auto t) { t.kinematics(w, world_.walls); }, world_.treatment);
+  void declare_evaluation() {
+    auto& e = evaluation_;
+    auto& s = world_.w.s;
+    e.integrate(s.T, {.name = "T", .scale = std::abs(o_.start - o_.temperature_top())});
+    e.given({s.k, s.dV, plain_, B_});
+    e.mirrored(walls::temperature(s.T));
+    std::visit(
+        [&]<class Treatment>(Treatment t) {
+          if constexpr (Treatment::has_particles)
+            e.walls("walls", {.at_neighbours = {s.T}, .gives = {s.T}},
+                    [this, t] { t.kinematics(world_.w, world_.walls); });
+        },
+        world_.treatment);
+    if (consistent_)
+      declare_consistent(e);
+    else
+      declare_plain(e);
+    e.complete(passes::behind<D>(world_));
+  }
+  void declare_plain(passes::evaluation<D>& e) {
+    auto& s = world_.w.s;
+    e.sum("conduction", {.at_neighbours = {s.T, s.k, s.dV}, .writes = {heat_}}, [this, &s](const auto& rows) {
+      std::fill(heat_.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                heat_.begin() + static_cast<std::ptrdiff_t>(rows.last), 0.0);
+      world_.w.sum(rows, diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), heat_.data()});
+    });
+    e.each("rates", {.reads = {heat_}, .rates = {s.T}},
+           [this](std::size_t i) { evaluation_.rate(0)[i] = heat_[i] / volume_; });
+  }
+  void declare_consistent(passes::evaluation<D>& e) {
+    auto& s = world_.w.s;
+    e.sum("conduction",
+          {.reads = {B_},
+           .at_neighbours = {s.T, plain_},
+           .writes = {next_B_, gradient_, next_plain_},
+           .accumulates = {s.T}},
+          [this, &s](const auto& rows) {
+            bool singular = false;
+            operators::consistent<D, 1> term{{s.T.data()}, {plain_.data()}, {}, volume_, beta_, {}, &singular};
+            term.B = B_.read();
+            term.out.next_B = next_B_.data();
+            term.out.gradient[0] = gradient_.data();
+            term.out.laplacian[0] = evaluation_.rate(0);
+            term.out.plain[0] = next_plain_.data();
+            world_.w.sum(rows, term);
+            if (singular) world_.w.first_fault.report(0, "particles lie so that a gradient is not determined");
+          });
+    e.each("rates", {.rates = {s.T}}, [this](std::size_t i) { evaluation_.rate(0)[i] *= o_.kappa; });
   }
   // The Laplacian is odd where the temperature less the wall's is: there it is zero.
-  void refresh_memory() {
-    walls::update_ghosts_and_images(world_.w, world_.walls, walls::odd_temperature{plain_.data()});
-  }
+  void refresh_memory() { walls::update_ghosts_and_images(world_.w, world_.walls, walls::odd_temperature(plain_)); }
 
   const options& o_;
   run::state<D> world_;
@@ -186,6 +203,8 @@ class problem : public run::particle_simulation<D> {
       particles::declare_vector_if<S>(consistent_, world_.w.s, "NextLaplacianWeight", "1", particles::role::derived);
   particles::vector_field<D> gradient_ =
       particles::declare_vector_if<D>(consistent_, world_.w.s, "GradientOfT", "K/m", particles::role::derived);
+  particles::array& heat_ = particles::declare_if(!consistent_, world_.w.s, "Heating", "W", particles::role::derived);
+  passes::evaluation<D> evaluation_{world_};
 };
 
 }  // namespace tetsuame::conduction

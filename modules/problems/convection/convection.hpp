@@ -1,9 +1,11 @@
 // Thermal convection as the time loop asks for it. state.hpp: what there is; mirror.hpp: walls; pass.hpp: sums;
-// rates.hpp: the equations; step.hpp: what lags behind; levels.hpp: coarser lattices before; history.hpp: measures.
+// rates.hpp: the equations; evaluation.hpp: these in order; step.hpp: what lags behind; levels.hpp: coarser lattices
+// before; history.hpp: measures.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <convection/evaluation.hpp>
 #include <convection/history.hpp>
 #include <convection/levels.hpp>
 #include <convection/step.hpp>
@@ -11,10 +13,6 @@
 #include <run/particle_simulation.hpp>
 
 namespace tetsuame::convection {
-
-// pass.hpp; of each law compiled by itself (programs/convection).
-template <int D, int K, bool graded>
-void sum_over_neighbours(convection_state<D>& state, const pairs::row_range& rows, bool whole);
 
 template <int D>
 class problem : public run::particle_simulation<D> {
@@ -24,43 +22,11 @@ class problem : public run::particle_simulation<D> {
 
   problem(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {
     this->about = state_.layer.lines;
+    convection::declare(state_, evaluation_, [this] { return base::evaluating().may_commit; });
   }
 
-  std::vector<integrators::field> fields() override {
-    auto& s = state_.fluid();
-    const auto& layer = state_.layer;
-    const auto& f = layer.fluid;
-    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-    const double speed = layer.slowing.speed, pressure = f.rho * f.alpha * f.dT * f.g * f.L;
-    std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, state_.world.w.dx});
-    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, speed});
-    all.push_back({"T", s.T.data(), 0.0, f.dT});
-    all.push_back({"p", state_.p.data(), 0.0, pressure});
-    for (std::size_t a = 0; a < D && layer.relaxed; ++a)
-      all.push_back({std::string("z") + axis[a], state_.z[a].data(), 0.0, speed});
-    for (std::size_t k = 0; k < state_.earlier_rates.size(); ++k)
-      all[k].previous_rate = state_.earlier_rates[k]->data();
-    return all;
-  }
-
-  void sum_rates(std::span<double* const> rate) override {
-    const auto& layer = state_.layer;
-    const bool whole = base::evaluating().may_commit;  // lagged terms are kept
-    const auto sum = [&](const pairs::row_range& rows) {
-      if (layer.law.varies)
-        sum_over_neighbours<D, unknown<D>::count, true>(state_, rows, whole);
-      else if (layer.relaxed)
-        sum_over_neighbours<D, unknown<D>::count_with_z, false>(state_, rows, whole);
-      else
-        sum_over_neighbours<D, unknown<D>::count, false>(state_, rows, whole);
-    };
-    begin_halo_exchange(state_);
-    sum(state_.world.w.interior());
-    end_halo_exchange(state_);
-    sum(state_.world.w.at_border());
-    rates_of_change(state_, rate);
-  }
+  std::vector<integrators::field> fields() override { return evaluation_.fields(); }
+  void sum_rates(std::span<double* const> rate) override { evaluation_.run(rate); }
   // In a closed box the mean divergence is zero: what the operators leave of it would let the mean pressure, which
   // nothing feels, grow without bound.
   void complete_rates(std::span<double* const> rate) override { remove_mean(state_, rate[D + unknown<D>::p]); }
@@ -204,6 +170,7 @@ class problem : public run::particle_simulation<D> {
 
  private:
   convection_state<D> state_;
+  passes::evaluation<D> evaluation_{state_.world};
   measured measured_;
   bool lacks_rate_ = false;  // of the step before: 'ab2' starts anew
 };

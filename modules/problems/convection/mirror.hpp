@@ -1,4 +1,4 @@
-// What ghosts and images hold: the state before each evaluation, what lags behind when that moves on.
+// What images hold: the state before each evaluation, what lags behind, of ghosts too, when that moves on.
 //
 // Walls are mirror images (walls/mirror.hpp). p is even but for the step that the momentum balance asks for,
 //   p_g = p_s - 2 d ∂p/∂n,  ∂p/∂n = ρ₀ (ν ∇²u_n [no slip] + [(∇v + ∇vᵀ - ∇·v)·∇ν]_n + b n_y)
@@ -107,28 +107,9 @@ void mirror_state(convection_state<D>& state, const std::vector<double*>& f, std
   (*state.own_viscosity)[i] = (*state.own_viscosity)[j];
 }
 
-// The state sets out to the ghosts; it is there, and that of images, after end_halo_exchange(). What the images lag
-// behind is in their lagged terms.
+// Of all images.
 template <int D>
-void begin_halo_exchange(convection_state<D>& state) {
-  auto& w = state.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "halo");
-  const bool varies = state.layer.law.varies;
-  if (varies) foundation::for_all(s.fluid, [&](std::size_t i) { set_viscosity(state, i, s.x[1][i]); });
-  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, unknown_arrays(state), &s.x);
-}
-
-template <int D>
-void end_halo_exchange(convection_state<D>& state) {
-  auto& w = state.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "halo");
-  const bool varies = state.layer.law.varies;
-  w.end_fluid();
-  walls::move_images(state.world.walls, s);
-  if (varies)
-    foundation::for_all(s.fluid_ghosts, [&](std::size_t g) { set_viscosity(state, s.fluid + g, s.x[1][s.fluid + g]); });
+void mirror_state(convection_state<D>& state) {
   const auto f = unknown_arrays(state);
   foundation::for_all(state.world.walls.source.size(), [&](std::size_t r) { mirror_state(state, f, r); });
 }

@@ -3,7 +3,7 @@
 //   pressure (surface.hpp)
 #pragma once
 
-#include <free_surface/free_bodies.hpp>
+#include <free_surface/evaluation.hpp>
 #include <free_surface/gauges.hpp>
 #include <free_surface/measures.hpp>
 #include <free_surface/surface.hpp>
@@ -98,39 +98,19 @@ class flow : public run::particle_simulation<D> {
     for (const auto& probe : probes_)
       for (const auto& column : probe.columns) read_.columns.push_back(column);
     set_up(f_);
+    free_surface::declare(f_);
     this->about = {fmt::format(
         "speed of sound {:.4g} m/s, kinematic viscosity {:.4g} m2/s {}", p.water.sound, p.kinematic_viscosity,
         p.by == scheme::riemann ? "beside what Riemann problems dissipate" : "with the artificial one")};
   }
 
-  std::vector<integrators::field> fields() override {
-    auto& s = f_.world.w.s;
-    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-    std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a) all.push_back({axis[a], s.x[a].data(), 0.0, f_.dx(), 0.0, f_.world.w.frame[a]});
-    for (std::size_t a = 0; a < D; ++a)
-      all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, 0.1 * f_.p.water.sound});
-    all.push_back({"rho", s.rho.data(), 0.0, 0.01 * f_.o.flow.density});
-    if (f_.free.empty()) return all;
-    // Of displacements, velocities, angles, spins; for bodies of a spacing and more.
-    constexpr std::size_t angles = moving_body<D>::angles;
-    for (std::size_t k = 0; k < f_.free.state.size(); ++k) {
-      const bool place = k < D, speed = k >= D && k < 2 * D, angle = k >= 2 * D && k < 2 * D + angles;
-      const double scale = place   ? f_.dx()
-                           : speed ? 0.1 * f_.p.water.sound
-                           : angle ? 1.0
-                                   : 0.1 * f_.p.water.sound / f_.p.height;
-      all.push_back(
-          {fmt::format("body_{}", k), f_.free.state[k].data(), 0.0, scale, 0.0, 0.0, nullptr, f_.free.state[k].size()});
-    }
-    return all;
-  }
+  std::vector<integrators::field> fields() override { return f_.rates.fields(); }
 
   void at_time(double t) override {
     base::at_time(t);
     set_bodies_at(f_, t);
   }
-  void sum_rates(std::span<double* const> rate) override { free_surface::evaluate(f_, rate); }
+  void sum_rates(std::span<double* const> rate) override { f_.rates.run(rate); }
   run::apart moved() override { return with_bodies(base::moved(), bodies_moved(f_)); }
   std::string farthest_moved() override {
     if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks, base::moved()).length())

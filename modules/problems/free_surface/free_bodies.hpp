@@ -1,5 +1,5 @@
 // Bodies that move freely: their acceleration and the pressure of their wall particles, each of which follows from the
-// other, and the evaluation of the water with them (docs/theory/free_bodies.md).
+// other (docs/theory/free_bodies.md).
 //
 // The pressure of a wall particle is linear in the acceleration A of its body,
 //   p_w(A) = p_w(0) + Σ_k G_k A_k,   G_k = -Σ_j share_j ρ_j e_k(½ (x_j + x_w))·(x_w - x_j)/Σ_j share_j
@@ -200,8 +200,6 @@ void find_rates_of_bodies(const water<D>& f, const std::vector<load<D>>& loads, 
   }
 }
 
-// ---- evaluations ------------------------------------------------------------------------------------------
-
 // Collective. Of those bodies whose force a gauge reads, at the state in the arrays.
 template <int D>
 std::vector<load<D>> read_loads(water<D>& f) {
@@ -218,22 +216,6 @@ std::vector<load<D>> read_loads(water<D>& f) {
     about.push_back(g.about ? of_solids<D>(*g.about) : b != nullptr ? b->now.to_space(centre) : centre);
   }
   return loads_on(f, bodies, about);
-}
-
-// Collective. Rates of x, v, ρ, and of the free bodies' state.
-template <int D>
-void evaluate(water<D>& f, std::span<double* const> rate) {
-  auto& w = f.world.w;
-  forget_accelerations(f);
-  begin_halo_exchange(f);
-  find_own(f, 0, w.s.fluid);
-  sum_over_neighbours(f, w.interior());
-  end_motion(f);
-  sum_over_neighbours(f, w.at_border());
-  if (f.has_tension()) find_tension(f);
-  if (!f.free.empty()) find_rates_of_bodies(f, accelerate_free_bodies(f), rate.subspan(2 * D + 1));
-  find_rates(f, rate.first(2 * D + 1));
-  w.agree();
 }
 
 }  // namespace tetsuame::free_surface

@@ -6,7 +6,7 @@
 // mirrored. Along a side the two are the same, so that no momentum is lost there.
 #pragma once
 
-#include <free_surface/right_hand_side.hpp>
+#include <free_surface/sums.hpp>
 #include <free_surface/tension.hpp>
 #include <map>
 #include <tuple>

@@ -9,7 +9,7 @@
 #define TETSUAME_WATER_PASSES(where, D)                                                                      \
   where template void tetsuame::free_surface::sum_over_neighbours(water<D>&, const pairs::row_range&);       \
   where template void tetsuame::free_surface::sum_over_neighbours(water<D>&, const pairs::row_subset&);      \
-  where template void tetsuame::free_surface::evaluate(water<D>&, std::span<double* const>);                 \
+  where template void tetsuame::free_surface::declare(water<D>&);                                            \
   where template void tetsuame::free_surface::set_up(water<D>&);                                             \
   where template void tetsuame::free_surface::arrange(water<D>&, double);                                    \
   where template std::vector<bool> tetsuame::free_surface::find_surface(water<D>&);                          \

@@ -21,7 +21,7 @@
 #pragma once
 
 #include <free_surface/moving.hpp>
-#include <free_surface/right_hand_side.hpp>
+#include <free_surface/sums.hpp>
 #include <free_surface/terms.hpp>
 #include <walls/bodies.hpp>
 #include <walls/mirror.hpp>

@@ -8,7 +8,7 @@
 // on a sphere exactly that of the neighbours' own distances from its centre. Its mean over V W |g| is what pulls.
 #pragma once
 
-#include <free_surface/right_hand_side.hpp>
+#include <free_surface/sums.hpp>
 
 namespace tetsuame::free_surface {
 

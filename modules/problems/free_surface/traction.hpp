@@ -157,7 +157,7 @@ std::vector<plane<D>> planes_of_gauge(const water<D>& f, const point& place) {
 }
 
 // Pa; collective. Pressures and volumes are those of now, of what stands behind walls too (refresh() in
-// right_hand_side.hpp).
+// water.hpp).
 template <int D>
 double pressure_at(const water<D>& f, const point& place) {
   const auto planes = planes_of_gauge(f, place);

@@ -5,6 +5,7 @@
 #include <free_surface/options.hpp>
 #include <limits>
 #include <particles/named_fields.hpp>
+#include <passes/evaluation.hpp>
 #include <run/start.hpp>
 
 namespace tetsuame::free_surface {
@@ -139,6 +140,9 @@ struct water {
   particles::array& least_near = field(true, "LeastEigenvalueNear", "1");
   particles::array& covered = field(true, "Covered", "1");
 
+  // Of dy/dt; of what follows from the state alone, as of now.
+  passes::evaluation<D> rates{world}, present{world};
+
   water(const options& of_input, const parameters& that_follow) : o(of_input), p(that_follow) {}
 
   water(const water&) = delete;  // its fields are the state's
@@ -187,6 +191,12 @@ struct water {
     return v2;
   }
 };
+
+// Collective. Ghosts, pressures, volumes, and what stands behind walls, as of now.
+template <int D>
+void refresh(water<D>& f) {
+  f.present.run({});
+}
 
 // Water slower than this part of c0 counts as less lively, by the square of its speed, where a sum would else make or
 // take energy at a rate that does not fall as that of viscosity does: its density diffuses less (in water at rest the

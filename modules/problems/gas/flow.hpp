@@ -6,7 +6,8 @@
 
 #include <bit>
 #include <gas/convergence.hpp>
-#include <gas/rates.hpp>
+#include <gas/evaluation.hpp>
+#include <gas/lists.hpp>
 #include <gas/start.hpp>
 #include <output/groups.hpp>
 #include <run/particle_simulation.hpp>
@@ -139,9 +140,10 @@ class flow : public run::particle_simulation<D> {
   flow(const options& o, const std::vector<level>& coarser)
       : base(g_, o.common.balance), g_(o, make_setup(o)), coarser_(coarser) {
     set_up(g_);
+    passes_.declare();
   }
 
-  std::vector<integrators::field> fields() override { return integrated_fields(g_); }
+  std::vector<integrators::field> fields() override { return passes_.e.fields(); }
 
   bool evaluable() override {
     const auto& s = g_.w.s;
@@ -150,7 +152,7 @@ class flow : public run::particle_simulation<D> {
     for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
     return ranks.minimum(least) > 0.0;
   }
-  void sum_rates(std::span<double* const> rate) override { gas::evaluate(g_, rate); }
+  void sum_rates(std::span<double* const> rate) override { passes_.e.run(rate); }
 
   // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
   integrators::step_limit largest_step() override {
@@ -230,13 +232,14 @@ class flow : public run::particle_simulation<D> {
     gas::make_lists(g_, as_they_were);
     const bool at_start = !settled_ && !as_they_were;
     settled_ = true;
-    if (at_start) settle(g_);
+    if (at_start) settle(g_, passes_.densities);
   }
 
  private:
   using numbers_of_totals = std::array<double, sizeof(totals<D>) / sizeof(double)>;
 
   world<D> g_;
+  list_of_passes<D> passes_{g_};
   const std::vector<level> coarser_;
   double time_ = 0.0;  // s, of the state
   bool settled_ = false;

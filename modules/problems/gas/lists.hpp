@@ -5,36 +5,15 @@
 
 namespace tetsuame::gas {
 
-// Weights of particles first to last.
+// The next step of Newton's method, by no more than the lists allow. S is what the sums take.
 template <int D>
-void find_weights(world<D>& g, std::size_t first, std::size_t last) {
-  const auto& s = g.w.s;
-  foundation::for_all(last - first, [&](std::size_t k) {
-    const std::size_t i = first + k;
-    g.weight[i] = g.weighs_energy ? s.m[i] * s.u[i] : g.weighs_volume ? g.start_volume[i] : s.m[i];
+void next_supports(world<D>& g) {
+  const double target = std::pow(g.support_over_dx, D);
+  foundation::for_all(g.w.s.fluid, [&](std::size_t i) {
+    const double S = g.support[i], next = schemes::next_support(S, g.count[i], g.count_slope[i], target);
+    g.support[i] = std::min(next, g.list_support[i] + g.room_to_grow());
+    g.S[i] = g.support[i];
   });
-}
-
-// x, v, u set out to the ghosts; they are there, and those of images, with the weights, after end_halo_exchange().
-template <int D>
-void begin_halo_exchange(world<D>& g) {
-  auto& s = g.w.s;
-  const foundation::stage timed(g.w.times, "halo");
-  std::array<double*, D + 1> state;
-  for (std::size_t a = 0; a < D; ++a) state[a] = s.v[a].data();
-  state[D] = s.u.data();
-  domain::begin_exchange<D>(g.w.d.ranks, g.w.d.fluid_halo, std::span<double* const>(state), &s.x);
-  find_weights(g, 0, s.fluid);
-}
-
-template <int D>
-void end_halo_exchange(world<D>& g) {
-  auto& s = g.w.s;
-  const foundation::stage timed(g.w.times, "halo");
-  g.w.end_fluid();
-  walls::move_images(g.walls, s);
-  walls::fill_images(g.walls, s, walls::vector(s.v), walls::even({&s.u}));
-  find_weights(g, s.fluid, s.total());
 }
 
 // What ghosts and images keep while the lists live.
@@ -57,8 +36,6 @@ void make_lists(world<D>& g, bool as_they_were) {
   particles::clear_derived(s);
   refresh_constants(g);
   std::copy_n(g.support.begin(), s.fluid, g.S.begin());
-  begin_halo_exchange(g);
-  end_halo_exchange(g);
 }
 
 // m, what the lists cover.

@@ -2,7 +2,8 @@
 // their supports.
 #pragma once
 
-#include <gas/rates.hpp>
+#include <gas/evaluation.hpp>
+#include <gas/lists.hpp>
 
 namespace tetsuame::gas {
 
@@ -147,20 +148,18 @@ void set_up(world<D>& g) {
 // After the first lists. The start lattice's supports are those of an endless lattice: next to a jump they are not yet
 // the right ones.
 template <int D>
-void settle(world<D>& g) {
+void settle(world<D>& g, passes::evaluation<D>& densities) {
   for (int round = 0; round < 4; ++round) {
     for (int k = 0; k < 5; ++k) {
-      sum_densities(g, g.w.fluid());
+      densities.run({});
       next_supports(g);
     }
     make_lists(g, false);
   }
   if (!g.weighs_volume) return;
   // With the sums of the start a particle's density is at first what the input says, at contacts too.
-  sum_densities(g, g.w.fluid());
+  densities.run({});
   std::copy_n(g.y.begin(), g.w.s.fluid, g.start_sum.begin());
-  begin_derived_exchange(g);
-  end_derived_exchange(g);
 }
 
 }  // namespace tetsuame::gas

@@ -108,19 +108,4 @@ void sum(world<D>& g, const pairs::row_range& rows, const Term& term) {
   pairs::sum_over<D>(rows, g.w.list, {g.w.x(), g.w.frame}, schemes::distances_only{nearest}, term);
 }
 
-// At ghosts and images: first so many even fields, then the gradients of two of them, and that of a vector.
-template <int D>
-void spread(world<D>& g, std::span<double* const> arrays, std::size_t even) {
-  walls::signed_fields fields;
-  for (std::size_t n = 0; n < arrays.size(); ++n) {
-    unsigned along = 0;
-    if (n >= even) {
-      const std::size_t k = (n - even) / D, b = (n - even) % D;
-      along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
-    }
-    fields.all.push_back({arrays[n], along});
-  }
-  walls::update_ghosts_and_images(g.w, g.walls, fields);
-}
-
 }  // namespace tetsuame::gas

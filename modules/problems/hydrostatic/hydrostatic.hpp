@@ -10,25 +10,6 @@
 
 namespace tetsuame::hydrostatic {
 
-// Components of the state, in the order of liquid::rates: x, v, T, u, and ρ or Y where carried. The absolute errors
-// that steps with error control allow, beside those relative to a value (of positions, to the spacing), are far below
-// what a flow has: mm, um/s, uK.
-template <int D>
-std::vector<integrators::field> state_fields(scene<D>& scene, volume::carries carried) {
-  auto& s = scene.w.s;
-  std::vector<integrators::field> all;
-  constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-  for (std::size_t a = 0; a < D; ++a)
-    all.push_back({axis[a], s.x[a].data(), 1e-6 * scene.w.dx, scene.w.dx, 0.0, scene.w.frame[a]});
-  for (std::size_t a = 0; a < D; ++a)
-    all.push_back({std::string("v") + axis[a], s.v[a].data(), 1e-6, 0.0, scene.w.frame[a]});
-  all.push_back({"T", s.T.data(), 1e-6, 0.0});
-  all.push_back({"u", s.u.data(), 1e-3, 0.0});
-  if (carried == volume::carries::density) all.push_back({"rho", s.rho.data(), 1e-9, 0.0});
-  if (carried == volume::carries::weight) all.push_back({"Y", s.Y.data(), 1e-9, 0.0});
-  return all;
-}
-
 // Fluid and walls for a snapshot; of the fluid, displacement and exact solution too. `extra` holds what is made for the
 // occasion.
 template <int D>
@@ -75,10 +56,11 @@ class problem : public liquid::problem<D> {
       : base(world, o.balance, std::move(scheme)), o_(o) {
     set_up(o, of, world);
     scheme_->begin(world);
+    declare_evaluation();
   }
 
-  std::vector<integrators::field> fields() override { return state_fields(world, scheme_->carried()); }
-  void sum_rates(std::span<double* const> rate) override { scheme_->evaluate(world, liquid::rates<D>(rate)); }
+  std::vector<integrators::field> fields() override { return evaluation_.fields(); }
+  void sum_rates(std::span<double* const> rate) override { evaluation_.run(rate); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
 
   // ---- what is told -----------------------------------------------------------------------
@@ -151,7 +133,27 @@ class problem : public liquid::problem<D> {
   void place_walls() override { hydrostatic::place_walls(o_, world); }
 
  private:
+  // Integrated in the order of liquid::rates_in_order. The absolute errors that steps with error control allow, beside
+  // those relative to a value (of positions, to the spacing), are far below what a flow has: mm, um/s, uK.
+  void declare_evaluation() {
+    auto& e = evaluation_;
+    auto& s = world.w.s;
+    e.integrate_motion({1e-6 * world.w.dx, 1e-6, 0.0, true});
+    e.integrate(s.T, {"T", 1e-6});
+    e.integrate(s.u, {"u", 1e-3});
+    passes::fields rates{s.x, s.v, s.T, s.u};
+    const auto carry = [&](particles::array& field, const char* name) {
+      e.integrate(field, {name, 1e-9});
+      rates.add({field});
+    };
+    if (scheme_->carried() == volume::carries::density) carry(s.rho, "rho");
+    if (scheme_->carried() == volume::carries::weight) carry(s.Y, "Y");
+    scheme_->declare(world, e, rates, false, [this] { return liquid::rates_in_order<D>(evaluation_.rates()); });
+    e.complete(passes::behind<D>(world));
+  }
+
   const options& o_;
+  passes::evaluation<D> evaluation_{world};
   std::optional<totals<D>> start_;
 };
 

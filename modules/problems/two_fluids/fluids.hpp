@@ -93,6 +93,7 @@ class fluids {
 
   const domain::communicator& ranks() const { return world.w.d.ranks; }
   bool is_metal(std::size_t i) const { return world.w.s.material[i] == 1; }
+  bool isothermal() const { return !warms && !enthalpy; }
   bool is_drop() const { return kind == problem_kind::drop; }
   bool many() const { return is_drop() && p.places.size() > 1; }
   double number_of_drops() const { return static_cast<double>(p.places.size()); }

@@ -2,21 +2,22 @@
 // in units of their own (problems/two_fluids_sums_2d.cpp): half of what there is to compile.
 #pragma once
 
-#include <two_fluids/right_hand_side.hpp>
+#include <two_fluids/sums.hpp>
 
 #define TETSUAME_TWO_FLUIDS_SUM(where, D, ...) \
   where template void tetsuame::two_fluids::sum(const fluids<D>&, const pairs::row_range&, const __VA_ARGS__&)
 
 // where: extern, they are elsewhere; nothing: here.
-#define TETSUAME_TWO_FLUIDS_SUMS(where, D)                                              \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, false>);                                  \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, true>);                                   \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate<D>);                                   \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange<D>);                               \
-  TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                          \
-  where template void tetsuame::two_fluids::count(fluids<D>&, const pairs::row_range&); \
-  where template void tetsuame::two_fluids::count_neighbours(fluids<D>&);               \
-  where template void tetsuame::two_fluids::find_tension(fluids<D>&)
+#define TETSUAME_TWO_FLUIDS_SUMS(where, D)                                                         \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, false>);                                             \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, forces<D, true>);                                              \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, density_rate<D>);                                              \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, element_exchange<D>);                                          \
+  TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                                     \
+  where template void tetsuame::two_fluids::sum_volumes(fluids<D>&, const pairs::row_range&);      \
+  where template void tetsuame::two_fluids::count_neighbours(fluids<D>&, const pairs::row_range&); \
+  where template void tetsuame::two_fluids::sum_colour(fluids<D>&, const pairs::row_range&);       \
+  where template void tetsuame::two_fluids::sum_tension(fluids<D>&, const pairs::row_range&)
 
 TETSUAME_TWO_FLUIDS_SUMS(extern, 2);
 TETSUAME_TWO_FLUIDS_SUMS(extern, 3);

@@ -31,17 +31,14 @@ double density_at_rest(const fluids<D>& f, std::size_t i, double p_h) {
   return density_at(f.world.w.materials[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i], p_h, f.warms);
 }
 
-// The pressure of the fluid, and what lifts it (N), from the pressure of the equation of state.
+// The pressure of particle i, and what lifts it (N), from the pressure of the equation of state.
 template <int D>
-void slow_sound(fluids<D>& f) {
-  if (!f.slows) return;
+void slow_sound(fluids<D>& f, std::size_t i) {
   auto& s = f.world.w.s;
-  foundation::for_all(s.fluid, [&](std::size_t i) {
-    const auto rest = f.p.base->pressure(s.x[1][i]);
-    const double V_h = s.m[i] / density_at_rest(f, i, rest.value);
-    s.p_eos[i] = rest.value + f.stiffness * (s.p_eos[i] - rest.value);
-    f.lift[i] = (1.0 - f.stiffness) * rest.slope * (s.dV[i] - V_h);
-  });
+  const auto rest = f.p.base->pressure(s.x[1][i]);
+  const double V_h = s.m[i] / density_at_rest(f, i, rest.value);
+  s.p_eos[i] = rest.value + f.stiffness * (s.p_eos[i] - rest.value);
+  f.lift[i] = (1.0 - f.stiffness) * rest.slope * (s.dV[i] - V_h);
 }
 
 }  // namespace tetsuame::two_fluids

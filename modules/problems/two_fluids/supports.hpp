@@ -92,27 +92,22 @@ struct number_density {
 
 // n_i S_i^d and its slope in S_i.
 template <int D>
-void count_neighbours(fluids<D>& f) {
+void count_neighbours(fluids<D>& f, const pairs::row_range& rows) {
   const auto& w = f.world.w;
   std::visit(
       [&](const auto& unit) {
-        pairs::sum_over<D>(w.fluid(), w.list, w.x(), schemes::distances_only{1e-9 * f.S_0},
+        pairs::sum_over<D>(rows, w.list, w.x(), schemes::distances_only{1e-9 * f.S_0},
                            number_density<std::remove_cvref_t<decltype(unit)>>{unit, f.S.data(), f.count.data(),
                                                                                f.count_slope.data()});
       },
       f.unit);
 }
 
-// Volumes of the number density, and f_i.
+// The volume of particle i by the number density, and f_i.
 template <int D>
-void volumes_by_count(fluids<D>& f) {
-  auto& s = f.world.w.s;
-  count_neighbours(f);
-  foundation::for_all(s.fluid, [&](std::size_t i) {
-    s.dV[i] = f.world.w.lattice_sum * std::pow(f.S[i], D) / f.count[i];
-    s.rho[i] = s.m[i] / s.dV[i];
-    f.follow_factor[i] = -static_cast<double>(D) * f.count[i] / f.count_slope[i];
-  });
+void volume_by_count(fluids<D>& f, std::size_t i) {
+  f.world.w.s.dV[i] = f.world.w.lattice_sum * std::pow(f.S[i], D) / f.count[i];
+  f.follow_factor[i] = -static_cast<double>(D) * f.count[i] / f.count_slope[i];
 }
 
 template <int D>
@@ -182,6 +177,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   else
     run::rebuild(f.world, as_they_were);
   w.exchange_fluid({s.m.data()});
+  if (f.isothermal()) walls::update_ghosts_and_images(w, f.world.walls, walls::even({&s.T}));
   for (std::size_t i = 0; i < s.total(); ++i) {
     s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
     s.k[i] = f.o.conductivity;
@@ -196,7 +192,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
 template <int D>
 void settle_supports(fluids<D>& f) {
   for (int round = 0; round < 5; ++round) {
-    if (!f.carried) count_neighbours(f);
+    if (!f.carried) count_neighbours(f, f.world.w.fluid());
     follow_volumes(f);
   }
 }

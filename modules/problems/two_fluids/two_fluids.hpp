@@ -11,77 +11,17 @@
 //   variable inertia: ξ² of the input, times η/η_x where η is above η_x (docs/theory/relaxation.md)
 //   slowed sound: slowing.hpp
 //
-// Start: start.hpp; one evaluation: right_hand_side.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
+// Start: start.hpp; one evaluation: evaluation.hpp; steps: step_limit.hpp; what is measured: measures.hpp, and
 // told: report.hpp.
 #pragma once
 
 #include <liquid/scheme.hpp>
 #include <output/groups.hpp>
+#include <two_fluids/evaluation.hpp>
 #include <two_fluids/report.hpp>
-#include <two_fluids/right_hand_side.hpp>
 #include <two_fluids/step_limit.hpp>
 
 namespace tetsuame::two_fluids {
-
-// ---- by the scheme of a program: volumes, pressure, walls, forces are the scheme's ----------
-
-// Where the scheme puts its rates; those that nobody integrates, where nothing reads them.
-template <int D>
-liquid::rates<D> rates_of_scheme(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
-  liquid::rates<D> out;
-  for (std::size_t a = 0; a < D; ++a) {
-    out.dx[a] = rate[at.x + a];
-    out.dv[a] = rate[at.v + a];
-  }
-  out.du = rate[at.u];
-  out.friction = rate[at.q];
-  if (f.o.conductivity > 0.0) out.conducted = f.conducted.data();
-  if (f.carried || f.weighed) out.volume = rate[at.rho];
-  out.dT = f.warms ? rate[at.T] : f.heat.data();
-  return out;
-}
-
-// u is of compression alone; the heat of friction and conduction stands apart.
-template <int D>
-void part_heat(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
-  const auto& s = f.world.w.s;
-  foundation::for_all(s.fluid, [&](std::size_t i) {
-    const double conducted = f.o.conductivity > 0.0 ? f.conducted[i] / s.m[i] : 0.0;
-    const double heating = rate[at.q][i] + conducted;
-    rate[at.u][i] -= heating;
-    if (f.enthalpy) rate[at.h][i] = heating;
-    if (!f.enthalpy || f.inertia[i] == 1.0) return;
-    for (std::size_t a = 0; a < D; ++a) rate[at.v + a][i] /= f.inertia[i];
-  });
-}
-
-// Nothing dissolved in what stands behind walls takes part.
-template <int D>
-void exchange_element(fluids<D>& f, const places_of_rates<D>& at, std::span<double* const> rate) {
-  auto& s = f.world.w.s;
-  find_partition(f);
-  if (!f.world.mirrors())
-    for (std::size_t i = s.first_wall(); i < s.total(); ++i) {
-      f.mobility[i] = f.element[i] = f.metal[i] = 0.0;
-      f.partition[i] = 1.0;
-    }
-  exchange_element(f, f.world.w.fluid());
-  foundation::for_all(s.fluid, [&](std::size_t i) { rate[at.c][i] = f.gain[i] / s.m[i]; });
-}
-
-template <int D>
-void evaluate(fluids<D>& f, liquid::scheme<D>& scheme, std::span<double* const> rate) {
-  auto& w = f.world.w;
-  const places_of_rates<D> at(f);
-  if (f.enthalpy) {
-    scheme.recall_density(f.world);
-    volume::equation_of_state(w, w.s.fluid);
-    find_phases(f);
-  }
-  scheme.evaluate(f.world, rates_of_scheme(f, at, rate));
-  part_heat(f, at, rate);
-  if (f.dissolved) exchange_element(f, at, rate);
-}
 
 // ---- the problem -----------------------------------------------------------------------------
 
@@ -104,35 +44,12 @@ class problem : public liquid::problem<D> {
     bounds_ = find_limit(f_);
     f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
     if (scheme_) begin_scheme();
+    passes_.declare(1e-2 * bounds_.fastest_sound, f_.p.base->at(0.0));
     this->about = f_.p.lines;
   }
 
-  std::vector<integrators::field> fields() override {
-    auto& s = f_.world.w.s;
-    constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-    const double fast = 1e-2 * bounds_.fastest_sound;
-    const auto& e = f_.o.element;
-    std::vector<integrators::field> all;
-    for (std::size_t a = 0; a < D; ++a)
-      all.push_back({axis[a], s.x[a].data(), 0.0, f_.world.w.dx, 0.0, f_.world.w.frame[a]});
-    for (std::size_t a = 0; a < D; ++a) all.push_back({std::string("v") + axis[a], s.v[a].data(), 0.0, fast});
-    all.push_back({"u", s.u.data(), 0.0, fast * fast});
-    all.push_back({"q", f_.dissipated.data(), 0.0, fast * fast});
-    if (f_.weighed) all.push_back({"Y", s.Y.data(), 0.0, f_.p.base->at(0.0).pressure * std::pow(f_.world.w.dx, D)});
-    if (f_.carried) all.push_back({"rho", s.rho.data(), 0.0, f_.p.base->at(0.0).density});
-    if (f_.warms) all.push_back({"T", s.T.data(), 0.0, f_.o.temperature});
-    if (f_.dissolved)
-      all.push_back({"c", f_.element.data(), 0.0, std::max(e.concentration_silicate, e.concentration_metal)});
-    if (f_.enthalpy) all.push_back({"h", f_.content.data(), 0.0, 1e3 * f_.o.temperature});
-    return all;
-  }
-
-  void sum_rates(std::span<double* const> rate) override {
-    if (scheme_)
-      two_fluids::evaluate(f_, *scheme_, rate);
-    else
-      two_fluids::evaluate(f_, rate);
-  }
+  std::vector<integrators::field> fields() override { return passes_.e.fields(); }
+  void sum_rates(std::span<double* const> rate) override { passes_.e.run(rate); }
   // Sound and diffusion over the narrowest kernel.
   integrators::step_limit largest_step() override {
     const double n = narrowest(f_);
@@ -228,6 +145,7 @@ class problem : public liquid::problem<D> {
   }
 
   fluids<D> f_;
+  list_of_passes<D> passes_{f_, scheme_.get()};
   measures m_;
   step_bounds bounds_;
   bool settled_ = false;  // the supports of the start

@@ -189,7 +189,14 @@ class rig {
   // list takes 4 bytes a pair: of many particles it has the first ones only.
   static constexpr std::size_t most_of_scalar = 250'000;
   void compare_with_scalar(result& r) {
-    integrator_->lend([&](std::span<double* const> rates) { compare_with_scalar(r, liquid::rates<D>(rates)); });
+    const std::size_t n = world_.w.s.fluid;
+    std::vector<double> heat(n), dlnrho(n);
+    integrator_->lend([&](std::span<double* const> rates) {
+      auto out = liquid::rates_in_order<D>(rates);
+      out.heat = heat.data();
+      out.dlnrho = dlnrho.data();
+      compare_with_scalar(r, out);
+    });
   }
   void compare_with_scalar(result& r, const liquid::rates<D>& out) {
     auto& w = world_.w;
@@ -208,10 +215,10 @@ class rig {
     const auto start = clock::now();
     while (ratios.size() < 3 || (since(start) < asked_.seconds && ratios.size() < 101)) {
       const double engine = time_of([&] {
-        volume::smooth_by_lattice(w, false);
+        volume::smooth_by_lattice(w, false, w.fluid());
         liquid::begin_forces(world_, out);
         liquid::sum_forces<programs::disph_c::gradient>(world_, out, w.fluid());
-        foundation::for_all(s.fluid, [&](std::size_t i) {  // as in hydrostatic::finish_rates
+        foundation::for_all(s.fluid, [&](std::size_t i) {  // as in liquid::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
         });
@@ -250,8 +257,8 @@ class rig {
     differ(s.p, sums.p);
     for (std::size_t a = 0; a < D; ++a) differ(out.dv[a], sums.dv[a]);
     differ(out.du, sums.work);
-    differ(out.dlnrho(), sums.dlnrho);
-    differ(out.heat(), sums.heat);
+    differ(out.dlnrho, sums.dlnrho);
+    differ(out.heat, sums.heat);
     return worst;
   }
 

@@ -1,10 +1,5 @@
-// One evaluation of the water, and what stands behind its walls:
-//   1. ghosts and images: places, velocities, densities
-//   2. pressure and volume of each density; those of images, with the weight of water up to them
-//   3. the sums over neighbours (terms.hpp, riemann_terms.hpp)
-//   4. rates of x, v, ρ
-// What the water does to bodies: loads.hpp; free bodies, and evaluate(), which goes through all of this:
-// free_bodies.hpp.
+// What an evaluation of the water consists of (evaluation.hpp): pressures, what stands behind walls, the sums over
+// neighbours, and what makes a state none. What the water does to bodies: loads.hpp; free bodies: free_bodies.hpp.
 #pragma once
 
 #include <fmt/format.h>
@@ -18,26 +13,15 @@
 
 namespace tetsuame::free_surface {
 
-// Set out to the ghosts; there after end_motion().
-template <int D>
-void begin_halo_exchange(water<D>& f) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "halo");
-  std::array<double*, D + 1> fields;
-  for (std::size_t a = 0; a < D; ++a) fields[a] = s.v[a].data();
-  fields[D] = s.rho.data();
-  domain::begin_exchange<D>(w.d.ranks, w.d.fluid_halo, std::span<double* const>(fields), &s.x);
-}
-
 // Images [first, last): their water has its source's density, and a pressure that holds still water.
 template <int D>
 void fill_images(water<D>& f, std::size_t first, std::size_t last) {
   auto& s = f.world.w.s;
   const auto& walls = f.world.walls;
-  walls::fill_image_range(walls, s, first, last, walls::velocity<D>{s.v, false}, walls::even({&s.rho, &s.dV}),
-                          walls::hydrostatic<D>{s.p.data(), s.rho.data(), f.world.w.g});
-  if (f.two_velocities) walls::fill_image_range(walls, s, first, last, walls::velocity<D>{f.viscous_velocity});
+  walls::fill_image_range(walls, s, first, last, walls::velocity(s.v, false));
+  walls::fill_image_range(walls, s, first, last, walls::even({&s.rho, &s.dV}));
+  walls::fill_image_range(walls, s, first, last, walls::hydrostatic(s.p, s.rho, f.world.w.g));
+  if (f.two_velocities) walls::fill_image_range(walls, s, first, last, walls::velocity(f.viscous_velocity));
 }
 
 // All that stands behind walls.
@@ -61,24 +45,6 @@ void find_own(water<D>& f, std::size_t first, std::size_t last) {
     for (std::size_t a = 0; a < D; ++a)
       std::copy(s.v[a].begin() + static_cast<std::ptrdiff_t>(first), s.v[a].begin() + static_cast<std::ptrdiff_t>(last),
                 f.viscous_velocity[a].begin() + static_cast<std::ptrdiff_t>(first));
-}
-
-template <int D>
-void end_motion(water<D>& f) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "halo");
-  w.end_fluid();
-  find_own(f, s.fluid, s.first_wall());
-  mirror(f);
-}
-
-// Collective. Ghosts, pressures, volumes, and what stands behind walls, as of now.
-template <int D>
-void refresh(water<D>& f) {
-  begin_halo_exchange(f);
-  find_own(f, 0, f.world.w.s.fluid);
-  end_motion(f);
 }
 
 // Clusters of the fluid with a member of which this is true; or, with neighbours, which may have a neighbour of which
@@ -165,40 +131,14 @@ std::string moved_by(const water<D>& f, std::size_t i) {
 }
 
 template <int D>
-void report_fault(water<D>& f, std::size_t i) {
-  auto& w = f.world.w;
-  const auto& s = w.s;
+std::string fault_of(const water<D>& f, std::size_t i) {
+  const auto& s = f.world.w.s;
   const bool pressed = !f.moving.empty() && s.rho[i] > most_compressed * f.o.flow.density;
   const char* what = !(s.rho[i] > 0.0) ? "the density is not above 0"
                      : pressed         ? "the water is compressed by more than three tenths"
                                        : "it is more than ten heights of the box above its top";
-  w.first_fault.report(s.id[i], fmt::format("{}: {}, rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow has blown up, or the "
-                                            "step is too large{}",
-                                            what, pairs::describe_position(s, i), s.rho[i], s.p[i], moved_by(f, i)));
-}
-
-// Of x, v, ρ.
-template <int D>
-void find_rates(water<D>& f, std::span<double* const> rate) {
-  auto& w = f.world.w;
-  auto& s = w.s;
-  const foundation::stage timed(w.times, "rates");
-  const bool tense = f.has_tension();
-  bool sound = true;
-#pragma omp parallel for schedule(static) reduction(&& : sound) if (s.fluid > foundation::rows_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    for (std::size_t a = 0; a < D; ++a) {
-      rate[a][i] = s.v[a][i];
-      rate[D + a][i] = f.force[a][i] / s.m[i] + w.g[a];
-      if (tense) rate[D + a][i] += f.tension[a][i] / s.m[i];
-    }
-    rate[2 * D][i] = f.density_rate[i];
-    sound = sound && is_valid(f, i);
-  }
-  hold(f, rate.subspan(D, D));
-  if (sound) return;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (!is_valid(f, i)) report_fault(f, i);
+  return fmt::format("{} (rho = {:.6g} kg/m3, p = {:.6g} Pa; the flow has blown up, or the step is too large{})", what,
+                     s.rho[i], s.p[i], moved_by(f, i));
 }
 
 }  // namespace tetsuame::free_surface

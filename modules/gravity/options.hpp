@@ -1,0 +1,19 @@
+// The key of uniform gravity, which problems have in groups of their own.
+#pragma once
+
+#include <namelist/schema.hpp>
+#include <string>
+
+namespace tetsuame::gravity {
+
+// g: m/s2, towards -y. may_vanish: 0 is none. where: the case that has it, for --describe.
+inline void declare(namelist::schema& schema, const std::string& group, const std::string& key, double& g,
+                    bool may_vanish = true, const std::string& where = "") {
+  schema.add(group, key, g,
+             {.unit = "m/s^2",
+              .minimum = 0.0,
+              .exclusive_minimum = !may_vanish,
+              .meaning = where + "acceleration of gravity, towards -y"});
+}
+
+}  // namespace tetsuame::gravity

@@ -1,0 +1,284 @@
+// The right-hand side of a liquid as a list of passes. A program names its modules (scheme_of.hpp):
+//
+//   volume    how Y and ΔV come about          gradient  the form of the pressure gradient
+//   pressure  smoothed or not                  wall      the treatment unless the input says otherwise
+//
+// and has in this order
+//   1  volume     ρ, V and Y of what is carried or summed, and what the equation of state says of them
+//   2  walls      velocity, temperature, density and V behind walls; with markers f = ν∇²v + g of the fluid near them
+//   3  pressure   Y behind walls, p, ΔV = Y/p; for Hosono's iteration all in one
+//   4  walls      pressure behind walls
+//   5  gradient   one sum: pressure force, continuity, viscosity, conduction
+//   6  rates
+#pragma once
+
+#include <liquid/rates.hpp>
+#include <passes/evaluation.hpp>
+#include <volume/density_sum.hpp>
+#include <volume/hosono_iteration.hpp>
+#include <volume/number_density.hpp>
+#include <volume/our_method.hpp>
+#include <volume/y_evolution.hpp>
+
+namespace tetsuame::liquid {
+
+template <class Program, int D>
+class list_of_passes {
+ public:
+  using volume_module = typename Program::volume;
+  static constexpr volume::carries carried = volume_module::carried;
+
+  list_of_passes(run::state<D>& of, volume_module& how, const volume::smoothing_options& smoothing)
+      : box_(of), how_(how), smoothing_(smoothing) {}
+
+  // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
+  // integrated fields that the last pass serves.
+  void declare(passes::evaluation<D>& e, const passes::fields& rates, bool viscosity_changes,
+               std::function<liquid::rates<D>()> to) {
+    const auto out = [this, to = std::move(to)] {
+      auto all = to();
+      all.heat = heat_.data();
+      all.dlnrho = dlnrho_.data();
+      return all;
+    };
+    auto& walls = box_.walls;
+    walls.volume = &V_;
+    walls.density = &density_of_walls();
+    if (has_markers()) walls.declare_fields(s_);
+    e.mirrored(walls::velocity(s_.v));
+    e.mirrored(walls::temperature(s_.T));
+    e.mirrored(walls::hydrostatic(s_.Y, s_.m, box_.w.g));
+    e.mirrored(walls::hydrostatic(s_.p, s_.rho, box_.w.g));
+    e.given({s_.m, s_.k});
+    if (!viscosity_changes) e.given({s_.eta});
+    transport_ = viscosity_changes ? passes::fields{s_.eta} : passes::fields{};
+    declare_volume(e, how_);
+    declare_forces(e, rates, out);
+  }
+
+ private:
+  static constexpr bool iterates = std::is_same_v<volume_module, volume::hosono_iteration>;
+  static constexpr bool smooths = std::is_same_v<typename Program::pressure, volume::smoothed>;
+  static constexpr bool counts_for_walls = std::is_same_v<volume_module, volume::y_evolution>;
+
+  bool has_markers() const {
+    return std::visit([](auto t) { return decltype(t)::has_markers; }, box_.treatment);
+  }
+  particles::array& density_of_walls() { return counts_for_walls ? counted_density_ : s_.rho; }
+  passes::fields material() { return {s_.p_eos, s_.K_T, s_.alpha, s_.c_V, s_.c}; }
+  volume::wall_context<D> around() { return {box_.treatment, box_.walls, smoothing_, V_}; }
+  void check(passes::evaluation<D>& e, const char* stage, particles::array& values, const char* what,
+             const char* unit = "Pa") {
+    e.whole(stage, {.reads = {values}},
+            [this, &values, what, unit] { volume::require_positive(box_.w, values, what, unit); });
+  }
+
+  // ---- volumes ----------------------------------------------------------------------------
+
+  // V = m/ρ, Y = p^ V.
+  void weigh_by_density(passes::evaluation<D>& e) {
+    e.each("volume", {.reads = {s_.rho, s_.T, s_.m}, .writes = {V_, s_.Y, material()}},
+           [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last); });
+  }
+  void volumes_by_number(passes::evaluation<D>& e, particles::array& density) {
+    e.sum("volume", {.writes = {V_}}, [this](const pairs::row_range& rows) {
+      volume::volumes_by_number(box_.w, rows, box_.w.lattice_sum, V_.data());
+    });
+    e.each("volume", {.reads = {s_.m, V_}, .writes = {density}},
+           [this, &density](std::size_t i) { density[i] = s_.m[i] / V_[i]; });
+  }
+
+  void declare_volume(passes::evaluation<D>& e, volume::our_method&) {
+    weigh_by_density(e);
+    check(e, "volume", s_.p_eos, "the equation of state's pressure p");
+    if (smooths && has_markers()) return smooth_with_walls(e);
+    declare_walls(e);
+    find_pressure(e);
+  }
+  void declare_volume(passes::evaluation<D>& e, volume::number_density&) {
+    volumes_by_number(e, s_.rho);
+    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+    e.each("volume", {.reads = {s_.p_eos, V_}, .writes = {s_.Y}},
+           [this](std::size_t i) { s_.Y[i] = s_.p_eos[i] * V_[i]; });
+    declare_walls(e);
+    find_pressure(e);
+  }
+  // The sums' masses: none behind walls.
+  void declare_volume(passes::evaluation<D>& e, volume::density_sum&) {
+    e.each(
+        "volume", {.reads = {s_.m}, .writes = {fluid_mass_}},
+        [this](std::size_t i) { fluid_mass_[i] = i < s_.first_wall() ? s_.m[i] : 0.0; }, true);
+    e.sum("volume", {.at_neighbours = {fluid_mass_}, .writes = {s_.rho}}, [this](const pairs::row_range& rows) {
+      box_.w.sum(rows, volume::mass_sum<D>{fluid_mass_.data(), volume::self_value(box_.w), 1.0 / box_.w.lattice_sum,
+                                           s_.rho.data()});
+    });
+    weigh_by_density(e);
+    declare_walls(e);
+    find_pressure(e);
+  }
+  // Volumes and densities by number for the walls' viscous term; the true ones follow from Y.
+  void declare_volume(passes::evaluation<D>& e, volume::y_evolution&) {
+    check(e, "volume", s_.Y, "the weight Y", "J");
+    volumes_by_number(e, counted_density_);
+    declare_walls(e);
+    e.sum("pressure", {.at_neighbours = {s_.Y}, .writes = {s_.p}},
+          [this](const pairs::row_range& rows) { volume::smooth_by_lattice(box_.w, smoothing_.normalise, rows); });
+    check(e, "pressure", s_.p, "the smoothed pressure p");
+    volume_elements(e);
+    e.each("volume", {.reads = {s_.m, s_.dV}, .writes = {s_.rho}},
+           [this](std::size_t i) { s_.rho[i] = s_.m[i] / s_.dV[i]; });
+    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+  }
+  // The iteration brings what it finds to the ghosts itself.
+  void declare_volume(passes::evaluation<D>& e, volume::hosono_iteration&) {
+    auto& guess = particles::extra(s_, volume::density_guess);
+    e.remembered({guess});
+    e.each("volume", {.reads = {guess}, .writes = {s_.rho}}, [this, &guess](std::size_t i) { s_.rho[i] = guess[i]; });
+    weigh_by_density(e);
+    check(e, "volume", s_.p_eos, "the start value's pressure p");
+    declare_walls(e);
+    const passes::fields found{s_.rho, s_.Y, V_, material()};
+    e.whole("pressure",
+            {.at_neighbours = {s_.rho, s_.T, V_, s_.Y},
+             .writes = {s_.p, s_.dV},
+             .updates = found,
+             .spreads = {s_.p, s_.dV, found}},
+            [this] {
+              box_.w.agree();
+              how_.determine(box_.w, around());
+            });
+  }
+
+  // ---- pressures --------------------------------------------------------------------------
+
+  void find_pressure(passes::evaluation<D>& e) {
+    if constexpr (smooths) {
+      e.sum("pressure", {.at_neighbours = {s_.Y, V_}, .writes = {s_.p}},
+            [this](const pairs::row_range& rows) { volume::smooth(box_.w, V_, smoothing_.normalise, rows); });
+      check(e, "pressure", s_.p, "the smoothed pressure p");
+      volume_elements(e);
+    } else {
+      e.each("pressure", {.reads = {s_.p_eos}, .writes = {s_.p}}, [this](std::size_t i) { s_.p[i] = s_.p_eos[i]; });
+    }
+  }
+  void volume_elements(passes::evaluation<D>& e) {
+    e.each("pressure", {.reads = {s_.Y, s_.p}, .writes = {s_.dV}},
+           [this](std::size_t i) { s_.dV[i] = s_.Y[i] / s_.p[i]; });
+  }
+  // Y is known beforehand: the fluid near markers is summed in one sweep with f, the rest while ghosts travel, and what
+  // wall particles add comes at last.
+  void smooth_with_walls(passes::evaluation<D>& e) {
+    e.sum(
+        "pressure", {.at_neighbours = {s_.Y, V_}, .writes = {s_.p}},
+        [this](const pairs::row_range&, passes::rows which) {
+          const auto& walls = box_.walls;
+          if (which != passes::rows::border) volume::smooth(box_.w, V_, smoothing_.normalise, walls.interior_apart);
+          if (which != passes::rows::interior) volume::smooth(box_.w, V_, smoothing_.normalise, walls.border_apart);
+        },
+        false);
+    auto uses = kinematics();
+    uses.at_neighbours.add({s_.Y});
+    uses.updates = {s_.p};
+    e.walls("walls", uses, [this] {
+      std::visit(
+          [this]<class Treatment>(Treatment t) {
+            if constexpr (Treatment::has_markers) {
+              if (smoothing_.normalise)
+                volume::smooth_with_acceleration<D, true>(box_.w, around(), t);
+              else
+                volume::smooth_with_acceleration<D, false>(box_.w, around(), t);
+            }
+          },
+          box_.treatment);
+    });
+    weights_of_walls(e);
+    e.sum("pressure", {.at_neighbours = {s_.Y}, .updates = {s_.p}},
+          [this](const pairs::row_range&, passes::rows which) {
+            if (which == passes::rows::interior) return;
+            if (smoothing_.normalise)
+              volume::smooth_over_walls<D, true>(box_.w, box_.walls);
+            else
+              volume::smooth_over_walls<D, false>(box_.w, box_.walls);
+          });
+    check(e, "pressure", s_.p, "the smoothed pressure p");
+    volume_elements(e);
+  }
+
+  // ---- walls ------------------------------------------------------------------------------
+
+  passes::access kinematics() {
+    passes::access uses{.at_neighbours = {s_.v, s_.T, density_of_walls(), V_, transport_},
+                        .gives = {s_.v, s_.T, density_of_walls(), V_, transport_}};
+    for (auto* f : box_.walls.f)
+      if (f != nullptr) uses.writes.add({*f});
+    uses.spreads = uses.writes;
+    return uses;
+  }
+  void declare_walls(passes::evaluation<D>& e) {
+    std::visit(
+        [&]<class Treatment>(Treatment t) {
+          if constexpr (!Treatment::has_particles) return;
+          auto uses = kinematics();
+          if constexpr (!Treatment::has_markers)
+            uses.gives.add(smooths ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p});
+          e.walls("walls", uses, [this, t] {
+            t.kinematics(box_.w, box_.walls);
+            if (counts_for_walls)  // for snapshots
+              std::copy(counted_density_.begin() + static_cast<std::ptrdiff_t>(s_.first_wall()), counted_density_.end(),
+                        s_.rho.begin() + static_cast<std::ptrdiff_t>(s_.first_wall()));
+          });
+        },
+        box_.treatment);
+    weights_of_walls(e);
+  }
+  void weights_of_walls(passes::evaluation<D>& e) {
+    passes::fields f;
+    for (auto* component : box_.walls.f)
+      if (component != nullptr) f.add({*component});
+    const bool particles = passes::behind<D>(box_) == passes::behind_walls::particles;
+    if (particles && !iterates)
+      e.walls("walls", {.reads = f, .at_neighbours = {s_.Y}, .gives = {s_.Y}}, [this] { around().weights(box_.w); });
+  }
+
+  // ---- forces and rates -------------------------------------------------------------------
+
+  template <class Out>
+  void declare_forces(passes::evaluation<D>& e, const passes::fields& rates, const Out& out) {
+    if (has_markers())
+      e.walls("walls",
+              {.at_neighbours = {s_.p, s_.dV}, .gives = smooths ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p}},
+              [this] { std::visit([this](auto t) { t.pressures(box_.w, box_.walls); }, box_.treatment); });
+    e.whole("gradient", {.writes = {heat_}, .accumulates = {s_.v, s_.u}}, [this, out] { begin_forces(box_, out()); });
+    e.sum("gradient",
+          {.at_neighbours = {s_.v, s_.T, s_.p, s_.dV, s_.eta, s_.k},
+           .writes = {dlnrho_},
+           .updates = {heat_},
+           .accumulates = {s_.v, s_.u}},
+          [this, out](const pairs::row_range& rows) { sum_forces<typename Program::gradient>(box_, out(), rows); });
+    e.each("rates", {.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_}, .rates = rates},
+           [this, out](std::size_t first, std::size_t last) {
+             const auto to = out();
+             for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i);
+           });
+  }
+
+  particles::array& declare_if(bool needed, const char* name, const char* unit) {
+    return particles::declare_if(needed, s_, name, unit, particles::role::derived);
+  }
+
+  run::state<D>& box_;
+  volume_module& how_;
+  const volume::smoothing_options smoothing_;
+  particles::particles<D>& s_ = box_.w.s;
+  passes::fields transport_;
+  // ΔV itself, where no smoothing changes it.
+  particles::array& V_ = smooths ? declare_if(true, "VolumeBeforePressure", "m^D") : s_.dV;
+  particles::array& heat_ = declare_if(true, "FrictionHeating", "W");
+  particles::array& dlnrho_ = declare_if(true, "LogDensityRate", "1/s");
+  particles::array& counted_density_ = declare_if(counts_for_walls, "DensityByNumber", "kg/m^3");
+  particles::array& fluid_mass_ = declare_if(std::is_same_v<volume_module, volume::density_sum>, "FluidMass", "kg");
+};
+
+}  // namespace tetsuame::liquid

@@ -1,0 +1,262 @@
+// The right-hand side as a list of passes. Densities, and the state that follows from them:
+//   y, f, z, ∇·v, ∇×v over neighbours (schemes/common.hpp); ρ, and P, c of ρ and u (here of an ideal gas)
+//     SSPH, GSPH   P = (γ - 1) ρ u, ρ = y         DISPH, GDISPH   P = (γ - 1) q, q = y; ρ = m q/U
+// then gradients, of p, ρ, v for the second order, of u, ρ, v for REMIX; the kernels' corrections (REMIX); forces and
+// power, with artificial viscosity or Riemann problems; and
+//   dx/dt = v, dv/dt = F/m, du/dt = power/m, dα/dt or dρ/dt where these are integrated
+#pragma once
+
+#include <fmt/format.h>
+
+#include <gas/world.hpp>
+#include <passes/evaluation.hpp>
+#include <schemes/godunov.hpp>
+#include <schemes/gradients.hpp>
+#include <schemes/remix.hpp>
+#include <schemes/viscous.hpp>
+
+namespace tetsuame::gas {
+
+template <int D>
+void sum_densities(world<D>& g, const pairs::row_range& rows) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::density<D, Kernel>{unit, g.fields()});
+      },
+      g.unit);
+}
+template <int D>
+void sum_gradients(world<D>& g, const pairs::row_range& rows) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::gradients<D, Kernel>{unit, g.fields(), g.evolves_density ? g.w.s.u : g.w.s.p});
+      },
+      g.unit);
+}
+template <int D>
+void sum_corrections(world<D>& g, const pairs::row_range& rows) {
+  std::visit(
+      [&]<class Kernel>(const Kernel& unit) {
+        sum(g, rows, schemes::reproducing<D, Kernel>{unit, g.fields()});
+      },
+      g.unit);
+}
+
+// The sum of forces of the scheme that was asked for.
+template <int D>
+std::function<void(const pairs::row_range&)> forces_of(world<D>& g) {
+  const auto by = [&g](auto term) {
+    return [&g, term](const pairs::row_range& rows) {
+      std::visit([&](const auto& unit) { sum(g, rows, term(unit, g.fields())); }, g.unit);
+    };
+  };
+  const auto& q = g.o.shock;
+  const double theta = q.limiter == "minmod" ? 1.0 : 2.0, fading = q.fading, support = g.support_over_dx;
+  const bool exact = q.solver == "exact";
+  using schemes::fields;
+  if (q.scheme == "ssph")
+    return by([]<class K>(const K& unit, const fields<D>& all) { return schemes::ssph<D, K>{unit, all}; });
+  if (q.scheme == "disph")
+    return by([]<class K>(const K& unit, const fields<D>& all) { return schemes::disph<D, K>{unit, all}; });
+  if (q.scheme == "gsph")
+    return by([=]<class K>(const K& unit, const fields<D>& all) {
+      return schemes::gsph<D, K>{unit, all, theta, exact};
+    });
+  if (g.o.terms_fade())
+    return by([=]<class K>(const K& unit, const fields<D>& all) {
+      return schemes::gdisph_of_contacts<D, K>{unit, all, theta, exact, fading};
+    });
+  if (q.scheme == "gdisph")
+    return by([=]<class K>(const K& unit, const fields<D>& all) {
+      return schemes::gdisph<D, K>{unit, all, theta, exact};
+    });
+  return by([=]<class K>(const K& unit, const fields<D>& all) { return schemes::remix<D, K>{unit, all, support}; });
+}
+
+template <int D>
+class list_of_passes {
+ public:
+  explicit list_of_passes(world<D>& of) : e(of), densities(of), g_(of) {}
+  list_of_passes(const list_of_passes&) = delete;
+  list_of_passes& operator=(const list_of_passes&) = delete;
+
+  passes::evaluation<D> e;
+  // The sums for densities alone, of a state that stays.
+  passes::evaluation<D> densities;
+
+  // Needs the scales of the start.
+  void declare() {
+    const double speed = g_.speed_scale;
+    e.integrate_motion({0.0, 0.0, speed});
+    u_ = e.integrate(s_.u, {"u", 0.0, speed * speed});
+    if (g_.o.has_alpha()) extra_ = e.integrate(g_.alpha, {"alpha", 0.0, 1.0});
+    if (g_.evolves_density) extra_ = e.integrate(g_.evolved, {"density", 0.0, g_.density_scale});
+    densities.remembered_motion();
+    densities.remembered({s_.u});
+    for (auto* list : {&e, &densities}) {
+      list->given({s_.m, g_.start_volume, g_.gamma, g_.kind});
+      list->remembered({g_.S});
+      list->mirrored(walls::vector(s_.v));
+      find_densities(*list);
+      if (list == &densities) list->complete(passes::behind_walls::images);
+    }
+    find_state();
+    if (g_.evolves_density) find_corrections();
+    if (g_.second_order || g_.evolves_density) find_gradients();
+    find_forces();
+    find_rates();
+    e.complete(passes::behind_walls::images);
+  }
+
+ private:
+  double* rate(std::size_t of, std::size_t a = 0) const { return e.rate(of + a); }
+  // What follows from the sums, of ghosts and images too.
+  passes::fields found() {
+    passes::fields all{g_.correction, s_.rho, s_.p, s_.c, s_.dV, g_.per_S, g_.slope, g_.dissipation};
+    if (g_.any_eos) all.add({g_.stiffness});
+    return all;
+  }
+
+  void find_densities(passes::evaluation<D>& list) {
+    list.each(
+        "densities", {.reads = {s_.m, s_.u, g_.start_volume}, .writes = {g_.weight}},
+        [this](std::size_t i) {
+          g_.weight[i] = g_.weighs_energy ? s_.m[i] * s_.u[i] : g_.weighs_volume ? g_.start_volume[i] : s_.m[i];
+        },
+        true);
+    list.sum(
+        "densities",
+        {.reads = {g_.S},
+         .at_neighbours = {g_.weight, s_.m, s_.v},
+         .writes = {g_.y, g_.f, g_.z, g_.divergence, g_.curl, g_.number, g_.mass_density, g_.count, g_.count_slope}},
+        [this](const pairs::row_range& rows) { sum_densities(g_, rows); });
+  }
+
+  // ---- the state that follows -------------------------------------------------------------
+
+  void find_state() {
+    passes::fields remembered{g_.start_sum};
+    if (!g_.o.has_alpha()) remembered.add({g_.alpha});
+    if (!g_.evolves_density) remembered.add({g_.evolved});
+    e.remembered(remembered);
+    if (!g_.any_eos) e.given({g_.stiffness});
+    e.check(
+        "densities", {g_.y, s_.u, g_.evolved}, [this](std::size_t i) { return fault_of_sums(i).empty(); },
+        [this](std::size_t i) { return fault_of_sums(i); });
+    passes::access uses{.reads = {g_.y, g_.f, g_.z, g_.number, g_.divergence, g_.curl, g_.S, g_.weight, g_.start_sum,
+                                  g_.alpha, g_.evolved, g_.gamma, s_.u, s_.m},
+                        .writes = {found(), s_.T, g_.number_volume}};
+    e.each("densities", uses, [this](std::size_t i) { find_state(i); });
+    if (g_.any_eos)
+      e.check(
+          "densities", {s_.c}, [this](std::size_t i) { return s_.c[i] > 0.0; },
+          [this](std::size_t i) {
+            return fmt::format("no sound at {:.4g} kg/m^3 and {:.4g} J/kg, where '{}' does not reach", s_.rho[i],
+                               s_.u[i], eos::about(g_.caloric_of(i).material()).name);
+          });
+  }
+  // What no state follows from; empty: nothing.
+  std::string fault_of_sums(std::size_t i) const {
+    const auto text = [](const char* what, double value, const char* unit) {
+      return fmt::format("the {} is {:.3g} {}, not above 0", what, value, unit);
+    };
+    if (g_.evolves_density && !(g_.evolved[i] > 0.0)) return text("density", g_.evolved[i], "kg/m^D");
+    if (!(s_.u[i] > 0.0 || g_.any_eos)) return text("internal energy", s_.u[i], "J/kg");
+    if (!(g_.y[i] > 0.0 && std::isfinite(g_.y[i]))) return text("sum for the density", g_.y[i], "in SI units");
+    return {};
+  }
+  // ρ, p, T, c of y and u. dU = -p dV with V = k w/y.
+  void find_pressure(std::size_t i, double k) {
+    s_.rho[i] = g_.evolves_density ? g_.evolved[i]
+                : g_.weighs_energy ? g_.y[i] / s_.u[i]
+                : g_.weighs_volume ? s_.m[i] * g_.y[i] / (k * g_.weight[i])
+                                   : g_.y[i];
+    if (g_.any_eos) {
+      const eos::caloric_state now = g_.state_of(i);
+      s_.p[i] = now.p;
+      s_.T[i] = now.T;
+      s_.c[i] = now.c;
+      // The stiffened gas with K_S and K_S' (riemann/exact.hpp); where vapour is softer than that, a gas
+      g_.stiffness[i] = std::max(s_.rho[i] * now.c * now.c / g_.gamma[i] - now.p, 0.0);
+      return;
+    }
+    s_.p[i] = (g_.gamma[i] - 1.0) * (g_.weighs_energy ? g_.y[i] : s_.rho[i] * s_.u[i]) - g_.gamma[i] * g_.stiffness[i];
+    s_.c[i] = g_.sound_speed(i);
+  }
+  // What the pair takes of the viscosity, or of the star pressure.
+  double dissipation_of(std::size_t i) const {
+    const bool switched = g_.o.shock.balsara || g_.part_of_star || g_.evolves_density;
+    const double balsara =
+        switched ? schemes::balsara_factor(g_.divergence[i], g_.curl[i], s_.c[i], g_.S[i] / g_.support_over_h) : 1.0;
+    return g_.evolves_density ? balsara : !g_.godunov ? g_.alpha[i] * balsara : g_.part_of_star ? balsara : 1.0;
+  }
+  void find_state(std::size_t i) {
+    const double k = g_.weighs_volume ? g_.start_sum[i] : 1.0;
+    find_pressure(i, k);
+    g_.number_volume[i] = 1.0 / g_.number[i];
+    s_.dV[i] = g_.evolves_density ? s_.m[i] / s_.rho[i] : g_.number_volume[i];
+    g_.per_S[i] = 1.0 / g_.S[i];
+    g_.slope[i] = fades_ ? std::sqrt(k) / g_.y[i]
+                         : (with_f_ ? g_.f[i] : 1.0) * (g_.godunov ? 1.0 : s_.p[i]) * k / (g_.y[i] * g_.y[i]);
+    g_.correction[i] = with_z_ ? g_.z[i] : 0.0;
+    g_.dissipation[i] = dissipation_of(i);
+  }
+
+  // ---- sums and rates ---------------------------------------------------------------------
+
+  // Components [first, end): the gradients of two even fields, and that of a vector.
+  template <std::size_t N>
+  void mirror_gradients(const particles::vector_field<N>& all, std::size_t first) {
+    for (std::size_t n = first; n < N; ++n) {
+      const std::size_t k = (n - first) / D, b = (n - first) % D;
+      const unsigned along = (k < 2 ? 0U : 1U << (k - 2)) ^ 1U << b;
+      e.mirrored({{.values = &all[n], .by = walls::parity::signed_by_axes, .axes = along}});
+    }
+  }
+  void find_corrections() {
+    mirror_gradients(g_.reproducing, 2);
+    e.sum("corrections", {.at_neighbours = {found(), s_.v, s_.m, g_.weight}, .writes = {g_.reproducing}},
+          [this](const pairs::row_range& rows) { sum_corrections(g_, rows); });
+  }
+  void find_gradients() {
+    mirror_gradients(g_.gradient, 0);
+    e.sum("gradients", {.at_neighbours = {found(), s_.v, s_.u}, .writes = {g_.gradient}},
+          [this](const pairs::row_range& rows) { sum_gradients(g_, rows); });
+  }
+  void find_forces() {
+    passes::access uses{.at_neighbours = {found(), s_.v, s_.u, s_.m, g_.weight, g_.gamma, g_.stiffness, g_.kind},
+                        .writes = {g_.force, g_.power, g_.signal, g_.density_rate}};
+    if (g_.second_order || g_.evolves_density) uses.at_neighbours.add({g_.gradient});
+    if (g_.evolves_density) uses.at_neighbours.add({g_.reproducing});
+    e.sum("forces", uses, forces_of(g_));
+  }
+  void find_rates() {
+    passes::access uses{.reads = {s_.m, s_.v, s_.c, g_.force, g_.power, g_.density_rate, g_.divergence, g_.S, g_.alpha},
+                        .rates = {s_.x, s_.v, s_.u}};
+    if (g_.o.has_alpha()) uses.rates.add({g_.alpha});
+    if (g_.evolves_density) uses.rates.add({g_.evolved});
+    e.each("rates", uses, [this](std::size_t i) { combine(i); });
+  }
+  void combine(std::size_t i) {
+    const auto& q = g_.o.shock;
+    for (std::size_t a = 0; a < D; ++a) {
+      rate(0, a)[i] = s_.v[a][i];
+      rate(D, a)[i] = g_.force[a][i] / s_.m[i];
+    }
+    if constexpr (D > 1) rate(D + 1)[i] -= q.gravity;
+    rate(u_)[i] = g_.power[i] / s_.m[i];
+    if (g_.evolves_density) rate(extra_)[i] = g_.density_rate[i];
+    if (g_.o.has_alpha())
+      rate(extra_)[i] = schemes::alpha_rate(g_.alpha[i], q.alpha_min, q.alpha, g_.divergence[i], s_.c[i],
+                                            g_.S[i] / g_.support_over_h);
+  }
+
+  world<D>& g_;
+  particles::particles<D>& s_ = g_.w.s;
+  const bool fades_ = g_.o.terms_fade();
+  const bool with_z_ = g_.o.density_independent() && (g_.o.shock.support_terms == "number" || fades_);
+  const bool with_f_ = !with_z_ && g_.o.shock.scheme != "gsph" && g_.o.shock.support_terms != "none";
+  std::size_t u_ = 0, extra_ = 0;  // places of rates
+};
+
+}  // namespace tetsuame::gas
