@@ -127,9 +127,10 @@ inline std::int64_t index_along(double x, double size) {
 
 // `start` and `members`, these in no order within a cell, of the cells that hold a particle.
 template <int D>
-void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x) {
-  auto all = stretches_of<D>(g.members.size(), [&](std::size_t i) { return g.cell(particles::position<D>(x, i)); });
+void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n) {
+  auto all = stretches_of<D>(n, [&](std::size_t i) { return g.cell(particles::position<D>(x, i)); });
   sort_by_cell<D>(all, g.first, g.extent);
+  g.members.resize(n);
   std::uint32_t at = 0;
   for (const auto& s : all) {
     g.tree.append(s.cell);
@@ -144,12 +145,12 @@ void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x) {
 
 // The same of all cells of the bounding box.
 template <int D>
-void store_densely(grid<D>& g, const std::array<particles::array, D>& x, std::uint64_t cells) {
-  std::vector<std::uint32_t> cell_of(g.members.size());
-  foundation::for_all(cell_of.size(), [&](std::size_t i) {
-    cell_of[i] = static_cast<std::uint32_t>(g.key(g.cell(particles::position<D>(x, i))));
-  });
+void store_densely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n, std::uint64_t cells) {
+  std::vector<std::uint32_t> cell_of(n);
+  foundation::for_all(
+      n, [&](std::size_t i) { cell_of[i] = static_cast<std::uint32_t>(g.key(g.cell(particles::position<D>(x, i)))); });
   g.start.assign(cells + 1, 0);
+  g.members.resize(n);
   sort_by_cell(cell_of, g.start, g.members);
 }
 
@@ -159,11 +160,10 @@ std::size_t store_cells(grid<D>& g, const std::array<particles::array, D>& x, st
   // A full box has a cell for 4 or 8 particles; one that is filled to a tenth is still faster with all of its cells.
   const std::uint64_t all = n > 0 ? cells_of_box<D>(g.extent) : 0, worth_storing = 8 * n + 4096;
   g.sparse = all > worth_storing;
-  g.members.resize(n);
   if (g.sparse)
-    store_sparsely<D>(g, x);
+    store_sparsely<D>(g, x, n);
   else
-    store_densely<D>(g, x, all);
+    store_densely<D>(g, x, n, all);
   return g.cells();
 }
 

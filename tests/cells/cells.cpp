@@ -269,7 +269,7 @@ BOOST_AUTO_TEST_CASE(sparse_cells_with_gaps_of_all_lengths) {
     cells::grid<D> some = all;
     some.start.clear();
     some.sparse = true;
-    cells::detail::store_sparsely<D>(some, x);
+    cells::detail::store_sparsely<D>(some, x, n);
     BOOST_TEST(some.cells() < all.cells());
     // As they are sorted within the cells of `all`.
     for (std::size_t c = 0; c + 1 < some.start.size(); ++c)

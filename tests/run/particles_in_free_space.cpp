@@ -23,6 +23,7 @@ struct options {
   domain::options domain;
   run::common_options common;
   double radii = 1e4, rate = 1.0;  // of one particle's start; 1/s
+  double drift = 0.0;              // m/s, of all along x
   bool compare = true;             // with sums over all particles
 };
 
@@ -188,7 +189,8 @@ void set_up(world& box, const domain::communicator& ranks, const options& o) {
   for (std::size_t i = 0; i < s.fluid; ++i) {
     const bool flies = noise(s.id[i], 0) > 0.0;
     for (std::size_t a = 0; a < D; ++a) {
-      s.v[a][i] = o.rate * (flies ? s.x[a][i] - middle[a] : 0.05 * box.w.dx * noise(s.id[i], 1 + a));
+      s.v[a][i] =
+          o.rate * (flies ? s.x[a][i] - middle[a] : 0.05 * box.w.dx * noise(s.id[i], 1 + a)) + (a == 0 ? o.drift : 0.0);
       if (s.id[i] == leaves) s.x[a][i] = middle[a] + (a == 1 ? -0.5 : 1.0) * o.radii * radius;
     }
     s.m[i] = 1.0;
@@ -211,20 +213,21 @@ int main(int argc, char** argv) {
     domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);
     run::check_output(schema, o.common, {});
   };
-  const run::program_input own{.program = "particles_in_free_space",
-                               .restarts = true,
-                               .declare =
-                                   [&](namelist::schema& schema) {
-                                     domain::declare(schema, demands, o.domain);
-                                     schema.group("cloud", "a ball of particles, half of which fly apart");
-                                     schema.add("cloud", "radii", o.radii, {.meaning = "at which one particle starts"});
-                                     schema.add("cloud", "compare", o.compare,
-                                                {.meaning = "sums with those over all particles, at the end"});
-                                     schema.add("cloud", "rate", o.rate, namelist::positive("1/s", "of expansion"));
-                                     run::declare(schema, o.common, {});
-                                   },
-                               .complete = complete,
-                               .need = [&] { return need_of(o); }};
+  const run::program_input own{
+      .program = "particles_in_free_space",
+      .restarts = true,
+      .declare =
+          [&](namelist::schema& schema) {
+            domain::declare(schema, demands, o.domain);
+            schema.group("cloud", "a ball of particles, half of which fly apart");
+            schema.add("cloud", "radii", o.radii, {.meaning = "at which one particle starts"});
+            schema.add("cloud", "drift", o.drift, {.unit = "m/s", .meaning = "of all along x"});
+            schema.add("cloud", "compare", o.compare, {.meaning = "sums with those over all particles, at the end"});
+            schema.add("cloud", "rate", o.rate, namelist::positive("1/s", "of expansion"));
+            run::declare(schema, o.common, {});
+          },
+      .complete = complete,
+      .need = [&] { return need_of(o); }};
   return run::start(argc, argv, own, [&](const run::command_line& line, const std::string& resolved) {
     const auto ranks = domain::communicator::world();
     world box;
