@@ -7,9 +7,11 @@
 // not depend on the decomposition.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cells/sparse_cells.hpp>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -24,49 +26,8 @@
 
 namespace tetsuame::cells {
 
-template <int D>
-using index = std::array<std::int64_t, D>;
-
-// Of a cell that holds no particle.
-inline constexpr std::size_t no_cell = SIZE_MAX;
-
-namespace detail {
-
-// Finds the number of a 64-bit key: an open-addressing hash table.
-class key_table {
- public:
-  // Room for n keys.
-  explicit key_table(std::size_t n = 0) : slots_(std::bit_ceil(2 * n + 2), {0, empty}) {}
-
-  const std::uint32_t* find(std::uint64_t key) const {
-    const auto& s = slots_[slot(key)];
-    return s.number == empty ? nullptr : &s.number;
-  }
-  // Its number, which is `number` where the key is new.
-  std::uint32_t insert(std::uint64_t key, std::uint32_t number) {
-    auto& s = slots_[slot(key)];
-    if (s.number == empty) s = {key, number};
-    return s.number;
-  }
-
- private:
-  static constexpr std::uint32_t empty = UINT32_MAX;
-  struct entry {
-    std::uint64_t key;
-    std::uint32_t number;
-  };
-  std::size_t slot(std::uint64_t key) const {
-    std::size_t at = key * 0x9e3779b97f4a7c15U >> 20 & (slots_.size() - 1);
-    while (slots_[at].number != empty && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
-    return at;
-  }
-  std::vector<entry> slots_;
-};
-
-}  // namespace detail
-
 // The cells are stored densely, all those of the bounding box of the particles, where these are not many more than
-// particles; else sparsely, those that hold a particle. The order of the particles is the same.
+// particles; else sparsely, those that hold a particle and some beside them. The order of the particles is the same.
 template <int D>
 struct grid {
   double size = 0.0;                   // m, edge of a cell
@@ -76,57 +37,36 @@ struct grid {
   // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
   std::array<particles::array, D> sorted;
 
-  // Of a sparse grid: the key of each stored cell, ascending. A column is a row of cells along the last axis that holds
-  // a particle; the stored cells of column k are [columns[k], columns[k + 1]).
   bool sparse = false;
-  std::vector<std::uint64_t> keys;
-  std::vector<std::uint32_t> columns;
-  detail::key_table column_of;
+  sparse_cells<D> tree;  // of a sparse grid: its leaves are the stored cells
 
   index<D> cell(const std::array<double, D>& x) const {
     index<D> c;
     for (std::size_t a = 0; a < D; ++a) c[a] = static_cast<std::int64_t>(std::floor(x[a] / size));
     return c;
   }
-  // Ascending in the order of cells; of a cell in the bounding box.
+  // Of a dense grid: where a cell of the bounding box is stored.
   std::uint64_t key(const index<D>& c) const {
     std::uint64_t n = 0;
     for (std::size_t a = 0; a < D; ++a)
       n = n * static_cast<std::uint64_t>(extent[a]) + static_cast<std::uint64_t>(c[a] - first[a]);
     return n;
   }
-  // The cell of a key.
-  index<D> cell_of_key(std::uint64_t n) const {
-    index<D> c;
-    for (std::size_t a = D; a-- > 0;) {
-      const auto width = static_cast<std::uint64_t>(extent[a]);
-      c[a] = first[a] + static_cast<std::int64_t>(n % width);
-      n /= width;
-    }
-    return c;
-  }
 
   std::size_t cells() const { return start.size() - 1; }  // stored
-  std::uint64_t key_of(std::size_t stored) const { return sparse ? keys[stored] : stored; }
   // Where a cell is stored; no_cell where it is not.
   std::size_t stored(const index<D>& c) const {
+    if (sparse) return tree.find(c);
     for (std::size_t a = 0; a < D; ++a)
       if (c[a] < first[a] || c[a] >= first[a] + extent[a]) return no_cell;
-    if (!sparse) return key(c);
-    const auto found = std::lower_bound(keys.begin(), keys.end(), key(c));
-    return found == keys.end() || *found != key(c) ? no_cell : static_cast<std::size_t>(found - keys.begin());
+    return key(c);
   }
-  // The members [first, second) of the cells from c to that with the index `to` along the last axis, both in the
-  // bounding box.
-  std::pair<std::uint32_t, std::uint32_t> members_in_row(const index<D>& c, std::int64_t to) const {
-    const std::uint64_t from = key(c), end = from + static_cast<std::uint64_t>(to - c[D - 1]) + 1;
-    if (!sparse) return {start[from], start[end]};
-    const auto* column = column_of.find(from / static_cast<std::uint64_t>(extent[D - 1]));
-    if (column == nullptr) return {0, 0};
-    const auto at = [&](std::size_t k) { return keys.begin() + static_cast<std::ptrdiff_t>(k); };
-    const auto low = std::lower_bound(at(columns[*column]), at(columns[*column + 1]), from);
-    const auto high = std::lower_bound(low, at(columns[*column + 1]), end);
-    return {start[static_cast<std::size_t>(low - keys.begin())], start[static_cast<std::size_t>(high - keys.begin())]};
+  // A stored cell that holds a particle.
+  index<D> cell_of_members(std::size_t at) const { return cell(particles::position<D>(sorted, start[at])); }
+  double bytes() const {
+    std::size_t all = (start.capacity() + members.capacity()) * sizeof(std::uint32_t) + tree.bytes();
+    for (const auto& component : sorted) all += component.capacity() * sizeof(double);
+    return static_cast<double>(all);
   }
 };
 
@@ -164,62 +104,66 @@ inline void sort_by_cell(const std::vector<std::uint32_t>& cell_of, std::vector<
   }
 }
 
-// Cells of the bounding box, which are no more than 64 bits can number.
+// Cells of the bounding box, no more than 64 bits number.
 template <int D>
 std::uint64_t cells_of_box(const index<D>& extent) {
   std::uint64_t cells = 1;
   for (const std::int64_t width : extent)
-    if (width <= 0 || __builtin_mul_overflow(cells, static_cast<std::uint64_t>(width), &cells))
-      foundation::fail_calculation(
-          "particles lie so far apart that 64 bits cannot number the cells of the neighbour search between them: a "
-          "particle has left all others behind, or the spacing is too small for the box");
+    if (__builtin_mul_overflow(cells, static_cast<std::uint64_t>(width), &cells)) return UINT64_MAX;
   return cells;
 }
 
-// Numbers the cells that hold a particle, in their order, and writes the number of each particle's.
-template <int D>
-void number_occupied_cells(grid<D>& g, const std::array<particles::array, D>& x, std::vector<std::uint32_t>& cell_of) {
-  const std::size_t n = cell_of.size();
-  std::vector<std::uint64_t> key(n);
-  foundation::for_all(n, [&](std::size_t i) { key[i] = g.key(g.cell(particles::position<D>(x, i))); });
-  // By first appearance: particles that follow each other in memory are often in one cell.
-  key_table numbers(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    cell_of[i] = i > 0 && key[i] == key[i - 1] ? cell_of[i - 1]
-                                               : numbers.insert(key[i], static_cast<std::uint32_t>(g.keys.size()));
-    if (cell_of[i] == g.keys.size()) g.keys.push_back(key[i]);
-  }
-  std::vector<std::uint32_t> order(g.keys.size()), place(g.keys.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return g.keys[a] < g.keys[b]; });
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::uint32_t>(k);
-  std::sort(g.keys.begin(), g.keys.end());
-  foundation::for_all(n, [&](std::size_t i) { cell_of[i] = place[cell_of[i]]; });
-  const auto width = static_cast<std::uint64_t>(g.extent[D - 1]);
-  for (std::size_t k = 0; k < g.keys.size(); ++k)
-    if (k == 0 || g.keys[k] / width != g.keys[k - 1] / width) g.columns.push_back(static_cast<std::uint32_t>(k));
-  g.column_of = key_table(g.columns.size());
-  for (std::size_t k = 0; k < g.columns.size(); ++k)
-    g.column_of.insert(g.keys[g.columns[k]] / width, static_cast<std::uint32_t>(k));
-  g.columns.push_back(static_cast<std::uint32_t>(g.keys.size()));
+// The index of the cell that a coordinate (m) is in.
+inline std::int64_t index_along(double x, double size) {
+  constexpr double most = 0x1p61;  // so that differences are numbers, too
+  const double c = std::floor(x / size);
+  if (!(std::abs(c) < most))
+    foundation::fail_calculation(fmt::format(
+        "a particle is at {:.3g} m, so far away that 64 bits cannot number the cells of the neighbour search, {:.3g} m "
+        "wide, up to there: it has left all others behind, or the spacing is too small for the box",
+        x, size));
+  return static_cast<std::int64_t>(c);
 }
 
-// `start` and `members`, these in no order within a cell. Returns the number of stored cells.
+// `start` and `members`, these in no order within a cell, of the cells that hold a particle.
+template <int D>
+void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n) {
+  auto all = stretches_of<D>(n, [&](std::size_t i) { return g.cell(particles::position<D>(x, i)); });
+  sort_by_cell<D>(all, g.first, g.extent);
+  g.members.resize(n);
+  std::uint32_t at = 0;
+  for (const auto& s : all) {
+    g.tree.append(s.cell);
+    g.start.resize(g.tree.leaves(), at);
+    std::iota(g.members.begin() + at, g.members.begin() + at + (s.end - s.begin), s.begin);
+    at += s.end - s.begin;
+  }
+  g.start.push_back(at);
+  g.start.shrink_to_fit();
+  g.tree.finish();
+}
+
+// The same of all cells of the bounding box.
+template <int D>
+void store_densely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n, std::uint64_t cells) {
+  std::vector<std::uint32_t> cell_of(n);
+  foundation::for_all(
+      n, [&](std::size_t i) { cell_of[i] = static_cast<std::uint32_t>(g.key(g.cell(particles::position<D>(x, i)))); });
+  g.start.assign(cells + 1, 0);
+  g.members.resize(n);
+  sort_by_cell(cell_of, g.start, g.members);
+}
+
+// Returns the number of stored cells.
 template <int D>
 std::size_t store_cells(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n) {
   // A full box has a cell for 4 or 8 particles; one that is filled to a tenth is still faster with all of its cells.
   const std::uint64_t all = n > 0 ? cells_of_box<D>(g.extent) : 0, worth_storing = 8 * n + 4096;
   g.sparse = all > worth_storing;
-  std::vector<std::uint32_t> cell_of(n);
   if (g.sparse)
-    number_occupied_cells<D>(g, x, cell_of);
+    store_sparsely<D>(g, x, n);
   else
-    foundation::for_all(n, [&](std::size_t i) {
-      cell_of[i] = static_cast<std::uint32_t>(g.key(g.cell(particles::position<D>(x, i))));
-    });
-  g.start.assign((g.sparse ? g.keys.size() : all) + 1, 0);
-  g.members.resize(n);
-  sort_by_cell(cell_of, g.start, g.members);
+    store_densely<D>(g, x, n, all);
   return g.cells();
 }
 
@@ -243,8 +187,8 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
       high = std::max(high, x[a][i]);
     }
     if (n == 0) continue;
-    g.first[a] = static_cast<std::int64_t>(std::floor(low / size));
-    last[a] = static_cast<std::int64_t>(std::floor(high / size));
+    g.first[a] = detail::index_along(low, size);
+    last[a] = detail::index_along(high, size);
   }
   for (std::size_t a = 0; a < D && n > 0; ++a) g.extent[a] = last[a] - g.first[a] + 1;
   const std::size_t cells = detail::store_cells<D>(g, x, n);
@@ -283,32 +227,32 @@ void for_each_stretch(const grid<D>& g, const std::array<double, D>& low, const 
                      std::min(cell_at(high[a] + half), g.first[a] + g.extent[a] - 1)};
   };
   // The last axis' cells are one range.
-  const auto visit_row = [&](index<D> c, double left2) {
-    const auto [from, to] = along(D - 1, std::sqrt(left2) * rounding);
-    if (from > to) return;
-    c[D - 1] = from;
-    const auto [begin, end] = g.members_in_row(c, to);
+  const auto row = [&](double left2) { return along(D - 1, std::sqrt(left2) * rounding); };
+  const auto visit = [&](std::size_t from_cell, std::size_t to_cell) {
+    const std::uint32_t begin = g.start[from_cell], end = g.start[to_cell];
     if (begin != end) f(begin, end);
   };
-  // Columns one by one where they are fewer than those that the box would meet if all were there.
   if (g.sparse) {
-    double met = 1.0;
-    for (std::size_t a = 0; a + 1 < D; ++a) {
-      const auto [from, to] = along(a, std::sqrt(reach2) * rounding);
-      met *= static_cast<double>(std::max<std::int64_t>(to - from + 1, 0));
-    }
-    if (met > static_cast<double>(g.columns.size())) {
-      for (std::size_t k = 0; k + 1 < g.columns.size(); ++k) {
-        const index<D> c = g.cell_of_key(g.keys[g.columns[k]]);
-        double left = reach2;
-        for (std::size_t a = 0; a + 1 < D; ++a) left -= gap2(a, c[a]);
-        if (left > 0.0) visit_row(c, left);
+    const auto descend = [&](const auto& self, std::size_t a, std::size_t parent, double left2) -> void {
+      const auto [from, to] = a + 1 == D ? row(left2) : along(a, std::sqrt(left2) * rounding);
+      if (a + 1 == D) {
+        const auto [first, end] = g.tree.leaves_between(parent, from, to);
+        return visit(first, end);
       }
-      return;
-    }
+      g.tree.for_each(a, parent, from, to, [&](std::int64_t c, std::size_t node) {
+        if (const double left = left2 - gap2(a, c); left > 0.0) self(self, a + 1, node, left);
+      });
+    };
+    return descend(descend, 0, 0, reach2);
   }
   const auto descend = [&](const auto& self, std::size_t a, index<D> c, double left2) -> void {
-    if (a + 1 == D) return visit_row(c, left2);
+    if (a + 1 == D) {
+      const auto [from, to] = row(left2);
+      if (from > to) return;
+      c[a] = from;
+      const std::uint64_t first = g.key(c);
+      return visit(first, first + static_cast<std::uint64_t>(to - from) + 1);
+    }
     const auto [from, to] = along(a, std::sqrt(left2) * rounding);
     for (c[a] = from; c[a] <= to; ++c[a])
       if (const double left = left2 - gap2(a, c[a]); left > 0.0) self(self, a + 1, c, left);

@@ -28,7 +28,25 @@ template <int D>
 struct box {
   std::array<double, D> length{};  // m; the box is [0, length)
   std::array<bool, D> periodic{};
+  // Of the lower and the upper side across each axis: nothing stands there, and the box is only where particles start;
+  // they may go on to any distance.
+  std::array<std::array<bool, 2>, D> open{};
+
+  bool is_free(std::size_t a) const {
+    return !periodic[a] && open[a][0] && open[a][1];
+  }  // across axis a, on both sides
 };
+
+template <int D>
+box<D> box_of(const options& o) {
+  box<D> b;
+  for (std::size_t a = 0; a < D; ++a) {
+    b.length[a] = o.length[a];
+    b.periodic[a] = o.periodic[a];
+    b.open[a] = {o.open[a], o.open[a]};
+  }
+  return b;
+}
 
 template <int D>
 struct decomposition {

@@ -57,6 +57,10 @@ void declare(namelist::schema& schema, const demands& of_problem, options& o) {
                                  "fluid particles along " + axis + (follows ? "; 0: with the spacing of x" : only)));
     schema.add("domain", "periodic_" + axis, o.periodic[a],
                {.meaning = "the two sides across " + axis + " are one, or else walls" + (follows ? "" : only)});
+    if (of_problem.may_be_open)
+      schema.add("domain", "open_" + axis, o.open[a],
+                 {.meaning = "nothing stands at the two sides across " + axis +
+                             ": the box is only where particles start" + (follows ? "" : only)});
   }
   schema.add("domain", "ranks_x", o.ranks_x.number,
              namelist::changing(namelist::between(
@@ -71,6 +75,9 @@ void resolve(const namelist::schema& schema, const demands& of_problem, options&
   o.ranks_x.place = schema.where("domain", "ranks_x") + ": &domain ranks_x: ";
   if (o.periodic[1] && !of_problem.walls_below_and_above.empty())
     schema.fail("domain", "periodic_y", of_problem.walls_below_and_above);
+  for (std::size_t a = 0; a < o.axes(); ++a)
+    if (o.open[a] && o.periodic[a])
+      schema.fail("domain", along("open_", a), "sides that are one, as a periodic box has them, cannot be open");
   const double dx = o.dx();
   for (std::size_t a = 1; a < o.axes(); ++a) {
     if (of_problem.follows_x) follow_x(schema, o, a);
@@ -101,7 +108,7 @@ void check_widths(const namelist::schema& schema, const options& o, double halo,
                       "support, marker radius and list skin); use more particles, a smaller h_over_dx or a "
                       "smaller skin",
                       axis_names[a], o.length[a], halo));
-    if (!o.periodic[a] && support > o.length[a] * (1.0 + 1e-9))
+    if (!o.periodic[a] && !o.open[a] && support > o.length[a] * (1.0 + 1e-9))
       schema.fail("domain", along("particles_", a),
                   fmt::format("the box is narrower along {}, {:.6g} m, than the kernel reaches, {:.6g} m: use more "
                               "particles or a smaller h_over_dx",

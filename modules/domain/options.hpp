@@ -19,6 +19,7 @@ struct options {
   std::array<double, 3> length{};  // m
   std::array<std::int64_t, 3> particles{};
   std::array<bool, 3> periodic{};
+  std::array<bool, 3> open{};  // on both sides nothing stands: the box is only where particles start
   rank_columns ranks_x{};
   double jitter = 0.0;  // of the particle spacing
 
@@ -31,8 +32,9 @@ struct options {
 struct demands {
   std::int64_t least_dimension = 2, least_particles = 1;  // along an axis
   std::string walls_below_and_above = "";                 // why there are walls; empty: y may be periodic
-  bool follows_x = false;  // along y and z, 0 is allowed: as long as along x, and with its spacing
-  bool jitters = true;     // the start lattice can be disturbed
+  bool follows_x = false;    // along y and z, 0 is allowed: as long as along x, and with its spacing
+  bool jitters = true;       // the start lattice can be disturbed
+  bool may_be_open = false;  // particles can do without anything at the sides
 };
 void declare(namelist::schema& schema, const demands& of_problem, options& o);
 

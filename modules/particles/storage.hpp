@@ -25,6 +25,16 @@ void set_null(particles<D>& s) {
   s.material[n] = 0;
 }
 
+// B, of each particle: its number, its material and all fields that are declared.
+template <int D>
+double bytes_each(const particles<D>& s) {
+  double all = sizeof(s.id[0]) + sizeof(s.material[0]);
+  for_each_field<D>(s, [&](const field_info&, const auto& components) {
+    all += static_cast<double>(components.size() * sizeof(double));
+  });
+  return all;
+}
+
 // Gives every array room for the four blocks and the null particle. Values of the
 // blocks that keep their place and size are kept; the null particle is set.
 template <int D>

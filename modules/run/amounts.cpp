@@ -75,6 +75,16 @@ memory_need need_of(double particles, double bytes, const kernel_options& o, std
   return {particles, bytes + bytes_a_neighbour * particles_within(support_over_dx(o) + o.skin, dimension)};
 }
 
+memory_need need_of(double particles, const allocated& each, const kernel_options& o, std::int64_t dimension) {
+  constexpr double a_double = sizeof(double), a_number = 4.0;
+  const auto D = static_cast<double>(dimension);
+  // One that is alone in its cell, as in a thin cloud, has a leaf and a run of each level of the tree of cells.
+  const double cells = a_double * D + 2.0 * a_number + D * (2.0 * a_double + a_number);
+  constexpr double a_neighbour = 1.0, of_a_step = 100.0;  // in the list; numbers of a snapshot, orders of a sort
+  return {particles, each.fields + a_double * each.vectors * each.integrated + cells + of_a_step +
+                         a_neighbour * particles_within(support_over_dx(o) + o.skin, dimension)};
+}
+
 void check_memory(const domain::communicator& ranks, const std::string& program, const memory_need& need,
                   const std::string& where) {
   const double here = need.total() * ranks_on_this_node(ranks.comm) / ranks.size;

@@ -24,6 +24,16 @@ struct memory_need {
 // within the kernel's support and the skin (o: resolved), as on a lattice.
 memory_need need_of(double particles, double bytes, const kernel_options& o, std::int64_t dimension);
 
+// What a run allocates of each particle, wherever these are.
+struct allocated {
+  double fields;         // B, particles::bytes_each()
+  double integrated;     // numbers of the state of the time integration
+  double vectors = 5.0;  // of these, that the integrator has
+};
+// The same from what is allocated. Nothing is of the box: a cloud of particles takes as much of cells, with some far
+// from all others too, and no longer lists than on the lattice.
+memory_need need_of(double particles, const allocated& each, const kernel_options& o, std::int64_t dimension);
+
 // Collective. Says how much it will be where that is worth knowing, and throws bad_input where this machine has less:
 // without it the system would end the program, or others, some time later. `where` is the place in the input, as its
 // errors begin.

@@ -27,7 +27,10 @@ struct state {
   // The axes along which all that particles meet moves with them: nothing stands there.
   std::array<bool, D> drifts() const {
     const bool stands = std::visit([](auto t) { return decltype(t)::has_particles; }, treatment) && !mirrors();
-    return (stands && !walls.sides.empty()) || walls.bodies.any() ? std::array<bool, D>{} : w.d.region.periodic;
+    if ((stands && !walls.sides.empty()) || walls.bodies.any()) return {};
+    auto along = w.d.region.periodic;
+    for (std::size_t a = 0; a < D; ++a) along[a] = along[a] || w.d.region.is_free(a);
+    return along;
   }
 };
 
@@ -70,7 +73,8 @@ bool drifted(const state<D>& box, double farthest) {
   const auto along = box.drifts();
   const auto way = frame_displacement(box);
   for (std::size_t a = 0; a < D; ++a)
-    if (along[a] && farthest + std::abs(way[a]) > 0.5 * box.w.d.region.length[a]) return true;
+    if (along[a] && box.w.d.region.periodic[a] && farthest + std::abs(way[a]) > 0.5 * box.w.d.region.length[a])
+      return true;
   return false;
 }
 
@@ -108,12 +112,14 @@ template <int D>
 void order_in_layers(pairs::workspace<D>& w, double reach, bool bodies, std::vector<std::uint32_t>& order) {
   w.core = w.border = 0;
   if (w.d.ranks.size == 1 || bodies) return;  // nothing is ever on its way
-  auto cell = w.d.cell();
+  const auto cell = w.d.cell();
   const auto deeper_than = [&](double depth) {
     auto deep = cell;
     for (std::size_t a = 0; a < D; ++a) {
-      deep.lower[a] = std::max(cell.lower[a], 0.0) + depth;
-      deep.upper[a] = std::min(cell.upper[a], w.d.region.length[a]) - depth;
+      if (!w.d.region.open[a][0]) deep.lower[a] = std::max(deep.lower[a], 0.0);
+      if (!w.d.region.open[a][1]) deep.upper[a] = std::min(deep.upper[a], w.d.region.length[a]);
+      deep.lower[a] += depth;
+      deep.upper[a] -= depth;
     }
     return [&w, deep](std::size_t i) { return w.d.within(deep, cells::position<D>(w.s.x, i)); };
   };

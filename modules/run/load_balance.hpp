@@ -10,7 +10,7 @@
 #include <foundation/waiting.hpp>
 #include <numeric>
 #include <optional>
-#include <run/lists.hpp>
+#include <run/loads.hpp>
 #include <run/options.hpp>
 #include <string>
 #include <vector>
@@ -102,15 +102,15 @@ struct load_balance {
     constexpr double uneven = 1.2;  // largest over mean; what is less is left to decisions, which weigh its cost
     const auto& ranks = box.w.d.ranks;
     if (mode == "off" || ranks.size == 1) return {};
-    std::vector<load> all;
+    std::vector<load<D>> all;
     if (by_pairs) all = loads_of(box);
     for (std::size_t i = 0; !by_pairs && i < box.w.s.fluid; ++i) all.push_back({cells::position<D>(box.w.s.x, i), 1.0});
     double mine = 0.0;
-    for (const load& l : all) mine += l.cost;
+    for (const load<D>& l : all) mine += l.cost;
     const auto cost = ranks.every(mine);
     const double now = balance::spread_of(cost).maximum;
     if (balance::spread_of(cost).efficiency() >= 1.0 / uneven) return {};
-    auto then = by_places(box, cost, how, all);
+    auto then = by_places(box, cuts_about(box, all), cost, how, all);
     const bool better = balance::spread_of(outcome_of(box, then, all).cost).maximum < now;
     return better ? std::optional(std::move(then)) : std::nullopt;
   }
@@ -187,8 +187,8 @@ struct load_balance {
     auto loads = loads_of(box);
     scale_to(cost[static_cast<std::size_t>(box.w.d.ranks.rank)], loads);
     const auto with = relaxed(how, experience);
-    v.cuts =
-        with.method == "remap" ? by_places(box, cost, with, loads) : balance::propose(box.w.d.cuts, cost, with, where);
+    const auto now = cuts_about(box, loads);
+    v.cuts = with.method == "remap" ? by_places(box, now, cost, with, loads) : balance::propose(now, cost, with, where);
     auto price = measures() ? moving : counted_price(v.spread, particles);
     // Lists that are due anyway cost nothing; others, and the rate that has to be evaluated again, do.
     price.rebuild = v.lists_were_due ? 0.0 : price.rebuild + v.spread.maximum;
@@ -212,51 +212,25 @@ struct load_balance {
     ++moves;
   }
 
-  // Of a body's marker and fluid, beside one in a cluster: what goes by registers takes so much less (measured of water
-  // in the bowl: 58 ns a step, and 9.1 ns).
-  static constexpr double pair_of_a_body = 6.0;
-
-  // Pairs that are evaluated: of the fluid's clusters, and of the walls' and the bodies' markers.
-  static double pairs_of(const state<D>& box) {
-    return static_cast<double>(box.w.list.all.size() * cells::neighbour_list::width + box.walls.read.near.all.size()) +
-           pair_of_a_body * static_cast<double>(box.walls.bodies.near.all.size());
-  }
-  // What this rank computes, place by place: pairs of the fluid, and of markers.
-  struct load {
-    std::array<double, D> x;  // m
-    double cost;
-  };
-  static std::vector<load> loads_of(const state<D>& box) {
-    std::vector<load> all;
-    for (std::size_t i = 0; i < box.w.s.fluid; ++i)
-      all.push_back({cells::position<D>(box.w.s.x, i), static_cast<double>(box.w.list.row_of(i).size())});
-    const auto& markers = box.walls.read;
-    for (std::size_t k = 0; k < markers.near.rows(); ++k)
-      all.push_back(
-          {cells::position<D>(box.walls.marker, markers.of[k]), static_cast<double>(markers.near.row(k).size())});
-    const auto& bodies = box.walls.bodies;
-    for (std::size_t k = 0; k < bodies.near.rows(); ++k)
-      all.push_back({bodies.places[k].marker, pair_of_a_body * static_cast<double>(bodies.near.row(k).size())});
-    return all;
-  }
   // So that they come to what this rank takes.
-  static void scale_to(double cost, std::vector<load>& all) {
+  static void scale_to(double cost, std::vector<load<D>>& all) {
     double sum = 0.0;
-    for (const load& l : all) sum += l.cost;
-    for (load& l : all) l.cost *= sum > 0.0 ? cost / sum : 0.0;
+    for (const load<D>& l : all) sum += l.cost;
+    for (load<D>& l : all) l.cost *= sum > 0.0 ? cost / sum : 0.0;
   }
 
   // Collective.
-  static balance::cuts<D> by_places(const state<D>& box, const std::vector<double>& cost,
-                                    const balance::balancer_options& o, const std::vector<load>& loads) {
+  static balance::cuts<D> by_places(const state<D>& box, const balance::cuts<D>& now, const std::vector<double>& cost,
+                                    const balance::balancer_options& o, const std::vector<load<D>>& loads) {
     const auto& d = box.w.d;
     const auto density = [&](std::size_t axis, const balance::cuts<D>& then,
                              const std::vector<balance::window>& windows, std::size_t parts) {
       std::vector<double> along(windows.size() * parts, 0.0);
-      for (const load& l : loads) {
-        // What stands out of the box counts at its border.
-        const double x = std::clamp(l.x[axis], 0.0, std::nextafter(d.region.length[axis], 0.0));
+      for (const load<D>& l : loads) {
         const std::size_t group = then.group_of(l.x, axis);
+        // What stands out of the box counts at its border.
+        const double lower = then.group(axis, group)[0], upper = then.group(axis, group)[then.counts[axis]];
+        const double x = std::clamp(l.x[axis], lower, std::nextafter(upper, lower));
         auto n = std::ranges::upper_bound(windows, std::pair(group, x), {},
                                           [](const balance::window& w) { return std::pair(w.group, w.upper); });
         for (; n != windows.end() && n->group == group && n->lower <= x; ++n)
@@ -265,18 +239,18 @@ struct load_balance {
       d.ranks.sum(along);
       return along;
     };
-    return balance::propose_by_density<D>(d.cuts, cost, o, density);
+    return balance::propose_by_density<D>(now, cost, o, density);
   }
 
   // Of new cuts: what ranks would take, and the particles that each sends or receives. Collective.
   struct outcome {
     std::vector<double> cost, in_and_out;
   };
-  static outcome outcome_of(const state<D>& box, const balance::cuts<D>& then, const std::vector<load>& loads) {
+  static outcome outcome_of(const state<D>& box, const balance::cuts<D>& then, const std::vector<load<D>>& loads) {
     const auto& ranks = box.w.d.ranks;
     const auto number = static_cast<std::size_t>(ranks.size), me = static_cast<std::size_t>(ranks.rank);
     outcome o{std::vector<double>(number, 0.0), std::vector<double>(number, 0.0)};
-    for (const load& l : loads) o.cost[static_cast<std::size_t>(then.owner(l.x))] += l.cost;
+    for (const load<D>& l : loads) o.cost[static_cast<std::size_t>(then.owner(l.x))] += l.cost;
     for (std::size_t i = 0; i < box.w.s.fluid; ++i)
       if (const auto to = static_cast<std::size_t>(then.owner(cells::position<D>(box.w.s.x, i))); to != me) {
         o.in_and_out[to] += 1.0;
@@ -294,7 +268,7 @@ struct load_balance {
     for (std::size_t i = 0; i < s.fluid; ++i) mine.include(cells::position<D>(s.x, i));
     if (s.fluid == 0) return mine;
     mine.begin_costs();
-    for (const load& l : loads_of(box)) mine.add_cost(l.x, l.cost);
+    for (const load<D>& l : loads_of(box)) mine.add_cost(l.x, l.cost);
     return mine;
   }
   // New lists cost about as much as two evaluations, to move a particle as much as its neighbours' share of one.

@@ -128,11 +128,7 @@ void set_up_empty(run::state<D>& box, const domain::communicator& ranks, const d
   w.lattice_sum = kernels::lattice_sum<D>(w.kernel, w.dx);
   box.skin = kernel.skin * w.dx;
   box.narrowest = {};
-  domain::box<D> region;
-  for (std::size_t a = 0; a < D; ++a) {
-    region.length[a] = of.length[a];
-    region.periodic[a] = of.periodic[a];
-  }
+  const auto region = domain::box_of<D>(of);
   w.d = domain::decompose<D>(ranks, region, std::max(reach, w.support()) + box.skin, of.ranks_x);
   box.walls.sides = walls::make_sides<D>(of_walls, region);
 }

@@ -21,7 +21,7 @@ class largest_near {
         own[c] = std::max(own[c], S[cells_.members[k]]);
     largest_ = own;
     for (std::size_t c = 0; c < n; ++c)
-      if (own[c] > 0.0) spread_to_neighbours(cells_.cell_of_key(cells_.key_of(c)), own[c]);
+      if (own[c] > 0.0) spread_to_neighbours(cells_.cell_of_members(c), own[c]);
   }
   double operator()(const std::array<double, D>& x) const { return largest_[cells_.stored(cells_.cell(x))]; }
 

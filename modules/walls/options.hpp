@@ -70,7 +70,7 @@ struct side {
   double distance(double x) const { return (x - position) * inward; }  // m, from the wall into the fluid
 };
 
-// The walls of the box: one side at each end of every axis that is not periodic.
+// The walls of the box: one side at each end of every axis that is not periodic, where the box is not open.
 template <int D>
 std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
   std::vector<side<D>> all;
@@ -78,7 +78,7 @@ std::vector<side<D>> make_sides(const options& o, const domain::box<D>& box) {
     if (box.periodic[axis]) continue;
     for (const std::size_t end : {0, 1}) {
       const auto& given = o.sides[2 * axis + end];
-      if (given.slip == "free_surface") continue;
+      if (given.slip == "free_surface" || box.open[axis][end]) continue;
       const std::string& thermal = given.thermal == "inherit" ? o.thermal : given.thermal;
       side<D> s;
       s.axis = axis;

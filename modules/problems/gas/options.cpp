@@ -3,6 +3,7 @@
 #include <cmath>
 #include <eos/eos.hpp>
 #include <gas/setups.hpp>
+#include <run/amounts.hpp>
 
 namespace tetsuame::gas {
 
@@ -170,6 +171,10 @@ eos::any eos_of(const side_options& side) {
 // As setups.cpp lays them.
 double expected_particles(const options& o) {
   const double lattice = o.domain.lattice_particles();
+  if (o.shock.test == "impact") {
+    const double radius = o.shock.radius / o.domain.dx();  // in spacings
+    return std::min(lattice, 2.0 * run::particles_within(radius, o.domain.dimension));
+  }
   if (o.shock.test != "square" || o.shock.masses != "equal_mass") return lattice;
   const double inside = std::pow(0.5, static_cast<double>(o.domain.dimension));
   return lattice * (1.0 - inside + inside * o.shock.l.rho / o.shock.r.rho);
@@ -187,7 +192,7 @@ void resolve_box(const namelist::schema& schema, options& o) {
   auto& d = o.domain;
   domain::resolve(schema, demands, d);
   for (std::size_t a = d.axes(); a < 3; ++a) d.length[a] = 0.0, d.particles[a] = 0;
-  domain::check_number(schema, d, expected_particles(o));
+  domain::check_number(schema, d, std::max(d.lattice_particles(), expected_particles(o)));
   check_kernel_fits(schema, o, d);
 }
 
