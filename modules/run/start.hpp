@@ -133,17 +133,23 @@ void set_up_empty(run::state<D>& box, const domain::communicator& ranks, const d
   box.walls.sides = walls::make_sides<D>(of_walls, region);
 }
 
+// The lattice that fills the box.
+template <int D>
+lattice_block<D> whole_box(const domain::options& of) {
+  lattice_block<D> lattice;
+  for (std::size_t a = 0; a < D; ++a) {
+    lattice.number[a] = of.particles[a];
+    lattice.spacing[a] = of.dx();
+  }
+  return lattice;
+}
+
 // And with the fluid of the start lattice.
 template <int D>
 void set_up(run::state<D>& box, const domain::communicator& ranks, const domain::options& of,
             const walls::options& of_walls, const kernel_options& kernel, double reach) {
   set_up_empty(box, ranks, of, of_walls, kernel, reach);
-  lattice_block<D> lattice;
-  for (std::size_t a = 0; a < D; ++a) {
-    lattice.number[a] = of.particles[a];
-    lattice.spacing[a] = box.w.dx;
-  }
-  place_lattices<D>(box, {lattice}, of.jitter);
+  place_lattices<D>(box, {whole_box<D>(of)}, of.jitter);
 }
 
 }  // namespace tetsuame::run

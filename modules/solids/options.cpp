@@ -311,8 +311,9 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
 
 }  // namespace
 
+void declare(namelist::schema& schema, options& o) { declare_pieces(schema, o); }
 void declare(namelist::schema& schema, options& o, motion_options& m) {
-  declare_pieces(schema, o);
+  declare(schema, o);
   declare_motions(schema, m);
 }
 

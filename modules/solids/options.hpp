@@ -36,7 +36,9 @@ struct free_options {
   std::array<double, 3> gyration{};  // m, about principal axes; 0: as of one density
 };
 
-// Declares groups &solids and &motions.
+// Declares group &solids.
+void declare(namelist::schema& schema, options& o);
+// And group &motions.
 void declare(namelist::schema& schema, options& o, motion_options& m);
 
 // What cannot be is an error of status bad_input, at its key and with the number of

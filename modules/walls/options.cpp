@@ -62,6 +62,11 @@ void declare(namelist::schema& schema, const abilities& of_problem, options& o) 
   declare_treatment(schema, of_problem.treatments, o);
   if (of_problem.slips)
     schema.add("walls", "slip", o.slip, {.choices = {"no_slip", "free_slip"}, .meaning = "velocity at the walls"});
+  if (of_problem.bodies)
+    schema.add("walls", "slip_bodies", o.slip_of_bodies,
+               {.choices = {"inherit", "no_slip", "free_slip"},
+                .expert = true,
+                .meaning = "velocity at the bodies of &solids; inherit: as slip"});
   if (of_problem.heat) schema.add("walls", "thermal", o.thermal, {.choices = heats, .meaning = "heat at the walls"});
   for (std::size_t n = 0; n < side_names.size(); ++n) declare_side(schema, of_problem, n, heats, o.sides[n]);
 }

@@ -24,8 +24,9 @@ struct options {
   std::string interpolation = "mls";
   std::string slip = "no_slip";
   std::string thermal = "adiabatic";
-  double marker_radius = 0.0;         // in kernel supports; 0: 1, and 1.35 for mls2
-  double repulsion_range = 1.0;       // in particle spacings
+  double marker_radius = 0.0;    // in kernel supports; 0: 1, and 1.35 for mls2
+  double repulsion_range = 1.0;  // in particle spacings
+  std::string slip_of_bodies = "inherit";
   std::array<side_options, 6> sides;  // left, right, bottom, top, back, front
 };
 
@@ -39,12 +40,16 @@ struct abilities {
   bool heat = true;                                  // they keep a temperature
   bool flux = false;                                 // heat may be given to the fluid
   bool free_surface = false;                         // there may be nothing at the top
+  bool bodies = false;                               // stand in the box
 };
 // Declares group &walls, with a default treatment in `o`.
 void declare(namelist::schema& schema, const abilities& of_problem, options& o);
 // Of a side by its number in side_names.
 inline const std::string& slip_of(const options& o, std::size_t n) {
   return o.sides[n].slip == "inherit" ? o.slip : o.sides[n].slip;
+}
+inline const std::string& slip_of_bodies(const options& o) {
+  return o.slip_of_bodies == "inherit" ? o.slip : o.slip_of_bodies;
 }
 
 // Radius of a marker's interpolation in kernel supports.

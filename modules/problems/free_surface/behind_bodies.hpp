@@ -4,6 +4,7 @@
 
 #include <free_surface/moving.hpp>
 #include <free_surface/terms.hpp>
+#include <rigid/walls.hpp>
 #include <walls/bodies.hpp>
 #include <walls/images.hpp>
 
@@ -47,15 +48,10 @@ void find_rows_beside(water<D>& f) {
   if (!f.world.walls.bodies.any()) return;
   const auto& w = f.world.w;
   const auto& s = w.s;
-  const auto& walls = f.world.walls;
-  const std::size_t first = s.first_wall(), behind = first + walls.body_particles;
-  const auto of_body = [&](std::uint32_t j) {
-    return (j >= first && j < behind) || (j >= behind + walls.images_of_fluid && j < s.null());
-  };
   std::vector<std::size_t> rows;
   for (std::size_t r = 0; r < w.list.rows(); ++r) {
     bool near = false;
-    w.list.for_each(r, [&](std::uint32_t j, auto...) { near = near || of_body(j); });
+    w.list.for_each(r, [&](std::uint32_t j, auto...) { near = near || rigid::is_of_body(f.world, j); });
     for (std::size_t i = r * pairs::lanes; near && i < std::min(s.fluid, (r + 1) * pairs::lanes); ++i)
       rows.push_back(i);
   }

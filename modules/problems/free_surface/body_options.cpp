@@ -7,37 +7,16 @@
 
 namespace tetsuame::free_surface {
 
-namespace {
-
 template <int D>
-solids::point<D> in_dimensions(const point& x) {
-  return solids::point<D>::of([&](std::size_t a) { return x[a]; });
+rigid::box<D> box_of(const options& o) {
+  return rigid::box_of<D>(o.domain, o.common.kernel, o.walls);
 }
-
-template <int D>
-solids::lattice<D> lattice_of(const options& o) {
-  solids::lattice<D> all{in_dimensions<D>(o.domain.length), o.domain.dx()};
-  std::copy_n(o.domain.periodic.begin(), D, all.periodic.begin());
-  return all;
-}
-
-}  // namespace
-
-template <int D>
-solids::period<D> period_of(const options& o) {
-  const double dx = o.domain.dx();
-  solids::period<D> box{in_dimensions<D>(o.domain.length)};
-  std::copy_n(o.domain.periodic.begin(), D, box.along.begin());
-  box.reach = (run::support_over_dx(o.common.kernel) + o.common.kernel.skin) * dx;
-  box.slight = 1e-3 * dx;
-  return box;
-}
-template solids::period<2> period_of<2>(const options&);
-template solids::period<3> period_of<3>(const options&);
+template rigid::box<2> box_of<2>(const options&);
+template rigid::box<3> box_of<3>(const options&);
 
 template <int D>
 solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how) {
-  const auto period = period_of<D>(o);
+  const auto period = rigid::period_of(box_of<D>(o));
   auto where = solids::bounds_of<D>(of);
   bool has_images = false;
   for (std::size_t a = 0; a < D; ++a) {
@@ -71,23 +50,6 @@ solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const
 }
 template solids::bounds<2> ever_in_box<2>(const options&, const solids::body<2>&, const motion_of_body<2>&);
 template solids::bounds<3> ever_in_box<3>(const options&, const solids::body<3>&, const motion_of_body<3>&);
-
-template <int D>
-solids::body<D> tank_of(const options& o) {
-  constexpr double far = 100.0;  // lengths of the box
-  solids::point<D> low, high;
-  for (std::size_t a = 0; a < D; ++a) {
-    const double length = o.domain.length[a];
-    low[a] = o.domain.periodic[a] ? -far * length : 0.0;
-    high[a] = o.domain.periodic[a] || (a == 1 && o.open_top()) ? far * length : length;
-  }
-  solids::piece<D> outside{
-      .bounds = solids::placed<D>(solids::box<D>(high - low), solids::no_rotation<D>(), 0.5 * (low + high)),
-      .outside = true};
-  return {"sides of the box", {outside}};
-}
-template solids::body<2> tank_of<2>(const options&);
-template solids::body<3> tank_of<3>(const options&);
 
 namespace {
 
@@ -128,7 +90,7 @@ void check_gauges_dry(const namelist::schema& schema, const options& o, const st
 // is in the box.
 template <int D>
 solids::free_body<D> mass_of(const options& o, const solids::body<D>& of, double density) {
-  const auto period = period_of<D>(o);
+  const auto period = rigid::period_of(box_of<D>(o));
   auto where = solids::bounds_of<D>(of);
   for (std::size_t a = 0; a < D; ++a) {
     if (solids::runs_through<D>(of, period, a)) {
@@ -186,19 +148,6 @@ void check_heights_free(const namelist::schema& schema, const options& o, const 
   }
 }
 
-// Checks of bodies, and the search for places inside of them, go through the whole lattice on every rank.
-constexpr double most_places = 1e8;
-
-template <int D>
-void check_lattice(const namelist::schema& schema, const options& o) {
-  constexpr double most = most_places;
-  double places = 1.0;
-  for (std::size_t a = 0; a < D; ++a) places *= static_cast<double>(o.domain.particles[a]);
-  if (places > most)
-    schema.fail("domain", "particles_x",
-                fmt::format("the lattice has {:.3g} places in the box; with bodies at most {:.0e}", places, most));
-}
-
 // Half a spacing beyond the sides of the box that are closed, on the lattice.
 template <int D>
 bool reaches_a_side(const options& o, const solids::body<D>& of) {
@@ -244,11 +193,11 @@ void check_moving(const namelist::schema& schema, const options& o, const solids
                               how.free ? "freely" : "so, where the box is periodic,"));
     places *= std::max(0.0, where.length(a)) / o.domain.dx();
   }
-  if (places > most_places)
+  if (places > rigid::most_places)
     schema.fail("motions", "body",
                 fmt::format("the lattice has {:.3g} places where body '{}' may come into the box; at most {:.0e}: give "
                             "it a smaller size, or a shorter way",
-                            places, of.name(), most_places));
+                            places, of.name(), rigid::most_places));
 }
 
 // Of a body at rest that begins here.
@@ -272,16 +221,14 @@ template <int D>
 std::vector<solids::body<D>> begin_with_images(const namelist::schema& schema, const options& o,
                                                std::vector<solids::body<D>>& all,
                                                std::vector<motion_of_body<D>>& motions) {
-  constexpr double longest_at_rest = 4.0;  // boxes
-  const auto period = period_of<D>(o);
+  const auto period = rigid::period_of(box_of<D>(o));
   std::vector<solids::body<D>> begun;
   for (std::size_t b = 0; b < all.size(); ++b) {
     const bool moves = motions[b].moves();
     const auto here = motions[b].course.moves() ? solids::placed<D>(all[b], motions[b].course.at(0.0)) : all[b];
-    if (const auto fault = solids::fault_across<D>(here, period, moves ? 1.0 : longest_at_rest); !fault.empty())
-      schema.fail(moves ? "motions" : "solids", moves ? "body" : "shape", fault);
+    begun.push_back(rigid::with_images<D>(schema, moves ? "motions" : "solids", moves ? "body" : "shape", here, period,
+                                          moves ? 1.0 : rigid::longest_at_rest));
     motions[b].images = images_of<D>(all[b], here, period);
-    begun.push_back(solids::repeated<D>(here, period));
     if (!moves) all[b] = begun.back();
   }
   return begun;
@@ -325,7 +272,7 @@ template <int D>
 void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
   auto& all = std::get<D - 2>(p.bodies);
   all = solids::make_bodies<D>(schema, o.solids);
-  schema.placed("solids", "shape", [&] { solids::expect_sizes<D>(all, in_dimensions<D>(o.domain.length)); });
+  schema.placed("solids", "shape", [&] { solids::expect_sizes<D>(all, box_of<D>(o).lattice.length); });
   auto& motions = std::get<D - 2>(p.motions);
   motions = motions_of<D>(schema, o, all);
   if (all.empty()) {
@@ -334,18 +281,14 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
     return;
   }
   if (o.flow.start != "rest") schema.fail("flow", "start", "with bodies water starts at rest");
-  check_lattice<D>(schema, o);
+  const auto box = box_of<D>(o);
+  rigid::expect_countable(schema, box);
   resolve_body_gauges<D>(schema, o, p, all);
   const auto begun = begin_with_images<D>(schema, o, all, motions);
   for (std::size_t b = 0; b < all.size(); ++b)
     if (motions[b].free && reaches_a_side<D>(o, begun[b]))
       schema.fail("motions", "body", "body '" + all[b].name() + "' begins in a side of the box; a free one may not");
-  const auto box = lattice_of<D>(o);
-  schema.placed("solids", "shape", [&] { solids::expect_in_box<D>(begun, box); });
-  const double support = run::support_over_dx(o.common.kernel) * o.domain.dx();
-  auto with_tank = begun;
-  with_tank.push_back(tank_of<D>(o));
-  schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, box, support); });
+  rigid::expect_sound(schema, begun, box);
   for (std::size_t b = 0; b < all.size(); ++b)
     if (motions[b].moves()) check_moving<D>(schema, o, all[b], motions[b]);
   check_gauges_dry<D>(schema, o, begun);
@@ -356,13 +299,5 @@ void resolve_bodies(const namelist::schema& schema, options& o, parameters& p) {
 }
 template void resolve_bodies<2>(const namelist::schema&, options&, parameters&);
 template void resolve_bodies<3>(const namelist::schema&, options&, parameters&);
-
-template <int D>
-solids::body<D> solid_of(const options& o, std::vector<solids::body<D>> bodies) {
-  bodies.push_back(tank_of<D>(o));
-  return solids::joined(bodies);
-}
-template solids::body<2> solid_of<2>(const options&, std::vector<solids::body<2>>);
-template solids::body<3> solid_of<3>(const options&, std::vector<solids::body<3>>);
 
 }  // namespace tetsuame::free_surface

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <free_surface/moving.hpp>
+#include <rigid/walls.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -50,8 +51,7 @@ void find_beside_bodies(water<D>& f) {
   if (!f.world.walls.bodies.any()) return;
   // Particles move half of the skin about where lists found them, and so may bodies.
   const double near = (f.moving.empty() ? 1.5 : 2.0) * f.world.skin;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i)
-    if (f.solid.level(of_solids<D>(f.place(i))) < near) f.beside_bodies.push_back(static_cast<std::uint32_t>(i));
+  f.beside_bodies = rigid::fluid_beside(f.world, f.solid, near);
   find_solid(f);
   for (const std::uint32_t i : f.beside_bodies)
     if (const auto e = entry_of(f, i); e && e->lies(f)) f.held.push_back({i, e->surface.normal, e->body});
@@ -92,9 +92,10 @@ std::int64_t put_out_of_bodies(water<D>& f) {
       f.held.push_back({i, n, e->body});
     } else {
       const double risen = -2.0 * e->surface.distance * n[1];
-      if (e->outwards < 0.0) u -= 2.0 * e->outwards * n;
+      rigid::turn_back(n, u);
       pay_for_rise<D>(f.gravity(), risen, n, u);
-      for (std::size_t a = 0; a < D; ++a) s.x[a][i] = e->surface.nearest[a] - e->surface.distance * n[a];
+      const auto to = rigid::put_out(e->surface);
+      for (std::size_t a = 0; a < D; ++a) s.x[a][i] = to[a];
       ++crossings;
     }
     for (std::size_t a = 0; a < D; ++a) s.v[a][i] = e->of_body[a] + u[a];

@@ -207,7 +207,7 @@ class flow : public run::particle_simulation<D> {
     add("Volume", s.dV.data());
     add("FreeSurface", make([&](auto i) { return on_surface[i] ? 1.0 : 0.0; }));
     if (!f_.world.walls.bodies.any()) return {g};
-    return {g, wall_particles(extra)};
+    return {g, rigid::group_of_walls(f_.world, f_.p.smoothing_length, extra)};
   }
 
   void report_results(double t, run::summary& r) override {
@@ -263,16 +263,6 @@ class flow : public run::particle_simulation<D> {
     auto& at_least = all.numbers[run::apart::at_least];
     at_least = std::max(at_least, of_bodies);
     return all;
-  }
-  // Of bodies, for pictures.
-  output::particle_group wall_particles(std::vector<particles::array>& extra) const {
-    const auto& s = f_.world.w.s;
-    const std::size_t first = s.first_wall(), n = f_.world.walls.bodies.places.size();
-    auto g = output::group_of(s, 1, first, n);
-    output::add_quantity(g, "Pressure", {s.p.data() + first});
-    output::add_quantity(g, "SmoothingLength",
-                         {output::make_array(extra, n, [&](auto) { return f_.p.smoothing_length; })});
-    return g;
   }
   void read_gauges(std::int64_t step) {
     std::vector<double> values;

@@ -80,7 +80,8 @@ double bodies_speed(const water<D>& f) {
 // A body that moves, at a pose of it, with its images across periodic sides.
 template <int D>
 solids::body<D> placed_at(const water<D>& f, const moving_body<D>& b, const solids::pose<D>& pose) {
-  return solids::repeated<D>(solids::placed<D>(f.p.template bodies_in<D>()[b.body], pose), period_of<D>(f.o));
+  return solids::repeated<D>(solids::placed<D>(f.p.template bodies_in<D>()[b.body], pose),
+                             rigid::period_of(box_of<D>(f.o)));
 }
 
 // All that is solid, with what moves at pose(body).
@@ -88,7 +89,7 @@ template <int D, class Pose>
 solids::body<D> solid_with(const water<D>& f, const Pose& pose) {
   auto all = f.p.template bodies_in<D>();
   for (const auto& b : f.moving) all[b.body] = placed_at(f, b, pose(b));
-  return solid_of<D>(f.o, std::move(all));
+  return rigid::solid_of<D>(box_of<D>(f.o), std::move(all));
 }
 
 // m, of its surface or that of its image.
@@ -194,7 +195,7 @@ void place_moving_walls(water<D>& f) {
 // Where the box is periodic a body must be able to stand as it has come to; where its images are.
 template <int D>
 void find_images(water<D>& f) {
-  const auto period = period_of<D>(f.o);
+  const auto period = rigid::period_of(box_of<D>(f.o));
   if (!period.any()) return;
   for (auto& b : f.moving) {
     const auto here = solids::placed<D>(f.p.template bodies_in<D>()[b.body], b.at_lists);

@@ -238,7 +238,7 @@ void declare(namelist::schema& schema, options& o) {
   declare_liquid(schema, o.flow);
   declare_blocks_around(schema, o.flow);
   declare_gauges(schema, o.gauges);
-  walls::declare(schema, {.moving = false, .heat = false, .free_surface = true}, o.walls);
+  walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
   run::declare(schema, o.common,
                {.single_pairs = true, .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"}, .diffuses = false});

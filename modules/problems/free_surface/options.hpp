@@ -11,6 +11,7 @@
 #include <domain/options.hpp>
 #include <free_surface/liquid.hpp>
 #include <optional>
+#include <rigid/box.hpp>
 #include <run/options.hpp>
 #include <solids/motion.hpp>
 #include <solids/options.hpp>
@@ -142,19 +143,12 @@ struct parameters {
   }
 };
 
-// The box as bodies stand in it.
 template <int D>
-solids::period<D> period_of(const options& o);
+rigid::box<D> box_of(const options& o);
 // Where, while a body is at rest, what of it stands that ever comes into the box: all of a free one, of one that runs
 // through periodic sides a piece as long as the box. Infinite where it has no end and is free.
 template <int D>
 solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how);
-// What lies beyond the sides; an open top and periodic sides have nothing there.
-template <int D>
-solids::body<D> tank_of(const options& o);
-// These bodies and what lies beyond the sides as one.
-template <int D>
-solids::body<D> solid_of(const options& o, std::vector<solids::body<D>> bodies);
 
 void declare(namelist::schema& schema, options& o);
 parameters resolve(const namelist::schema& schema, options& o);

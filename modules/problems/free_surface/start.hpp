@@ -6,6 +6,7 @@
 #include <free_surface/exact.hpp>
 #include <free_surface/moving.hpp>
 #include <numbers>
+#include <rigid/walls.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -92,20 +93,19 @@ void place_blocks(water<D>& f, const IsWater& is_water) {
   });
 }
 
-// The box with its lattice; where its top is open as high above that as bodies reach which do not move, at most twice
-// as high: water that rises there finds them.
+// The lattice of the box; where its top is open as high above that as bodies reach which do not move, at most twice as
+// high: water that rises there finds them.
 template <int D>
 solids::lattice<D> lattice_of_resting(const water<D>& f) {
-  solids::lattice<D> box{of_solids<D>(f.o.domain.length), f.dx()};
-  std::copy_n(f.o.domain.periodic.begin(), D, box.periodic.begin());
-  if (!f.o.open_top()) return box;
+  auto lattice = box_of<D>(f.o).lattice;
+  if (!f.o.open_top()) return lattice;
   double rows = 0.0;  // above the top
   for (std::size_t b = 0; b < f.p.template bodies_in<D>().size(); ++b)
     if (!f.p.template motions_in<D>()[b].moves())
       rows = std::max(
-          rows, std::ceil((solids::bounds_of<D>(f.p.template bodies_in<D>()[b]).high[1] - box.length[1]) / f.dx()));
-  box.length[1] += std::min(rows * f.dx(), box.length[1]);
-  return box;
+          rows, std::ceil((solids::bounds_of<D>(f.p.template bodies_in<D>()[b]).high[1] - lattice.length[1]) / f.dx()));
+  lattice.length[1] += std::min(rows * f.dx(), lattice.length[1]);
+  return lattice;
 }
 
 // Wall particles of the bodies, and their markers.
@@ -113,12 +113,11 @@ template <int D>
 void set_up_bodies(water<D>& f) {
   const auto& bodies = f.p.template bodies_in<D>();
   if (bodies.empty()) return;
-  const auto& w = f.world.w;
   auto& walls = f.world.walls.bodies;
-  walls.no_slip = f.o.walls.slip == "no_slip";
-  const auto box = lattice_of_resting(f);
-  walls.numbers = 1;
-  for (std::size_t a = 0; a < D; ++a) walls.numbers *= std::llround(box.length[a] / f.dx());
+  walls.no_slip = walls::slip_of_bodies(f.o.walls) == "no_slip";
+  const auto box = box_of<D>(f.o);
+  const auto lattice = lattice_of_resting(f);
+  walls.numbers = rigid::places_of(lattice);
   set_up_moving(f);
   f.solid = solid_with(f, [](const auto& b) { return b.now; });
   std::vector<solids::body<D>> resting;
@@ -129,17 +128,9 @@ void set_up_bodies(water<D>& f) {
       number.push_back(b);
     }
   number.push_back(bodies.size());  // the tank, whose wall particles lie outside the box
-  f.solid_at_rest = solid_of<D>(f.o, resting);
-  resting.push_back(tank_of<D>(f.o));
-  const auto cell = w.d.cell();
-  const auto made = solids::fill_with_wall_particles<D>(resting, box, w.support(), {cell.lower, cell.upper});
-  // On the surface itself both are 0.
-  const auto reflection_ratio = [&](std::size_t n) {
-    return made.height[n] > 0.0 ? made.depth[n] / made.height[n] : 1.0;
-  };
-  for (std::size_t n = 0; n < made.x.size(); ++n)
-    walls.places.push_back({made.x[n].c, made.marker[n].c, made.normal[n].c, made.height[n], reflection_ratio(n),
-                            made.place[n], static_cast<std::int32_t>(number[made.body[n]])});
+  f.solid_at_rest = rigid::solid_of(box, resting);
+  resting.push_back(rigid::tank_of(box));
+  rigid::place_walls(f.world, resting, number, lattice);
   f.resting = walls.places.size();
 }
 

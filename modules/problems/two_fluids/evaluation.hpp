@@ -7,6 +7,7 @@
 #pragma once
 
 #include <liquid/scheme.hpp>
+#include <two_fluids/behind_bodies.hpp>
 #include <two_fluids/slowing.hpp>
 #include <two_fluids/sums.hpp>
 
@@ -56,10 +57,7 @@ class list_of_passes {
     if (f_.tense) e.given({f_.metal});
     if (f_.enthalpy) e.remembered({s_.T});
     if (scheme_ != nullptr) return declare_scheme();
-    e.mirrored(walls::velocity(s_.v));
-    e.mirrored(walls::hydrostatic(s_.p_eos, s_.rho, w_.g));
-    e.mirrored(walls::hydrostatic(s_.p, s_.rho, w_.g));
-    e.mirrored(walls::vector(f_.colour_slope));
+    e.mirrored(rules_at_sides(f_));
     find_volumes();
     find_pressures();
     if (f_.tense) find_tension();
@@ -123,6 +121,10 @@ class list_of_passes {
     });
     if (f_.enthalpy) find_phases();
     if (f_.dissolved) find_partitions();
+    if (f_.has_bodies) {
+      const passes::fields all{s_.v, s_.p_eos, s_.rho, s_.dV, s_.eta, s_.T};
+      e.walls("walls", {.at_neighbours = all, .gives = all}, [this] { stand_behind_walls(f_); });
+    }
     if (!f_.smoothed) return;
     // p̂ as Σ Y W over Σ ΔV W.
     e.each(
@@ -130,6 +132,8 @@ class list_of_passes {
         [this](std::size_t i) { s_.Y[i] = s_.p_eos[i] * s_.dV[i]; }, true);
     e.sum("smoothing", {.at_neighbours = {s_.Y, s_.dV}, .writes = {s_.p}},
           [this](const pairs::row_range& rows) { volume::smooth(w_, s_.dV, true, rows); });
+    if (f_.has_bodies)
+      e.walls("walls", {.at_neighbours = {s_.p, s_.rho, s_.dV}, .gives = {s_.p}}, [this] { smooth_behind_walls(f_); });
   }
   void find_phases() {
     passes::access uses{.reads = {s_.p_eos, f_.content}, .writes = {f_.melt, f_.inertia}, .updates = {s_.T}};
@@ -192,7 +196,12 @@ class list_of_passes {
     if (f_.o.conductivity > 0.0)
       e.sum("conduction", {.at_neighbours = {s_.T, s_.k, s_.dV}, .writes = {f_.conducted}},
             [this](const pairs::row_range& rows) { conduct(f_, rows); });
-    if (f_.dissolved) add_element_exchange();
+    if (!f_.dissolved) return;
+    if (f_.has_bodies) {
+      const passes::fields all{f_.element, f_.mobility, f_.metal, f_.partition};
+      e.walls("element", {.at_neighbours = all, .gives = all}, [this] { dissolve_nothing_in_bodies(f_); });
+    }
+    add_element_exchange();
   }
   void add_element_exchange() {
     e.sum("element", {.at_neighbours = {f_.element, f_.partition, f_.mobility, f_.metal, s_.dV}, .writes = {f_.gain}},
@@ -202,13 +211,15 @@ class list_of_passes {
   void find_rates() {
     passes::access uses{.reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat,
                                   f_.conducted, f_.tension_force, f_.lift, f_.inertia, f_.rho_rate, f_.gain},
-                        .rates = {s_.x, s_.v, s_.u, f_.dissipated}};
+                        .rates = {s_.x, s_.u, f_.dissipated}};
+    (f_.has_bodies ? uses.accumulates : uses.rates).add({s_.v});
     if (has_factor(f_)) uses.reads.add({f_.follow_factor});
     if (f_.carried) uses.rates.add({s_.rho});
     if (f_.warms) uses.rates.add({s_.T});
     if (f_.dissolved) uses.rates.add({f_.element});
     if (f_.enthalpy) uses.rates.add({f_.content});
     e.each("rates", uses, [this](std::size_t i) { combine(i); });
+    if (f_.has_bodies) e.whole("rates", {.reads = {s_.x, f_.inertia}, .rates = {s_.v}}, [this] { push_off_bodies(); });
   }
   void combine(std::size_t i) {
     const auto& s = s_;
@@ -238,6 +249,16 @@ class list_of_passes {
     }
     if (f_.dissolved) rate(c_)[i] = per_m * f_.gain[i];
     if (f_.enthalpy) rate(h_)[i] = per_m * heat;
+  }
+
+  // As combine() has it of the sides.
+  void push_off_bodies() {
+    for (const std::uint32_t i : f_.bodies.beside) {
+      const auto in = rigid::depth_of(f_.bodies, s_, i);
+      if (!(in.depth > 0.0)) continue;
+      const double a = f_.world.walls.force.stiffness * in.depth / f_.inertia_of(i);
+      for (std::size_t k = 0; k < D; ++k) rate(D, k)[i] += a * in.normal[k];
+    }
   }
 
   // ---- by the scheme of a program -----------------------------------------------------------

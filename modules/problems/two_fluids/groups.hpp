@@ -58,6 +58,9 @@ void declare_waves(namelist::schema& schema, const char* group, options& o);
 void find_lattices(const namelist::schema& schema, const options& o, parameters& p);
 void find_waves(const namelist::schema& schema, options& o, parameters& p);
 
+// bodies.cpp
+void resolve_bodies(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p);
+
 // drops.cpp
 void declare_drops(namelist::schema& schema, const char* group, options& o);
 void warn_of_tension(const options& o, parameters& p, double y);

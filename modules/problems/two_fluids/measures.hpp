@@ -158,7 +158,11 @@ energies find_energies(const fluids<D>& f) {
                 f.reference_pressure(s.x[1][i]) * V,
             s.m[i] * f.dissipated[i], s.m[i] * s.c_V[i] * (s.T[i] - f.T_start[i]),
             f.tense ? f.o.surface_tension * V * f.area[i] : 0.0);
-        add(0.0, s.m[i] * walls::boundary_potential(f.world.walls.force, f.world.walls.sides, s, i));
+        const auto& force = f.world.walls.force;
+        add(0.0, s.m[i] * walls::boundary_potential(force, f.world.walls.sides, s, i));
+        if (!f.has_bodies) return;
+        const double depth = rigid::depth_of(f.bodies, s, i).depth;
+        add(0.0, 0.5 * s.m[i] * force.stiffness * depth * depth);
       });
   return {kinetic, potential, elastic - reference_integral(f), dissipated, thermal, surface};
 }

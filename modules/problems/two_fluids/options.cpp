@@ -117,12 +117,14 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   declare(schema, o.element);
   o.walls.slip = "free_slip";
   o.walls.sides[2].slip = o.walls.sides[3].slip = "no_slip";
-  walls::abilities behind{.moving = false, .heat = false, .free_surface = true};
+  walls::abilities behind{.moving = false, .heat = false, .free_surface = true, .bodies = true};
+  o.walls.slip_of_bodies = "no_slip";
   if (o.by_program) behind.treatments = {"virtual_marker", "none", "repulsion", "mirror"};
   walls::declare(schema, behind, o.walls);
   schema.also_known("walls", "floor", "slip_bottom");
   schema.also_known("walls", "lid", "slip_top");
   schema.also_known("walls", "sides", "slip");
+  solids::declare(schema, o.solids);
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
     volume::declare(schema, o.liquid);
@@ -166,6 +168,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   } else {
     find_fall(schema, o, p);
   }
+  resolve_bodies(schema, kind, o, p);
   return p;
 }
 

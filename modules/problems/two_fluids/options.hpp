@@ -2,6 +2,7 @@
 //   &domain   domain/options.hpp
 //   &rti or &drop   shape, materials, start, formulation
 //   &walls    walls/options.hpp; pressure
+//   &solids   bodies of any shape that stand still (solids/options.hpp)
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   run/options.hpp
@@ -10,7 +11,9 @@
 #include <eos/eos.hpp>
 #include <melting/melting.hpp>
 #include <memory>
+#include <rigid/box.hpp>
 #include <run/options.hpp>
+#include <tuple>
 #include <two_fluids/column.hpp>
 #include <volume/options.hpp>
 #include <walls/options.hpp>
@@ -67,6 +70,7 @@ struct element_options {
 struct options {
   domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
   walls::options walls;
+  solids::options solids;
   std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
   double bulk_modulus = 5e11;                // Pa
   double gravity = 10.0;                     // m/s2
@@ -104,6 +108,7 @@ struct options {
   run::common_options common;
 
   options() { material[0].density = 3000.0; }
+  bool has_bodies() const { return !solids.shape.empty(); }
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };
 
@@ -141,6 +146,13 @@ struct parameters {
   double oscillation_period = 0.0, bond_number = 0.0;  // drop with surface tension: s, 1
   std::string theory_about;
   std::vector<std::string> lines;
+  // Of the box's dimension, with their images across periodic sides.
+  std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;
+
+  template <int D>
+  const std::vector<solids::body<D>>& bodies_in() const {
+    return std::get<D - 2>(bodies);
+  }
 };
 
 // Solidus and liquidus, K, at a pressure (Pa) of the input's choice.

@@ -288,8 +288,8 @@ void tell(run::summary& r, const measures& m, const fluids<D>& f) {
   if (f.dissolved) tell_element(j, m, f);
   if (f.enthalpy) tell_heat(j, m, f);
   const auto& w = f.world.w;
-  const auto total = static_cast<double>(f.world.fluid_total);
-  j["particles_lost"] = f.world.fluid_total - f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
+  const auto total = static_cast<double>(f.placed);
+  j["particles_lost"] = f.placed - f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
   j["spurious_shear_modulus"] = f.p.spurious_modulus;
   j["neighbours"] = static_cast<double>(f.ranks().sum(static_cast<std::int64_t>(w.list.pairs))) / total;
   r.conservation = {{"mass", m.mass_drift}, {"momentum", nullptr}, {"energy", m.residual}};

@@ -286,6 +286,7 @@ template <int D>
 void place_walls(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
+  if (f.has_bodies) return walls::hand_over<D>(w.d, f.world.walls.bodies.places);
   if (!std::visit([](auto t) { return decltype(t)::has_particles; }, f.world.treatment)) return;
   walls::place(w, f.world.walls, f.world.fluid_total, w.support());
   const double rho = on_curve(f, 0, f.o.p_top).density;
@@ -299,12 +300,26 @@ void place_walls(fluids<D>& f) {
   }
 }
 
+// Bodies, and fluid on the lattice but for what they cover.
+template <int D>
+void place_lattice(fluids<D>& f) {
+  const auto& o = f.o;
+  const auto lattice = run::whole_box<D>(o.domain);
+  if (!f.has_bodies) return run::place_lattices<D>(f.world, {lattice}, o.domain.jitter);
+  rigid::set_up(f.bodies, f.world, rigid::box_of<D>(o.domain, o.common.kernel, o.walls), f.p.template bodies_in<D>(),
+                walls::slip_of_bodies(o.walls) == "no_slip");
+  run::place_lattices<D>(f.world, {lattice}, o.domain.jitter,
+                         [&](const std::array<double, D>& x) { return !f.bodies.solid.solid({x}); });
+}
+
 // Walls, lattice and arrays.
 template <int D>
 void set_up(fluids<D>& f) {
   const auto& o = f.o;
   auto& w = f.world.w;
-  run::set_up(f.world, domain::communicator::world(), o.domain, o.walls, o.common.kernel, 0.0);
+  run::set_up_empty(f.world, domain::communicator::world(), o.domain, o.walls, o.common.kernel, 0.0);
+  place_lattice(f);
+  f.placed = f.ranks().sum(static_cast<std::int64_t>(w.s.fluid));
   w.materials = {(*f.p.material)[0], (*f.p.material)[1]};
   w.g[1] = -o.gravity;
   if (o.by_program) {

@@ -179,9 +179,11 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   w.exchange_fluid({s.m.data()});
   if (f.isothermal()) walls::update_ghosts_and_images(w, f.world.walls, walls::even({&s.T}));
   for (std::size_t i = 0; i < s.total(); ++i) {
-    s.eta[i] = f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
-    s.k[i] = f.o.conductivity;
+    const bool of_body = f.has_bodies && rigid::is_of_body(f.world, i);  // no heat goes there
+    s.eta[i] = of_body ? 0.0 : f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
+    s.k[i] = of_body ? 0.0 : f.o.conductivity;
   }
+  if (f.has_bodies) rigid::find_beside(f.bodies, f.world);
   if (f.tense)
     for (std::size_t i = 0; i < s.total(); ++i) f.metal[i] = f.is_metal(i) ? 1.0 : 0.0;
   if (f.dissolved) f.partition[s.null()] = 1.0;

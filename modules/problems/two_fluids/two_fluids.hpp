@@ -115,7 +115,8 @@ class problem : public liquid::problem<D> {
       add("Viscosity", s.eta.data());
       add("MeltFraction", f_.melt.data());
     }
-    return {g};
+    if (!f_.has_bodies) return {g};
+    return {g, rigid::group_of_walls(f_.world, f_.h, extra)};
   }
 
   void save_globals(output::checkpoint_globals& g) const override {
@@ -135,6 +136,9 @@ class problem : public liquid::problem<D> {
     settled_ = true;
   }
   void place_walls() override { two_fluids::place_walls(f_); }
+  std::int64_t put_out_of_bodies() override {
+    return f_.has_bodies ? rigid::put_out_of(f_.bodies, f_.world.w.s, f_.world.walls.force.range) : 0;
+  }
 
  private:
   void begin_scheme() {
