@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cells/sparse_cells.hpp>
 #include <cmath>
 #include <cstddef>
@@ -18,7 +19,9 @@
 #include <foundation/error.hpp>
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
+#include <foundation/unfilled.hpp>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <particles/particles.hpp>
 #include <utility>
@@ -26,16 +29,19 @@
 
 namespace tetsuame::cells {
 
+// Local indices of particles, large arrays that are written at once.
+using indices = foundation::unfilled<std::uint32_t>;
+
 // The cells are stored densely, all those of the bounding box of the particles, where these are not many more than
 // particles; else sparsely, those that hold a particle and some beside them. The order of the particles is the same.
 template <int D>
 struct grid {
-  double size = 0.0;                   // m, edge of a cell
-  index<D> first{}, extent{};          // of the bounding box of the cells that hold a particle
-  std::vector<std::uint32_t> start;    // per stored cell, into `members`; one more at the end
-  std::vector<std::uint32_t> members;  // local particle indices, by cell, there along the last axis, then ID
+  double size = 0.0;                 // m, edge of a cell
+  index<D> first{}, extent{};        // of the bounding box of the cells that hold a particle
+  std::vector<std::uint32_t> start;  // per stored cell, into `members`; one more at the end
+  indices members;                   // local particle indices, by cell, there along the last axis, then ID
   // m, their positions; behind the last of them a register's worth far away, so that lanes may read on
-  std::array<particles::array, D> sorted;
+  std::array<foundation::unfilled<double>, D> sorted;
 
   bool sparse = false;
   sparse_cells<D> tree;  // of a sparse grid: its leaves are the stored cells
@@ -62,7 +68,11 @@ struct grid {
     return key(c);
   }
   // A stored cell that holds a particle.
-  index<D> cell_of_members(std::size_t at) const { return cell(particles::position<D>(sorted, start[at])); }
+  index<D> cell_of_members(std::size_t at) const {
+    std::array<double, D> x;
+    for (std::size_t a = 0; a < D; ++a) x[a] = sorted[a][start[at]];
+    return cell(x);
+  }
   double bytes() const {
     std::size_t all = (start.capacity() + members.capacity()) * sizeof(std::uint32_t) + tree.bytes();
     for (const auto& component : sorted) all += component.capacity() * sizeof(double);
@@ -78,30 +88,16 @@ inline double cell_edge(double spacing) { return 2.0 * spacing; }
 
 namespace detail {
 
-// `start`, of zeros, one more than cells, and `members`, in no order within a cell. Each thread goes through all
-// particles and sorts those of its share of the cells.
-inline void sort_by_cell(const std::vector<std::uint32_t>& cell_of, std::vector<std::uint32_t>& start,
-                         std::vector<std::uint32_t>& members) {
+// `start`, of zeros, one more than cells, and `members`, in no order within a cell.
+inline void sort_by_cell(const indices& cell_of, std::vector<std::uint32_t>& start, indices& members) {
   const std::size_t n = cell_of.size(), cells = start.size() - 1;
-  std::vector<std::uint32_t> next;
-#pragma omp parallel if (n > foundation::values_worth_threads)
-  {
-    const auto threads = static_cast<std::size_t>(omp_get_num_threads()),
-               thread = static_cast<std::size_t>(omp_get_thread_num());
-    const std::size_t first = cells * thread / threads, last = cells * (thread + 1) / threads;
-    const auto for_mine = [&](const auto& f) {
-      for (std::size_t i = 0; i < n; ++i)
-        if (cell_of[i] >= first && cell_of[i] < last) f(i, cell_of[i]);
-    };
-    for_mine([&](std::size_t, std::uint32_t cell) { ++start[cell + 1]; });
-#pragma omp barrier
-#pragma omp single
-    {
-      for (std::size_t c = 0; c < cells; ++c) start[c + 1] += start[c];
-      next = start;
-    }
-    for_mine([&](std::size_t i, std::uint32_t cell) { members[next[cell]++] = static_cast<std::uint32_t>(i); });
-  }
+  const auto at = [&](std::size_t cell) { return std::atomic_ref<std::uint32_t>(start[cell]); };
+  foundation::for_all(n, [&](std::size_t i) { at(cell_of[i]).fetch_add(1, std::memory_order_relaxed); });
+  // The end of each cell's members, which are put there from the last one on: at last it is their begin.
+  for (std::size_t c = 0; c < cells; ++c) start[c + 1] += start[c];
+  foundation::for_all(n, [&](std::size_t i) {
+    members[at(cell_of[i]).fetch_sub(1, std::memory_order_relaxed) - 1] = static_cast<std::uint32_t>(i);
+  });
 }
 
 // Cells of the bounding box, no more than 64 bits number.
@@ -125,6 +121,32 @@ inline std::int64_t index_along(double x, double size) {
   return static_cast<std::int64_t>(c);
 }
 
+// The least and the largest coordinates.
+template <int D>
+std::pair<std::array<double, D>, std::array<double, D>> bounding_box(const std::array<particles::array, D>& x,
+                                                                     std::size_t n) {
+  std::array<double, D> low, high;
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  std::mutex one_at_a_time;
+  foundation::for_chunks(n, 4096, n > foundation::values_worth_threads, [&](std::size_t first, std::size_t last) {
+    std::array<double, D> least, most;
+    for (std::size_t a = 0; a < D; ++a) {
+      least[a] = most[a] = x[a][first];
+      for (std::size_t i = first; i < last; ++i) {
+        least[a] = std::min(least[a], x[a][i]);
+        most[a] = std::max(most[a], x[a][i]);
+      }
+    }
+    const std::lock_guard lock(one_at_a_time);
+    for (std::size_t a = 0; a < D; ++a) {
+      low[a] = std::min(low[a], least[a]);
+      high[a] = std::max(high[a], most[a]);
+    }
+  });
+  return {low, high};
+}
+
 // `start` and `members`, these in no order within a cell, of the cells that hold a particle.
 template <int D>
 void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n) {
@@ -146,7 +168,7 @@ void store_sparsely(grid<D>& g, const std::array<particles::array, D>& x, std::s
 // The same of all cells of the bounding box.
 template <int D>
 void store_densely(grid<D>& g, const std::array<particles::array, D>& x, std::size_t n, std::uint64_t cells) {
-  std::vector<std::uint32_t> cell_of(n);
+  indices cell_of(n);
   foundation::for_all(
       n, [&](std::size_t i) { cell_of[i] = static_cast<std::uint32_t>(g.key(g.cell(particles::position<D>(x, i)))); });
   g.start.assign(cells + 1, 0);
@@ -173,28 +195,20 @@ std::size_t store_cells(grid<D>& g, const std::array<particles::array, D>& x, st
 template <int D>
 grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<std::int64_t>& id, std::size_t n,
                   double size) {
-  using foundation::values_worth_threads;
   grid<D> g;
   g.size = size;
   index<D> last;
   g.first.fill(INT64_MAX);
   last.fill(INT64_MIN);
-  for (std::size_t a = 0; a < D; ++a) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-#pragma omp parallel for schedule(static) reduction(min : low) reduction(max : high) if (n > values_worth_threads)
-    for (std::size_t i = 0; i < n; ++i) {
-      low = std::min(low, x[a][i]);
-      high = std::max(high, x[a][i]);
-    }
-    if (n == 0) continue;
-    g.first[a] = detail::index_along(low, size);
-    last[a] = detail::index_along(high, size);
+  const auto [low, high] = detail::bounding_box<D>(x, n);
+  for (std::size_t a = 0; a < D && n > 0; ++a) {
+    g.first[a] = detail::index_along(low[a], size);
+    last[a] = detail::index_along(high[a], size);
   }
   for (std::size_t a = 0; a < D && n > 0; ++a) g.extent[a] = last[a] - g.first[a] + 1;
   const std::size_t cells = detail::store_cells<D>(g, x, n);
   for (auto& component : g.sorted) component.resize(n + foundation::lanes);
-#pragma omp parallel for schedule(static) if (n > values_worth_threads)
-  for (std::size_t c = 0; c < cells; ++c) {
+  const auto sort_cell = [&](std::size_t c) {
     std::sort(g.members.begin() + g.start[c], g.members.begin() + g.start[c + 1],
               [&](std::uint32_t i, std::uint32_t j) {
                 for (std::size_t a = D; a-- > 0;)
@@ -203,7 +217,11 @@ grid<D> make_grid(const std::array<particles::array, D>& x, const std::vector<st
               });
     for (std::uint32_t k = g.start[c]; k < g.start[c + 1]; ++k)
       for (std::size_t a = 0; a < D; ++a) g.sorted[a][k] = x[a][g.members[k]];
-  }
+  };
+  constexpr std::size_t chunk = 256;  // cells
+  foundation::for_chunks(cells, chunk, n > foundation::values_worth_threads, [&](std::size_t from, std::size_t to) {
+    for (std::size_t c = from; c < to; ++c) sort_cell(c);
+  });
   for (auto& component : g.sorted) std::fill_n(component.end() - foundation::lanes, foundation::lanes, 1e60);
   return g;
 }

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cells/grid.hpp>
 #include <cstddef>
@@ -20,26 +21,19 @@
 #include <cstring>
 #include <foundation/lanes.hpp>
 #include <foundation/threads.hpp>
-#include <memory>
+#include <foundation/unfilled.hpp>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace tetsuame::cells {
 
-// A vector with it leaves new values as they are: large arrays that are written at once are not filled before.
-template <class T>
-struct uninitialised : std::allocator<T> {
-  template <class U>
-  void construct(U* at) {
-    ::new (static_cast<void*>(at)) U;
-  }
-};
-
 template <class Word>
 struct list_of_rows {
   using word = Word;
-  using words = std::vector<Word, uninitialised<Word>>;
+  using words = foundation::unfilled<Word>;
   std::vector<std::size_t> start;  // per row, into `all`; one more at the end
   words all;
   std::size_t pairs = 0;  // of a particle, or point, and a neighbour
@@ -180,50 +174,114 @@ class row_of_clusters {
   std::vector<std::uint32_t> far_;
 };
 
+// Where blocks of rows stand in a list: behind those before them, as soon as the lengths of these are known.
+class places_of_blocks {
+ public:
+  explicit places_of_blocks(std::size_t blocks) : lengths_(blocks, unknown), begins_(1, 0) {
+    begins_.reserve(blocks + 1);
+  }
+
+  void made(std::size_t block, std::size_t length) {
+    const std::lock_guard lock(one_at_a_time_);
+    lengths_[block] = length;
+    for (std::size_t k = begins_.size() - 1; k < lengths_.size() && lengths_[k] != unknown; ++k)
+      begins_.push_back(begins_.back() + lengths_[k]);
+  }
+  // Of a block that is made; none where one before it is not.
+  std::optional<std::size_t> begin(std::size_t block) {
+    const std::lock_guard lock(one_at_a_time_);
+    return block < begins_.size() ? std::optional(begins_[block]) : std::nullopt;
+  }
+  // Of all, when they are made.
+  std::size_t end() const { return begins_.back(); }
+
+ private:
+  static constexpr std::size_t unknown = SIZE_MAX;
+  std::vector<std::size_t> lengths_, begins_;
+  std::mutex one_at_a_time_;
+};
+
+// A thread's blocks, until they are copied to their places in the list.
+template <class Word>
+class blocks_to_place {
+ public:
+  static constexpr std::size_t rows_of_one = 32;
+
+  blocks_to_place(list_of_rows<Word>& list, places_of_blocks& places) : list_(list), places_(places) {}
+
+  // The rows of this block by make_row(r, row_store), which returns the number of pairs: all pairs.
+  template <class Make>
+  std::size_t make(std::size_t block, Make& make_row) {
+    row_store<Word> made = unused_.empty() ? row_store<Word>() : std::move(unused_.back());
+    if (!unused_.empty()) unused_.pop_back();
+    std::size_t pairs = 0;
+    for (std::size_t r = block * rows_of_one; r < end_of(block); ++r) {
+      pairs += make_row(r, made);
+      list_.start[r + 1] = made.size();  // from the block's begin
+    }
+    places_.made(block, made.size());
+    waiting_.emplace_back(block, std::move(made));
+    return pairs;
+  }
+  // Those whose places are known. What has no room in the list's memory is lost.
+  void place() {
+    std::size_t placed = 0;
+    for (; placed < waiting_.size(); ++placed) {
+      auto& [block, made] = waiting_[placed];
+      const auto begin = places_.begin(block);
+      if (!begin) break;
+      for (std::size_t r = block * rows_of_one; r < end_of(block); ++r) list_.start[r + 1] += *begin;
+      if (*begin + made.size() <= list_.all.size())
+        std::copy_n(made.begin(), made.size(), list_.all.begin() + static_cast<std::ptrdiff_t>(*begin));
+      made.clear();
+      unused_.push_back(std::move(made));
+    }
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(placed));
+  }
+
+ private:
+  std::size_t end_of(std::size_t block) const { return std::min(list_.rows(), (block + 1) * rows_of_one); }
+
+  list_of_rows<Word>& list_;
+  places_of_blocks& places_;
+  std::vector<std::pair<std::size_t, row_store<Word>>> waiting_;  // by block
+  std::vector<row_store<Word>> unused_;
+};
+
 // Rows of a list, row r made by make(r, row_store), which returns its number of pairs; each thread has a copy of
 // `make`. The list's memory serves again.
 //
-// Threads make blocks of rows in stores that stay in their caches, and copy each to its place as soon as the lengths of
-// those before it are known. Where the memory does not suffice, the first sweep finds out how much is needed.
+// Threads take blocks of rows one by one, make them in stores that stay in their caches, and go on: who is slower is
+// not waited for. Where the memory does not suffice, the first sweep finds out how much is needed.
 template <class Word, class Make>
 void make_rows(list_of_rows<Word>& list, std::size_t rows, const Make& make) {
-  constexpr std::size_t block = 32;
+  constexpr std::size_t block = blocks_to_place<Word>::rows_of_one;
+  const std::size_t blocks = (rows + block - 1) / block;
   list.start.resize(rows + 1);
   list.start[0] = 0;
   list.all.resize(list.all.capacity());
-  std::size_t pairs = 0, end = 0;
+  std::size_t pairs = 0;
   const auto sweep = [&] {
-    pairs = end = 0;
+    pairs = 0;
+    places_of_blocks places(blocks);
+    std::atomic<std::size_t> next{0};
 #pragma omp parallel reduction(+ : pairs) if (rows > block)
     {
-      row_store<Word> made;
+      blocks_to_place<Word> mine(list, places);
       Make make_row = make;
-#pragma omp for ordered schedule(dynamic, 1)
-      for (std::size_t first = 0; first < rows; first += block) {
-        const std::size_t last = std::min(rows, first + block);
-        made.clear();
-        for (std::size_t r = first; r < last; ++r) {
-          pairs += make_row(r, made);
-          list.start[r + 1] = made.size();  // from the block's begin
-        }
-        std::size_t begin;
-#pragma omp ordered
-        {
-          begin = end;
-          end += made.size();
-        }
-        for (std::size_t r = first; r < last; ++r) list.start[r + 1] += begin;
-        if (begin + made.size() <= list.all.size())
-          std::copy_n(made.begin(), made.size(), list.all.begin() + static_cast<std::ptrdiff_t>(begin));
-      }
+      for (std::size_t b; (b = next.fetch_add(1, std::memory_order_relaxed)) < blocks; mine.place())
+        pairs += mine.make(b, make_row);
+#pragma omp barrier
+      mine.place();
     }
+    return places.end();
   };
-  sweep();
+  std::size_t end = sweep();
   if (end > list.all.size()) {
     list.all.clear();
     list.all.shrink_to_fit();         // before the new memory is taken
     list.all.resize(end + end / 64);  // a little to spare
-    sweep();
+    end = sweep();
   }
   list.all.resize(end);
   list.pairs = pairs;

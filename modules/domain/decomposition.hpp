@@ -15,6 +15,7 @@
 #include <domain/communicator.hpp>
 #include <domain/halo.hpp>
 #include <domain/options.hpp>
+#include <foundation/threads.hpp>
 #include <foundation/waiting.hpp>
 #include <limits>
 #include <particles/partners.hpp>
@@ -191,16 +192,11 @@ void migrate(decomposition<D>& d, particles::particles<D>& s, std::span<particle
   const auto fields = detail::travelling_fields<D>(s);
   const std::size_t row = fields.size() + 2;
   const auto cell = d.cell();
-  std::vector<std::uint32_t> stay;
-  stay.reserve(s.fluid);
+  const auto stays = [&](std::size_t i) { return d.within(cell, particles::position<D>(s.x, i)); };
   std::vector<std::pair<int, std::size_t>> leave;  // to which rank, who
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const auto x = particles::position<D>(s.x, i);
-    if (d.within(cell, x))
-      stay.push_back(static_cast<std::uint32_t>(i));
-    else
-      leave.emplace_back(d.owner(x), i);
-  }
+  const auto leaves = [&](std::size_t i) { return !stays(i); };
+  for (const std::size_t i : foundation::indices_where<std::size_t>(s.fluid, leaves))
+    leave.emplace_back(d.owner(particles::position<D>(s.x, i)), i);
   std::sort(leave.begin(), leave.end());
   std::vector<message> out;
   for (const auto& [rank, i] : leave) {
@@ -212,7 +208,9 @@ void migrate(decomposition<D>& d, particles::particles<D>& s, std::span<particle
     for (const auto* p : attached) p->pack(i, values);
   }
   const auto in = sparse_exchange(d.ranks, out, detail::next_tag(d));
-  if (stay.size() < s.fluid) {
+  const std::size_t staying = s.fluid - leave.size();
+  if (!leave.empty()) {
+    const auto stay = foundation::indices_where<std::uint32_t>(s.fluid, stays);
     particles::reorder(s, 0, std::span<const std::uint32_t>(stay));
     for (auto* p : attached) p->reorder(stay);
   }
@@ -225,8 +223,8 @@ void migrate(decomposition<D>& d, particles::particles<D>& s, std::span<particle
       for (auto* p : attached) v = p->append(id, v);
     }
   // Room for the new fluid; the walls move along behind it.
-  particles::allocate(s, stay.size() + rows.size(), 0, s.walls, 0);
-  std::size_t i = stay.size();
+  particles::allocate(s, staying + rows.size(), 0, s.walls, 0);
+  std::size_t i = staying;
   for (const double* v : rows) {
     s.id[i] = std::bit_cast<std::int64_t>(v[0]);
     s.material[i] = static_cast<std::int32_t>(v[1]);
@@ -278,9 +276,9 @@ std::vector<std::uint32_t> rim(const decomposition<D>& d, const particles::parti
     deep.lower[a] += 2.0 * d.width;
     deep.upper[a] -= 2.0 * d.width;
   }
-  std::vector<std::uint32_t> all;
-  for (std::size_t i = begin; i < end; ++i)
-    if (!d.within(deep, particles::position<D>(s.x, i))) all.push_back(static_cast<std::uint32_t>(i));
+  auto all = foundation::indices_where<std::uint32_t>(
+      end - begin, [&](std::size_t k) { return !d.within(deep, particles::position<D>(s.x, begin + k)); });
+  for (std::uint32_t& i : all) i += static_cast<std::uint32_t>(begin);
   return all;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <foundation/error.hpp>
+#include <foundation/threads.hpp>
 #include <integrators/stabilised.hpp>
 #include <integrators/state_vector.hpp>
 #include <limits>
@@ -225,11 +226,16 @@ struct explicit_integrator::implementation {
   // f(k, i) for value i of field k
   template <class F>
   void for_all_values(const F& f) const {
-    for (std::size_t k = 0; k < fields.size(); ++k) {
-      const std::size_t values = number(fields[k]);
-#pragma omp parallel for simd schedule(static) if (values > 4096)
-      for (std::size_t i = 0; i < values; ++i) f(k, i);
-    }
+    std::size_t most = 0;
+    for (const field& of : fields) most = std::max(most, number(of));
+    constexpr std::size_t block = 2048, worth_threads = 4096;
+    foundation::for_chunks(most, block, most > worth_threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = 0; k < fields.size(); ++k) {
+        const std::size_t end = std::min(last, number(fields[k]));
+#pragma omp simd
+        for (std::size_t i = first; i < end; ++i) f(k, i);
+      }
+    });
   }
 
   // Array k of the particles at i = value(k, i), which may read what it replaces.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <foundation/agree.hpp>
+#include <foundation/threads.hpp>
 #include <foundation/waiting.hpp>
 #include <integrators/state_vector.hpp>
 #include <limits>
@@ -106,12 +107,11 @@ destination overwrite(N_Vector v) {
 // kernel(field, begin, end) over all values; a thread gets the same particles of every field.
 template <class Kernel>
 void over_blocks(const family& f, Kernel kernel) {
-  const std::size_t blocks = (f.most + block_length - 1) / block_length;
-#pragma omp parallel for schedule(static) if (blocks > 8)
-  for (std::size_t b = 0; b < blocks; ++b)
-    for (std::size_t k = 0; k < f.fields; ++k)
-      if (const std::size_t end = std::min(f.n[k], (b + 1) * block_length); b * block_length < end)
-        kernel(k, b * block_length, end);
+  foundation::for_chunks(f.most, 4 * block_length, f.most > 8 * block_length, [&](std::size_t first, std::size_t last) {
+    for (std::size_t begin = first; begin < last; begin += block_length)
+      for (std::size_t k = 0; k < f.fields; ++k)
+        if (const std::size_t end = std::min({f.n[k], begin + block_length, last}); begin < end) kernel(k, begin, end);
+  });
 }
 
 // z_i = value(field, i). Reads and the write of one i may concern the same array.

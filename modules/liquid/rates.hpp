@@ -76,7 +76,7 @@ void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t
   const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
   for (std::size_t a = 0; a < D; ++a) {
     out.dx[a][i] = s.v[a][i];
-    out.dv[a][i] = out.dv[a][i] * per_mass + w.g[a];
+    out.dv[a][i] = out.dv[a][i] * per_mass + w.gravity(a, i);
   }
   const double power = out.du[i] * per_mass;
   if (out.friction) out.friction[i] = friction;

@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cells/neighbour_list.hpp>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/lanes.hpp>
+#include <foundation/threads.hpp>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -154,16 +156,21 @@ inline row_subset choose(const cells::neighbour_list& list, std::vector<std::siz
   std::vector<std::uint32_t> bits(list.rows(), 0);
   for (const std::size_t i : rows) bits[i / lanes] |= 1U << i % lanes;
   row_subset c{std::move(rows), {}, {}};
+  for (std::size_t r = 0; r < bits.size(); ++r)
+    if (bits[r] != 0) c.of_rows.push_back({r * lanes, bits[r]});
   std::vector<char> needed(total, 0);
-  for (std::size_t r = 0; r < bits.size(); ++r) {
-    if (bits[r] == 0) continue;
-    const std::size_t first = r * lanes;
-    c.of_rows.push_back({first, bits[r]});
-    for (std::size_t i = first; i < std::min(total, first + lanes); ++i) needed[i] = 1;
-    list.for_each(r, [&](std::uint32_t j, auto...) { needed[j] = 1; });
-  }
-  for (std::size_t i = 0; i < total; ++i)
-    if (needed[i] != 0) c.seen.push_back(i);
+  // Threads that need the same particle write the same.
+  const auto need = [&](std::size_t j) { std::atomic_ref<char>(needed[j]).store(1, std::memory_order_relaxed); };
+  constexpr std::size_t chunk = 32;  // clusters
+  foundation::for_chunks(c.of_rows.size(), chunk, c.of_rows.size() > foundation::rows_worth_threads / lanes,
+                         [&](std::size_t from, std::size_t to) {
+                           for (std::size_t k = from; k < to; ++k) {
+                             const std::size_t first = c.of_rows[k].first;
+                             for (std::size_t i = first; i < std::min(total, first + lanes); ++i) need(i);
+                             list.for_each(first / lanes, [&](std::uint32_t j, auto...) { need(j); });
+                           }
+                         });
+  c.seen = foundation::indices_where<std::size_t>(total, [&](std::size_t i) { return needed[i] != 0; });
   return c;
 }
 

@@ -236,15 +236,13 @@ void pack(
   std::array<double, Layout::used> scale;
   for (std::size_t c = 0; c < scale.size(); ++c) scale[c] = lengths.to(-fields.lengths[c]) * fields.factor[c];
   number* const out = records.data();
-#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
-  for (std::size_t r = 0; r < n; ++r) {
+  foundation::for_all(n, [&](std::size_t r) {
     const std::size_t i = chosen[r];
     number* const record = out + i * Layout::size;
     for (std::size_t c = 0; c < Layout::dimension; ++c) record[c] = place.number_of(fields.from[c][i]);
-    for (std::size_t c = Layout::dimension; c < Layout::used; ++c) {
+    for (std::size_t c = Layout::dimension; c < Layout::used; ++c)
       record[c] = static_cast<number>((fields.from[c][i] - fields.less[c]) * scale[c]);
-    }
-  }
+  });
 }
 
 }  // namespace tetsuame::pairs

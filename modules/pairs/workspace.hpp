@@ -13,6 +13,7 @@
 #include <kernels/kernel.hpp>
 #include <optional>
 #include <pairs/pairs.hpp>
+#include <particles/named_fields.hpp>
 #include <particles/storage.hpp>
 #include <string>
 #include <utility>
@@ -50,10 +51,13 @@ struct workspace {
   domain::decomposition<D> d;
   std::vector<eos::any> materials;
   kernels::any<D> kernel = kernels::make<D>("quintic", 1.0);
-  double dx = 0.0;                // m, spacing of the start lattice
-  double lattice_sum = 1.0;       // of the kernel over the start lattice, times dx^D
-  cells::neighbour_list list;     // of clusters of the owned fluid
-  std::array<double, D> g{};      // m/s2
+  double dx = 0.0;             // m, spacing of the start lattice
+  double lattice_sum = 1.0;    // of the kernel over the start lattice, times dx^D
+  cells::neighbour_list list;  // of clusters of the owned fluid
+  std::array<double, D> g{};   // m/s2, uniform gravity
+  // Gravity that differs by particle, which a pass writes (gravity/gravity.hpp): m/s2.
+  particles::vector_field<D> accelerations{};
+  bool gravity_varies = false;
   std::array<double, D> frame{};  // m/s, the velocity of all together at the start, where nothing stands still
   std::optional<double> uniform_transport;  // Pa s: the viscosity, where all share it and none conducts
   fault first_fault;
@@ -63,6 +67,8 @@ struct workspace {
     return std::visit([](const auto& k) { return k.support(); }, kernel);
   }
   std::array<const double*, D> x() const { return pointers<D>(s.x); }
+  // m/s2, of particle i along axis a.
+  double gravity(std::size_t a, std::size_t i) const { return gravity_varies ? accelerations[a][i] : g[a]; }
 
   // The owned fluid stands in layers: clusters before `border` have neighbours among the owned fluid alone, and
   // those from `border` on have none before `core`. Both are 0 where no other rank sends ghosts to wait for.
@@ -71,10 +77,6 @@ struct workspace {
   row_range interior() const { return {0, border, 0, s.fluid}; }
   row_range at_border() const { return {border, s.fluid, core, s.total()}; }
 
-  // Between the two a rank may compute what needs no ghosts of these fields, which must not change.
-  void begin_fluid(std::initializer_list<double*> fields) const {
-    domain::begin_exchange<D>(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));
-  }
   void end_fluid() const { domain::end_exchange(d.ranks, d.fluid_halo); }
   void exchange_fluid(std::initializer_list<double*> fields) const {
     domain::exchange<D>(d.ranks, d.fluid_halo, std::span<double* const>(fields.begin(), fields.size()));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <foundation/threads.hpp>
+#include <foundation/unfilled.hpp>
 #include <limits>
 #include <particles/particles.hpp>
 #include <span>
@@ -79,9 +80,9 @@ void reorder(particles<D>& s, std::size_t begin, std::span<const std::uint32_t> 
     foundation::for_all(order.size(), [&](std::size_t k) { scratch[k] = a[begin + order[k]]; });
     foundation::for_all(order.size(), [&](std::size_t k) { a[begin + k] = scratch[k]; });
   };
-  permute(s.id, std::vector<std::int64_t>());
-  permute(s.material, std::vector<std::int32_t>());
-  std::vector<double> buffer;
+  permute(s.id, foundation::unfilled<std::int64_t>());
+  permute(s.material, foundation::unfilled<std::int32_t>());
+  foundation::unfilled<double> buffer;
   for_each_field<D>(s, [&](const field_info& field, const auto& components) {
     if (travels(field.kind))
       for (auto* a : components) permute(*a, buffer);

@@ -211,9 +211,10 @@ class evaluation {
                              : s.where == step::block::ghosts ? p.first_wall()
                                                               : p.total();
     const std::size_t n = last - first;
-#pragma omp parallel for schedule(static) if (n > foundation::values_worth_threads)
-    for (std::size_t begin = 0; begin < n; begin += part)
-      for (const std::size_t i : s.passes) list_[i].each(first + begin, first + std::min(n, begin + part));
+    foundation::for_chunks(n, part, n > foundation::values_worth_threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t at = begin; at < end; at += part)
+        for (const std::size_t i : s.passes) list_[i].each(first + at, first + std::min(end, at + part));
+    });
   }
   walls::mirrored parity_of(field* f) const {
     for (const auto& known : parities_)

@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <map>
-#include <optional>
-#include <passes/schedule.hpp>
-#include <set>
+#include <array>
+#include <passes/ghost_plan.hpp>
+#include <passes/refusals.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -13,159 +11,14 @@ namespace tetsuame::passes {
 
 namespace {
 
-using set = std::set<const field*>;
 using kind = pass::kind;
-
-template <class Some>
-bool all_in(const Some& some, const set& those) {
-  return std::all_of(some.begin(), some.end(), [&](const field* f) { return those.contains(f); });
-}
-template <class Some>
-bool any_in(const Some& some, const set& those) {
-  return std::any_of(some.begin(), some.end(), [&](const field* f) { return those.contains(f); });
-}
-template <class Some>
-void insert(set& into, const Some& some) {
-  into.insert(some.begin(), some.end());
-}
-
-// Whatever looks at neighbours looks at their places. An image may follow from more than its own field.
-set asked_of_ghosts(const pass& p, const known_fields& known) {
-  set all;
-  insert(all, p.uses.at_neighbours);
-  if (p.of == kind::sum || !all.empty()) insert(all, known.positions);
-  if (known.images)
-    for (const field* f : p.uses.at_neighbours)
-      if (const auto by = known.image_by.find(f); by != known.image_by.end()) all.insert(by->second);
-  return all;
-}
-
-// ---- refusals ---------------------------------------------------------------------------------
-
-class check {
- public:
-  check(const std::vector<pass>& passes, const known_fields& known) : known_(known) {
-    for (const auto* some : {&known.integrated, &known.remembered, &known.given}) insert(written_, *some);
-    for (const auto& p : passes) of(p);
-    for (const field* f : known.integrated)
-      if (!rates_.contains(f)) fail(fmt::format("no pass writes the rate of {}", known.name(f)));
-  }
-
- private:
-  [[noreturn]] static void fail(const std::string& text) { throw std::logic_error("list of passes: " + text); }
-
-  void of(const pass& p) {
-    const auto need = [&](const fields& some, const char* verb) {
-      for (const field* f : some)
-        if (!written_.contains(f))
-          fail(fmt::format("'{}' {} {}, which no pass before it writes", p.stage, verb, known_.name(f)));
-    };
-    need(p.uses.reads, "reads");
-    need(p.uses.at_neighbours, "reads");
-    need(p.uses.updates, "updates");
-    for (const field* f : p.uses.writes) {
-      if (const auto other = writers_.find(f); other != writers_.end())
-        fail(fmt::format("'{}' and '{}' both write {}", other->second, p.stage, known_.name(f)));
-      if (written_.contains(f)) fail(fmt::format("'{}' writes {}, which is known already", p.stage, known_.name(f)));
-      written_.insert(f);
-      writers_[f] = p.stage;
-    }
-    for (const field* f : p.uses.gives)
-      if (const auto [other, is_new] = givers_.try_emplace(f, p.stage); !is_new)
-        fail(fmt::format("'{}' and '{}' both give {} behind walls", other->second, p.stage, known_.name(f)));
-    of_rates(p);
-  }
-  void of_rates(const pass& p) {
-    set integrated;
-    insert(integrated, known_.integrated);
-    for (const auto* some : {&p.uses.rates, &p.uses.accumulates})
-      for (const field* f : *some) {
-        if (!integrated.contains(f))
-          fail(fmt::format("'{}' writes the rate of {}, which is not integrated", p.stage, known_.name(f)));
-        if (const auto other = rates_.find(f); other != rates_.end())
-          fail(fmt::format("'{}' has written the rate of {} before '{}'", other->second, known_.name(f), p.stage));
-      }
-    for (const field* f : p.uses.rates) rates_[f] = p.stage;
-  }
-
-  const known_fields& known_;
-  set written_;
-  std::map<const field*, const char*> writers_, givers_, rates_;
-};
-
-// ---- what ghosts need ---------------------------------------------------------------------------
-
-// Which `each` are computed of ghosts too, and which fields travel: as few as can be.
-struct ghost_plan {
-  std::vector<bool> computed;  // by pass
-  set travels;
-  std::map<const field*, std::size_t> writer;       // of what is computed of ghosts
-  std::map<const field*, std::size_t> complete_by;  // the last pass that writes a field or adds to it
-
-  ghost_plan(const std::vector<pass>& passes, const known_fields& known)
-      : computed(passes.size(), false), passes_(passes), known_(known) {
-    insert(given_, known.given);
-    for (std::size_t i = 0; i < passes.size(); ++i) {
-      const auto& p = passes[i];
-      set brings;
-      insert(brings, p.uses.spreads);
-      for (const auto* some : {&p.uses.writes, &p.uses.updates})
-        for (const field* f : *some)
-          if (!brings.contains(f)) complete_by[f] = i;
-      computed[i] = p.of == kind::each && p.everywhere;
-    }
-    find_travelling();
-    for (std::size_t i = passes.size(); i-- > 0;) {
-      if (computed[i] || !can_be_computed(i)) continue;
-      const std::size_t before = travels.size();
-      computed[i] = true;
-      find_travelling();
-      if (travels.size() <= before) continue;
-      computed[i] = false;
-      find_travelling();
-    }
-  }
-
- private:
-  // Ghosts have values that are complete: not those from before a later pass.
-  bool can_be_computed(std::size_t i) const {
-    const auto& p = passes_[i];
-    if (p.of != kind::each || !p.uses.updates.empty() || !any_in(p.uses.writes, needed_)) return false;
-    return std::all_of(p.uses.reads.begin(), p.uses.reads.end(), [&](const field* f) {
-      const auto by = complete_by.find(f);
-      return by == complete_by.end() || by->second < i;
-    });
-  }
-  // By what is computed.
-  void find_travelling() {
-    needed_.clear();
-    writer.clear();
-    travels.clear();
-    for (std::size_t i = passes_.size(); i-- > 0;) {
-      const auto& p = passes_[i];
-      for (const field* f : p.uses.spreads) needed_.erase(f);
-      insert(needed_, asked_of_ghosts(p, known_));
-      if (!computed[i] || !(p.everywhere || any_in(p.uses.writes, needed_))) continue;
-      insert(needed_, p.uses.reads);
-      for (const field* f : p.uses.writes) writer[f] = i;
-    }
-    for (const field* f : needed_)
-      if (!given_.contains(f) && !writer.contains(f)) travels.insert(f);
-  }
-
-  const std::vector<pass>& passes_;
-  const known_fields& known_;
-  set given_, needed_;
-};
-
-// ---- the steps ----------------------------------------------------------------------------------
 
 class builder {
  public:
   builder(const std::vector<pass>& passes, const known_fields& known)
       : passes_(passes), known_(known), plan_(passes, known) {
     insert(positions_, known.positions);
-    for (set* ready : {&ghosts_, &walls_, &owned_}) insert(*ready, known.given);
+    for (field_set* ready : {&ghosts_, &walls_, &owned_}) insert(*ready, known.given);
     insert(owned_, known.integrated);
     insert(owned_, known.remembered);
     if (known.images) insert(walls_, known.positions);
@@ -200,7 +53,7 @@ class builder {
   static bool is_lazy(const pass& p) { return p.uses.writes.empty() && p.uses.updates.empty(); }
 
   // The fields that have to travel so that this one is known of ghosts.
-  void collect(const field* f, const set& there, set& to_send) const {
+  void collect(const field* f, const field_set& there, field_set& to_send) const {
     if (there.contains(f)) return;
     if (const auto w = plan_.writer.find(f); w != plan_.writer.end()) {
       for (const field* g : passes_[w->second].uses.reads) collect(g, there, to_send);
@@ -209,8 +62,8 @@ class builder {
     if (plan_.travels.contains(f)) to_send.insert(f);
   }
   // What a pass asks of ghosts, with what the boundary treatment needs for it.
-  set asked_by(const pass& p) const {
-    set all;
+  field_set asked_by(const pass& p) const {
+    field_set all;
     if (p.of == kind::each) {
       if (p.everywhere) insert(all, p.uses.reads);
       return all;
@@ -219,14 +72,14 @@ class builder {
     if (p.of == kind::sum && p.sees_walls)
       for (const auto& other : passes_)
         if (other.of == kind::walls && is_lazy(other)) {
-          set gives;
+          field_set gives;
           insert(gives, other.uses.gives);
           if (any_in(p.uses.at_neighbours, gives)) insert(all, other.uses.at_neighbours);
         }
     return all;
   }
   void find_groups() {
-    set there, at_start;
+    field_set there, at_start;
     insert(there, known_.given);
     // What is known from the start goes with the first.
     for (const auto* some : {&known_.integrated, &known_.remembered})
@@ -234,7 +87,7 @@ class builder {
         if (plan_.travels.contains(f) && !plan_.complete_by.contains(f)) at_start.insert(f);
     for (const auto& p : passes_) {
       if (p.of == kind::walls && is_lazy(p)) continue;
-      set to_send;
+      field_set to_send;
       for (const field* f : asked_by(p)) collect(f, there, to_send);
       insert(there, p.uses.spreads);
       if (to_send.empty()) continue;
@@ -327,7 +180,7 @@ class builder {
   }
   bool fill_images() {
     if (!known_.images) return false;
-    set by_each;
+    field_set by_each;
     for (const auto& p : passes_)
       if (p.everywhere) insert(by_each, p.uses.writes);
     step s{step::kind::images};
@@ -366,7 +219,7 @@ class builder {
   }
 
   bool is_complete(const pass& p) const {
-    const set asked = asked_by(p);
+    const field_set asked = asked_by(p);
     if (!all_in(asked, ghosts_)) return false;
     return !known_.any_walls || p.of != kind::sum || !p.sees_walls || all_in(p.uses.at_neighbours, walls_);
   }
@@ -392,8 +245,8 @@ class builder {
     if (window_.empty()) {
       // An exchange that brings nothing to this pass goes on.
       if (under_way_) {
-        const set here(under_way_->all.begin(), under_way_->all.end());
-        set to_send;
+        const field_set here(under_way_->all.begin(), under_way_->all.end());
+        field_set to_send;
         for (const field* f : asked_by(p)) collect(f, ghosts_, to_send);
         if (to_send.empty()) resolve();
       } else {
@@ -405,15 +258,15 @@ class builder {
         insert(owned_, p.uses.writes);
         return;
       }
-      set to_send;
+      field_set to_send;
       for (const field* f : asked_by(p)) collect(f, ghosts_, to_send);
-      if (!all_in(to_send, set(under_way_->all.begin(), under_way_->all.end()))) {
+      if (!all_in(to_send, field_set(under_way_->all.begin(), under_way_->all.end()))) {
         end_exchange();
         return add_sum(i);
       }
     } else {
       // With those that wait, if it waits for the same.
-      set there = ghosts_, to_send;
+      field_set there = ghosts_, to_send;
       if (under_way_) there.insert(under_way_->all.begin(), under_way_->all.end());
       for (const field* f : asked_by(p)) collect(f, there, to_send);
       if (!to_send.empty()) {
@@ -448,22 +301,22 @@ class builder {
   const std::vector<pass>& passes_;
   const known_fields& known_;
   const ghost_plan plan_;
-  set positions_, given_by_passes_, asked_of_walls_;
+  field_set positions_, given_by_passes_, asked_of_walls_;
   std::vector<group> groups_;
   std::size_t next_group_ = 0;
   const group* under_way_ = nullptr;
 
-  set owned_, ghosts_, walls_;                               // who is known where
+  field_set owned_, ghosts_, walls_;                         // who is known where
   std::vector<std::size_t> of_ghosts_, of_walls_, waiting_;  // `each`, and passes of walls, that are due there
   std::vector<std::size_t> window_;                          // sums whose rows at the border wait
-  set pending_;                                              // what they write
+  field_set pending_;                                        // what they write
   std::vector<step> steps_;
 };
 
 }  // namespace
 
 std::vector<step> schedule(const std::vector<pass>& passes, const known_fields& known) {
-  check(passes, known);
+  refuse_faults(passes, known);
   return builder(passes, known).build();
 }
 

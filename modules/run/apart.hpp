@@ -10,6 +10,7 @@
 #include <domain/communicator.hpp>
 #include <foundation/threads.hpp>
 #include <limits>
+#include <mutex>
 #include <particles/particles.hpp>
 
 namespace tetsuame::run {
@@ -53,25 +54,45 @@ template <int D, class Value>
 apart apart_of(std::size_t n, const std::array<bool, D>& drifts, const Value& value) {
   apart found;
   std::copy_n(drifts.begin(), D, found.drifts.begin());
-  double square = 0.0, up[D], down[D];
-  std::fill_n(up, D, -std::numeric_limits<double>::infinity());
-  std::copy_n(up, D, down);
-  bool known = true;  // OpenMP's max would drop NaN
-#pragma omp parallel for schedule(static) reduction(max : square, up, down) reduction(&& : known) if (n > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < n; ++i) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) {
-      const double along = value(a, i);
-      r2 += along * along;
-      up[a] = std::max(up[a], along);
-      down[a] = std::max(down[a], -along);
+  struct largest_values {
+    double square = 0.0;
+    std::array<double, D> up = all(-std::numeric_limits<double>::infinity()), down = up;
+    bool known = true;  // a maximum would drop NaN
+
+    static std::array<double, D> all(double value) {
+      std::array<double, D> a;
+      a.fill(value);
+      return a;
     }
-    known = known && r2 == r2;
-    square = std::max(square, r2);
-  }
-  found.numbers[apart::longest] = known ? std::sqrt(square) : std::numeric_limits<double>::quiet_NaN();
-  std::copy_n(up, D, found.numbers.begin() + apart::largest);
-  std::copy_n(down, D, found.numbers.begin() + apart::least);
+    void include(const largest_values& other) {
+      square = std::max(square, other.square);
+      for (std::size_t a = 0; a < D; ++a) {
+        up[a] = std::max(up[a], other.up[a]);
+        down[a] = std::max(down[a], other.down[a]);
+      }
+      known = known && other.known;
+    }
+  } most;
+  std::mutex one_at_a_time;
+  foundation::for_chunks(n, 4096, n > foundation::values_worth_threads, [&](std::size_t first, std::size_t last) {
+    largest_values mine;
+    for (std::size_t i = first; i < last; ++i) {
+      double r2 = 0.0;
+      for (std::size_t a = 0; a < D; ++a) {
+        const double along = value(a, i);
+        r2 += along * along;
+        mine.up[a] = std::max(mine.up[a], along);
+        mine.down[a] = std::max(mine.down[a], -along);
+      }
+      mine.known = mine.known && r2 == r2;
+      mine.square = std::max(mine.square, r2);
+    }
+    const std::lock_guard lock(one_at_a_time);
+    most.include(mine);
+  });
+  found.numbers[apart::longest] = most.known ? std::sqrt(most.square) : std::numeric_limits<double>::quiet_NaN();
+  std::copy_n(most.up.begin(), D, found.numbers.begin() + apart::largest);
+  std::copy_n(most.down.begin(), D, found.numbers.begin() + apart::least);
   return found;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <foundation/threads.hpp>
 #include <run/finite.hpp>
 
@@ -23,12 +24,12 @@ bool are_finite(const double* values, std::size_t n) {
 
 bool all_finite(std::span<const double* const> arrays, std::size_t n) {
   constexpr std::size_t block = 2048;  // values, which are read where the rates' loop left them in the cache
-  const std::size_t blocks = (n + block - 1) / block;
-  bool finite = true;
-#pragma omp parallel for schedule(static) reduction(&& : finite) if (n > foundation::values_worth_threads)
-  for (std::size_t b = 0; b < blocks; ++b)
-    for (const double* values : arrays)
-      finite = finite && are_finite(values + b * block, std::min(block, n - b * block));
+  std::atomic<bool> finite{true};
+  foundation::for_chunks(n, block, n > foundation::values_worth_threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t begin = first; begin < last; begin += block)
+      for (const double* values : arrays)
+        if (!are_finite(values + begin, std::min(block, last - begin))) finite = false;
+  });
   return finite;
 }
 

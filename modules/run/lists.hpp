@@ -109,7 +109,7 @@ struct list_lengths {
 // neighbours may have ghosts or walls for neighbours, and those that may themselves. With bodies, which may be
 // anywhere, all wait.
 template <int D>
-void order_in_layers(pairs::workspace<D>& w, double reach, bool bodies, std::vector<std::uint32_t>& order) {
+void order_in_layers(pairs::workspace<D>& w, double reach, bool bodies, cells::indices& order) {
   w.core = w.border = 0;
   if (w.d.ranks.size == 1 || bodies) return;  // nothing is ever on its way
   const auto cell = w.d.cell();
@@ -172,12 +172,14 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
   domain::migrate(w.d, s);
   const list_lengths l = lengths();
   {
-    std::vector<std::uint32_t> order = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge).members;
+    cells::indices order = cells::make_grid<D>(s.x, s.id, s.fluid, l.edge).members;
     order_in_layers(w, l.reach, box.walls.bodies.any(), order);
     particles::reorder(s, 0, std::span<const std::uint32_t>(order));
   }
   if (!as_they_were) {
-    for (std::size_t a = 0; a < D; ++a) std::copy_n(s.x[a].begin(), s.fluid, s.x_list[a].begin());
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      for (std::size_t a = 0; a < D; ++a) s.x_list[a][i] = s.x[a][i];
+    });
     box.list_time = box.state_time;
   }
   surround(box, l.reach);

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <foundation/threads.hpp>
 #include <integrators/nonlinear.hpp>
 #include <kernels/lattice.hpp>
 #include <limits>
@@ -47,6 +49,19 @@ inline double bounded_log(double r) {
   return r > edge ? std::log1p(r) : std::log1p(edge) + (r - edge) / (1.0 + edge);
 }
 
+// The largest value(i) for i in [0, n), or `least`.
+template <class Value>
+double largest_of(std::size_t n, double least, const Value& value) {
+  std::atomic<double> largest{least};
+  foundation::for_chunks(n, 1024, n > foundation::rows_worth_threads, [&](std::size_t first, std::size_t last) {
+    double mine = least;
+    for (std::size_t i = first; i < last; ++i) mine = std::max(mine, value(i));
+    for (double known = largest; known < mine && !largest.compare_exchange_weak(known, mine);) {
+    }
+  });
+  return largest;
+}
+
 // What the solvers share: one pass, and the account of how it went.
 template <int D>
 struct pass {
@@ -61,19 +76,16 @@ struct pass {
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
-    for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = s.m[i] * s.p[i] / s.Y[i];
+    foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = s.m[i] * s.p[i] / s.Y[i]; });
     equation_of_state(w, s.fluid);
   }
   // max |ln(p^/p)| over all particles; infinite where p^ or p is not positive.
   double residual() const {
     const auto& s = w.s;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < s.fluid; ++i) {
+    return w.d.ranks.maximum(largest_of(s.fluid, 0.0, [&](std::size_t i) {
       const double r = std::abs(std::log(s.p_eos[i] / s.p[i]));
-      largest = std::max(
-          largest, s.p_eos[i] > 0.0 && s.p[i] > 0.0 && std::isfinite(r) ? r : std::numeric_limits<double>::infinity());
-    }
-    return w.d.ranks.maximum(largest);
+      return s.p_eos[i] > 0.0 && s.p[i] > 0.0 && std::isfinite(r) ? r : std::numeric_limits<double>::infinity();
+    }));
   }
   void record(double residual) {
     ++iteration;
@@ -86,10 +98,9 @@ struct pass {
 // The material's stiffness over the particles: κ = K_T/p at its largest.
 template <int D>
 double largest_kappa(const pairs::workspace<D>& w) {
-  double kappa = 0.0;
-  for (std::size_t i = 0; i < w.s.fluid; ++i)
-    if (w.s.p_eos[i] > 0.0) kappa = std::max(kappa, w.s.K_T[i] / w.s.p_eos[i]);
-  return w.d.ranks.maximum(kappa);
+  const auto& s = w.s;
+  return w.d.ranks.maximum(
+      largest_of(s.fluid, 0.0, [&](std::size_t i) { return s.p_eos[i] > 0.0 ? s.K_T[i] / s.p_eos[i] : 0.0; }));
 }
 
 // p^(ρ) has the relative rounding error κ ε: no residual below a few of these can be asked for.
@@ -197,9 +208,8 @@ template <int D>
 double stable_exponent(const pass<D>& one, double start) {
   if (one.self.how.relaxation > 0.0) return start;
   const auto& s = one.w.s;
-  double kappa = 1.0 / start;
-  for (std::size_t i = 0; i < s.fluid; ++i)
-    if (s.p[i] > 0.0) kappa = std::max(kappa, s.K_T[i] / s.p[i]);
+  const double kappa =
+      largest_of(s.fluid, 1.0 / start, [&](std::size_t i) { return s.p[i] > 0.0 ? s.K_T[i] / s.p[i] : 0.0; });
   return std::max(1.0 / one.w.d.ranks.maximum(kappa), start / 20.0);
 }
 
@@ -236,9 +246,10 @@ void relax(pass<D>& one, double omega, double tolerance, double enough, double k
     }
     previous = residual;
     const double exponent = plain ? 1.0 : stable_exponent(one, omega);
-    for (std::size_t i = 0; i < s.fluid; ++i)
+    foundation::for_all(s.fluid, [&](std::size_t i) {
       s.Y[i] = plain ? s.m[i] * s.p_eos[i] / s.rho[i] * last_place(s.id[i])
                      : s.Y[i] * std::exp(exponent * bounded_log(s.p_eos[i] / s.p[i] - 1.0));
+    });
   }
 }
 
@@ -263,10 +274,11 @@ void accelerate(pass<D>& one, double omega, double tolerance, double kappa) {
   std::vector<double> x(s.fluid, 0.0);
   const particles::array start(s.Y.begin(), s.Y.begin() + static_cast<std::ptrdiff_t>(s.fluid));
   const auto g = [&](std::span<const double> at, std::span<double> to) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = start[i] * std::exp(at[i]);
+    foundation::for_all(s.fluid, [&](std::size_t i) { s.Y[i] = start[i] * std::exp(at[i]); });
     one.evaluate();
     one.record(one.residual());
-    for (std::size_t i = 0; i < s.fluid; ++i) to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0);
+    foundation::for_all(s.fluid,
+                        [&](std::size_t i) { to[i] = at[i] + omega * bounded_log(s.p_eos[i] / s.p[i] - 1.0); });
     return 0;
   };
   const auto result = integrators::anderson(w.d.ranks.comm, x, g,
@@ -283,37 +295,37 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   const auto& around = one.around;
   auto& s = w.s;
   std::vector<double> x(s.fluid), scale(s.fluid);
-  for (std::size_t i = 0; i < s.fluid; ++i) {
+  foundation::for_all(s.fluid, [&](std::size_t i) {
     x[i] = std::log(s.rho[i]);
     scale[i] = s.p_eos[i];
-  }
+  });
   const auto residual = [&](std::span<const double> at, std::span<double> f) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.rho[i] = std::exp(at[i]);
+    foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = std::exp(at[i]); });
     weights_by_density(w, around.V, 0, s.fluid);
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
-    bool finite = true;
-    for (std::size_t i = 0; i < s.fluid; ++i) {
+    std::atomic<bool> finite{true};
+    foundation::for_all(s.fluid, [&](std::size_t i) {
       f[i] = (s.p_eos[i] - s.p[i]) / scale[i];
-      finite = finite && std::isfinite(f[i]);
-    }
+      if (!std::isfinite(f[i])) finite = false;
+    });
     one.record(one.residual());
     return finite ? 0 : 1;
   };
   // δ(p^_i - p_i) = K_i δx_i - Σ_j ΔV_j (K_j - p^_j) δx_j W_ij; the walls' weights are linear in the fluid's.
   const auto product = [&](std::span<const double>, std::span<const double> v, std::span<double> jv) {
-    for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = around.V[i] * (s.K_T[i] - s.p_eos[i]) * v[i];
+    foundation::for_all(s.fluid, [&](std::size_t i) { s.Y[i] = around.V[i] * (s.K_T[i] - s.p_eos[i]) * v[i]; });
     w.exchange_fluid({s.Y.data()});
     linear_weights(w, around);
     smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
-    for (std::size_t i = 0; i < s.fluid; ++i) jv[i] = (s.K_T[i] * v[i] - s.p[i]) / scale[i];
+    foundation::for_all(s.fluid, [&](std::size_t i) { jv[i] = (s.K_T[i] * v[i] - s.p[i]) / scale[i]; });
     return 0;
   };
   const double self = self_value(w) / (around.smoothing.normalise ? w.lattice_sum : 1.0);
   const auto diagonal = [&](std::span<const double>, std::span<double> d) {
-    for (std::size_t i = 0; i < s.fluid; ++i)
-      d[i] = (s.K_T[i] - around.V[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i];
+    foundation::for_all(
+        s.fluid, [&](std::size_t i) { d[i] = (s.K_T[i] - around.V[i] * (s.K_T[i] - s.p_eos[i]) * self) / scale[i]; });
     return 0;
   };
   return integrators::newton_krylov(

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <foundation/threads.hpp>
 #include <pairs/workspace.hpp>
 #include <utility>
@@ -109,9 +110,13 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t la
   for (std::size_t k = 0; k < w.materials.size(); ++k)
     std::visit(
         [&](const auto& material) {
-#pragma omp parallel for schedule(static) if (last - first > foundation::rows_worth_threads)
-          for (std::size_t group = 0; group < groups; ++group)
-            detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k), first + group * pairs::lanes, last);
+          constexpr std::size_t chunk = 128;  // groups: some 10 microseconds
+          foundation::for_chunks(groups, chunk, last - first > foundation::rows_worth_threads,
+                                 [&](std::size_t begin, std::size_t end) {
+                                   for (std::size_t group = begin; group < end; ++group)
+                                     detail::evaluate_lanes(w.s, material, static_cast<std::int32_t>(k),
+                                                            first + group * pairs::lanes, last);
+                                 });
         },
         w.materials[k]);
 }
@@ -136,9 +141,13 @@ void weights_by_density(pairs::workspace<D>& w, particles::array& V, std::size_t
 template <int D>
 void require_positive(pairs::workspace<D>& w, const particles::array& p, const char* what, const char* unit = "Pa") {
   const auto& s = w.s;
-  bool good = true;
-#pragma omp parallel for schedule(static) reduction(&& : good) if (s.fluid > foundation::values_worth_threads)
-  for (std::size_t i = 0; i < s.fluid; ++i) good = good && p[i] > 0.0 && std::isfinite(p[i]);
+  std::atomic<bool> good{true};
+  foundation::for_chunks(s.fluid, 4096, s.fluid > foundation::values_worth_threads,
+                         [&](std::size_t first, std::size_t last) {
+                           bool all = true;
+                           for (std::size_t i = first; i < last; ++i) all = all && p[i] > 0.0 && std::isfinite(p[i]);
+                           if (!all) good = false;
+                         });
   if (good) return;
   for (std::size_t i = 0; i < s.fluid; ++i)
     if (!(p[i] > 0.0) || !std::isfinite(p[i]))

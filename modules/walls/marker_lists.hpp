@@ -2,10 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cells/grid.hpp>
 #include <cmath>
+#include <foundation/threads.hpp>
+#include <foundation/unfilled.hpp>
 #include <limits>
+#include <mutex>
 #include <walls/turned.hpp>
 #include <walls/wall_set.hpp>
 
@@ -24,21 +28,35 @@ double least_distance(const particles::particles<D>& s, const wall_set<D>& set, 
   return std::sqrt(sum);
 }
 
+// m, how near the fluid, ghosts included, comes to each side, from within.
+template <int D>
+std::vector<double> nearest_to_sides(const particles::particles<D>& s, const wall_set<D>& set) {
+  std::vector<double> nearest;
+  std::mutex one_at_a_time;
+  for (const auto& wall : set.sides) {
+    double least = std::numeric_limits<double>::max();
+    foundation::for_chunks(s.first_wall(), 4096, s.first_wall() > foundation::values_worth_threads,
+                           [&](std::size_t first, std::size_t last) {
+                             double mine = std::numeric_limits<double>::max();
+                             for (std::size_t i = first; i < last; ++i)
+                               mine = std::min(mine, wall.distance(s.x[wall.axis][i]));
+                             const std::lock_guard lock(one_at_a_time);
+                             least = std::min(least, mine);
+                           });
+    nearest.push_back(std::max(0.0, least));
+  }
+  return nearest;
+}
+
 // Of each wall particle of this rank: whether fluid, owned or ghost, may be nearer to it than `reach`. What is as near
 // to the wall particle is as near to its marker, and so among this rank's ghosts at least. Those whom a lattice would
 // come near count as read, without a search.
 template <int D>
 std::vector<char> find_read(const particles::particles<D>& s, const wall_set<D>& set, const cells::grid<D>& grid,
                             double reach, double dx) {
-  std::vector<double> nearest;  // m, fluid to each side, from within
-  const std::vector<double> lattice(set.sides.size(), dx);
-  for (const auto& wall : set.sides) {
-    double least = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < s.first_wall(); ++i) least = std::min(least, wall.distance(s.x[wall.axis][i]));
-    nearest.push_back(std::max(0.0, least));
-  }
+  const std::vector<double> nearest = nearest_to_sides(s, set), lattice(set.sides.size(), dx);
   std::vector<char> read(s.walls, 0);
-  foundation::for_all(s.walls, [&](std::size_t r) {
+  const auto find = [&](std::size_t r) {
     read[r] = least_distance(s, set, r, lattice) < reach ? 1 : 0;
     if (read[r] != 0 || least_distance(s, set, r, nearest) > reach * (1.0 + 1e-9)) return;
     const auto x = cells::position<D>(s.x, s.first_wall() + r);
@@ -46,23 +64,31 @@ std::vector<char> find_read(const particles::particles<D>& s, const wall_set<D>&
       for (; near != 0; near &= near - 1)
         if (grid.members[k + static_cast<std::uint32_t>(std::countr_zero(near))] < s.first_wall()) read[r] = 1;
     });
-  });
+  };
+  constexpr std::size_t chunk = 64;  // wall particles
+  foundation::for_chunks(s.walls, chunk, s.walls > foundation::rows_worth_threads,
+                         [&](std::size_t first, std::size_t last) {
+                           for (std::size_t r = first; r < last; ++r) find(r);
+                         });
   return read;
 }
 
 // `listed`: all that some marker sees; from then on the list counts in it. Rows were filled up with `null`.
 inline void count_in_listed(marker_rows& rows, std::size_t null) {
   constexpr std::uint32_t unseen = 0xffffffff;
-  std::vector<std::uint32_t> place(null + 1, unseen);
+  foundation::unfilled<std::uint32_t> place(null + 1);
+  foundation::for_all(place.size(), [&](std::size_t i) { place[i] = unseen; });
   place[null] = 0;
-  for (const std::uint32_t j : rows.near.all) place[j] = 0;
-  rows.listed.clear();
-  for (std::size_t i = 0; i < place.size(); ++i)
-    if (place[i] == 0) {
-      place[i] = static_cast<std::uint32_t>(rows.listed.size());
-      rows.listed.push_back(static_cast<std::uint32_t>(i));
-    }
-  for (std::uint32_t& j : rows.near.all) j = place[j];
+  auto& near = rows.near.all;
+  // Threads that see the same particle write the same.
+  foundation::for_all(near.size(), [&](std::size_t k) {
+    std::atomic_ref<std::uint32_t>(place[near[k]]).store(0, std::memory_order_relaxed);
+  });
+  rows.listed =
+      foundation::indices_where<std::uint32_t>(place.size(), [&](std::size_t i) { return place[i] != unseen; });
+  foundation::for_all(rows.listed.size(),
+                      [&](std::size_t n) { place[rows.listed[n]] = static_cast<std::uint32_t>(n); });
+  foundation::for_all(near.size(), [&](std::size_t k) { near[k] = place[near[k]]; });
 }
 
 // m, the depth below a wall, or more where otherwise clusters would stand partly within it: these cost as much as whole
@@ -91,19 +117,12 @@ pairs::row_subset choose_near_wall(const pairs::workspace<D>& w, const wall_set<
   depth = std::max(w.d.ranks.maximum(depth) + set.reach, w.support()) + moved;
   std::vector<double> depths;
   for (const auto& wall : set.sides) depths.push_back(to_whole_clusters(depth, wall, w.dx));
-  std::vector<std::size_t> near;
-  auto known = without.begin();
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    if (known != without.end() && *known == i) {
-      ++known;
-      continue;
-    }
+  auto near = foundation::indices_where<std::size_t>(s.fluid, [&](std::size_t i) {
     for (std::size_t k = 0; k < depths.size(); ++k)
-      if (set.sides[k].distance(s.x[set.sides[k].axis][i]) < depths[k]) {
-        near.push_back(i);
-        break;
-      }
-  }
+      if (set.sides[k].distance(s.x[set.sides[k].axis][i]) < depths[k]) return true;
+    return false;
+  });
+  std::erase_if(near, [&](std::size_t i) { return std::binary_search(without.begin(), without.end(), i); });
   return pairs::choose(w.list, std::move(near), s.total());
 }
 

@@ -14,6 +14,9 @@
 
 namespace tetsuame::walls::detail {
 
+// That a thread takes: whole registers of them.
+inline constexpr std::size_t markers_at_a_time = 32;
+
 // How places stand in records, and what makes (x_j - x_m)/reach of them.
 template <class R>
 struct marker_places;
@@ -204,18 +207,17 @@ void find_shapes(const pairs::workspace<D>& w, const wall_set<D>& set, marker_ro
   const shape_search<D, R> search(w, set, rows, scratch_of<number>(w, of_places));
   const auto find = finder<D, R>(w, set);
   const std::size_t n = rows.near.rows();
-#pragma omp parallel if (n > foundation::rows_worth_threads)
-  {
-    std::vector<seen<D, R>> near;
-    std::vector<double> scratch;
-#pragma omp for schedule(static)
-    for (std::size_t first = 0; first < n; first += lanes) {
-      const std::size_t last = std::min(n, first + lanes);
-      find(search, first, last, near);
-      for (std::size_t k = first; k < last; ++k)
-        f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
-    }
-  }
+  foundation::for_chunks(
+      n, markers_at_a_time, n > foundation::rows_worth_threads, [&](std::size_t from, std::size_t to) {
+        std::vector<seen<D, R>> near;
+        std::vector<double> scratch;
+        for (std::size_t first = from; first < to; first += lanes) {
+          const std::size_t last = std::min(to, first + lanes);
+          find(search, first, last, near);
+          for (std::size_t k = first; k < last; ++k)
+            f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
+        }
+      });
 }
 
 // The sweeps that follow, with the same functions.
@@ -224,13 +226,12 @@ void for_each_marker(const pairs::workspace<D>& w, const marker_rows& rows, cons
                      const F& f) {
   const side_by_side<N> values(rows, fields, scratch_of<double>(w, rows.listed.size() * side_by_side<N>::size));
   const std::size_t n = rows.near.rows();
-#pragma omp parallel if (n > foundation::rows_worth_threads)
-  {
-    std::vector<double> scratch;
-#pragma omp for schedule(static)
-    for (std::size_t k = 0; k < n; ++k)
-      f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
-  }
+  foundation::for_chunks(n, markers_at_a_time, n > foundation::rows_worth_threads,
+                         [&](std::size_t from, std::size_t to) {
+                           std::vector<double> scratch;
+                           for (std::size_t k = from; k < to; ++k)
+                             f(rows.of[k], values.sum(rows.near.row(k), shapes_of(rows, k, w.single_pairs(), scratch)));
+                         });
 }
 
 // The fluid at the markers, mirrored. Transport: viscosity and conductivity too; without, all particles share them.

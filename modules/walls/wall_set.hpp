@@ -1,6 +1,7 @@
 // The walls of a box: its sides, and of one rank the particles that stand behind them, with their sources or markers.
 #pragma once
 
+#include <atomic>
 #include <cells/neighbour_list.hpp>
 #include <foundation/error.hpp>
 #include <optional>
@@ -233,17 +234,16 @@ double mirror_temperature(const wall_set<D>& set, std::size_t r, double T) {
 // wall reversed. Returns how many on this rank; a run that needed it reports the number.
 template <int D>
 std::int64_t reflect(const wall_set<D>& set, particles::particles<D>& s) {
-  std::int64_t crossings = 0;
+  std::atomic<std::int64_t> crossings{0};
   for (const auto& wall : set.sides) {
     auto& x = s.x[wall.axis];
     auto& v = s.v[wall.axis];
-#pragma omp parallel for schedule(static) reduction(+ : crossings) if (s.fluid > foundation::values_worth_threads)
-    for (std::size_t i = 0; i < s.fluid; ++i) {
-      if ((x[i] - wall.position) * wall.inward >= 0.0) continue;
+    foundation::for_all(s.fluid, [&](std::size_t i) {
+      if ((x[i] - wall.position) * wall.inward >= 0.0) return;
       x[i] = 2.0 * wall.position - x[i];
       if (v[i] * wall.inward < 0.0) v[i] = -v[i];
       ++crossings;
-    }
+    });
   }
   return crossings;
 }

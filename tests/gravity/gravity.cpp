@@ -18,9 +18,16 @@ struct free_fall {
   passes::evaluation<D> e{box};
 
   free_fall(const gravity::central<D>* field) {
-    domain::options domain{.length = {40.0, 40.0, 40.0}, .particles = {8, 8, 8}, .periodic = {false, false, false}};
-    run::set_up<D>(box, domain::communicator::world(), domain, walls::options{},
-                   {.name = "wendland_c4", .h_over_dx = 1.3, .skin = 0.2}, 3.0);
+    domain::options domain;
+    domain.length = {40.0, 40.0, 40.0};
+    domain.particles = {8, 8, 8};
+    domain.periodic = {false, false, false};
+    run::kernel_options kernel;
+    kernel.name = "wendland_c4";
+    kernel.h_over_dx = 1.3;
+    kernel.skin = 0.2;
+    const walls::options no_walls;
+    run::set_up<D>(box, domain::communicator::world(), domain, no_walls, kernel, 3.0);
     box.w.g[1] = -9.0;
     auto& s = box.w.s;
     e.integrate_motion({});

@@ -48,7 +48,7 @@ void declare_rates(water<D>& f) {
            for (std::size_t a = 0; a < D; ++a) {
              e.rate(a)[i] = w.s.v[a][i];
              double& dv = e.rate(D + a)[i];
-             dv = f.force[a][i] / w.s.m[i] + w.g[a];
+             dv = f.force[a][i] / w.s.m[i] + w.gravity(a, i);
              if (tense) dv += f.tension[a][i] / w.s.m[i];
            }
            e.rate(2 * D)[i] = f.density_rate[i];

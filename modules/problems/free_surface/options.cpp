@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gravity/options.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +44,7 @@ void declare_water(namelist::schema& schema, flow_options& o) {
 }
 
 void declare_liquid(namelist::schema& schema, flow_options& o) {
-  schema.add("flow", "gravity", o.gravity, {.unit = "m/s^2", .minimum = 0.0, .meaning = "towards -y"});
+  gravity::declare(schema, "flow", "gravity", o.gravity);
   // Squares of pressures, and pressures in single precision, stay far from what a number can hold.
   schema.add("flow", "density", o.density,
              {.unit = "kg/m^3", .minimum = 1e-20, .maximum = 1e20, .meaning = "of the water at zero pressure"});

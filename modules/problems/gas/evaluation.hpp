@@ -241,9 +241,8 @@ class list_of_passes {
     const auto& q = g_.o.shock;
     for (std::size_t a = 0; a < D; ++a) {
       rate(0, a)[i] = s_.v[a][i];
-      rate(D, a)[i] = g_.force[a][i] / s_.m[i];
+      rate(D, a)[i] = g_.force[a][i] / s_.m[i] + g_.w.gravity(a, i);
     }
-    if constexpr (D > 1) rate(D + 1)[i] -= q.gravity;
     rate(u_)[i] = g_.power[i] / s_.m[i];
     if (g_.evolves_density) rate(extra_)[i] = g_.density_rate[i];
     if (g_.o.has_alpha())

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gravity/options.hpp>
 
 #include <cmath>
 #include <eos/eos.hpp>
@@ -116,8 +117,7 @@ void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "radius", s.radius, for_expert(positive("m", "impact: of each of the two bodies")));
   schema.add("shock", "core", s.core,
              for_expert(up_to(1.0, "impact: radius of the cores, of the left material, over that")));
-  schema.add("shock", "gravity", s.gravity,
-             {.unit = "m/s^2", .minimum = 0.0, .meaning = "rayleigh_taylor: towards -y"});
+  gravity::declare(schema, "shock", "gravity", s.gravity, true, "rayleigh_taylor: ");
 }
 
 void declare_dissipation(namelist::schema& schema, shock_options& s) {

@@ -51,6 +51,7 @@ void make_box(world<D>& g) {
     region.periodic[a] = g.o.domain.periodic[a];
   }
   g.w.dx = g.o.domain.dx();
+  if constexpr (D > 1) g.w.g[1] = -g.o.shock.gravity;
   g.skin = g.o.common.kernel.skin * g.w.dx;
   g.w.d = domain::decompose<D>(domain::communicator::world(), region, g.support_over_dx * g.w.dx + g.skin,
                                g.o.domain.ranks_x);

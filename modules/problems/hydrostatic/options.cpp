@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gravity/options.hpp>
 
 #include <algorithm>
 #include <hydrostatic/profile.hpp>
@@ -69,7 +70,7 @@ void declare(namelist::schema& schema, options& o) {
   domain::declare(schema, demands, o.domain);
   declare(schema, o.initial);
   schema.group("gravity", "uniform gravity");
-  schema.add("gravity", "g", o.g, {.unit = "m/s^2", .minimum = 0.0, .meaning = "acceleration, towards -y"});
+  gravity::declare(schema, "gravity", "g", o.g);
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.scheme);

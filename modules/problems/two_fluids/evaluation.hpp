@@ -231,7 +231,7 @@ class list_of_passes {
       double force = f_.tense ? f_.force[a][i] + f_.tension_force[a][i] : f_.force[a][i];
       if (a == 1) force -= f_.reference_slope * s.dV[i];
       if (a == 1 && f_.slows) force += f_.lift[i];
-      rate(D, a)[i] = (per_m * force + w_.g[a]) / f_.inertia_of(i);
+      rate(D, a)[i] = (per_m * force + w_.gravity(a, i)) / f_.inertia_of(i);
     }
     walls::push_off(f_.world.walls.force, f_.world.walls.sides, s, i,
                     [&](std::size_t axis, double a) { rate(D, axis)[i] += a / f_.inertia_of(i); });

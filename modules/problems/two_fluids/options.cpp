@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gravity/options.hpp>
 
 #include <cmath>
 #include <kernels/kernel.hpp>
@@ -85,8 +86,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.group(group, kind == problem_kind::drop ? "a drop that sinks in a box" : "a dense layer over a light one");
   for (const std::size_t n : {1, 0}) declare(schema, group, names[n], o.material[n]);
   schema.add(group, "bulk_modulus", o.bulk_modulus, positive("Pa", "K of p = K (rho/rho0 - 1), of both"));
-  schema.add(group, "gravity", o.gravity,
-             kind == problem_kind::drop ? positive("m/s^2", "towards -y") : not_negative("m/s^2", "towards -y"));
+  gravity::declare(schema, group, "gravity", o.gravity, kind != problem_kind::drop);
   schema.add(group, "p_top", o.p_top, {.unit = "Pa", .meaning = "pressure at the top of the start column"});
   schema.add(group, "temperature", o.temperature, positive("K", "at the top of the start column"));
   schema.add(
