@@ -58,6 +58,24 @@ void for_all(std::size_t n, const F& f) {
   });
 }
 
+// The largest value(i) for i in [0, n), or `least`; what is not a number counts as none.
+template <class Value>
+double largest_of(std::size_t n, double least, const Value& value) {
+  std::atomic<double> largest{least};
+  for_chunks(n, chunk_of_values(n), n > values_worth_threads, [&](std::size_t first, std::size_t last) {
+    double mine = least;
+    for (std::size_t i = first; i < last; ++i) mine = std::max(mine, value(i));
+    for (double known = largest; known < mine && !largest.compare_exchange_weak(known, mine);) {
+    }
+  });
+  return largest;
+}
+// The smallest, or `most`.
+template <class Value>
+double smallest_of(std::size_t n, double most, const Value& value) {
+  return -largest_of(n, -most, [&](std::size_t i) { return -value(i); });
+}
+
 // Those i in [0, n) for which chosen(i) holds, ascending.
 template <class Index, class F>
 std::vector<Index> indices_where(std::size_t n, const F& chosen) {

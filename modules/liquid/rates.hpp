@@ -75,8 +75,9 @@ void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t
   const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho[i], friction = out.heat[i] * per_mass;
   const double heating = out.conducted ? friction + out.conducted[i] * per_mass : friction;
   for (std::size_t a = 0; a < D; ++a) {
+    const double gravity = w.gravity(a, i);
     out.dx[a][i] = s.v[a][i];
-    out.dv[a][i] = out.dv[a][i] * per_mass + w.gravity(a, i);
+    out.dv[a][i] = out.dv[a][i] * per_mass + gravity;
   }
   const double power = out.du[i] * per_mass;
   if (out.friction) out.friction[i] = friction;

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <foundation/threads.hpp>
 #include <integrators/nonlinear.hpp>
@@ -49,19 +48,6 @@ inline double bounded_log(double r) {
   return r > edge ? std::log1p(r) : std::log1p(edge) + (r - edge) / (1.0 + edge);
 }
 
-// The largest value(i) for i in [0, n), or `least`.
-template <class Value>
-double largest_of(std::size_t n, double least, const Value& value) {
-  std::atomic<double> largest{least};
-  foundation::for_chunks(n, 1024, n > foundation::rows_worth_threads, [&](std::size_t first, std::size_t last) {
-    double mine = least;
-    for (std::size_t i = first; i < last; ++i) mine = std::max(mine, value(i));
-    for (double known = largest; known < mine && !largest.compare_exchange_weak(known, mine);) {
-    }
-  });
-  return largest;
-}
-
 // What the solvers share: one pass, and the account of how it went.
 template <int D>
 struct pass {
@@ -82,7 +68,7 @@ struct pass {
   // max |ln(p^/p)| over all particles; infinite where p^ or p is not positive.
   double residual() const {
     const auto& s = w.s;
-    return w.d.ranks.maximum(largest_of(s.fluid, 0.0, [&](std::size_t i) {
+    return w.d.ranks.maximum(foundation::largest_of(s.fluid, 0.0, [&](std::size_t i) {
       const double r = std::abs(std::log(s.p_eos[i] / s.p[i]));
       return s.p_eos[i] > 0.0 && s.p[i] > 0.0 && std::isfinite(r) ? r : std::numeric_limits<double>::infinity();
     }));
@@ -99,8 +85,8 @@ struct pass {
 template <int D>
 double largest_kappa(const pairs::workspace<D>& w) {
   const auto& s = w.s;
-  return w.d.ranks.maximum(
-      largest_of(s.fluid, 0.0, [&](std::size_t i) { return s.p_eos[i] > 0.0 ? s.K_T[i] / s.p_eos[i] : 0.0; }));
+  return w.d.ranks.maximum(foundation::largest_of(
+      s.fluid, 0.0, [&](std::size_t i) { return s.p_eos[i] > 0.0 ? s.K_T[i] / s.p_eos[i] : 0.0; }));
 }
 
 // p^(ρ) has the relative rounding error κ ε: no residual below a few of these can be asked for.
@@ -208,8 +194,8 @@ template <int D>
 double stable_exponent(const pass<D>& one, double start) {
   if (one.self.how.relaxation > 0.0) return start;
   const auto& s = one.w.s;
-  const double kappa =
-      largest_of(s.fluid, 1.0 / start, [&](std::size_t i) { return s.p[i] > 0.0 ? s.K_T[i] / s.p[i] : 0.0; });
+  const double kappa = foundation::largest_of(s.fluid, 1.0 / start,
+                                              [&](std::size_t i) { return s.p[i] > 0.0 ? s.K_T[i] / s.p[i] : 0.0; });
   return std::max(1.0 / one.w.d.ranks.maximum(kappa), start / 20.0);
 }
 

@@ -2,9 +2,11 @@
 #include <omp.h>
 
 #include <boost/test/unit_test.hpp>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <foundation/threads.hpp>
+#include <limits>
 #include <vector>
 
 using namespace tetsuame::foundation;
@@ -43,5 +45,22 @@ BOOST_AUTO_TEST_CASE(chosen_indices_ascend) {
     for (std::size_t i = 0; i < n; ++i)
       if (chosen(i)) expected.push_back(static_cast<std::uint32_t>(i));
     BOOST_TEST(indices_where<std::uint32_t>(n, chosen) == expected);
+  });
+}
+
+// What is not a number counts as none, as std::max has it.
+BOOST_AUTO_TEST_CASE(extremes_are_those_of_one_thread) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto value = [](std::size_t i) {
+    return i % 5 == 2 ? none : std::sin(static_cast<double>(i * 2654435761U % 1000003U));
+  };
+  with_threads([&](std::size_t n) {
+    double largest = -0.5, smallest = 0.5;
+    for (std::size_t i = 0; i < n; ++i) {
+      largest = std::max(largest, value(i));
+      smallest = std::min(smallest, value(i));
+    }
+    BOOST_TEST(largest_of(n, -0.5, value) == largest);
+    BOOST_TEST(smallest_of(n, 0.5, value) == smallest);
   });
 }

@@ -55,9 +55,7 @@ void begin_step(convection_state<D>& state) {
   start.faster = start.v_max > 0.0 ? std::max(1.0, state.ranks().maximum(state.displacing) / start.v_max) : 1.5;
   if (!state.layer.steady || !state.layer.law.varies) return;  // inertia does not go with ν
   const auto largest = [&](const particles::array& a) {
-    double most = 1.0;
-    for (std::size_t i = 0; i < state.fluid().fluid; ++i) most = std::max(most, a[i]);
-    return state.ranks().maximum(most);
+    return state.ranks().maximum(foundation::largest_of(state.fluid().fluid, 1.0, [&](std::size_t i) { return a[i]; }));
   };
   start.viscous_contrast = largest(state.last.contrast[0]);
   start.sound_contrast = std::sqrt(largest(state.last.contrast[1]));
@@ -71,8 +69,7 @@ double largest_viscosity(const convection_state<D>& state) {
   const double xi2 = layer.slowing.xi * layer.slowing.xi;
   if (layer.steady) return (layer.law.varies ? 3.0 : 1.0) * layer.instant_share * layer.nu_eff;
   if (!layer.law.varies) return std::max(layer.nu, layer.fluid.nu) / xi2;
-  double nu = 0.0;
-  for (std::size_t i = 0; i < state.fluid().fluid; ++i) nu = std::max(nu, state.viscosity(i));
+  const double nu = foundation::largest_of(state.fluid().fluid, 0.0, [&](std::size_t i) { return state.viscosity(i); });
   return 3.0 * state.ranks().maximum(nu) / xi2;
 }
 

@@ -146,21 +146,20 @@ class flow : public run::particle_simulation<D> {
   std::vector<integrators::field> fields() override { return passes_.e.fields(); }
 
   bool evaluable() override {
+    constexpr double any = std::numeric_limits<double>::infinity();
     const auto& s = g_.w.s;
-    double least = std::numeric_limits<double>::infinity();
     if (g_.any_eos) return true;
-    for (std::size_t i = 0; i < s.fluid; ++i) least = std::min(least, s.u[i]);
-    return ranks.minimum(least) > 0.0;
+    return ranks.minimum(foundation::smallest_of(s.fluid, any, [&](std::size_t i) { return s.u[i]; })) > 0.0;
   }
   void sum_rates(std::span<double* const> rate) override { passes_.e.run(rate); }
 
   // Sound and approach, Δt = cfl · 2 Δx_i/max_j(c_i + c_j - 3 min(w_ij, 0)).
   integrators::step_limit largest_step() override {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < g_.w.s.fluid; ++i) {
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const double least = foundation::smallest_of(g_.w.s.fluid, any, [&](std::size_t i) {
       const double spacing = g_.S[i] / g_.support_over_dx, signal = std::max(g_.signal[i], 2.0 * g_.sound_speed(i));
-      least = std::min(least, 2.0 * spacing / signal);
-    }
+      return 2.0 * spacing / signal;
+    });
     return {*g_.o.common.time.cfl * ranks.minimum(least), "sound"};
   }
   run::apart moved() override { return gas::moved(g_); }

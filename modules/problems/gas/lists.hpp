@@ -47,8 +47,8 @@ double allowance(const world<D>& g) {
 // Displacement, or the whole allowance where a support has no more room to grow.
 template <int D>
 run::apart moved(world<D>& g) {
-  double growth = 0.0;
-  for (std::size_t i = 0; i < g.w.s.fluid; ++i) growth = std::max(growth, g.support[i] - g.list_support[i]);
+  const double growth =
+      foundation::largest_of(g.w.s.fluid, 0.0, [&](std::size_t i) { return g.support[i] - g.list_support[i]; });
   const bool no_room = growth >= g.room_to_grow() * (1.0 - 1e-9);
   run::apart all = run::moved_since_lists(g);
   if (no_room || run::drifted(g, all.numbers[run::apart::longest])) all.numbers[run::apart::at_least] = allowance(g);

@@ -86,12 +86,10 @@ struct step_limits {
 template <int D>
 step_limits measure_limits(const scene<D>& scene, const run::time_options& o) {
   const auto& s = scene.w.s;
-  double c = 0.0, nu = 0.0, kappa = 0.0;
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    if (std::isfinite(s.c[i])) c = std::max(c, s.c[i]);
-    nu = std::max(nu, s.eta[i] / s.rho[i]);
-    kappa = std::max(kappa, s.k[i] / (s.rho[i] * s.c_V[i]));
-  }
+  const auto largest = [&](const auto& value) { return foundation::largest_of(s.fluid, 0.0, value); };
+  const double c = largest([&](std::size_t i) { return std::isfinite(s.c[i]) ? s.c[i] : 0.0; }),
+               nu = largest([&](std::size_t i) { return s.eta[i] / s.rho[i]; }),
+               kappa = largest([&](std::size_t i) { return s.k[i] / (s.rho[i] * s.c_V[i]); });
   const auto& ranks = scene.w.d.ranks;
   const double dx = scene.w.dx;
   return {*o.cfl * dx / ranks.maximum(c), *o.diffusive * dx * dx / ranks.maximum(nu),

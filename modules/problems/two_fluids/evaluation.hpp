@@ -227,11 +227,12 @@ class list_of_passes {
     const double compression = has_factor(f_) ? f_.compression[i] * f_.follow_factor[i] : f_.compression[i];
     const double heat = f_.heat[i] + (f_.o.conductivity > 0.0 ? f_.conducted[i] : 0.0);
     for (std::size_t a = 0; a < D; ++a) {
+      const double gravity = w_.gravity(a, i);
       rate(0, a)[i] = s.v[a][i];
       double force = f_.tense ? f_.force[a][i] + f_.tension_force[a][i] : f_.force[a][i];
       if (a == 1) force -= f_.reference_slope * s.dV[i];
       if (a == 1 && f_.slows) force += f_.lift[i];
-      rate(D, a)[i] = (per_m * force + w_.gravity(a, i)) / f_.inertia_of(i);
+      rate(D, a)[i] = (per_m * force + gravity) / f_.inertia_of(i);
     }
     walls::push_off(f_.world.walls.force, f_.world.walls.sides, s, i,
                     [&](std::size_t axis, double a) { rate(D, axis)[i] += a / f_.inertia_of(i); });

@@ -153,17 +153,15 @@ void follow_volumes(fluids<D>& f) {
 // m, that the supports of this rank have grown since the lists were made.
 template <int D>
 double grown(const fluids<D>& f) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) most = std::max(most, f.support[i] - f.list_support[i]);
-  return most;
+  return foundation::largest_of(f.world.w.s.fluid, 0.0,
+                                [&](std::size_t i) { return f.support[i] - f.list_support[i]; });
 }
 
 // The smallest support over that of the start, which steps are for.
 template <int D>
 double narrowest(const fluids<D>& f) {
   if (!f.follows) return 1.0;
-  double least = f.S_0;
-  for (std::size_t i = 0; i < f.world.w.s.fluid; ++i) least = std::min(least, f.support[i]);
+  const double least = foundation::smallest_of(f.world.w.s.fluid, f.S_0, [&](std::size_t i) { return f.support[i]; });
   return -f.ranks().maximum(-least) / f.S_0;
 }
 
