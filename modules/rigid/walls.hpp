@@ -1,11 +1,10 @@
-// Wall particles of bodies that stand still, what of the fluid may come to them, and what has entered them all the same
+// Wall particles of bodies that stand still, and what of the fluid may come to them or has entered them
 // (docs/theory/water_and_bodies.md).
 #pragma once
 
 #include <output/groups.hpp>
 #include <rigid/box.hpp>
 #include <run/lists.hpp>
-#include <walls/boundary_force.hpp>
 
 namespace tetsuame::rigid {
 
@@ -63,73 +62,6 @@ solids::point<D> put_out(const solids::foot<D>& surface) {
 template <int D>
 void turn_back(const solids::point<D>& normal, solids::point<D>& u) {
   if (const double outwards = foundation::dot(u, normal); outwards < 0.0) u -= 2.0 * outwards * normal;
-}
-
-// ---- bodies that all stand still --------------------------------------------------------------------
-
-template <int D>
-struct bodies_at_rest_in_box {
-  solids::body<D> all{}, solid{};       // as one; they and the tank about the box
-  std::vector<std::uint32_t> beside{};  // fluid that may come to them before the next lists
-};
-
-// Wall particles of this rank.
-template <int D>
-void set_up(bodies_at_rest_in_box<D>& b, run::state<D>& box, const rigid::box<D>& of,
-            std::vector<solids::body<D>> bodies, bool no_slip) {
-  box.walls.bodies.no_slip = no_slip;
-  box.walls.bodies.numbers = places_of(of.lattice);
-  b.all = solids::joined(bodies);
-  b.solid = solid_of(of, bodies);
-  std::vector<std::size_t> number(bodies.size() + 1);  // the tank comes last
-  for (std::size_t n = 0; n < number.size(); ++n) number[n] = n;
-  bodies.push_back(tank_of(of));
-  place_walls(box, bodies, number, of.lattice);
-}
-
-// With new lists. Particles move half of the skin about where these found them.
-template <int D>
-void find_beside(bodies_at_rest_in_box<D>& b, const run::state<D>& box) {
-  b.beside = fluid_beside(box, b.all, 1.5 * box.skin);
-}
-
-// How deep the particle i is in a body (m), and the normal of the surface there; 0 outside. A spring as stiff as the
-// boundary force of the sides (walls/boundary_force.hpp) pushes it out. It begins at the surface itself, and not 0.3 Δx
-// before it: particles of the start lattice stand as near to a body as its shape has it, and are at rest there.
-template <int D>
-struct depth_in_body {
-  double depth = 0.0;
-  solids::point<D> normal = foundation::zero<double, D>();
-};
-template <int D>
-depth_in_body<D> depth_of(const bodies_at_rest_in_box<D>& b, const particles::particles<D>& s, std::size_t i) {
-  const auto x = place_of(s, i);
-  if (!b.all.solid(x)) return {};
-  const auto surface = b.all.at(x);
-  if (!surface.found) return {};
-  return {-surface.distance, surface.normal};
-}
-
-// The last guard, after a step: what is deeper in a body than this (m) is put back to its mirror image, with its
-// velocity towards the body reversed. How many were put back.
-template <int D>
-std::int64_t put_out_of(const bodies_at_rest_in_box<D>& b, particles::particles<D>& s, double deepest) {
-  std::int64_t crossings = 0;
-  for (const std::uint32_t i : b.beside) {
-    const auto x = place_of(s, i);
-    if (!b.solid.solid(x)) continue;
-    const auto surface = b.solid.at(x);
-    if (!surface.found || surface.distance > -deepest) continue;
-    auto u = solids::point<D>::of([&](std::size_t a) { return s.v[a][i]; });
-    turn_back(surface.normal, u);
-    const auto to = put_out(surface);
-    for (std::size_t a = 0; a < D; ++a) {
-      s.x[a][i] = to[a];
-      s.v[a][i] = u[a];
-    }
-    ++crossings;
-  }
-  return crossings;
 }
 
 // Wall particles of bodies, for pictures; whoever fills them has their pressure. h: m.

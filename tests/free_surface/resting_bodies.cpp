@@ -236,13 +236,13 @@ BOOST_AUTO_TEST_CASE(bodies_hold_what_lies_on_them) {
 BOOST_AUTO_TEST_CASE(who_rises_pays) {
   const solids::point<2> up{{0.0, 1.0}};
   solids::point<2> u{{0.3, 0.1}};
-  pay_for_rise<2>(9.8, 1e-3, up, u);  // 0.0196 of 0.01 + 0.09
+  rigid::pay_for_rise<2>(9.8, 1e-3, up, u);  // 0.0196 of 0.01 + 0.09
   BOOST_TEST(u[1] == 0.0);
   BOOST_TEST(u[0] * u[0] == 0.09 + 0.01 - 0.0196, tt::tolerance(1e-12));
-  pay_for_rise<2>(9.8, 1.0, up, u);
+  rigid::pay_for_rise<2>(9.8, 1.0, up, u);
   BOOST_TEST(foundation::dot(u, u) == 0.0);
   u = {{0.3, -0.1}};
-  pay_for_rise<2>(9.8, -1.0, up, u);  // sinks
+  rigid::pay_for_rise<2>(9.8, -1.0, up, u);  // sinks
   BOOST_TEST(u[0] == 0.3);
   BOOST_TEST(u[1] == -0.1, tt::tolerance(1e-12));
 }

@@ -2,9 +2,8 @@
 // default scheme, their pressure makes no energy and takes none (docs/theory/water_and_bodies.md).
 #pragma once
 
-#include <free_surface/moving.hpp>
 #include <free_surface/terms.hpp>
-#include <rigid/walls.hpp>
+#include <free_surface/water.hpp>
 #include <walls/bodies.hpp>
 #include <walls/images.hpp>
 

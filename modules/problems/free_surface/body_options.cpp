@@ -14,43 +14,6 @@ rigid::box<D> box_of(const options& o) {
 template rigid::box<2> box_of<2>(const options&);
 template rigid::box<3> box_of<3>(const options&);
 
-template <int D>
-solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how) {
-  const auto period = rigid::period_of(box_of<D>(o));
-  auto where = solids::bounds_of<D>(of);
-  bool has_images = false;
-  for (std::size_t a = 0; a < D; ++a) {
-    if (!period.along[a]) continue;
-    if (solids::runs_through<D>(of, period, a))
-      solids::keep_one_period<D>(where, of, period, a);
-    else
-      has_images = true;
-  }
-  const auto poses = how.course.poses();
-  const bool turns = std::ranges::any_of(poses, [](const auto& p) {
-    double by = 0.0;
-    for (std::size_t a = 0; a < D; ++a) by += solids::norm<D>(p.turned[a] - solids::unit<D>(a));
-    return by > 0.0;
-  });
-  if (how.free || (turns && has_images)) return where;
-  // The box as the body sees it on its way; across periodic sides the box has no end.
-  auto box = where, seen = solids::bounds<D>::none();
-  for (std::size_t a = 0; a < D; ++a)
-    if (!period.along[a]) {
-      box.low[a] = -o.domain.dx();
-      box.high[a] = o.domain.length[a] * (a == 1 && o.open_top() ? 2.0 : 1.0) + o.domain.dx();
-    }
-  for (const auto& pose : poses)
-    for (std::size_t corner = 0; corner < std::size_t{1} << D; ++corner)
-      seen.widen(pose.to_body(
-          solids::point<D>::of([&](std::size_t a) { return (corner >> a & 1U) != 0 ? box.high[a] : box.low[a]; })));
-  for (std::size_t a = 0; a < D; ++a)
-    if (period.along[a]) seen.low[a] = where.low[a], seen.high[a] = where.high[a];
-  return where.within(seen);
-}
-template solids::bounds<2> ever_in_box<2>(const options&, const solids::body<2>&, const motion_of_body<2>&);
-template solids::bounds<3> ever_in_box<3>(const options&, const solids::body<3>&, const motion_of_body<3>&);
-
 namespace {
 
 // Centres of the cells of a block's lattice.
@@ -184,7 +147,7 @@ std::vector<motion_of_body<D>> motions_of(const namelist::schema& schema, option
 template <int D>
 void check_moving(const namelist::schema& schema, const options& o, const solids::body<D>& of,
                   const motion_of_body<D>& how) {
-  const auto where = ever_in_box<D>(o, of, how);
+  const auto where = rigid::ever_in_box<D>(box_of<D>(o), of, how);
   double places = 1.0;
   for (std::size_t a = 0; a < D; ++a) {
     if (!where.ends(a))

@@ -115,7 +115,7 @@ class flow : public run::particle_simulation<D> {
   std::string farthest_moved() override {
     if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks, base::moved()).length())
       return base::farthest_moved();
-    const auto& farthest = *std::ranges::max_element(f_.moving, {}, body_moved<D>);
+    const auto& farthest = *std::ranges::max_element(f_.moving, {}, rigid::body_moved<D>);
     return fmt::format("body '{}'", f_.p.template bodies_in<D>()[farthest.body].name());
   }
   run::apart speed() override { return with_bodies(base::speed(), bodies_speed(f_)); }
@@ -256,7 +256,7 @@ class flow : public run::particle_simulation<D> {
     group_walls(f_);
   }
   void place_walls() override { hand_over_walls(f_); }
-  std::int64_t put_out_of_bodies() override { return free_surface::put_out_of_bodies(f_); }
+  std::int64_t put_out_of_bodies() override { return rigid::put_out_of_bodies(f_); }
 
  private:
   static run::apart with_bodies(run::apart all, double of_bodies) {

@@ -11,9 +11,8 @@
 #include <domain/options.hpp>
 #include <free_surface/liquid.hpp>
 #include <optional>
-#include <rigid/box.hpp>
+#include <rigid/motion.hpp>
 #include <run/options.hpp>
-#include <solids/motion.hpp>
 #include <solids/options.hpp>
 #include <string>
 #include <tuple>
@@ -23,6 +22,8 @@
 namespace tetsuame::free_surface {
 
 using point = std::array<double, 3>;  // m; z is 0 in two dimensions
+
+using rigid::images_of_body, rigid::motion_of_body;
 
 // Whose sums over neighbours (docs/theory/water_schemes.md).
 enum class scheme { delta, riemann };
@@ -92,24 +93,6 @@ struct references {
   std::vector<series> force;             // one a column of gauges.csv
 };
 
-// Of a body its images across periodic sides. Which of them a place belongs to, the middle between two of them says.
-template <int D>
-struct images_of_body {
-  bool any = false;
-  solids::point<D> middle = foundation::zero<double, D>();  // m, of the body's bounds at rest
-  solids::point<D> apart = foundation::zero<double, D>();   // m; 0: along this axis there are none
-  std::array<bool, D> through{};                            // axes along which it runs through the sides without
-};
-
-// Of a body of the input: as prescribed, or free.
-template <int D>
-struct motion_of_body {
-  images_of_body<D> images;
-  solids::prescribed<D> course;
-  std::optional<solids::free_body<D>> free;
-  bool moves() const { return course.moves() || free.has_value(); }
-};
-
 // Whose force is read, and about which point its moment.
 struct force_gauge {
   std::size_t body;
@@ -145,11 +128,6 @@ struct parameters {
 
 template <int D>
 rigid::box<D> box_of(const options& o);
-// Where, while a body is at rest, what of it stands that ever comes into the box: all of a free one, of one that runs
-// through periodic sides a piece as long as the box. Infinite where it has no end and is free.
-template <int D>
-solids::bounds<D> ever_in_box(const options& o, const solids::body<D>& of, const motion_of_body<D>& how);
-
 void declare(namelist::schema& schema, options& o);
 parameters resolve(const namelist::schema& schema, options& o);
 

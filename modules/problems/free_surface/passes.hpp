@@ -15,11 +15,11 @@
   where template std::vector<bool> tetsuame::free_surface::find_surface(water<D>&);                          \
   where template void tetsuame::free_surface::find_tension(water<D>&);                                       \
   where template double tetsuame::free_surface::surface_energy(water<D>&);                                   \
-  where template void tetsuame::free_surface::place_bodies_for_lists(water<D>&, bool);                       \
-  where template void tetsuame::free_surface::find_beside_bodies(water<D>&);                                 \
+  where template void tetsuame::rigid::place_bodies_for_lists(bodies<D>&, bool);                             \
+  where template void tetsuame::rigid::find_beside_bodies(bodies<D>&);                                       \
   where template void tetsuame::free_surface::find_rows_beside(water<D>&);                                   \
   where template void tetsuame::free_surface::group_walls(water<D>&);                                        \
-  where template std::int64_t tetsuame::free_surface::put_out_of_bodies(water<D>&);                          \
+  where template std::int64_t tetsuame::rigid::put_out_of_bodies(bodies<D>&);                                \
   where template std::vector<tetsuame::free_surface::load<D>> tetsuame::free_surface::read_loads(water<D>&); \
   where template tetsuame::free_surface::energies tetsuame::free_surface::energies_of(water<D>&);            \
   where template double tetsuame::free_surface::pressure_at(const water<D>&, const point&);                  \

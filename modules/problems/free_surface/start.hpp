@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <free_surface/exact.hpp>
-#include <free_surface/moving.hpp>
+#include <free_surface/water.hpp>
 #include <numbers>
-#include <rigid/walls.hpp>
+#include <rigid/start.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -93,51 +93,10 @@ void place_blocks(water<D>& f, const IsWater& is_water) {
   });
 }
 
-// The lattice of the box; where its top is open as high above that as bodies reach which do not move, at most twice as
-// high: water that rises there finds them.
-template <int D>
-solids::lattice<D> lattice_of_resting(const water<D>& f) {
-  auto lattice = box_of<D>(f.o).lattice;
-  if (!f.o.open_top()) return lattice;
-  double rows = 0.0;  // above the top
-  for (std::size_t b = 0; b < f.p.template bodies_in<D>().size(); ++b)
-    if (!f.p.template motions_in<D>()[b].moves())
-      rows = std::max(
-          rows, std::ceil((solids::bounds_of<D>(f.p.template bodies_in<D>()[b]).high[1] - lattice.length[1]) / f.dx()));
-  lattice.length[1] += std::min(rows * f.dx(), lattice.length[1]);
-  return lattice;
-}
-
-// Wall particles of the bodies, and their markers.
-template <int D>
-void set_up_bodies(water<D>& f) {
-  const auto& bodies = f.p.template bodies_in<D>();
-  if (bodies.empty()) return;
-  auto& walls = f.world.walls.bodies;
-  walls.no_slip = walls::slip_of_bodies(f.o.walls) == "no_slip";
-  const auto box = box_of<D>(f.o);
-  const auto lattice = lattice_of_resting(f);
-  walls.numbers = rigid::places_of(lattice);
-  set_up_moving(f);
-  f.solid = solid_with(f, [](const auto& b) { return b.now; });
-  std::vector<solids::body<D>> resting;
-  std::vector<std::size_t> number;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (f.mover_of[b] == moving_body<D>::none) {
-      resting.push_back(bodies[b]);
-      number.push_back(b);
-    }
-  number.push_back(bodies.size());  // the tank, whose wall particles lie outside the box
-  f.solid_at_rest = rigid::solid_of(box, resting);
-  resting.push_back(rigid::tank_of(box));
-  rigid::place_walls(f.world, resting, number, lattice);
-  f.resting = walls.places.size();
-}
-
 template <int D>
 void set_up(water<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
-  set_up_bodies(f);
+  rigid::set_up_bodies(f, walls::slip_of_bodies(f.o.walls) == "no_slip");
   std::optional<ball> drop;
   if (f.o.flow.start == "drop") drop = drop_of(f.p);
   place_blocks(f, [&](const point& x) {

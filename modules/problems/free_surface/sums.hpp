@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <free_surface/behind_bodies.hpp>
-#include <free_surface/contact.hpp>
 #include <free_surface/riemann_terms.hpp>
 #include <free_surface/terms.hpp>
 #include <volume/shape.hpp>

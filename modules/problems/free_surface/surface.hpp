@@ -20,9 +20,9 @@
 // no neighbour lies in the cone about n (terms.hpp).
 #pragma once
 
-#include <free_surface/moving.hpp>
 #include <free_surface/sums.hpp>
 #include <free_surface/terms.hpp>
+#include <free_surface/water.hpp>
 #include <walls/bodies.hpp>
 #include <walls/mirror.hpp>
 

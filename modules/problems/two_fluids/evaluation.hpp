@@ -254,8 +254,8 @@ class list_of_passes {
 
   // As combine() has it of the sides.
   void push_off_bodies() {
-    for (const std::uint32_t i : f_.bodies.beside) {
-      const auto in = rigid::depth_of(f_.bodies, s_, i);
+    for (const std::uint32_t i : f_.bodies.beside_bodies) {
+      const auto in = rigid::depth_of(f_.bodies, i);
       if (!(in.depth > 0.0)) continue;
       const double a = f_.world.walls.force.stiffness * in.depth / f_.inertia_of(i);
       for (std::size_t k = 0; k < D; ++k) rate(D, k)[i] += a * in.normal[k];

@@ -3,7 +3,7 @@
 
 #include <integrators/explicit_integrator.hpp>
 #include <particles/named_fields.hpp>
-#include <rigid/walls.hpp>
+#include <rigid/contact.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
 #include <two_fluids/lattice.hpp>
@@ -25,8 +25,9 @@ class fluids {
   run::state<D> world;
 
   const bool has_bodies = !p.template bodies_in<D>().empty();
-  rigid::bodies_at_rest_in_box<D> bodies;  // with them
-  std::int64_t placed = 0;                 // particles on all ranks: without those that bodies would cover
+  rigid::bodies<D> bodies{world, rigid::box_of<D>(o.domain, o.common.kernel, o.walls), p.template bodies_in<D>(),
+                          std::vector<rigid::motion_of_body<D>>(p.template bodies_in<D>().size())};
+  std::int64_t placed = 0;  // particles on all ranks: without those that bodies would cover
 
   // A program's scheme says itself which of the two it carries.
   bool carried = o.scheme.volume == "our_method";  // ρ is integrated

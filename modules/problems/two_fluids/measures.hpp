@@ -161,7 +161,7 @@ energies find_energies(const fluids<D>& f) {
         const auto& force = f.world.walls.force;
         add(0.0, s.m[i] * walls::boundary_potential(force, f.world.walls.sides, s, i));
         if (!f.has_bodies) return;
-        const double depth = rigid::depth_of(f.bodies, s, i).depth;
+        const double depth = rigid::depth_of(f.bodies, i).depth;
         add(0.0, 0.5 * s.m[i] * force.stiffness * depth * depth);
       });
   return {kinetic, potential, elastic - reference_integral(f), dissipated, thermal, surface};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <rigid/start.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
 #include <two_fluids/cloud.hpp>
@@ -286,7 +287,7 @@ template <int D>
 void place_walls(fluids<D>& f) {
   auto& w = f.world.w;
   auto& s = w.s;
-  if (f.has_bodies) return walls::hand_over<D>(w.d, f.world.walls.bodies.places);
+  if (f.has_bodies) return rigid::hand_over_walls(f.bodies);
   if (!std::visit([](auto t) { return decltype(t)::has_particles; }, f.world.treatment)) return;
   walls::place(w, f.world.walls, f.world.fluid_total, w.support());
   const double rho = on_curve(f, 0, f.o.p_top).density;
@@ -305,11 +306,9 @@ template <int D>
 void place_lattice(fluids<D>& f) {
   const auto& o = f.o;
   const auto lattice = run::whole_box<D>(o.domain);
-  if (!f.has_bodies) return run::place_lattices<D>(f.world, {lattice}, o.domain.jitter);
-  rigid::set_up(f.bodies, f.world, rigid::box_of<D>(o.domain, o.common.kernel, o.walls), f.p.template bodies_in<D>(),
-                walls::slip_of_bodies(o.walls) == "no_slip");
+  rigid::set_up_bodies(f.bodies, walls::slip_of_bodies(o.walls) == "no_slip");
   run::place_lattices<D>(f.world, {lattice}, o.domain.jitter,
-                         [&](const std::array<double, D>& x) { return !f.bodies.solid.solid({x}); });
+                         [&](const std::array<double, D>& x) { return !f.has_bodies || !f.bodies.solid.solid({x}); });
 }
 
 // Walls, lattice and arrays.

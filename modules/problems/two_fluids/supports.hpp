@@ -181,7 +181,7 @@ void make_lists(fluids<D>& f, bool as_they_were) {
     s.eta[i] = of_body ? 0.0 : f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
     s.k[i] = of_body ? 0.0 : f.o.conductivity;
   }
-  if (f.has_bodies) rigid::find_beside(f.bodies, f.world);
+  if (f.has_bodies) rigid::find_beside_bodies(f.bodies);
   if (f.tense)
     for (std::size_t i = 0; i < s.total(); ++i) f.metal[i] = f.is_metal(i) ? 1.0 : 0.0;
   if (f.dissolved) f.partition[s.null()] = 1.0;

@@ -43,6 +43,7 @@ class problem : public liquid::problem<D> {
     find_reference(f_);
     bounds_ = find_limit(f_);
     f_.world.walls.force = walls::make_boundary_force(f_.world.w.dx, bounds_.fastest_sound);
+    f_.bodies.contact = {.gravity = f_.o.gravity, .deepest = f_.world.walls.force.range};
     if (scheme_) begin_scheme();
     passes_.declare(1e-2 * bounds_.fastest_sound, f_.p.base->at(0.0));
     this->about = f_.p.lines;
@@ -136,9 +137,7 @@ class problem : public liquid::problem<D> {
     settled_ = true;
   }
   void place_walls() override { two_fluids::place_walls(f_); }
-  std::int64_t put_out_of_bodies() override {
-    return f_.has_bodies ? rigid::put_out_of(f_.bodies, f_.world.w.s, f_.world.walls.force.range) : 0;
-  }
+  std::int64_t put_out_of_bodies() override { return f_.has_bodies ? rigid::put_out_of_bodies(f_.bodies) : 0; }
 
  private:
   void begin_scheme() {
