@@ -8,9 +8,12 @@ field_set asked_of_ghosts(const pass& p, const known_fields& known) {
   field_set all;
   insert(all, p.uses.at_neighbours);
   if (p.of == kind::sum || !all.empty()) insert(all, known.positions);
-  if (known.images)
-    for (const field* f : p.uses.at_neighbours)
+  const auto insert_what_images_follow_from = [&](const fields& some) {
+    for (const field* f : some)
       if (const auto by = known.image_by.find(f); by != known.image_by.end()) all.insert(by->second);
+  };
+  if (known.images) insert_what_images_follow_from(p.uses.at_neighbours);
+  if (known.images && p.everywhere) insert_what_images_follow_from(p.uses.reads);
   return all;
 }
 

@@ -65,7 +65,9 @@ class builder {
   field_set asked_by(const pass& p) const {
     field_set all;
     if (p.of == kind::each) {
-      if (p.everywhere) insert(all, p.uses.reads);
+      if (!p.everywhere) return all;
+      insert(all, p.uses.reads);
+      insert(all, asked_of_ghosts(p, known_));
       return all;
     }
     all = asked_of_ghosts(p, known_);
