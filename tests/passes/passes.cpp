@@ -276,3 +276,16 @@ BOOST_AUTO_TEST_CASE(the_first_fault_is_that_of_the_earliest_pass) {
   of.e.run(std::span<double* const>(rates));
   BOOST_TEST(fault.message == "cause");
 }
+
+// What is computed behind walls reads images; the field that these follow from is known of ghosts for their sake alone.
+BOOST_AUTO_TEST_CASE(images_by_another_field) {
+  scaffold s(true);
+  s.e.integrate(s.s.rho, {.name = "rho", .scale = 1.0});
+  s.e.mirrored(walls::hydrostatic(s.second, s.first, s.box.w.g));
+  s.e.each("density", {.reads = {s.s.rho}, .writes = {s.first}}, [](std::size_t) {});
+  s.e.whole("pressure", {.reads = {s.first}, .writes = {s.second}}, [] {});
+  s.e.each(
+      "stress", {.reads = {s.second}, .writes = {s.third}}, [](std::size_t) {}, true);
+  s.e.sum("forces", {.at_neighbours = {s.third}, .rates = {s.s.rho}}, [](const auto&) {});
+  BOOST_TEST(refusal_of(s) == "");
+}
