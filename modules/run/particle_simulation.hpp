@@ -247,16 +247,22 @@ class particle_simulation : public simulation {
     report_not_finite_in_table(box.w, particles::travels);
     box.w.agree();
   }
-  // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums.
+  // What is not finite in the state is the cause of all that a rate has of it, and goes before faults of the sums; so
+  // does what is not finite in any other field that travels, which is looked for once there is a fault.
   void evaluate_rates(std::span<double* const> rate) {
     auto& fault = box.w.first_fault;
     fault = {};
     report_state();
     ++fault.stage;
-    sum_rates(rate);
-    ++fault.stage;
-    report_not_finite<D>(box.w, fields(), std::vector<const double*>(rate.begin(), rate.end()), "the rate of ");
-    box.w.agree();
+    try {
+      sum_rates(rate);
+      ++fault.stage;
+      report_not_finite<D>(box.w, fields(), std::vector<const double*>(rate.begin(), rate.end()), "the rate of ");
+      box.w.agree();
+    } catch (const foundation::error&) {  // of all ranks
+      check_state();
+      throw;
+    }
     complete_rates(rate);
   }
 

@@ -16,7 +16,7 @@ POSITIVE = ["particles", "threads", "neighbours", "list_entries", "passes", "upd
             "bytes_per_particle", "list_bytes_per_particle", "list_seconds", "steps_per_list", "simd_lanes"]
 STAGES = {"lists", "halo", "walls", "volume", "pressure", "gradient", "rates", "integration", "rest"}
 SCHEMES = ("ssph", "disph", "gsph", "gdisph", "remix")
-GAS_STAGES = {"lists", "halo", "densities", "corrections", "gradients", "forces", "integration", "rest"}
+GAS_STAGES = {"lists", "halo", "densities", "corrections", "gradients", "forces", "rates", "integration", "rest"}
 
 
 class Bench(Case):

@@ -174,8 +174,12 @@ void make_lists(fluids<D>& f, bool as_they_were) {
     run::rebuild_with_supports(f.world, as_they_were, f.S_0 / w.dx, f.support, f.list_support);
   else
     run::rebuild(f.world, as_they_were);
-  w.exchange_fluid({s.m.data()});
-  if (f.isothermal()) walls::update_ghosts_and_images(w, f.world.walls, walls::even({&s.T}));
+  if (f.isothermal()) {
+    w.exchange_fluid({s.m.data(), s.T.data()});
+    walls::fill_images(f.world.walls, s, walls::even({&s.T}));
+  } else {
+    w.exchange_fluid({s.m.data()});
+  }
   for (std::size_t i = 0; i < s.total(); ++i) {
     const bool of_body = f.has_bodies && rigid::is_of_body(f.world, i);  // no heat goes there
     s.eta[i] = of_body ? 0.0 : f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
