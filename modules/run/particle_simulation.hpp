@@ -240,10 +240,16 @@ class particle_simulation : public simulation {
 
   // ---- lists and cuts ---------------------------------------------------------------------
 
-  // What is integrated, and all else that travels with the particles.
+  // What is integrated, then what only steps change, then all else that travels with the particles, which evaluations
+  // may have written.
   void check_state() {
-    box.w.first_fault = {};
+    using particles::role;
+    auto& fault = box.w.first_fault;
+    fault = {};
     report_state();
+    ++fault.stage;
+    report_not_finite_in_table(box.w, [](role kind) { return kind == role::constant || kind == role::memory; });
+    ++fault.stage;
     report_not_finite_in_table(box.w, particles::travels);
     box.w.agree();
   }
