@@ -1,5 +1,5 @@
 // What stands behind walls where bodies stand in the box: of each wall particle the fluid at its marker, as it goes on
-// there (docs/theory/core_formation.md), and of everything its mirror images in the sides.
+// there (docs/theory/bodies_in_layers.md), and of everything its mirror images in the sides.
 #pragma once
 
 #include <two_fluids/fluids.hpp>
