@@ -5,6 +5,7 @@
 // smoothed and non-smoothed pressure. Momentum and energy are exchanged pair by pair.
 #pragma once
 
+#include <gradient/continuity.hpp>
 #include <gradient/sums.hpp>
 #include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
@@ -13,6 +14,8 @@ namespace tetsuame::gradient {
 
 struct pattern_1 {
   static constexpr const char* name = "pattern_1";
+  template <int D>
+  using energy_conserving_continuity = own_continuity<D>;
   template <int D>
   struct term;
 };

@@ -4,6 +4,7 @@
 // Written with ΔV = Y/p: Y_i Y_j (1/p_i + 1/p_j) = ΔV_i Y_j + Y_i ΔV_j.
 #pragma once
 
+#include <gradient/continuity.hpp>
 #include <gradient/sums.hpp>
 #include <pairs/long_sum.hpp>
 #include <pairs/pairs.hpp>
@@ -12,6 +13,8 @@ namespace tetsuame::gradient {
 
 struct pattern_2 {
   static constexpr const char* name = "pattern_2";
+  template <int D>
+  using energy_conserving_continuity = continuity<D>;
   template <int D>
   struct term;
 };

@@ -27,9 +27,10 @@ class list_of_passes {
  public:
   using volume_module = typename Program::volume;
   static constexpr volume::carries carried = volume_module::carried;
+  using tied_continuity = typename Program::gradient::template energy_conserving_continuity<D>;
 
-  list_of_passes(run::state<D>& of, volume_module& how, const volume::smoothing_options& smoothing)
-      : box_(of), how_(how), smoothing_(smoothing) {}
+  list_of_passes(run::state<D>& of, volume_module& how, const volume::options& o)
+      : box_(of), how_(how), smoothing_(o.smoothing), consistency_(o.consistency) {}
 
   // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
   // integrated fields that the last pass serves.
@@ -42,6 +43,7 @@ class list_of_passes {
       return all;
     };
     auto& walls = box_.walls;
+    walls.asks_near_no_slip = slip_counts_;
     walls.volume = &V_;
     walls.density = &density_of_walls();
     if (has_markers()) walls.declare_fields(s_);
@@ -59,18 +61,25 @@ class list_of_passes {
  private:
   static constexpr bool iterates = std::is_same_v<volume_module, volume::hosono_iteration>;
   static constexpr bool smooths = std::is_same_v<typename Program::pressure, volume::smoothed>;
-  static constexpr bool counts_for_walls = std::is_same_v<volume_module, volume::y_evolution>;
+  static constexpr bool carries_weight = std::is_same_v<volume_module, volume::y_evolution>;
 
   bool has_markers() const {
     return std::visit([](auto t) { return decltype(t)::has_markers; }, box_.treatment);
   }
-  particles::array& density_of_walls() { return counts_for_walls ? counted_density_ : s_.rho; }
+  // Of Y the density follows from the pressure, which the walls come before; tied it is known.
+  bool counts_for_walls() const { return carries_weight && !tied_; }
+  particles::array& density_of_walls() { return counts_for_walls() ? counted_density_ : s_.rho; }
+  // Y = p ΔV has a sense only where p > 0; tied, ΔV = m/ρ and nothing is divided by p.
+  bool volumes_by_pressure() const { return smooths && !tied_; }
   passes::fields material() { return {s_.p_eos, s_.K_T, s_.alpha, s_.c_V, s_.c}; }
   volume::wall_context<D> around() { return {box_.treatment, box_.walls, smoothing_, V_}; }
   void check(passes::evaluation<D>& e, const char* stage, particles::array& values, const char* what,
              const char* unit = "Pa") {
     e.whole(stage, {.reads = {values}},
             [this, &values, what, unit] { volume::require_positive(box_.w, values, what, unit); });
+  }
+  void check_pressure(passes::evaluation<D>& e, const char* stage, particles::array& values, const char* what) {
+    if (!tied_) check(e, stage, values, what);
   }
 
   // ---- volumes ----------------------------------------------------------------------------
@@ -80,23 +89,27 @@ class list_of_passes {
     e.each("volume", {.reads = {s_.rho, s_.T, s_.m}, .writes = {V_, s_.Y, material()}},
            [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last); });
   }
-  void volumes_by_number(passes::evaluation<D>& e, particles::array& density) {
-    e.sum("volume", {.writes = {V_}}, [this](const pairs::row_range& rows) {
-      volume::volumes_by_number(box_.w, rows, box_.w.lattice_sum, V_.data());
+  void volumes_by_number(passes::evaluation<D>& e, particles::array& V, particles::array& density) {
+    e.sum("volume", {.writes = {V}}, [this, &V](const pairs::row_range& rows) {
+      volume::volumes_by_number(box_.w, rows, box_.w.lattice_sum, V.data());
     });
-    e.each("volume", {.reads = {s_.m, V_}, .writes = {density}},
-           [this, &density](std::size_t i) { density[i] = s_.m[i] / V_[i]; });
+    e.each("volume", {.reads = {s_.m, V}, .writes = {density}},
+           [this, &V, &density](std::size_t i) { density[i] = s_.m[i] / V[i]; });
   }
 
   void declare_volume(passes::evaluation<D>& e, volume::our_method&) {
+    if (tied_) volumes_by_number(e, counted_volume_, counted_density_);
     weigh_by_density(e);
-    check(e, "volume", s_.p_eos, "the equation of state's pressure p");
+    check_pressure(e, "volume", s_.p_eos, "the equation of state's pressure p");
+    walls_and_pressure(e);
+  }
+  void walls_and_pressure(passes::evaluation<D>& e) {
     if (smooths && has_markers()) return smooth_with_walls(e);
     declare_walls(e);
     find_pressure(e);
   }
   void declare_volume(passes::evaluation<D>& e, volume::number_density&) {
-    volumes_by_number(e, s_.rho);
+    volumes_by_number(e, V_, s_.rho);
     e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
            [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
     e.each("volume", {.reads = {s_.p_eos, V_}, .writes = {s_.Y}},
@@ -119,8 +132,9 @@ class list_of_passes {
   }
   // Volumes and densities by number for the walls' viscous term; the true ones follow from Y.
   void declare_volume(passes::evaluation<D>& e, volume::y_evolution&) {
+    if (tied_) return volumes_by_weight(e);
     check(e, "volume", s_.Y, "the weight Y", "J");
-    volumes_by_number(e, counted_density_);
+    volumes_by_number(e, V_, counted_density_);
     declare_walls(e);
     e.sum("pressure", {.at_neighbours = {s_.Y}, .writes = {s_.p}},
           [this](const pairs::row_range& rows) { volume::smooth_by_lattice(box_.w, smoothing_.normalise, rows); });
@@ -130,6 +144,19 @@ class list_of_passes {
            [this](std::size_t i) { s_.rho[i] = s_.m[i] / s_.dV[i]; });
     e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
            [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+  }
+  void volumes_by_weight(passes::evaluation<D>& e) {
+    volumes_by_number(e, counted_volume_, counted_density_);
+    e.each("volume", {.reads = {s_.Y, s_.T, s_.m, counted_density_}, .writes = {s_.rho}},
+           [this](std::size_t first, std::size_t last) {
+             volume::density_by_weight(box_.w, counted_density_, first, last);
+           });
+    check(e, "volume", s_.rho, "the density whose p dV is Y", "kg/m3");
+    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+    e.each("volume", {.reads = {s_.m, s_.rho}, .writes = {V_}},
+           [this](std::size_t i) { V_[i] = s_.m[i] / s_.rho[i]; });
+    walls_and_pressure(e);
   }
   // The iteration brings what it finds to the ghosts itself.
   void declare_volume(passes::evaluation<D>& e, volume::hosono_iteration&) {
@@ -157,8 +184,8 @@ class list_of_passes {
     if constexpr (smooths) {
       e.sum("pressure", {.at_neighbours = {s_.Y, V_}, .writes = {s_.p}},
             [this](const pairs::row_range& rows) { volume::smooth(box_.w, V_, smoothing_.normalise, rows); });
-      check(e, "pressure", s_.p, "the smoothed pressure p");
-      volume_elements(e);
+      check_pressure(e, "pressure", s_.p, "the smoothed pressure p");
+      if (!tied_) volume_elements(e);
     } else {
       e.each("pressure", {.reads = {s_.p_eos}, .writes = {s_.p}}, [this](std::size_t i) { s_.p[i] = s_.p_eos[i]; });
     }
@@ -202,8 +229,8 @@ class list_of_passes {
             else
               volume::smooth_over_walls<D, false>(box_.w, box_.walls);
           });
-    check(e, "pressure", s_.p, "the smoothed pressure p");
-    volume_elements(e);
+    check_pressure(e, "pressure", s_.p, "the smoothed pressure p");
+    if (!tied_) volume_elements(e);
   }
 
   // ---- walls ------------------------------------------------------------------------------
@@ -222,10 +249,10 @@ class list_of_passes {
           if constexpr (!Treatment::has_particles) return;
           auto uses = kinematics();
           if constexpr (!Treatment::has_markers)
-            uses.gives.add(smooths ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p});
+            uses.gives.add(volumes_by_pressure() ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p});
           e.walls("walls", uses, [this, t] {
             t.kinematics(box_.w, box_.walls);
-            if (counts_for_walls)  // for snapshots
+            if (counts_for_walls())  // for snapshots
               std::copy(counted_density_.begin() + static_cast<std::ptrdiff_t>(s_.first_wall()), counted_density_.end(),
                         s_.rho.begin() + static_cast<std::ptrdiff_t>(s_.first_wall()));
           });
@@ -248,7 +275,7 @@ class list_of_passes {
   void declare_forces(passes::evaluation<D>& e, const passes::fields& rates, const Out& out) {
     if (has_markers())
       e.walls("walls",
-              {.at_neighbours = {s_.p, s_.dV}, .gives = smooths ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p}},
+              {.at_neighbours = {s_.p, s_.dV}, .gives = volumes_by_pressure() ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p}},
               [this] { std::visit([this](auto t) { t.pressures(box_.w, box_.walls); }, box_.treatment); });
     e.whole("gradient", {.writes = {heat_}, .accumulates = {s_.v, s_.u}}, [this, out] { begin_forces(box_, out()); });
     e.sum("gradient",
@@ -256,12 +283,50 @@ class list_of_passes {
            .writes = {dlnrho_},
            .updates = {heat_},
            .accumulates = {s_.v, s_.u}},
-          [this, out](const pairs::row_range& rows) { sum_forces<typename Program::gradient>(box_, out(), rows); });
-    e.each("rates", {.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_}, .rates = rates},
-           [this, out](std::size_t first, std::size_t last) {
-             const auto to = out();
-             for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i);
-           });
+          [this, out](const pairs::row_range& rows) {
+            if (tied_)
+              sum_forces<typename Program::gradient, D, tied_continuity>(box_, out(), rows);
+            else
+              sum_forces<typename Program::gradient>(box_, out(), rows);
+          });
+    if (slip_counts_) declare_slip(e);
+    if (tied_) tie(e);
+    if (tied_ && smooths) smooth_continuity(e);
+    passes::access uses{.reads = {s_.v, s_.T, s_.rho, s_.p, s_.dV, s_.m, material(), heat_, dlnrho_}, .rates = rates};
+    e.each("rates", uses, [this, out](std::size_t first, std::size_t last) {
+      const auto to = out();
+      for (std::size_t i = first; i < last; ++i) finish_rates<volume_module>(box_.w, to, i, tied_);
+    });
+  }
+
+  // What the walls' own places make of continuity, where these are of no slip.
+  void declare_slip(passes::evaluation<D>& e) {
+    e.walls("gradient", {.at_neighbours = {s_.v, s_.dV}, .updates = {dlnrho_}}, [this] {
+      walls::fill_slip(box_.w, box_.walls, slip_);
+      if (passes::behind<D>(box_) == passes::behind_walls::particles) box_.w.exchange_walls(slip_, {});
+      walls::continuity_of_slip<D, tied_continuity> slip;
+      slip.v = slip_.read(), slip.dV = s_.dV.data(), slip.dlnrho = dlnrho_.data();
+      box_.w.sum(box_.walls.near_no_slip, slip);
+    });
+  }
+
+  void tie(passes::evaluation<D>& e) {
+    e.each("gradient", {.reads = {counted_density_, s_.rho, material()}, .updates = {dlnrho_}}, [this](std::size_t i) {
+      dlnrho_[i] += volume::tie(box_.w, consistency_.rate, counted_density_[i], i);
+    });
+  }
+  // Forces of the smoothed pressure do work Σ_i p_i ΔV_i θ_i, θ the sum of continuity. With p_i = Σ_j Y_j W_ij that is
+  // Σ_j Y_j (Σ_i ΔV_i θ_i W_ij): what compresses particle j is the smoothed θ, or energy is lost.
+  void smooth_continuity(passes::evaluation<D>& e) {
+    e.each("gradient", {.reads = {s_.dV, dlnrho_}, .writes = {expansion_}},
+           [this](std::size_t i) { expansion_[i] = s_.dV[i] * dlnrho_[i]; });
+    if (passes::behind<D>(box_) == passes::behind_walls::particles)
+      e.walls("walls", {.at_neighbours = {expansion_}, .gives = {expansion_}},
+              [this] { volume::even_behind_walls(box_.w, box_.walls, box_.treatment, expansion_); });
+    e.sum("gradient", {.at_neighbours = {expansion_, s_.dV}, .updates = {dlnrho_}},
+          [this](const pairs::row_range& rows) {
+            volume::smooth(box_.w, expansion_, s_.dV, smoothing_.normalise, rows, dlnrho_);
+          });
   }
 
   particles::array& declare_if(bool needed, const char* name, const char* unit) {
@@ -271,13 +336,19 @@ class list_of_passes {
   run::state<D>& box_;
   volume_module& how_;
   const volume::smoothing_options smoothing_;
+  const volume::consistency_options consistency_;
+  const bool tied_ = carried != volume::carries::nothing && consistency_.ties();
   particles::particles<D>& s_ = box_.w.s;
   passes::fields transport_;
-  // ΔV itself, where no smoothing changes it.
-  particles::array& V_ = smooths ? declare_if(true, "VolumeBeforePressure", "m^D") : s_.dV;
+  // ΔV itself, where no pressure changes it.
+  particles::array& V_ = volumes_by_pressure() ? declare_if(true, "VolumeBeforePressure", "m^D") : s_.dV;
   particles::array& heat_ = declare_if(true, "FrictionHeating", "W");
   particles::array& dlnrho_ = declare_if(true, "LogDensityRate", "1/s");
-  particles::array& counted_density_ = declare_if(counts_for_walls, "DensityByNumber", "kg/m^3");
+  particles::array& counted_density_ = declare_if(carries_weight || tied_, "DensityByNumber", "kg/m^3");
+  particles::array& counted_volume_ = declare_if(tied_, "VolumeByNumber", "m^D");
+  const bool slip_counts_ = tied_ && box_.walls.any_no_slip();
+  particles::vector_field<D> slip_ = particles::declare_vector_if<D>(slip_counts_, s_, "WallSlip", "m/s", particles::role::derived);
+  particles::array& expansion_ = declare_if(tied_ && smooths, "ExpansionRate", "m^D/s");
   particles::array& fluid_mass_ = declare_if(std::is_same_v<volume_module, volume::density_sum>, "FluidMass", "kg");
 };
 

@@ -37,12 +37,17 @@
                                                const pairs::row_range&);                                               \
   where template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, bool,                    \
                                                const pairs::remainder&);                                               \
+  where template void tetsuame::volume::smooth(pairs::workspace<D>&, const particles::array&, const particles::array&, \
+                                               bool, const pairs::row_range&, particles::array&);                      \
   where template void tetsuame::volume::smooth_over_walls<D, false>(pairs::workspace<D>&, walls::wall_set<D>&);        \
   where template void tetsuame::volume::smooth_over_walls<D, true>(pairs::workspace<D>&, walls::wall_set<D>&);         \
   where template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool, const pairs::row_range&);        \
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                                 \
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                         \
-  TETSUAME_LIQUID_FORCES(where, D, pattern_2)
+  TETSUAME_LIQUID_FORCES(where, D, pattern_2);                                                                         \
+  where template void tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D,                                   \
+                                                   tetsuame::gradient::own_continuity<D>>(                            \
+      run::state<D>&, const rates<D>&, const pairs::row_range&)
 
 TETSUAME_MARKER_PASSES(extern, 2);
 TETSUAME_MARKER_PASSES(extern, 3);

@@ -52,13 +52,14 @@ void begin_forces(run::state<D>& box, const rates<D>& out) {
 }
 
 // The sums over the neighbours of these rows: pressure, continuity, viscosity, conduction.
-template <class Gradient, int D>
+template <class Gradient, int D, class Continuity = gradient::continuity<D>>
 void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range& rows) {
   auto& w = box.w;
   auto& s = w.s;
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
-  const gradient::continuity<D> continuity{v, s.dV.data(), out.dlnrho};
+  Continuity continuity;
+  continuity.v = v, continuity.dV = s.dV.data(), continuity.dlnrho = out.dlnrho;
   if (w.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(rows, pressure, continuity,
           diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), out.dv, out.heat});
@@ -67,9 +68,10 @@ void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range&
           diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.conducted ? out.conducted : out.heat});
 }
 
-// The rates of particle i.
+// The rates of particle i. tied: the volume is (volume/consistency.hpp), and Y has the rate that follows from ρ's.
 template <class Volume, int D>
-void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t i) {
+void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t i,
+                  bool tied = false) {
   using volume::carries;
   const auto& s = w.s;
   const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho[i], friction = out.heat[i] * per_mass;
@@ -83,6 +85,11 @@ void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t
   if (out.friction) out.friction[i] = friction;
   out.dT[i] = (heating + s.alpha[i] * s.K_T[i] * s.T[i] / s.rho[i] * dlnrho) / s.c_V[i];
   out.du[i] = power + heating;
+  if constexpr (Volume::carried != carries::nothing)
+    if (tied) {
+      out.volume[i] = Volume::tied_rate(s, i, dlnrho, out.dT[i]);
+      return;
+    }
   if constexpr (Volume::carried == carries::density) out.volume[i] = s.rho[i] * dlnrho;
   if constexpr (Volume::carried == carries::weight)
     out.volume[i] = Volume::rate(s.p[i], s.K_T[i], s.alpha[i], s.dV[i], s.m[i], power, out.dT[i]);

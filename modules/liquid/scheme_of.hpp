@@ -21,7 +21,7 @@ class scheme_of : public scheme<D> {
   using volume_module = typename Program::volume;
   static constexpr bool iterates = requires(volume_module v) { v.residuals; };
 
-  explicit scheme_of(const volume::options& o) : smoothing_(o.smoothing) {
+  explicit scheme_of(const volume::options& o) : options_(o) {
     if constexpr (iterates) how_.how = o.hosono;
   }
 
@@ -41,7 +41,7 @@ class scheme_of : public scheme<D> {
   }
   void declare(run::state<D>& box, passes::evaluation<D>& e, const passes::fields& rates, bool viscosity_changes,
                std::function<liquid::rates<D>()> out) override {
-    list_.emplace(box, how_, smoothing_);
+    list_.emplace(box, how_, options_);
     list_->declare(e, rates, viscosity_changes, std::move(out));
   }
 
@@ -108,7 +108,7 @@ class scheme_of : public scheme<D> {
   }
 
   volume_module how_{};
-  volume::smoothing_options smoothing_;
+  const volume::options options_;
   std::optional<list_of_passes<Program, D>> list_;
   output::history* residuals_ = nullptr;
   double start_kappa_ = 0.0;  // K_T/p of the start state, at its largest

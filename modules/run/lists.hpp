@@ -6,6 +6,7 @@
 #include <pairs/workspace.hpp>
 #include <run/apart.hpp>
 #include <walls/bodies.hpp>
+#include <walls/slip_continuity.hpp>
 #include <walls/treatments.hpp>
 
 namespace tetsuame::run {
@@ -192,6 +193,7 @@ void rebuild_by(state<D>& box, bool as_they_were, const Lengths& lengths, const 
         if constexpr (decltype(t)::has_markers) walls::detail::prepare_markers(w, box.walls, grid, box.skin);
       },
       box.treatment);
+  if (box.walls.asks_near_no_slip) walls::choose_near_no_slip(w, box.walls, box.skin);
   // Lists end when some fluid, or a body, has moved half the skin.
   if (box.walls.bodies.any()) walls::list_bodies(w, box.walls, grid, (box.walls.bodies.move ? 1.0 : 0.5) * box.skin);
   if (as_they_were) exchange_list_positions(s);

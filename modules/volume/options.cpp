@@ -5,6 +5,13 @@ namespace tetsuame::volume {
 using namelist::between, namelist::for_expert, namelist::up_to;
 
 void declare(namelist::schema& schema, options& all) {
+  schema.group("volume", "of a particle");
+  schema.add("volume", "consistency", all.consistency.name,
+             {.choices = {"none", "tied"},
+              .meaning = "of a density or Y that is integrated with the particles' places: none, as in the notes, or "
+                         "relaxed to the number density, with dV = m/rho, and p <= 0 allowed"});
+  schema.add("volume", "rate", all.consistency.rate,
+             for_expert(between(0.0, 1.0, "of 'tied': relaxations in the time in which sound crosses a spacing")));
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
   schema.add("smoothing", "normalise", all.smoothing.normalise,
              {.meaning = "divide by the kernel sum, which on a lattice is not quite 1"});

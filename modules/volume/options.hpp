@@ -1,4 +1,4 @@
-// What the input says of a scheme for liquids, groups &smoothing and &hosono; and what Hosono's iteration tells when it
+// What the input says of a scheme for liquids, groups &volume, &smoothing and &hosono; and what Hosono's iteration tells when it
 // fails.
 #pragma once
 
@@ -22,7 +22,15 @@ struct hosono_options {
   std::int64_t anderson_depth = 5;
 };
 
+// How a density, or Y, that is integrated is kept with the particles' places (docs/theory/consistency.md).
+struct consistency_options {
+  std::string name = "none";  // none, tied
+  double rate = 0.02;         // of tied: 1/τ over c/Δx
+  bool ties() const { return name == "tied"; }
+};
+
 struct options {
+  consistency_options consistency;
   smoothing_options smoothing;
   hosono_options hosono;
 };

@@ -107,12 +107,16 @@ void volumes_by_number(const pairs::workspace<D>& w, const pairs::row_range& row
 
 // Σ_j Y_j W_ij of these rows, divided by Σ_j V_j W_ij where `normalise`.
 template <int D, class Rows>
-void smooth(pairs::workspace<D>& w, const particles::array& V, bool normalise, const Rows& rows) {
-  auto& s = w.s;
+void smooth(pairs::workspace<D>& w, const particles::array& Y, const particles::array& V, bool normalise,
+            const Rows& rows, particles::array& p) {
   if (normalise)
-    w.sum(rows, weight_sum<D, true>{s.Y.data(), V.data(), self_value(w), 1.0, s.p.data()});
+    w.sum(rows, weight_sum<D, true>{Y.data(), V.data(), self_value(w), 1.0, p.data()});
   else
-    w.sum(rows, weight_sum<D, false>{s.Y.data(), nullptr, self_value(w), 1.0, s.p.data()});
+    w.sum(rows, weight_sum<D, false>{Y.data(), nullptr, self_value(w), 1.0, p.data()});
+}
+template <int D, class Rows>
+void smooth(pairs::workspace<D>& w, const particles::array& V, bool normalise, const Rows& rows) {
+  smooth(w, w.s.Y, V, normalise, rows, w.s.p);
 }
 
 // Σ_j Y_j W_ij of these rows, divided by the lattice's sum where `normalise`.

@@ -1,6 +1,7 @@
 // The walls of a box: its sides, and of one rank the particles that stand behind them, with their sources or markers.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cells/neighbour_list.hpp>
 #include <foundation/error.hpp>
@@ -80,6 +81,13 @@ struct wall_set {
   particles::array *volume = nullptr, *density = nullptr;
   particles::array& volumes(particles::particles<D>& s) const { return volume != nullptr ? *volume : s.dV; }
   particles::array& densities(particles::particles<D>& s) const { return density != nullptr ? *density : s.rho; }
+
+  // Owned fluid near walls of no slip (slip_continuity.hpp), where somebody asks for it.
+  bool asks_near_no_slip = false;
+  pairs::row_subset near_no_slip;
+  bool any_no_slip() const {
+    return std::ranges::any_of(sides, [](const side<D>& wall) { return wall.no_slip; });
+  }
 
   particles::array* kernel_sum = nullptr;  // Σ_j ΔV_j W_ij of the fluid near the walls, where smoothing divides by it
 
