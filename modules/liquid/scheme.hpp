@@ -45,7 +45,7 @@ class problem : public run::particle_simulation<D> {
  public:
   using base = run::particle_simulation<D>;
 
-  problem(run::state<D>& of_problem, const run::balance_options& o, std::unique_ptr<scheme<D>> how)
+  problem(run::state<D>& of_problem, const run::common_options& o, std::unique_ptr<scheme<D>> how)
       : base(of_problem, o), scheme_(std::move(how)) {}
 
   void commit_lagged() override {

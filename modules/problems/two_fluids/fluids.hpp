@@ -25,7 +25,7 @@ class fluids {
   run::state<D> world;
 
   const bool has_bodies = !p.template bodies_in<D>().empty();
-  rigid::bodies<D> bodies{world, rigid::box_of<D>(o.domain, o.common.kernel, o.walls), p.template bodies_in<D>(),
+  rigid::bodies<D> bodies{world, rigid::box_of<D>(o.domain, o.common, o.walls), p.template bodies_in<D>(),
                           std::vector<rigid::motion_of_body<D>>(p.template bodies_in<D>().size())};
   std::int64_t placed = 0;  // particles on all ranks: without those that bodies would cover
 
