@@ -45,7 +45,7 @@ class problem : public run::particle_simulation<D> {
  public:
   using base = run::particle_simulation<D>;
 
-  problem(run::state<D>& of_problem, const run::balance_options& o, std::unique_ptr<scheme<D>> how)
+  problem(run::state<D>& of_problem, const run::common_options& o, std::unique_ptr<scheme<D>> how)
       : base(of_problem, o), scheme_(std::move(how)) {}
 
   void commit_lagged() override {
@@ -91,6 +91,7 @@ struct program {
   const char* wall;
   bool iterates;           // for Y, to a tolerance
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
+  bool by_number;          // volumes are those of the number density, pressures those of the equation of state
   std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;
   std::function<std::unique_ptr<scheme<3>>(const volume::options&)> in_3d;
 };

@@ -121,6 +121,8 @@ program describe() {
           .wall = Program::wall::name,
           .iterates = scheme::iterates,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
+          .by_number = std::is_same_v<typename Program::volume, volume::number_density> &&
+                       !std::is_same_v<typename Program::pressure, volume::smoothed>,
           .in_2d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 2>>(o); },
           .in_3d = [](const volume::options& o) { return std::make_unique<scheme_of<Program, 3>>(o); }};
 }

@@ -51,6 +51,12 @@ std::string unit_in(int dimension, std::string_view unit) {
 
 }  // namespace
 
+std::optional<quantity_info> find_quantity(std::string_view name, int dimension) {
+  const auto* q = std::ranges::find(quantities, name, &quantity::name);
+  if (q == quantities.end()) return {};
+  return quantity_info{unit_in(dimension, q->unit), q->vector};
+}
+
 void add_quantity(particle_group& g, std::string_view name, std::vector<const double*> components) {
   const auto* q = std::ranges::find(quantities, name, &quantity::name);
   if (q == quantities.end()) throw std::logic_error("no quantity " + std::string(name) + " in the table");

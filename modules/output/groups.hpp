@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +37,15 @@ struct particle_group {
 inline constexpr std::array common_fields{"ParticleIDs", "Coordinates", "Velocities",      "Masses",  "Density",
                                           "Pressure",    "Temperature", "SmoothingLength", "Material"};
 
-// Adds a quantity of the table in groups.cpp, which knows unit and meaning: a name has the same in every program.
+// Of the table in groups.cpp, which knows unit and meaning: a name has the same in every program.
+struct quantity_info {
+  std::string unit;
+  bool vector;
+};
+// In that many dimensions; none that is not in the table.
+std::optional<quantity_info> find_quantity(std::string_view name, int dimension);
+
+// Adds a quantity of the table.
 // components: one, or one a dimension, each from the group's first particle on.
 void add_quantity(particle_group& g, std::string_view name, std::vector<const double*> components);
 

@@ -63,6 +63,7 @@ struct fluids_of_input : problem_of_input {
     if (!scheme) return;
     o.by_program = true;
     o.remembers_density = scheme->remembers_density;
+    o.by_number = scheme->by_number;
     o.walls.treatment = scheme->wall;
     o.liquid.hosono.solver = "newton";
   }

@@ -7,13 +7,14 @@
 namespace tetsuame::rigid {
 
 template <int D>
-box<D> box_of(const domain::options& of, const run::kernel_options& kernel, const walls::options& sides) {
+box<D> box_of(const domain::options& of, const run::common_options& common, const walls::options& sides) {
   const double dx = of.dx();
   box<D> all{{solids::point<D>::of([&](std::size_t a) { return of.length[a]; }), dx}};
   std::copy_n(of.periodic.begin(), D, all.lattice.periodic.begin());
   all.open_top = sides.sides[3].slip == "free_surface";
-  all.support = run::support_over_dx(kernel) * dx;
-  all.skin = kernel.skin * dx;
+  all.support = run::support_over_dx(common.kernel) * dx;
+  all.skin = common.kernel.skin * dx;
+  all.gauges = common.gauges;
   return all;
 }
 
@@ -66,6 +67,13 @@ void expect_sound(const namelist::schema& schema, const std::vector<solids::body
   auto with_tank = bodies;
   with_tank.push_back(tank_of(of));
   schema.placed("solids", "shape", [&] { solids::expect_thick<D>(with_tank, of.lattice, of.support); });
+  gauges::refuse_points(schema, of.gauges, [&](const std::array<double, 3>& place) -> std::string {
+    solids::point<D> x;
+    std::copy_n(place.begin(), D, x.c.begin());
+    for (const auto& body : bodies)
+      if (body.level(x) < -1e-9 * of.lattice.spacing) return fmt::format("is inside of body '{}'", body.name());
+    return "";
+  });
 }
 
 template <int D>
@@ -81,7 +89,7 @@ std::vector<solids::body<D>> bodies_at_rest(const namelist::schema& schema, cons
 }
 
 #define TETSUAME_BOX_OF_BODIES(D)                                                                                    \
-  template box<D> box_of<D>(const domain::options&, const run::kernel_options&, const walls::options&);              \
+  template box<D> box_of<D>(const domain::options&, const run::common_options&, const walls::options&);              \
   template solids::period<D> period_of<D>(const box<D>&);                                                            \
   template solids::body<D> tank_of<D>(const box<D>&);                                                                \
   template solids::body<D> solid_of<D>(const box<D>&, std::vector<solids::body<D>>);                                 \

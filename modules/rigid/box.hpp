@@ -15,12 +15,13 @@ struct box {
   solids::lattice<D> lattice;  // the fluid's
   bool open_top = false;
   double support = 0.0, skin = 0.0;  // m, of the kernel and of lists
+  gauges::options gauges = {};       // that stand beside bodies
 
   bool is_open(std::size_t axis) const { return axis == 1 && open_top; }  // at its upper end
 };
 // Of options that are resolved.
 template <int D>
-box<D> box_of(const domain::options& of, const run::kernel_options& kernel, const walls::options& sides);
+box<D> box_of(const domain::options& of, const run::common_options& common, const walls::options& sides);
 
 template <int D>
 solids::period<D> period_of(const box<D>& of);
@@ -44,7 +45,7 @@ solids::body<D> with_images(const namelist::schema& schema, const char* group, c
 inline constexpr double longest_at_rest = 4.0;  // boxes, of a body that stands still
 
 // What bodies, their images included, must be to have wall particles: in the box, without filling it, and no thinner
-// than the kernel reaches, nor with gaps that are.
+// than the kernel reaches, nor with gaps that are; and without gauges inside.
 template <int D>
 void expect_sound(const namelist::schema& schema, const std::vector<solids::body<D>>& bodies, const box<D>& of);
 

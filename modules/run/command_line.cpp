@@ -287,7 +287,6 @@ std::string program_of_group(const std::string& group) {
                                                         {"rti", "rti"},
                                                         {"drop", "drop"},
                                                         {"flow", "flow"},
-                                                        {"gauges", "flow"},
                                                         {"machine", "balance"},
                                                         {"distribution", "balance"}};
   const auto found = of.find(group);

@@ -173,6 +173,13 @@ fractions stable_fractions(const std::string& method) {
   return {1.0, 0.3};
 }
 
+// With those that every program's have.
+std::vector<std::string> fields_of_snapshots(const std::vector<std::string>& of_problem) {
+  std::vector<std::string> all(output::common_fields.begin(), output::common_fields.end());
+  all.insert(all.end(), of_problem.begin(), of_problem.end());
+  return all;
+}
+
 }  // namespace
 
 double support_over_dx(const kernel_options& o) { return kernels::find(o.name).support_over_h * o.h_over_dx; }
@@ -193,7 +200,9 @@ void declare(namelist::schema& schema, common_options& o, const abilities& of_pr
   if (of_problem.particles) declare(schema, o.kernel, of_problem);
   declare(schema, o.output);
   declare(schema, o.run);
-  if (of_problem.particles) declare(schema, o.balance);
+  if (!of_problem.particles) return;
+  declare(schema, o.balance);
+  gauges::declare(schema, o.gauges);
 }
 
 void resolve(const namelist::schema& schema, common_options& o) {
@@ -215,8 +224,7 @@ void check_interval(const namelist::schema& schema, const output_options& o, dou
 }
 
 void check_fields(const namelist::schema& schema, output_options& o, const std::vector<std::string>& fields) {
-  std::vector<std::string> known(output::common_fields.begin(), output::common_fields.end());
-  known.insert(known.end(), fields.begin(), fields.end());
+  const auto known = fields_of_snapshots(fields);
   for (auto& name : o.fields) {
     const auto meant = namelist::nearest(name, known);
     if (namelist::lower(name) != namelist::lower(meant))
@@ -231,6 +239,12 @@ void check_fields(const namelist::schema& schema, output_options& o, const std::
 void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields) {
   check_fields(schema, o.output, fields);
   check_interval(schema, o.output, o.time.has_end() ? o.time.end() : 0.0);
+}
+
+void check_output(const namelist::schema& schema, common_options& o, const domain::options& box,
+                  const std::vector<std::string>& fields) {
+  check_output(schema, o, fields);
+  gauges::resolve(schema, o.gauges, box, fields_of_snapshots(fields));
 }
 
 }  // namespace tetsuame::run

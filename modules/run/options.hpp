@@ -1,8 +1,9 @@
-// What the input of every program with a time loop holds: groups &time, &kernel, &output, &run and &balancer.
+// What the input of every program with a time loop holds: groups &time, &kernel, &output, &run, &balancer and &gauges.
 #pragma once
 
 #include <balance/balancer.hpp>
 #include <cstdint>
+#include <gauges/options.hpp>
 #include <namelist/schema.hpp>
 #include <optional>
 #include <output/snapshot.hpp>
@@ -78,6 +79,7 @@ struct common_options {
   output_options output;
   run_options run;
   balance_options balance;
+  gauges::options gauges;
 };
 
 // What a problem has room for, and so what is declared.
@@ -100,6 +102,9 @@ void resolve(const namelist::schema& schema, common_options& o);
 // When the end is known: a run writes at most a million snapshots. `fields`: what this run's have beside those that
 // every program's have (output::common_fields).
 void check_output(const namelist::schema& schema, common_options& o, const std::vector<std::string>& fields);
+// And what points of the box are to read of these fields. Of a box that is resolved.
+void check_output(const namelist::schema& schema, common_options& o, const domain::options& box,
+                  const std::vector<std::string>& fields);
 void check_fields(const namelist::schema& schema, output_options& o, const std::vector<std::string>& fields);
 void check_interval(const namelist::schema& schema, const output_options& o, double t_end);
 

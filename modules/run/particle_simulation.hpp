@@ -6,6 +6,7 @@
 
 #include <foundation/error.hpp>
 #include <foundation/waiting.hpp>
+#include <gauges/points.hpp>
 #include <output/checkpoint.hpp>
 #include <output/groups.hpp>
 #include <particles/storage.hpp>
@@ -62,13 +63,17 @@ class particle_simulation : public simulation {
   state<D>& box;
   load_balance<D> balancer;
   // The state outlives the simulation.
-  particle_simulation(state<D>& of_problem, const balance_options& o)
-      : simulation(of_problem.w.d.ranks, of_problem.w.times, D, pairs::lanes), box(of_problem), balancer(o) {}
+  particle_simulation(state<D>& of_problem, const common_options& o)
+      : simulation(of_problem.w.d.ranks, of_problem.w.times, D, pairs::lanes),
+        box(of_problem),
+        balancer(o.balance),
+        gauges_(o.gauges) {}
 
   // ---- what the time loop asks ------------------------------------------------------------
 
   bool begin(const output::checkpoint* saved, run_directory& files) final {
     files_ = &files;
+    expect_names_of_columns();
     if (saved == nullptr) {
       rebuild(false);
       set_time(0.0);
@@ -154,9 +159,20 @@ class particle_simulation : public simulation {
     return all;
   }
 
+  std::vector<output::history_column> columns() const final {
+    auto all = measured_columns();
+    const auto read = gauges::columns(gauges_, D);
+    all.insert(all.end(), read.begin(), read.end());
+    return all;
+  }
+
   history_line row(double time) final {
     history_line line{measure(time), false};
     line.steady = steady();
+    if (!gauges_.any()) return line;
+    std::vector<particles::array> made;
+    const auto read = gauges::read<D>(gauges_, particle_groups(made).front(), box.w.d.region, box.w.kernel, ranks);
+    line.values.insert(line.values.end(), read.begin(), read.end());
     return line;
   }
 
@@ -230,8 +246,10 @@ class particle_simulation : public simulation {
   virtual std::string farthest_moved() { return "particles"; }  // who, for messages
   virtual double allowance() const { return 0.5 * box.skin; }
   virtual apart speed() { return velocities(box); }
-  virtual std::vector<double> measure(double time) = 0;  // a line of the history
-  virtual bool steady() const { return false; }          // after measure()
+  // A line of the history, and its columns.
+  virtual std::vector<output::history_column> measured_columns() const = 0;
+  virtual std::vector<double> measure(double time) = 0;
+  virtual bool steady() const { return false; }  // after measure()
   // What has changed, where the problem goes on with other particles or sums; lists are made anew then.
   virtual std::string refine_particles(double /*time*/) { return {}; }
   virtual std::vector<output::particle_group> particle_groups(std::vector<particles::array>& made) = 0;
@@ -401,6 +419,16 @@ class particle_simulation : public simulation {
                     farthest_moved(), way, allowance()));
   }
 
+  // A gauge may be called so that it reads a column that the problem has.
+  void expect_names_of_columns() const {
+    const auto own = measured_columns();
+    for (const auto& read : gauges::columns(gauges_, D))
+      for (const auto& column : own)
+        if (column.name == read.name)
+          foundation::fail_input(fmt::format(
+              "&gauges point: history.csv has a column {} without gauges: give the gauge another name", read.name));
+  }
+
   // m/s and m, of all ranks.
   std::pair<double, double> motion_on_all(const step_ahead& next) {
     apart flow = speed(), way = moved();
@@ -462,6 +490,7 @@ class particle_simulation : public simulation {
             {"moved", "1"},  {"migrated", "1"},      {"particles_max_over_mean", "1"}, {"reason", "text"}};
   }
 
+  gauges::options gauges_;
   run_directory* files_ = nullptr;
   output::history* balance_table_ = nullptr;
   std::int64_t put_back_ = 0;    // inside the walls and out of bodies, on this rank

@@ -99,6 +99,12 @@ class AddAVariant(unittest.TestCase):
         error = summaries[0]["metrics"]["concentration_error"]
         said = float(re.search(r"`concentration_error`, (-?[\d.]+) at", (SOURCE / "docs/add_a_problem.md").read_text())[1])
         self.assertAlmostEqual(error, said, delta=0.02 * abs(said))
+        # The Gaussian is where it began, and 1/1.2 high, with a variance of 0.012 m2; a gauge adds the kernel's, 0.0003 m2, and so reads
+        # 2.4 % less.
+        histories = [(self.here / shlex.split(line)[-1] / "history.csv").read_text() for line in runs]
+        self.assertEqual(histories[0], histories[1])
+        names, *_, last = (line.split(",") for line in histories[0].splitlines())
+        self.assertAlmostEqual(float(last[names.index("concentration_middle [1]")]), 1.0 / 1.2 * 0.012 / 0.0123, delta=0.01)
 
     def variant(self, files, shell):
         program, test = (pathlib.Path(name).stem for name in files[1:])

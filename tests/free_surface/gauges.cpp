@@ -1,4 +1,4 @@
-// Gauges of water: what they read, and the curves that they are held against.
+// Gauges of water: what they read, and what is told of it beside the curves that it is held against.
 #include <boost/test/unit_test.hpp>
 #include <free_surface/gauges.hpp>
 #include <free_surface/measures.hpp>
@@ -13,7 +13,7 @@ namespace tt = boost::test_tools;
 
 // On a lattice in hydrostatic balance gauges on walls, in corners and in the water read the lattice sums' own measure
 // of the pressure, which is 0.997 of it.
-BOOST_AUTO_TEST_CASE(gauges) {
+BOOST_AUTO_TEST_CASE(gauges_on_a_lattice) {
   scene<2> scene(tank("high_y = 1.5 sound_factor = 100.0"));
   refresh(*scene.f);
   for (const auto& [place, depth] :
@@ -64,34 +64,9 @@ BOOST_AUTO_TEST_CASE(gauges_add_up_to_forces) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(curves) {
-  const series run{{0.0, 1.0, 2.0, 4.0}, {0.0, 2.0, 2.0, 6.0}};
-  BOOST_TEST(*value_at(run, 3.0) == 4.0);
-  BOOST_TEST(!value_at(run, 4.1));
-  BOOST_TEST(*first_above(run, 1.0) == 0.5);
-  BOOST_TEST(!first_above(run, 6.0));
-  BOOST_TEST(integral(run, 0.5, 3.0) == 0.75 + 2.0 + 3.0);
-  BOOST_TEST(*rms_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == std::sqrt(0.5));
-  BOOST_TEST(*mean_difference(run, {{1.0, 3.0, 9.0}, {3.0, 4.0, 100.0}}) == 0.5);
-  series wave;
-  for (int k = 0; k < 4000; ++k) {
-    const double t = 0.002 * k;
-    wave.time.push_back(t);
-    wave.value.push_back(std::exp(-0.1 * t) * std::cos(5.0 * t));
-  }
-  const auto measured = measured_oscillation(wave);
-  BOOST_TEST(*measured.period == 0.4 * std::numbers::pi, tt::tolerance(1e-6));
-  BOOST_TEST(*measured.decay == 0.1, tt::tolerance(1e-4));
-}
-
 // What is not known over all of the times that are asked for is null, with a reason, and not what there is of it.
 BOOST_AUTO_TEST_CASE(curves_that_do_not_cover_the_times) {
   const series run{{0.0, 0.1, 0.2, 0.3}, {0.0, 200.0, 200.0, 200.0}}, later{{1.0, 2.0, 3.0}, {5.0, 5.0, 5.0}};
-  BOOST_TEST(!mean_difference(run, later));
-  BOOST_TEST(covers(run, 0.0, 0.305));
-  BOOST_TEST(!covers(run, 0.0, 0.4));
-  BOOST_TEST(!covers({{0.0, 0.001}, {1.0, 1.0}}, 0.0, 0.0021));
-  BOOST_TEST(!covers(later, 0.1, 2.0));
   options o;
   nlohmann::ordered_json m;
   report_height("h", run, later, m);

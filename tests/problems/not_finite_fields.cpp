@@ -1,6 +1,7 @@
 // A number that is none, in any field that travels with the particles, in a step of any problem: that evaluation fails,
 // with the particle and the field, or the field is one that no evaluation reads and the rates stay as they were.
 #include <boost/test/unit_test.hpp>
+#include <convection/options.hpp>
 #include <foundation/error.hpp>
 #include <free_surface/make.hpp>
 #include <gas/convergence.hpp>
@@ -32,6 +33,8 @@ class trial {
     box_.rebuild(false);
     const auto arrays = simulation_->arrays();
     for (const auto& f : arrays.fields) rates_.emplace_back(f.number.value_or(arrays.size));
+    BOOST_TEST(evaluate() == "");
+    simulation_->commit();  // what evaluations lag behind is known
     BOOST_TEST(evaluate() == "");
     clean_ = rates_;
   }
@@ -161,4 +164,66 @@ BOOST_AUTO_TEST_CASE(of_water) {
   const auto p = free_surface::resolve(schema, o);
   BOOST_TEST((trial(free_surface::make_2d(o, p)).unread() ==
               names{"Conductivity", "InternalEnergyGain", "Temperature", "Viscosity", "Weight"}));
+}
+
+names operator+(names a, const names& b) {
+  a.insert(b.begin(), b.end());
+  return a;
+}
+
+// Nothing moves; without an operator that lags behind itself nothing reads what that would.
+BOOST_AUTO_TEST_CASE(of_conduction) {
+  const names of_liquids{"Density",      "InternalEnergyGain", "Masses", "Velocities_0",
+                         "Velocities_1", "Viscosity",          "Weight"};
+  for (const std::string scheme : {"sum", "consistent", "corrected"}) {
+    conduction::options o;
+    namelist::schema schema;
+    conduction::declare(schema, o);
+    schema.read(namelist::parse_text("&domain particles_x = 12 particles_y = 12 /\n&conduction operator = '" + scheme +
+                                         "' /\n&walls temperature_top = 0 temperature_bottom = 1 /",
+                                     "test.nml"));
+    conduction::resolve(schema, o);
+    const names of_sum{"LaplacianOfT", "LaplacianWeight_0", "LaplacianWeight_1", "LaplacianWeight_2"};
+    const names expected = of_liquids + (scheme == "sum" ? of_sum : names{"Conductivity"});
+    BOOST_TEST_CONTEXT(scheme) { BOOST_TEST((trial(problems::conduction(o)).unread() == expected)); }
+  }
+}
+
+// Of one viscosity, of a response to it that is relaxed, of a viscosity that varies; of steps that know the rates of
+// the step before, or its sums: those the integration and commit() read. Walls alone, where the particle is not, ask
+// for the viscosity of the step before and for the stress across them.
+BOOST_AUTO_TEST_CASE(of_convection) {
+  const std::string mantle =
+      "&domain length_x = 1e6 length_y = 1e6 particles_x = 12 particles_y = 12 /\n"
+      "&material density = 4e3 expansivity = 2.5e-5 heat_capacity = 1250 conductivity = 5 viscosity = 1e23 "
+      "bulk_modulus = 1e11 /\n&gravity g = 10 /\n&initial perturbation = 0.3 /\n&walls slip = 'free_slip' thermal = "
+      "'adiabatic' thermal_bottom = 'fixed' temperature_bottom = 1000 thermal_top = 'fixed' temperature_top = 0 /\n";
+  struct trial_of {
+    std::string input, between_steps;  // the beginning of the names of fields that evaluations do not read
+    names at_walls;
+  };
+  const std::map<std::string, trial_of> trials{
+      {"one viscosity", {"target = 'transient' /\n&time method = 'ab2' /", "EarlierRate_", {}}},
+      {"relaxed", {"target = 'steady' /\n&time method = 'rk4' /", "", {}}},
+      {"varies",
+       {"target = 'steady' viscosity_law = 'blankenbach_2a' viscosity_ramp = 5e16 /",
+        "",
+        {"EarlierViscosity", "GradedStress_0"}}},
+      {"extrapolates", {"target = 'steady' /\n&time method = 'rkl2' /", "Before", {}}},
+  };
+  for (const auto& [name, t] : trials) {
+    convection::options o;
+    namelist::schema schema;
+    convection::declare(schema, o);
+    schema.read(namelist::parse_text(mantle + "&convection rayleigh = 1e4 " + t.input, "test.nml"));
+    const auto p = convection::resolve(schema, o);
+    BOOST_TEST_CONTEXT(name) {
+      auto found = trial(convection::make(o, p)).unread();
+      const auto between = std::erase_if(
+          found, [&](const auto& f) { return !t.between_steps.empty() && f.starts_with(t.between_steps); });
+      BOOST_TEST((between > 0) == !t.between_steps.empty());
+      const names of_liquids{"Conductivity", "Density", "InternalEnergyGain", "Masses", "Viscosity", "Weight"};
+      BOOST_TEST((found == of_liquids + t.at_walls));
+    }
+  }
 }

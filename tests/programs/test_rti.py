@@ -372,7 +372,7 @@ class Emulsion(Case):
 class SurfaceTension(Case):
     """A liquid drop in another without weight, radius a quarter of the box, in units of tension and box."""
 
-    def drop(self, n=24, **more):
+    def drop(self, n=24, program="drop", **more):
         source = self.here / "weightless.nml"
         source.write_text("""
             &domain  length_x = 1.0  length_y = 1.0  length_z = 1.0 /
@@ -380,7 +380,7 @@ class SurfaceTension(Case):
               gravity = 1e-9  p_top = 50.0  radius = 0.25  y = 0.5  measure_at = 0.4  surface_tension = 1.0 /
             &time  t_end = 0.5 /
             &output  interval = 0.0 /""")
-        return self.run_program("drop", source, {**size(n, more.get("domain.dimension", 2)), **more}).summary
+        return self.run_program(program, source, {**size(n, more.get("domain.dimension", 2)), **more}).summary
 
     def test_laplace(self):
         """Pressure inside: sigma/R in two dimensions, 2 sigma/R in three; the area that the colour finds; what moves at rest."""
@@ -411,6 +411,18 @@ class SurfaceTension(Case):
         self.assertAlmostEqual(m["oscillation_period"] / 1.10, 1, delta=0.09)
         self.assertAlmostEqual(m["oscillation_period_theory"], 1.04, delta=0.01)  # without viscosity and box
         self.assertLess(m["energy_residual_max"], 0.01)
+
+    def test_by_the_number_density_of_a_program(self):
+        """disph_n has the same volumes and pressures, and so the same tension: pressure inside a drop at rest, period as above."""
+        weightless = {"drop.density_drop": 7, "drop.density_outside": 3, "drop.bulk_modulus": 2000, "drop.p_top": 100, "drop.viscosity_drop": 5e-3,
+                      "drop.viscosity_outside": 5e-3, "walls.slip_bottom": "free_slip", "walls.slip_top": "free_slip"}
+        m = self.drop(24, "disph_n")["metrics"]
+        self.assertAlmostEqual(m["laplace_pressure"] / m["laplace_pressure_theory"], 1, delta=0.1)
+        m = self.drop(32, "disph_n", **weightless, **{"drop.elongation": 1.2, "kernel.name": "wendland_c4", "time.t_end": 2.2})["metrics"]
+        self.assertAlmostEqual(m["oscillation_period"] / 1.10, 1, delta=0.09)
+        self.assertLess(m["energy_residual_max"], 0.01)
+        short = {"domain.particles_x": 24, "domain.particles_y": 48, "time.steps": 20, "output.interval": 0}
+        self.assert_exact("disph_n", TENSION, short, 10, [(2, 1), (None, 2)])
 
     def test_iron_in_magma(self):
         """Bond number 9: the drop flattens. Without tension it flattens more. Ranks and a restart change nothing."""

@@ -119,7 +119,8 @@ class Refused(Case):
         for program, name, settings, words in [
                 ("disph_c", "blankenbach_1a", {}, ["program convection", "disph_c"]),
                 ("disph_c", "sod", {}, ["program shock", "disph_c"]), ("disph_c", "still_water", {}, ["program flow", "disph_c"]),
-                ("disph_c", "drop_surface_tension", {}, ["surface_tension", ".nml:"]),
+                ("disph_c", "drop_surface_tension", {}, ["surface_tension", "disph_n", ".nml:"]),
+                ("disph_n", "drop_surface_tension", {"walls.treatment": "virtual_marker"}, ["surface_tension", "mirror", ".nml:"]),
                 ("disph_y", "pond_on_mantle", {}, ["temperature_law", "density", ".nml:"]),
                 ("disph_c", "rti_linear", {"walls.treatment": "frozen"}, ["treatment", "virtual_marker"]),
                 ("disph_c", "conduction_plate", {"walls.treatment": "repulsion"}, ["treatment"]),

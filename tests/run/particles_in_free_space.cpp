@@ -60,7 +60,7 @@ run::memory_need need_of(const options& o) {
 
 class cloud : public run::particle_simulation<D> {
  public:
-  cloud(world& of, const options& o) : particle_simulation(of, o.common.balance), world_(of), o_(o) {
+  cloud(world& of, const options& o) : particle_simulation(of, o.common), world_(of), o_(o) {
     about.push_back("particles in free space");
   }
 
@@ -74,7 +74,7 @@ class cloud : public run::particle_simulation<D> {
   }
   integrators::step_limit largest_step() override { return {0.1 / o_.rate, "expansion"}; }
 
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     return {{"particles", "1"}, {"farthest", "m"}, {"sum", "1"}};
   }
   std::vector<double> measure(double) override {
@@ -211,7 +211,7 @@ int main(int argc, char** argv) {
     domain::resolve(schema, demands, o.domain);
     const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
     domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);
-    run::check_output(schema, o.common, {});
+    run::check_output(schema, o.common, o.domain, {});
   };
   const run::program_input own{
       .program = "particles_in_free_space",

@@ -24,7 +24,7 @@ class problem : public run::particle_simulation<D> {
   using base = run::particle_simulation<D>;
   using base::ranks;
 
-  explicit problem(const options& o) : base(world_, o.common.balance), o_(o) {
+  explicit problem(const options& o) : base(world_, o.common), o_(o) {
     auto& s = world_.w.s;
     auto kernel = o.common.kernel;
     kernel.skin = 0.01;  // nothing moves
@@ -68,7 +68,7 @@ class problem : public run::particle_simulation<D> {
     refresh_memory();
   }
 
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     return {{"temperature_error_l2", "1"}, {"temperature_error_max", "1"}, {"heat", "K m^D"}};
   }
   std::vector<double> measure(double t) override {

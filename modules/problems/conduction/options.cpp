@@ -47,8 +47,8 @@ void resolve(const namelist::schema& schema, options& o) {
     o.lines.push_back(fmt::format("note: passed over, as this program has a scheme of its own: {}",
                                   fmt::join(schema.passed(), ", ")));
   run::resolve(schema, o.common);
-  run::check_output(schema, o.common, {});
   domain::resolve(schema, demands, o.domain);
+  run::check_output(schema, o.common, o.domain, {});
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, std::max(support, o.halo()) + o.common.kernel.skin * dx, support);
   const auto& sides = o.walls.sides;

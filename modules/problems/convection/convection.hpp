@@ -20,7 +20,7 @@ class problem : public run::particle_simulation<D> {
   using base = run::particle_simulation<D>;
   using base::ranks;
 
-  problem(const options& o, const parameters& p) : base(state_.world, o.common.balance), state_(o, p) {
+  problem(const options& o, const parameters& p) : base(state_.world, o.common), state_(o, p) {
     this->about = state_.layer.lines;
     convection::declare(state_, evaluation_, [this] { return base::evaluating().may_commit; });
   }
@@ -101,7 +101,7 @@ class problem : public run::particle_simulation<D> {
 
   // ---- measures ---------------------------------------------------------------------------
 
-  std::vector<output::history_column> columns() const override { return history_columns(); }
+  std::vector<output::history_column> measured_columns() const override { return history_columns(); }
   std::vector<double> measure(double t) override { return convection::measure(state_, t, measured_); }
   bool steady() const override {
     const double tolerance = state_.input.convection.steady_tolerance;

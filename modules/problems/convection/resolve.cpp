@@ -234,7 +234,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
                                                             : 0.0;
   if (!o.common.time.t_end)
     o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
-  run::check_output(schema, o.common, {"Viscosity", "Volume"});
+  run::check_output(schema, o.common, o.domain, {"Viscosity", "Volume"});
   return p;
 }
 

@@ -9,7 +9,7 @@ namespace tetsuame::free_surface {
 
 template <int D>
 rigid::box<D> box_of(const options& o) {
-  return rigid::box_of<D>(o.domain, o.common.kernel, o.walls);
+  return rigid::box_of<D>(o.domain, o.common, o.walls);
 }
 template rigid::box<2> box_of<2>(const options&);
 template rigid::box<3> box_of<3>(const options&);

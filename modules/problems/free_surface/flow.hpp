@@ -93,8 +93,7 @@ class flow : public run::particle_simulation<D> {
   using base = run::particle_simulation<D>;
   using base::ranks;
 
-  flow(const options& o, const parameters& p)
-      : base(f_.world, o.common.balance), f_(o, p), probes_(probes_of<D>(o, p)) {
+  flow(const options& o, const parameters& p) : base(f_.world, o.common), f_(o, p), probes_(probes_of<D>(o, p)) {
     for (const auto& probe : probes_)
       for (const auto& column : probe.columns) read_.columns.push_back(column);
     set_up(f_);
@@ -170,7 +169,7 @@ class flow : public run::particle_simulation<D> {
       choose_next_reading();
   }
 
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     std::vector<output::history_column> all{{"kinetic_energy", "J"},
                                             {"potential_energy", "J"},
                                             {"elastic_energy", "J"},

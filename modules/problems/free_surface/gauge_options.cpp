@@ -10,11 +10,6 @@ namespace tetsuame::free_surface {
 
 using namelist::positive;
 
-std::string along(const char* what, std::size_t axis) {
-  constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-  return std::string(what) + axis_names[axis];
-}
-
 void declare_gauges(namelist::schema& schema, gauge_options& o) {
   schema.group("gauges", "what gauges.csv holds, and measurements to compare it with");
   schema.add("gauges", "interval", o.interval,
@@ -73,22 +68,6 @@ void declare_gauges(namelist::schema& schema, gauge_options& o) {
 
 namespace {
 
-// Places of as many numbers along each of these axes, in the box.
-void check_places(const namelist::schema& schema, const options& o, const char* what,
-                  const std::array<std::vector<double>, 3>& places, std::initializer_list<std::size_t> axes) {
-  for (const std::size_t a : axes) {
-    const std::string key = along(what, a);
-    const std::size_t expected = a < o.domain.axes() ? places[0].size() : 0;
-    if (places[a].size() != expected)
-      schema.fail("gauges", key, fmt::format("expected {} numbers, one a gauge, found {}", expected, places[a].size()));
-    for (std::size_t n = 0; n < places[a].size(); ++n)
-      if (places[a][n] > o.domain.length[a] * (1.0 + 1e-12))
-        schema.fail("gauges", key,
-                    fmt::format("gauge {} is outside the box: {} m, where the box ends at {} m", n + 1, places[a][n],
-                                o.domain.length[a]));
-  }
-}
-
 // What is 1 in a column, in a unit of SI.
 struct scale {
   const char* unit;
@@ -134,8 +113,8 @@ void resolve_gauges(const namelist::schema& schema, options& o, parameters& p) {
     schema.fail(
         "gauges", "impulse_until",
         fmt::format("expected a time behind impulse_from, {} s, found {} s", *g.impulse_from, *g.impulse_until));
-  check_places(schema, o, "height_", g.height, {0, 2});
-  check_places(schema, o, "pressure_", g.pressure, {0, 1, 2});
+  gauges::check_places(schema, o.domain, "height_", g.height, {0, 2}, {});
+  gauges::check_places(schema, o.domain, "pressure_", g.pressure, {0, 1, 2}, {});
   p.measured.height.resize(g.height[0].size());
   p.measured.pressure.resize(g.pressure[0].size());
   const auto forces = force_names(g.force.size(), static_cast<int>(o.domain.dimension));

@@ -1,48 +1,12 @@
-// What is read on the way: columns of gauges.csv, kept for what is said at the end.
+// What gauges of water tell at the end of what they read on the way, the columns of gauges.csv.
 #pragma once
 
 #include <free_surface/options.hpp>
 #include <nlohmann/json.hpp>
-#include <output/history.hpp>
 
 namespace tetsuame::free_surface {
 
-// Readings of several quantities at the same times.
-class readings {
- public:
-  std::vector<output::history_column> columns;
-
-  void add(double time, const std::vector<double>& values);
-  std::size_t size() const { return time_.size(); }
-  // Of the column of that name, which is there.
-  series of(const std::string& name) const;
-
-  std::vector<double> saved() const;  // all of it, line after line
-  void restore(const std::vector<double>& saved);
-
- private:
-  std::vector<double> time_;                 // s
-  std::vector<std::vector<double>> values_;  // [line][column]
-};
-
-// ---- of curves: linear between their points; none where they do not say ----------------------------
-
-std::optional<double> value_at(const series& s, double time);
-std::optional<double> first_above(const series& s, double value);  // s
-double integral(const series& s, double from, double until);       // over what there is of it
-// Root of the mean squared difference at those of the reference's times that the run has come to.
-std::optional<double> rms_difference(const series& run, const series& reference);
-std::optional<double> mean_difference(const series& run, const series& reference);  // of absolute values, at the same
-// Whether it has been read from then until then, but for a fiftieth of that and no more than one of its readings.
-bool covers(const series& s, double from, double until);
-
-// A cosine that dies away: from its zero crossings, and from a line through the logarithms of its largest values.
-struct oscillation {
-  std::optional<double> period, decay;  // s, 1/s (of the amplitude)
-};
-oscillation measured_oscillation(const series& s);
-
-// ---- what is told at the end ------------------------------------------------------------------------
+using gauges::readings;
 
 // A metric that cannot be told is null, and beside it NAME_reason says why in words.
 

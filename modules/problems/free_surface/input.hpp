@@ -2,12 +2,11 @@
 #pragma once
 
 #include <free_surface/options.hpp>
-#include <string>
+#include <gauges/options.hpp>
 
 namespace tetsuame::free_surface {
 
-// A key of this axis: what, with x, y or z.
-std::string along(const char* what, std::size_t axis);
+using gauges::along;
 
 void declare_gauges(namelist::schema& schema, gauge_options& o);
 void resolve_gauges(const namelist::schema& schema, options& o, parameters& p);

@@ -247,8 +247,8 @@ void declare(namelist::schema& schema, options& o) {
 
 parameters resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o.common);
-  run::check_output(schema, o.common, {"Volume", "FreeSurface"});
   domain::resolve(schema, demands, o.domain);
+  run::check_output(schema, o.common, o.domain, {"Volume", "FreeSurface"});
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, support + o.common.kernel.skin * dx, support);
   if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");

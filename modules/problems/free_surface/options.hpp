@@ -10,6 +10,7 @@
 #include <array>
 #include <domain/options.hpp>
 #include <free_surface/liquid.hpp>
+#include <gauges/series.hpp>
 #include <optional>
 #include <rigid/motion.hpp>
 #include <run/options.hpp>
@@ -80,11 +81,7 @@ struct block {
   bool holds(const point& x) const;
 };
 
-// What was measured, over time (s).
-struct series {
-  std::vector<double> time, value;
-  bool empty() const { return time.empty(); }
-};
+using gauges::series;
 
 // Of the file, in SI units; empty where there is none.
 struct references {

@@ -138,7 +138,7 @@ class flow : public run::particle_simulation<D> {
   using base::ranks;
 
   flow(const options& o, const std::vector<level>& coarser)
-      : base(g_, o.common.balance), g_(o, make_setup(o)), coarser_(coarser) {
+      : base(g_, o.common), g_(o, make_setup(o)), coarser_(coarser) {
     set_up(g_);
     passes_.declare();
   }
@@ -172,7 +172,7 @@ class flow : public run::particle_simulation<D> {
     return false;
   }
 
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     std::vector<output::history_column> all{
         {"kinetic_energy", "J"}, {"internal_energy", "J"}, {"momentum_x", "kg m/s"}, {"density_max", "kg/m^3"}};
     for (const trace& t : g_.test.traces) all.push_back({t.name, t.unit});

@@ -355,7 +355,7 @@ void resolve(const namelist::schema& schema, options& o) {
   std::vector<std::string> fields{"InternalEnergy"};
   if (o.has_alpha()) fields.emplace_back("ArtificialViscosity");
   if (test.exact) fields.insert(fields.end(), {"DensityReference", "PressureReference", "VelocitiesReference"});
-  run::check_output(schema, o.common, fields);
+  run::check_output(schema, o.common, o.domain, fields);
 }
 
 }  // namespace tetsuame::gas

@@ -53,7 +53,7 @@ class problem : public liquid::problem<D> {
 
   problem(const options& o, std::unique_ptr<liquid::scheme<D>> scheme,
           const domain::communicator& of = domain::communicator::world())
-      : base(world, o.balance, std::move(scheme)), o_(o) {
+      : base(world, o, std::move(scheme)), o_(o) {
     set_up(o, of, world);
     scheme_->begin(world);
     declare_evaluation();
@@ -72,7 +72,7 @@ class problem : public liquid::problem<D> {
                           material.illustrative ? " (illustrative)" : ""));
   }
 
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     return {{"pressure_error_mean", "1"},    {"pressure_error_max", "1"}, {"density_error_max", "1"},
             {"displacement_max", "dx"},      {"kinetic_energy", "J"},     {"potential_energy", "J"},
             {"internal_energy_gained", "J"}, {"energy_change", "J"}};

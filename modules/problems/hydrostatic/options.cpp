@@ -92,8 +92,7 @@ void resolve(const namelist::schema& schema, options& o) {
     const auto material = eos::make(o.material.eos);
     profile(o, material).pressure(0.0);
   });
-  run::check_interval(schema, o.output, o.time.end());
-  run::check_fields(schema, o.output,
+  run::check_output(schema, o, o.domain,
                     {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",
                      "DensityReference", "Displacement"});
 }

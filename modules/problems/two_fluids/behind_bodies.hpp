@@ -13,7 +13,6 @@ walls::mirrored_fields rules_at_sides(fluids<D>& f) {
   auto all = walls::velocity(s.v);
   for (auto* p : {&s.p_eos, &s.p})
     for (const auto& rule : walls::hydrostatic(*p, s.rho, f.world.w.g)) all.push_back(rule);
-  for (const auto& rule : walls::vector(f.colour_slope)) all.push_back(rule);
   return all;
 }
 

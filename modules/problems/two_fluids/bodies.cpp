@@ -28,11 +28,9 @@ void resolve_bodies(const namelist::schema& schema, problem_kind kind, const opt
   if (!o.has_bodies()) return;
   refuse_with_bodies(schema, kind, o);
   if (o.domain.dimension == 3)
-    std::get<1>(p.bodies) =
-        rigid::bodies_at_rest<3>(schema, o.solids, rigid::box_of<3>(o.domain, o.common.kernel, o.walls));
+    std::get<1>(p.bodies) = rigid::bodies_at_rest<3>(schema, o.solids, rigid::box_of<3>(o.domain, o.common, o.walls));
   else
-    std::get<0>(p.bodies) =
-        rigid::bodies_at_rest<2>(schema, o.solids, rigid::box_of<2>(o.domain, o.common.kernel, o.walls));
+    std::get<0>(p.bodies) = rigid::bodies_at_rest<2>(schema, o.solids, rigid::box_of<2>(o.domain, o.common, o.walls));
   if (kind == problem_kind::rayleigh_taylor) return;
   p.theory_fall.reset();
   p.theory_about = "bodies stand in the box: no velocity of fall to compare with";

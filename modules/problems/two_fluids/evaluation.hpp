@@ -54,13 +54,12 @@ class list_of_passes {
     integrate(fast, floor);
     e.given({s_.m, s_.k});
     if (!viscosity_changes()) e.given({s_.eta});
-    if (f_.tense) e.given({f_.metal});
     if (f_.enthalpy) e.remembered({s_.T});
     if (scheme_ != nullptr) return declare_scheme();
     e.mirrored(rules_at_sides(f_));
     find_volumes();
     find_pressures();
-    if (f_.tense) find_tension();
+    f_.tension.declare(e);
     find_stress();
     sum_over_neighbours();
     find_rates();
@@ -149,22 +148,6 @@ class list_of_passes {
     e.each("element", uses, [this](std::size_t i) { find_partition(f_, i); });
   }
 
-  // The gradient of colour, the area of contact per volume, forces of surface tension.
-  void find_tension() {
-    e.sum("surface tension", {.at_neighbours = {s_.dV, f_.metal}, .writes = {f_.colour_slope}},
-          [this](const pairs::row_range& rows) { sum_colour(f_, rows); });
-    e.each("surface tension", {.reads = {f_.colour_slope}, .writes = {f_.area}}, [this](std::size_t i) {
-      double G2 = 0.0;
-      for (std::size_t a = 0; a < D; ++a) G2 += f_.colour_slope[a][i] * f_.colour_slope[a][i];
-      f_.area[i] = std::sqrt(G2);
-    });
-    e.each(
-        "surface tension", {.reads = {s_.dV}, .writes = {f_.squared_volume}},
-        [this](std::size_t i) { f_.squared_volume[i] = s_.dV[i] * s_.dV[i] / w_.lattice_sum; }, true);
-    e.sum("surface tension", {.at_neighbours = {f_.squared_volume, f_.colour_slope}, .writes = {f_.tension_force}},
-          [this](const pairs::row_range& rows) { sum_tension(f_, rows); });
-  }
-
   // What the forces have of the pressure.
   void find_stress() {
     passes::access uses{.reads = {s_.x, s_.dV}, .writes = {f_.stress}};
@@ -210,7 +193,7 @@ class list_of_passes {
 
   void find_rates() {
     passes::access uses{.reads = {s_.m, s_.v, s_.p, s_.dV, s_.rho, material(), f_.force, f_.compression, f_.heat,
-                                  f_.conducted, f_.tension_force, f_.lift, f_.inertia, f_.rho_rate, f_.gain},
+                                  f_.conducted, f_.tension.force, f_.lift, f_.inertia, f_.rho_rate, f_.gain},
                         .rates = {s_.x, s_.u, f_.dissipated}};
     (f_.has_bodies ? uses.accumulates : uses.rates).add({s_.v});
     if (has_factor(f_)) uses.reads.add({f_.follow_factor});
@@ -229,7 +212,7 @@ class list_of_passes {
     for (std::size_t a = 0; a < D; ++a) {
       const double gravity = w_.gravity(a, i);
       rate(0, a)[i] = s.v[a][i];
-      double force = f_.tense ? f_.force[a][i] + f_.tension_force[a][i] : f_.force[a][i];
+      double force = f_.tense ? f_.force[a][i] + f_.tension.force[a][i] : f_.force[a][i];
       if (a == 1) force -= f_.reference_slope * s.dV[i];
       if (a == 1 && f_.slows) force += f_.lift[i];
       rate(D, a)[i] = (per_m * force + gravity) / f_.inertia_of(i);
@@ -271,7 +254,8 @@ class list_of_passes {
     if (f_.weighed) rates.add({s_.Y});
     if (f_.warms) rates.add({s_.T});
     scheme_->declare(f_.world, e, rates, viscosity_changes(), [this] { return rates_of_scheme(); });
-    passes::access uses{.reads = {s_.m, f_.inertia}, .rates = {s_.u, s_.v}};
+    f_.tension.declare(e);
+    passes::access uses{.reads = {s_.m, f_.inertia, f_.tension.force}, .rates = {s_.u, s_.v}};
     if (f_.enthalpy) uses.rates.add({f_.content});
     e.each("rates", uses, [this](std::size_t i) { part_heat(i); });
     if (f_.dissolved) exchange_element_beside_scheme();
@@ -310,6 +294,7 @@ class list_of_passes {
     const double heating = rate(q_)[i] + conducted;
     rate(u_)[i] -= heating;
     if (f_.enthalpy) rate(h_)[i] = heating;
+    for (std::size_t a = 0; a < D && f_.tense; ++a) rate(D, a)[i] += f_.tension.force[a][i] / s_.m[i];
     if (!f_.enthalpy || f_.inertia[i] == 1.0) return;
     for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] /= f_.inertia[i];
   }

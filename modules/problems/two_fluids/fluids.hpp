@@ -6,6 +6,7 @@
 #include <rigid/contact.hpp>
 #include <run/lists.hpp>
 #include <run/start.hpp>
+#include <tension/between_liquids.hpp>
 #include <two_fluids/lattice.hpp>
 #include <two_fluids/options.hpp>
 #include <walls/boundary_force.hpp>
@@ -25,7 +26,7 @@ class fluids {
   run::state<D> world;
 
   const bool has_bodies = !p.template bodies_in<D>().empty();
-  rigid::bodies<D> bodies{world, rigid::box_of<D>(o.domain, o.common.kernel, o.walls), p.template bodies_in<D>(),
+  rigid::bodies<D> bodies{world, rigid::box_of<D>(o.domain, o.common, o.walls), p.template bodies_in<D>(),
                           std::vector<rigid::motion_of_body<D>>(p.template bodies_in<D>().size())};
   std::int64_t placed = 0;  // particles on all ranks: without those that bodies would cover
 
@@ -84,10 +85,7 @@ class fluids {
   particles::array& gain = field(dissolved, "ElementGain", "kg/s");
   particles::array& metal = field(dissolved || tense, "Metal", "1");  // 1 in metal, or 0
 
-  particles::array& area = field(tense, "ContactArea", "1/m");                       // |G|
-  particles::array& squared_volume = field(tense, "SquaredVolume", "m^2D");          // ΔV²/s
-  particles::vector_field<D> colour_slope = vector(tense, "ColourGradient", "1/m");  // G of terms.hpp
-  particles::vector_field<D> tension_force = vector(tense, "TensionForce", "N");
+  tension::between_liquids<D> tension{world, o.surface_tension, metal};
 
   // by_program: a program's scheme makes the sums.
   fluids(problem_kind kind_, const options& o_, const parameters& p_, bool by_program_ = false)

@@ -157,7 +157,7 @@ energies find_energies(const fluids<D>& f) {
             s.m[i] * (f.warms ? s.u[i] : slowed_energy(f, i, elastic_energy(f, i, s.rho[i]))) +
                 f.reference_pressure(s.x[1][i]) * V,
             s.m[i] * f.dissipated[i], s.m[i] * s.c_V[i] * (s.T[i] - f.T_start[i]),
-            f.tense ? f.o.surface_tension * V * f.area[i] : 0.0);
+            f.tense ? f.o.surface_tension * V * f.tension.area[i] : 0.0);
         const auto& force = f.world.walls.force;
         add(0.0, s.m[i] * walls::boundary_potential(force, f.world.walls.sides, s, i));
         if (!f.has_bodies) return;
@@ -287,7 +287,7 @@ double pressure_inside(const fluids<D>& f) {
   const auto& s = f.world.w.s;
   const auto [inside, inside_p, outside, outside_p] =
       liquid::exact_sums<4>(f.world, [&](std::size_t i, const auto& add) {
-        if (f.area[i] != 0.0) return;
+        if (f.tension.area[i] != 0.0) return;
         const double V = s.m[i] / s.rho[i], excess = V * (s.p_eos[i] - f.p.base->at(s.x[1][i]).pressure);
         if (f.is_metal(i))
           add(V, excess);

@@ -138,7 +138,6 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   std::vector<std::string> fields{"Volume", "DensityReference"};
   if (o.element.name != "none") fields.emplace_back("Concentration");
   if (o.temperature_law == "enthalpy") fields.insert(fields.end(), {"Viscosity", "MeltFraction"});
-  run::check_output(schema, o.common, fields);
   parameters p{};
   const auto& kernel = o.common.kernel;
   if (const double own = kernels::find(kernel.name).default_h_over_dx; kernel.h_over_dx > 2.0 * own)
@@ -146,6 +145,7 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
         fmt::format("note: kernel '{}' with h_over_dx = {:.4g} reaches {:.4g} spacings; its own is {:.4g}", kernel.name,
                     kernel.h_over_dx, run::support_over_dx(kernel), own));
   check_domain(schema, o, p);
+  run::check_output(schema, o.common, o.domain, fields);
   find_heat(schema, kind, o, p);
   choose_scheme(schema, group, o, p);
   check_slowing(schema, kind, o);

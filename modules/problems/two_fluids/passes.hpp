@@ -16,8 +16,8 @@
   TETSUAME_TWO_FLUIDS_SUM(where, D, diffusion::conduction<D>);                                     \
   where template void tetsuame::two_fluids::sum_volumes(fluids<D>&, const pairs::row_range&);      \
   where template void tetsuame::two_fluids::count_neighbours(fluids<D>&, const pairs::row_range&); \
-  where template void tetsuame::two_fluids::sum_colour(fluids<D>&, const pairs::row_range&);       \
-  where template void tetsuame::two_fluids::sum_tension(fluids<D>&, const pairs::row_range&)
+  where template void tetsuame::tension::between_liquids<D>::sum_colour(const pairs::row_range&);  \
+  where template void tetsuame::tension::between_liquids<D>::sum_stress(const pairs::row_range&)
 
 TETSUAME_TWO_FLUIDS_SUMS(extern, 2);
 TETSUAME_TWO_FLUIDS_SUMS(extern, 3);

@@ -80,8 +80,11 @@ void check_supports(const namelist::schema& schema, const char* group, const opt
 
 // A program's scheme has the notes' viscous sum, one kernel for all and the whole pressure.
 void choose_by_program(const namelist::schema& schema, const char* group, options& o, parameters& p) {
-  if (o.surface_tension > 0.0)
-    schema.fail(group, "surface_tension", "is derived for the volumes of program " + std::string(group) + ": run that");
+  if (o.surface_tension > 0.0 && !(o.by_number && o.walls.treatment == "mirror"))
+    schema.fail(group, "surface_tension",
+                "is derived for volumes of the number density, pressures of the equation of state and walls that are "
+                "mirror images: run disph_n, or program " +
+                    std::string(group));
   if (o.temperature_law == "enthalpy" && !o.remembers_density)
     schema.fail(
         group, "temperature_law",

@@ -15,17 +15,6 @@ void sum_volumes(fluids<D>& f, const pairs::row_range& rows) {
                 volume::number_volume<D>{volume::self_value(f.world.w), f.world.w.lattice_sum, f.world.w.s.dV.data()});
 }
 
-// G of terms.hpp.
-template <int D>
-void sum_colour(fluids<D>& f, const pairs::row_range& rows) {
-  f.world.w.sum(rows, colour_gradient<D>{f.world.w.s.dV.data(), f.metal.data(), f.colour_slope.data()});
-}
-template <int D>
-void sum_tension(fluids<D>& f, const pairs::row_range& rows) {
-  f.world.w.sum(rows, surface_stress<D>{f.squared_volume.data(), f.colour_slope.read(), f.o.surface_tension,
-                                        f.tension_force.data()});
-}
-
 // What the element gains.
 template <int D>
 void exchange_element(fluids<D>& f, const pairs::row_range& rows) {

@@ -32,7 +32,6 @@ inline constexpr schemes::field<struct concentration_tag> of_concentration;
 inline constexpr schemes::field<struct partition_tag> of_partition;
 inline constexpr schemes::field<struct element_tag> of_element;
 inline constexpr schemes::field<struct material_tag> of_material;
-inline constexpr schemes::field<struct colour_gradient_tag> of_colour_gradient;
 
 // Where either end has a support of its own (supports.hpp): A_i F_i + A_j F_j, F_i, and r² on the scale of the start.
 template <class R>
@@ -165,76 +164,6 @@ struct element_exchange {
              (ij.own(of_concentration) / P_i - ij(of_concentration) / P_j);
   }
   void end(const auto& i, const auto& a) const { i.set(gain, a.sum, D - 2); }
-};
-
-// Surface tension between the two materials (docs/theory/drop.md): the divergence of a stress along their contact,
-// which the gradient of a colour C (0 in one material, 1 in the other) finds:
-//
-//   G_i = Σ_j ΔV_j (C_j - C_i) ∇_iW_ij,   Π = σ (|G| 1/d - G G/|G|)
-//   m_i dv_i/dt = Σ_j (ΔV_i² Π_i + ΔV_j² Π_j)·∇_iW_ij/s,   s the lattice sum of the number density
-//
-// [B. Lafaurie et al., J. Comput. Phys. 113, 134 (1994); for particles X. Y. Hu, N. A. Adams, ibid. 213, 844 (2006),
-// whose number density and form of the sum these are]. The trace is left to the pressure, so that no particle is pulled
-// in all directions.
-
-// G_i, 1/m.
-template <int D>
-struct colour_gradient {
-  const double *V, *C;  // m^D; 0 or 1
-  std::array<double*, D> G;
-
-  template <class R>
-  struct me {
-    pairs::vec<R, D> sum;
-  };
-  auto reads() const { return std::tuple{pairs::read(pairs::of_volume, V, D), pairs::read(of_material, C)}; }
-  template <class R>
-  me<R> begin(const pairs::cluster<R>&) const {
-    return {foundation::zero<R, D>()};
-  }
-  void add(auto& a, const auto& ij) const {
-    a.sum -= (ij(pairs::of_volume) * ij.difference(of_material) * ij.F) * ij.x_ij;
-  }
-  void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(G[k], a.sum[k], -1);
-  }
-};
-
-template <int D>
-struct surface_stress {
-  const double* V2;                // ΔV²/s, m^(2D)
-  std::array<const double*, D> G;  // 1/m
-  double sigma;                    // N/m
-  std::array<double*, D> force;    // N
-
-  template <class R>
-  struct me {
-    pairs::vec<R, D> force;
-  };
-  auto reads() const {
-    using namespace pairs;
-    return std::tuple{read(of_stress, V2, 2 * D), read(of_colour_gradient, G, -1)};
-  }
-  template <class R>
-  me<R> begin(const pairs::cluster<R>&) const {
-    return {foundation::zero<R, D>()};
-  }
-  void add(auto& a, const auto& ij) const {
-    a.force += (ij.F * ij.own(of_stress)) * along(ij.own(of_colour_gradient), ij.x_ij);
-    a.force += (ij.F * ij(of_stress)) * along(ij(of_colour_gradient), ij.x_ij);
-  }
-  void end(const auto& i, const auto& a) const {
-    for (std::size_t k = 0; k < D; ++k) i.set(force[k], sigma * a.force[k], D - 2);
-  }
-
- private:
-  // Π x/σ
-  template <class R>
-  static pairs::vec<R, D> along(const pairs::vec<R, D>& G, const pairs::vec<R, D>& x) {
-    const auto G2 = foundation::greater(foundation::dot(G, G), R(foundation::tiny<R>));
-    const auto inverse = foundation::both_roots(G2).inverse;
-    return (G2 * inverse * (1.0 / D)) * x - (inverse * foundation::dot(G, x)) * G;
-  }
 };
 
 }  // namespace tetsuame::two_fluids

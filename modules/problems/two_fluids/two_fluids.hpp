@@ -33,7 +33,7 @@ class problem : public liquid::problem<D> {
 
   // scheme: of a program; none: that of terms.hpp, as the input says.
   problem(problem_kind kind, const options& o, const parameters& p, std::unique_ptr<liquid::scheme<D>> scheme = {})
-      : base(f_.world, o.common.balance, std::move(scheme)), f_(kind, o, p, scheme_ != nullptr) {
+      : base(f_.world, o.common, std::move(scheme)), f_(kind, o, p, scheme_ != nullptr) {
     if (scheme_) {
       f_.carried = scheme_->carried() == volume::carries::density;
       f_.weighed = scheme_->carried() == volume::carries::weight;
@@ -82,7 +82,7 @@ class problem : public liquid::problem<D> {
     return all;
   }
   double allowance() const override { return 0.5 * (f_.world.skin - room_to_grow(f_)); }
-  std::vector<output::history_column> columns() const override {
+  std::vector<output::history_column> measured_columns() const override {
     std::vector<output::history_column> all;
     for (const auto& [column, value] : columns_of(f_)) all.push_back(column);
     return all;
