@@ -5,6 +5,7 @@
 // than one dimension. All errors are of status bad_input.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +21,10 @@ namespace tetsuame::namelist {
 inline constexpr std::size_t maximum_bytes = std::size_t{16} << 20;
 inline constexpr std::size_t maximum_items = std::size_t{1} << 18;  // groups, assignments and values together
 inline constexpr std::size_t maximum_name = 63;                     // as in Fortran
+
+// Groups that may stand several times in one input, unlike others: what a further one gives of its lists goes behind
+// the elements that those before it gave.
+inline constexpr std::array<std::string_view, 1> repeated_groups{"region"};
 
 struct value {
   enum class kind {
@@ -60,7 +65,8 @@ class document {
   document() = default;
   explicit document(std::string name) : name_(std::move(name)) {}  // without a text: all comes by set()
   // An override "group.key=value" or "group.key(2)=value, value", read after the
-  // file's own. A shell takes quotes away, so a text may stand here without them.
+  // file's own, of a group that stands several times behind the last. A shell takes quotes away, so a text may stand
+  // here without them.
   void set(const std::string& argument);
 
   const std::vector<group>& groups() const { return groups_; }

@@ -50,7 +50,8 @@ class reader {
       if (found.name.empty() || found.name == "end") continue;
       expect_nothing_lost();
       const auto [earlier, first] = lines.emplace(found.name, line_);
-      if (!first) fail(fmt::format("group &{} was given before, in line {}", found.name, earlier->second));
+      if (!first && std::ranges::find(repeated_groups, found.name) == repeated_groups.end())
+        fail(fmt::format("group &{} was given before, in line {}", found.name, earlier->second));
       count_item();
       read_group(found);
       expect_nothing_behind(found.name);
@@ -389,9 +390,9 @@ void document::set(const std::string& argument) {
   std::string name;
   assignment override = reader(argument, "--set " + excerpt(argument), syntax::argument).argument(name);
   override.set = excerpt(argument);
-  for (group& g : groups_)
-    if (g.name == name) {
-      g.assignments.push_back(std::move(override));
+  for (auto g = groups_.rbegin(); g != groups_.rend(); ++g)
+    if (g->name == name) {
+      g->assignments.push_back(std::move(override));
       return;
     }
   groups_.push_back({name, 0, {std::move(override)}});

@@ -8,6 +8,7 @@
 #include <map>
 #include <namelist/schema.hpp>
 #include <namelist/text.hpp>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,7 @@ struct context {
   const assignment& from;
   const std::string& group;
   const key& to;
+  std::int64_t behind = 0;  // elements that earlier groups of this name gave
 
   [[noreturn]] void fail(const value* at, const std::string& message) const {
     const std::string place = at != nullptr ? input.where(from, *at) : input.where(from);
@@ -74,6 +76,7 @@ std::string completed(const context& c, const std::string& path) {
 std::string convert(const context& c, const value& v, std::string*) {
   const std::vector<std::string>& choices = c.to.info.choices;
   const bool bare = v.what == value::kind::word;
+  if (bare && c.to.info.formula && to_real(v.content)) return v.content;
   if (bare && c.from.set.empty()) {
     const std::string meant = choices.empty() ? v.content : nearest(v.content, choices);
     c.fail(&v, fmt::format("expected {} in quotes, found {}; did you mean {}?", c.to.expected(), excerpt(v.content),
@@ -113,7 +116,7 @@ struct elements {
 };
 
 elements addressed(const context& c) {
-  const auto size = static_cast<std::int64_t>(c.to.info.maximum_size);
+  const auto size = static_cast<std::int64_t>(c.to.info.maximum_size) - c.behind;
   elements e{1, size, 1};
   if (!c.from.index) return e;
   const subscript& index = *c.from.index;
@@ -161,7 +164,7 @@ void assign(const context& c, std::vector<T>& to, std::vector<bool>& filled) {
     }
     const T content = convert(c, v, static_cast<T*>(nullptr));
     for (std::uint64_t k = 0; k < v.repeat; ++k, ++used) {
-      const auto at = static_cast<std::size_t>(e.first + static_cast<std::int64_t>(used) * e.stride - 1);
+      const auto at = static_cast<std::size_t>(c.behind + e.first + static_cast<std::int64_t>(used) * e.stride - 1);
       if (at >= to.size()) {
         to.resize(at + 1, absent<T>(c));
         filled.resize(at + 1, c.to.info.sparse);
@@ -184,6 +187,13 @@ std::size_t array_size(const T&) {
 template <class T>
 std::size_t array_size(const std::vector<T>& list) {
   return list.size();
+}
+
+// The longest of a group's lists.
+std::int64_t length_of(const key_group& g) {
+  std::size_t most = 0;
+  for (const key& k : g.keys) most = std::max(most, std::visit([](auto* to) { return array_size(*to); }, k.bound));
+  return static_cast<std::int64_t>(most);
 }
 
 // What --set gives a whole array takes the place of all that the file says of it, also where it is shorter. Of each
@@ -331,6 +341,7 @@ void schema::read(const document& input) {
       k.filled.assign(std::visit([](auto* to) { return array_size(*to); }, k.bound), true);
       shortenings[&k] = std::visit([](auto* to) { return shortened(to); }, k.bound);
     }
+  std::set<std::string> begun;  // groups
   for (const namelist::group& from : input.groups()) {
     const auto g = find_name(groups_, from.name);
     if (g == groups_.end() && std::ranges::find(passed_over_, from.name) != passed_over_.end()) continue;
@@ -340,6 +351,7 @@ void schema::read(const document& input) {
           in_file ? fmt::format("{}:{}", input.name(), from.line) : input.where(from.assignments.front()), from.name,
           groups_);
     }
+    const std::int64_t behind = begun.insert(g->name).second ? 0 : length_of(*g);
     for (const assignment& a : from.assignments) {
       key* const k = find_key(groups_, g->name, a.key);
       if (!k && std::ranges::find(keys_passed_over_, std::pair(g->name, a.key)) != keys_passed_over_.end()) {
@@ -350,7 +362,7 @@ void schema::read(const document& input) {
       if (!k->given_in.empty() && k->given_in != g->name)
         foundation::fail_input(
             fmt::format("{}: &{} {}: is given in &{} too", input.where(a), g->name, a.key, k->given_in));
-      const context c{input, a, g->name, *k};
+      const context c{input, a, g->name, *k, a.set.empty() ? behind : 0};
       shorten(*k, shortenings[k], a);
       std::visit([&](auto* to) { assign(c, *to, k->filled); }, k->bound);
       const auto written =

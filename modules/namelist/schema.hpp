@@ -54,6 +54,7 @@ struct key_info {
   // Of a text, or of each of a list: a path that begins at the folder of the input, or that of --set at the current
   // one.
   file_of file = file_of::nothing;
+  bool formula = false;  // a text that may also be a number, without quotes
   std::string meaning = "";
 };
 // Of a number above 0.

@@ -20,6 +20,14 @@ const stated_unit of_time{{"Unit time in cgs (U_t)", "UnitTime_in_s"}, 1.0};
 const stated_unit of_velocity{{"UnitVelocity_in_cm_per_s", "UnitVelocity_In_CGS"}, 1e-2};
 const stated_unit of_temperature{{"Unit temperature in cgs (U_T)"}, 1.0};
 
+// What SWIFT's snapshots call a field; its files of a start have GADGET's names.
+constexpr std::array<std::pair<std::string_view, const char*>, 5> swift_names{
+    {{"Density", "Densities"},
+     {"InternalEnergy", "InternalEnergies"},
+     {"Pressure", "Pressures"},
+     {"Temperature", "Temperatures"},
+     {"SmoothingLength", "SmoothingLengths"}}};
+
 constexpr std::array factors_to_cgs{"to_cgs", "Conversion factor to CGS (not including cosmological corrections)",
                                     "CGSConversionFactor"};
 
@@ -27,7 +35,7 @@ constexpr std::array factors_to_cgs{"to_cgs", "Conversion factor to CGS (not inc
 
 snapshot_file::snapshot_file(const std::string& path, std::string place)
     : place_(std::move(place)), file_(path), datasets_(file_.datasets(fluid)) {
-  if (!file_.has_group(fluid)) fail(fmt::format(" has no group {}: expected a snapshot in GADGET's layout", fluid));
+  check_layout();
   check_header();
   check_shapes();
 }
@@ -50,6 +58,15 @@ std::optional<double> snapshot_file::number(const std::string& object, const std
   return found->front();
 }
 
+void snapshot_file::check_layout() const {
+  if (file_.has_group(fluid)) return;
+  const bool of_phantom = !file_.datasets("particles").empty();
+  fail(fmt::format(" has no group {}: expected a snapshot in GADGET's layout{}", fluid,
+                   of_phantom ? ", and this looks like a dump of Phantom: tetsuame.write_snapshot of Python writes one "
+                                "of its particles"
+                              : ""));
+}
+
 void snapshot_file::check_header() const {
   if (const auto n = number("Header", "NumFilesPerSnapshot"); n && *n > 1.0)
     fail(fmt::format(" is one of {} files of a snapshot: expected one file", *n));
@@ -66,25 +83,30 @@ void snapshot_file::check_header() const {
         fail(fmt::format(": PartType{} holds {} particles, and only gas, PartType0, is read", type, d.shape[0]));
 }
 
+void snapshot_file::expect_sound(const char* name) const {
+  const auto d = find(name);
+  if (!d) return;
+  if (d->holds == stored_dataset::content::elsewhere)
+    fail(fmt::format(": {}/{} lies in another file, or nowhere: links out of a file are not followed", fluid, d->name));
+  if (!d->is_of_numbers()) fail(fmt::format(": {}/{} is not of numbers", fluid, d->name));
+  if (d->shape.empty()) fail(fmt::format(": {}/{} is one value: expected one for each particle", fluid, d->name));
+  if (particles_ != 0 && d->shape[0] != particles_)
+    fail(fmt::format(": {}/{} has {} rows, and {} {}", fluid, d->name, d->shape[0], first_, particles_));
+}
+
 void snapshot_file::check_shapes() {
-  std::optional<stored_dataset> first;
   for (const char* name :
        {"Coordinates", "ParticleIDs", "Velocities", "Density", "Masses", "Temperature", "Material"}) {
     const auto d = find(name);
-    if (!d) continue;
-    if (d->holds == stored_dataset::content::elsewhere)
-      fail(fmt::format(": {}/{} lies in another file, or nowhere: links out of a file are not followed", fluid, name));
-    if (!d->is_of_numbers()) fail(fmt::format(": {}/{} is not of numbers", fluid, name));
-    if (d->shape.empty()) fail(fmt::format(": {}/{} is one value: expected one for each particle", fluid, name));
-    if (!first) first = d;
-    if (d->shape[0] != first->shape[0])
-      fail(fmt::format(": {}/{} has {} rows, and {} {}", fluid, name, d->shape[0], first->name, first->shape[0]));
+    expect_sound(name);
+    if (!d || !first_.empty()) continue;
+    first_ = d->name;
+    particles_ = d->shape[0];
   }
-  if (!first) fail(fmt::format(": {} has no field Coordinates", fluid));
-  particles_ = first->shape[0];
+  if (first_.empty()) fail(fmt::format(": {} has no field Coordinates", fluid));
   const auto told = numbers("Header", "NumPart_ThisFile");
   if (told && told->front() != static_cast<double>(particles_))
-    fail(fmt::format(": Header/NumPart_ThisFile says {} particles, and {}/{} has {}", told->front(), fluid, first->name,
+    fail(fmt::format(": Header/NumPart_ThisFile says {} particles, and {}/{} has {}", told->front(), fluid, first_,
                      particles_));
 }
 
@@ -99,7 +121,10 @@ std::optional<int> snapshot_file::dimension() const {
 
 std::optional<stored_dataset> snapshot_file::find(std::string_view name, const std::string& group) const {
   const auto of = group == fluid ? datasets_ : file_.datasets(group);
-  const auto found = std::ranges::find(of, name, &stored_dataset::name);
+  auto found = std::ranges::find(of, name, &stored_dataset::name);
+  const auto other = std::ranges::find(swift_names, name, [](const auto& pair) { return pair.first; });
+  if (found == of.end() && group == fluid && other != swift_names.end())
+    found = std::ranges::find(of, other->second, &stored_dataset::name);
   return found == of.end() ? std::nullopt : std::optional(*found);
 }
 
@@ -161,7 +186,8 @@ double snapshot_file::factor_of(const std::string& dataset, const std::array<int
 
 std::vector<double> snapshot_file::read(const std::string& group, const std::string& name,
                                         const std::array<int, 4>& powers) const {
-  const auto dataset = group + "/" + name;
+  const auto stored = find(name, group);
+  const auto dataset = group + "/" + (stored ? stored->name : name);
   const double factor = factor_of(dataset, powers);
   auto values = file_.reals(dataset);
   if (factor != 1.0)

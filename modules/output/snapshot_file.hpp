@@ -25,7 +25,7 @@ class snapshot_file {
 
   bool is_of_this_program() const;       // of any version: it says by which
   std::optional<int> dimension() const;  // as the file says
-  // None: there is no such dataset.
+  // None: there is no such dataset. Of the fluid SWIFT's names are known too: Densities for Density.
   std::optional<stored_dataset> find(std::string_view name, const std::string& group = fluid) const;
   std::size_t particles() const { return particles_; }  // of the fluid
 
@@ -44,15 +44,18 @@ class snapshot_file {
   std::vector<double> plain(const std::string& name) const;  // without a unit
 
   [[noreturn]] void fail(const std::string& what) const;  // bad input: what of the file
+  // Fails where a field of the fluid that is there is not one of numbers, with a row for each particle.
+  void expect_sound(const char* name) const;
 
   static constexpr std::array<int, 4> length{1, 0, 0, 0}, velocity{1, 0, -1, 0}, density{-3, 1, 0, 0},
-      temperature{0, 0, 0, 1};
+      temperature{0, 0, 0, 1}, energy{2, 0, -2, 0}, pressure{-1, 1, -2, 0};
   static constexpr std::array<int, 4> mass(int dimension) { return {dimension - 3, 1, 0, 0}; }
 
  private:
   std::optional<std::vector<double>> numbers(const std::string& object, const std::string& name) const;
   std::optional<double> number(const std::string& object, const std::string& name) const;
   void check_header() const;
+  void check_layout() const;
   void check_shapes();
   std::optional<double> system_factor(const std::array<int, 4>& powers) const;
   double factor_of(const std::string& dataset, const std::array<int, 4>& powers) const;
@@ -61,6 +64,7 @@ class snapshot_file {
   stored_file file_;
   std::vector<stored_dataset> datasets_;
   std::size_t particles_ = 0;
+  std::string first_;  // the field that says how many
 };
 
 }  // namespace tetsuame::output

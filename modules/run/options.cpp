@@ -149,13 +149,18 @@ void declare(namelist::schema& schema, time_options& o, const abilities& of_prob
                 .meaning = "largest dt D/dx^2 of a diffusivity D; not given: by the method"});
 }
 
-void declare(namelist::schema& schema, start_options& o) {
+void declare(namelist::schema& schema, start_options& o, const abilities& of_problem) {
   schema.group("initial", "start state");
   schema.add("initial", "file", o.file,
              {.may_change = true,  // its path; what is in it is held to the hash in the checkpoint
               .file = namelist::file_of::start,
-              .meaning = "a snapshot of the same box, of this program or another: places, velocities, temperatures, "
-                         "densities and masses are those of its particles"});
+              .meaning = "a snapshot of the same box, of this program or another: " + of_problem.reads +
+                         " are those of its particles, as many as it has"});
+  if (of_problem.settles)
+    schema.add("initial", "settle", o.settle,
+               namelist::between(0.0, 1e3,
+                                 "a start at rest first moves, with its motion damped, for so many crossings of the "
+                                 "box by sound; 0: it does not"));
 }
 
 // Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the
@@ -195,7 +200,7 @@ bool time_options::controls_error() const {
 }
 
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem) {
-  if (of_problem.starts_from_file) declare(schema, o.start);
+  if (of_problem.starts_from_file) declare(schema, o.start, of_problem);
   declare(schema, o.time, of_problem);
   if (of_problem.particles) declare(schema, o.kernel, of_problem);
   declare(schema, o.output);

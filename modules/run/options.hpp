@@ -68,7 +68,9 @@ struct start_options {
   std::string file;      // empty: none
   std::string place;     // where that was said, for the message
   bool is_over = false;  // a checkpoint has taken its place
+  double settle = 0.0;   // crossings of the box by sound, of a damped motion before the run
 
+  bool settles() const { return settle > 0.0; }
   bool is_read() const { return !file.empty() && !is_over; }
 };
 
@@ -92,6 +94,8 @@ struct abilities {
   bool diffuses = true;                   // it knows a bound of diffusion's rates, which 'rkl2' and 'rkc2' need
   bool limits_diffusion = true;           // viscosity or conduction limits its steps
   bool starts_from_file = false;          // a snapshot says enough of its particles
+  bool settles = false;                   // a start at rest may come nearer to balance before the run
+  std::string reads = "places, velocities, temperatures, densities and masses";  // of that snapshot
 };
 // With particles &domain must be there.
 void declare(namelist::schema& schema, common_options& o, const abilities& of_problem);

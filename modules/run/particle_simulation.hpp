@@ -89,6 +89,37 @@ class particle_simulation : public simulation {
 
   state_arrays arrays() final { return {fields(), box.w.s.fluid}; }
 
+  void settle(damped part, std::span<double* const> rate, double dt, double kept) final {
+    auto& s = box.w.s;
+    if (part == damped::rest) {
+      for (std::size_t a = 0; a < D; ++a) {
+        std::fill_n(s.v[a].begin(), s.fluid, 0.0);
+        if (s.keeps_start && starts_anew()) std::copy_n(s.x[a].begin(), s.fluid, s.x_start[a].begin());
+      }
+      return;
+    }
+    const auto all = fields();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      double* const value = all[k].data;
+      bool kicked = false, drifts = value == s.rho.data() || value == s.Y.data();
+      for (std::size_t a = 0; a < D; ++a) {
+        kicked = kicked || value == s.v[a].data();
+        drifts = drifts || value == s.x[a].data();
+      }
+      if (part == damped::kick && kicked)
+        for (std::size_t i = 0; i < s.fluid; ++i) value[i] = kept * (value[i] + dt * rate[k][i]);
+      if (part == damped::drift && drifts)
+        for (std::size_t i = 0; i < s.fluid; ++i) value[i] += dt * rate[k][i];
+    }
+    if (part == damped::drift) walls::reflect(box.walls, s);
+  }
+  // Over the longest edge.
+  double crossing_time() final {
+    const double c = sound_of_start();
+    const auto& length = box.w.d.region.length;
+    return c > 0.0 ? *std::max_element(length.begin(), length.end()) / c : 0.0;
+  }
+
   bool evaluate(const evaluation& what, std::span<double* const> rate) final {
     if (what.of == purpose::check) {
       check_state();
@@ -106,6 +137,7 @@ class particle_simulation : public simulation {
     }
     expect_counts(what.counts);
     evaluate_rates(rate);
+    if (what.step == 0 && what.of == purpose::snapshot && !equilibrium_residual) note_acceleration(rate);
     if (what.of != purpose::step) complete_tables(what.step);
     return true;
   }
@@ -220,6 +252,10 @@ class particle_simulation : public simulation {
   // What the log is to warn of with fixed steps of dt (s), beside that limit; empty: nothing.
   virtual std::string warning_of_step(double) { return {}; }
   virtual double diffusion_radius() { return 0.0; }
+  // m/s, the fastest at the start, of pressure over mass; 0: accelerations say nothing of a balance.
+  virtual double sound_of_start() { return 0.0; }
+  // Whether displacements count from where a settled start comes to rest.
+  virtual bool starts_anew() const { return true; }
   // s, of the present state, once its rate is known: a bound for the next step.
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
   virtual void commit_lagged() {}
@@ -336,7 +372,9 @@ class particle_simulation : public simulation {
   virtual void read_particles(const output::table& t) { fluid_from_checkpoint(t, box.w.s); }
   virtual void save_globals(output::checkpoint_globals& g) const {
     g.integers["particles_put_back"] = ranks.sum(put_back_);
+    g.integers["fluid_total"] = box.fluid_total;
     g.reals["density_excess"] = density_excess_;
+    if (equilibrium_residual) g.reals["equilibrium_residual"] = *equilibrium_residual;
     g.reals["skin"] = box.skin;
     g.blobs["frame"].assign(box.w.frame.begin(), box.w.frame.end());
     g.reals["list_time"] = box.list_time;
@@ -348,7 +386,14 @@ class particle_simulation : public simulation {
   }
   virtual void restore_globals(const output::checkpoint_globals& g) {
     put_back_ = ranks.rank == 0 ? g.integers.at("particles_put_back") : 0;
+    if (const auto total = g.integers.find("fluid_total");
+        total != g.integers.end() &&
+        total->second != box.fluid_total) {  // of a file with more or fewer than the lattice has
+      box.fluid_total = total->second;
+      place_walls();
+    }
     density_excess_ = g.reals.at("density_excess");
+    if (g.reals.contains("equilibrium_residual")) equilibrium_residual = g.reals.at("equilibrium_residual");
     set_skin(box, g.reals.at("skin"));
     std::copy_n(g.blobs.at("frame").begin(), D, box.w.frame.begin());
     box.list_time = g.reals.at("list_time");
@@ -368,6 +413,7 @@ class particle_simulation : public simulation {
     r.wall_particles =
         box.mirrors() && !box.walls.bodies.any() ? 0 : ranks.sum(static_cast<std::int64_t>(box.w.s.walls));
     r.metrics["particles_put_back"] = ranks.sum(put_back_);
+    if (equilibrium_residual) r.metrics["equilibrium_residual"] = *equilibrium_residual;
     if (density_excess_ > 0.0) r.metrics["density_excess"] = density_excess_;
     r.metrics["balance_decisions"] = balancer.decisions;
     r.metrics["balance_moves"] = balancer.moves;
@@ -396,6 +442,30 @@ class particle_simulation : public simulation {
   void note_density_excess(double mine) { density_excess_ = std::max(density_excess_, ranks.maximum(mine)); }
   // As walls::reflect() for bodies; how many of this rank's particles.
   virtual std::int64_t put_out_of_bodies() { return 0; }
+
+  // The largest acceleration of the start, over that of gravity, or over c²/L.
+  void note_acceleration(std::span<double* const> rate) {
+    const double c = sound_of_start();
+    if (!(c > 0.0)) return;
+    const auto& s = box.w.s;
+    std::array<const double*, D> a{};
+    const auto all = fields();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      for (std::size_t axis = 0; axis < D; ++axis)
+        if (all[k].data == s.v[axis].data()) a[axis] = rate[k];
+    double largest2 = 0.0, g2 = 0.0;
+    for (std::size_t i = 0; i < s.fluid; ++i) {
+      double a2 = 0.0;
+      for (std::size_t axis = 0; axis < D; ++axis) a2 += a[axis] != nullptr ? a[axis][i] * a[axis][i] : 0.0;
+      largest2 = std::max(largest2, a2);
+    }
+    for (const double g : box.w.g) g2 += g * g;
+    const auto& length = box.w.d.region.length;
+    const double scale = g2 > 0.0 ? std::sqrt(g2) : c * c / *std::max_element(length.begin(), length.end());
+    equilibrium_residual = std::sqrt(ranks.maximum(largest2)) / scale;
+    files_->say(fmt::format("largest acceleration of the start: {:.4g} of {}", *equilibrium_residual,
+                            g2 > 0.0 ? "gravity" : "c^2/L"));
+  }
 
   // The evaluation under way, or the last one.
   const evaluation& evaluating() const { return evaluating_; }

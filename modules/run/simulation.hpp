@@ -194,6 +194,14 @@ class simulation {
   virtual std::vector<output::history_column> columns() const = 0;  // beside time and dt
   virtual history_line row(double time) = 0;                        // after an evaluation at the present state
   virtual snapshot_contents snapshot() = 0;
+  // Before the run (time_loop.cpp): velocities change by their rate over dt (s), less the part 1 - kept; or what moves
+  // with them, places and what is carried along, by its own. At the end all are at rest.
+  enum class damped { kick, drift, rest };
+  virtual void settle(damped, std::span<double* const> /*rate*/, double /*dt*/, double /*kept*/) {}
+  // s, in which sound crosses the box at the start; 0: it is not known.
+  virtual double crossing_time() { return 0.0; }
+  // Of the first evaluation: the largest acceleration over g, or over c²/L; none where it has no meaning.
+  std::optional<double> equilibrium_residual{};
   // After row(). What has changed, where the simulation goes on at the same time with other arrays, or with other
   // sums; empty: nothing.
   virtual std::string refine(double /*time*/) { return {}; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <run/start_checks.hpp>
 #include <run/start_file.hpp>
 
 namespace tetsuame::run {
@@ -11,6 +12,9 @@ namespace tetsuame::run {
 namespace {
 
 using output::snapshot_file;
+
+// Times the room that there is: 1 in fluid in order and some percent more in disorder, 2 where it lies twice.
+constexpr double overlapping = 1.6;
 
 std::string text_of(std::vector<double> lengths) { return fmt::format("{:.9g} m", fmt::join(lengths, " x ")); }
 
@@ -22,14 +26,26 @@ bool is_box(const std::vector<double>& lengths, const start_box& box) {
   return true;
 }
 
+// Kernel and walls are of the spacing of &domain: with another one sums err, and what stands behind walls does not fit.
+void check_spacing(const start_file& file, const start_box& box, const std::vector<double>& volumes) {
+  constexpr double most = 1.5;  // of the volumes, on the mean
+  double mean = 0.0;
+  for (const double V : volumes) mean += V / static_cast<double>(volumes.size());
+  const double spacing = std::pow(mean, 1.0 / box.dimension), ratio = mean / std::pow(box.dx, box.dimension);
+  if (ratio >= 1.0 / most && ratio <= most) return;
+  file.fail(fmt::format(
+      " holds {} particles with a spacing of {:.6g} m on the mean, beside {:.6g} m of &domain, of which kernel "
+      "and walls are: expected particles_x = {} or so",
+      file.particles(), spacing, box.dx, std::llround(box.length[0] / spacing)));
+}
+
 }  // namespace
 
 start_file::start_file(const start_options& o, const start_box& box, const std::vector<std::string>& fields)
     : file_(o.file, o.place), box_(box) {
   check_fields(fields);
   check_dimension();
-  if (static_cast<std::int64_t>(file_.particles()) != box.particles)
-    fail(fmt::format(" holds {} particles, and the box {}", file_.particles(), box.particles));
+  if (file_.particles() == 0) fail(" holds no particles");
   for (const auto& name : fields)
     if (file_.find(name)) columns_of(name);
   check_box();
@@ -42,7 +58,9 @@ void start_file::check_fields(const std::vector<std::string>& fields) const {
     if (!file_.find(name) && !(name == "Masses" && file_.mass_of_all(box_.dimension))) lacking.push_back(name);
   if (!file_.find("ParticleIDs")) lacking.emplace_back("ParticleIDs");
   if (lacking.empty()) return;
-  const bool by_energy = lacking.front() == "Temperature" && file_.find("InternalEnergy");
+  const bool by_energy = std::ranges::find(lacking, "Temperature") != lacking.end() && file_.find("InternalEnergy");
+  if (std::ranges::find(lacking, "Material") != lacking.end() && file_.find("MaterialIDs"))
+    fail(": its MaterialIDs are those of SWIFT's equations of state: expected a field Material, 0 or 1");
   fail(fmt::format(
       " has no field {}{}", fmt::join(lacking, ", "),
       by_energy ? ": InternalEnergy does not stand for it, as energies begin at another zero elsewhere" : ""));
@@ -109,6 +127,8 @@ std::string start_file::message_at(std::size_t number, const std::string& what) 
 void start_file::fail_at(std::size_t number, const std::string& what) const { fail(message_at(number, what)); }
 
 std::vector<double> start_file::numbers(const char* name, const std::array<int, 4>& powers) const {
+  file_.expect_sound(name);
+  columns_of(name);
   const auto values = file_.read(snapshot_file::fluid, name, powers);
   std::vector<double> all(row_.size());
   for (std::size_t n = 0; n < all.size(); ++n) {
@@ -141,7 +161,7 @@ std::vector<double> start_file::places() const {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const std::size_t a = k % D;
     const double L = box_.length[a], beyond = box_.periodic[a] ? box_.dx : 0.0;
-    if (x[k] < -beyond || x[k] > L + beyond)
+    if ((x[k] < -beyond && !box_.open[a][0]) || (x[k] > L + beyond && !box_.open[a][1]))
       fail_at(k / D, fmt::format("it lies at {} = {:.9g} m, outside the box, 0 to {:.9g} m", "xyz"[a], x[k], L));
     if (!box_.periodic[a]) continue;
     // As far as a particle comes between two lists; snapshots of older versions have it there.
@@ -152,56 +172,18 @@ std::vector<double> start_file::places() const {
   return x;
 }
 
-// Two particles at one place feel the same forces and stay together for good; rounding aside, so do those so near. They
-// are sorted by cells that are a little wider than that; one near a cell's edge is in the next as well.
+// Two particles at one place feel the same forces and stay together for good; rounding aside, so do those so near.
 void start_file::check_apart(const std::vector<double>& x) const {
-  const std::size_t D = static_cast<std::size_t>(box_.dimension), n = x.size() / D;
-  const double near = 1e-6 * box_.dx, edge = 64.0 * near;
-  struct entry {
-    std::array<std::int64_t, 3> cell;
-    std::size_t number;
-  };
-  std::vector<entry> entries;
-  entries.reserve(n + n / 4);
-  for (std::size_t i = 0; i < n; ++i) {
-    std::array<std::array<std::int64_t, 2>, 3> cells{};  // along each axis, of the place less and more `near`
-    for (std::size_t a = 0; a < D; ++a)
-      for (const std::size_t side : {0, 1}) {
-        double at = x[D * i + a] + (side == 0 ? -near : near);
-        const double L = box_.length[a];
-        if (box_.periodic[a]) at = at < 0.0 ? at + L : at >= L ? at - L : at;
-        cells[a][side] = static_cast<std::int64_t>(std::floor(at / edge));
-      }
-    for (std::size_t corner = 0; corner < std::size_t{1} << D; ++corner) {
-      entry e{{}, i};
-      bool repeats = false;
-      for (std::size_t a = 0; a < D; ++a) {
-        const std::size_t side = corner >> a & 1;
-        repeats = repeats || (side == 1 && cells[a][1] == cells[a][0]);
-        e.cell[a] = cells[a][side];
-      }
-      if (!repeats) entries.push_back(e);
-    }
-  }
-  std::ranges::sort(entries, {}, [](const entry& e) { return std::pair(e.cell, e.number); });
-  const auto apart = [&](std::size_t i, std::size_t j) {
-    double r2 = 0.0;
-    for (std::size_t a = 0; a < D; ++a) {
-      double d = x[D * i + a] - x[D * j + a];
-      if (box_.periodic[a]) d -= box_.length[a] * std::round(d / box_.length[a]);
-      r2 += d * d;
-    }
-    return r2 > near * near;
-  };
-  for (std::size_t k = 0; k < entries.size(); ++k)
-    for (std::size_t l = k + 1; l < entries.size() && entries[l].cell == entries[k].cell; ++l) {
-      const std::size_t i = entries[k].number, j = entries[l].number;
-      if (apart(i, j)) continue;
-      const std::vector<double> at(x.begin() + static_cast<std::ptrdiff_t>(D * i),
-                                   x.begin() + static_cast<std::ptrdiff_t>(D * (i + 1)));
-      fail(fmt::format(": particles {} and {} lie at the same place, ({:.9g}) m, and would never part", ids_[i],
-                       ids_[j], fmt::join(at, ", ")));
-    }
+  const auto found = find_coincident({box_.dimension, box_.length, box_.periodic}, x, 1e-6 * box_.dx);
+  if (found)
+    fail(fmt::format(": particles {} and {} lie at the same place, {}, and would never part", ids_[found->first],
+                     ids_[found->second], place_text(x, found->first)));
+}
+
+std::string start_file::place_text(const std::vector<double>& places, std::size_t number) const {
+  const auto D = static_cast<std::ptrdiff_t>(box_.dimension);
+  const auto begin = places.begin() + D * static_cast<std::ptrdiff_t>(number);
+  return fmt::format("({:.9g}) m", fmt::join(begin, begin + D, ", "));
 }
 
 void start_file::check_packing(const std::vector<double>& places, const std::vector<double>& volumes) const {
@@ -258,9 +240,40 @@ std::vector<double> start_file::temperatures(bool above_0) const {
   return T;
 }
 
+std::vector<double> start_file::energies() const { return numbers("InternalEnergy", snapshot_file::energy); }
+
+std::vector<double> start_file::pressures() const { return numbers("Pressure", snapshot_file::pressure); }
+
+void start_file::expect_at_rest(const std::vector<double>& velocities) const {
+  const std::size_t D = static_cast<std::size_t>(box_.dimension);
+  for (std::size_t k = 0; k < velocities.size(); ++k)
+    if (velocities[k] != 0.0)
+      fail_at(k / D,
+              fmt::format("its velocity along {} is {:.6g} m/s, and what is settled starts at rest (&initial settle)",
+                          "xyz"[k % D], velocities[k]));
+}
+
+void start_file::check_neighbours(const std::vector<double>& places, const std::vector<double>& volumes,
+                                  const std::vector<double>& reach, bool and_overlap) const {
+  if (and_overlap) check_spacing(*this, box_, volumes);
+  const auto found = find_neighbourhoods({box_.dimension, box_.length, box_.periodic}, places, volumes, reach);
+  for (std::size_t n = 0; n < volumes.size(); ++n)
+    if (!std::isfinite(found.nearest[n]))
+      fail_at(n, fmt::format("it has no neighbour within {:.6g} m, as far as the kernel reaches, at {}", reach[n],
+                             place_text(places, n)));
+  const auto fullest = std::ranges::max_element(found.filled);
+  if (and_overlap && *fullest > overlapping) {
+    const auto n = static_cast<std::size_t>(fullest - found.filled.begin());
+    fail_at(
+        n, fmt::format("it and the particles about it take up {:.3g} times the room that there is, at {}: they overlap",
+                       *fullest, place_text(places, n)));
+  }
+}
+
 std::vector<std::int32_t> start_file::materials(std::int32_t number) const {
   std::vector<std::int32_t> all(row_.size(), 0);
   if (number == 1 && !file_.find("Material")) return all;
+  file_.expect_sound("Material");
   columns_of("Material");
   const auto values = file_.plain("Material");
   for (std::size_t n = 0; n < all.size(); ++n) {

@@ -1,4 +1,4 @@
-// A box whose particles are those of a snapshot, in the place of its start lattice.
+// A box whose particles are those of a snapshot, in the place of its start lattice: as many as the file has.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <eos/eos.hpp>
 #include <functional>
 #include <limits>
-#include <run/lists.hpp>
+#include <run/start.hpp>
 #include <run/start_file.hpp>
 
 namespace tetsuame::run {
@@ -83,28 +83,65 @@ void check_matter(const start_file& file, const state<D>& box, const taken_from_
     file.fail(fmt::format(": masses over densities fill {:.6g} m^{}, and the box is of {:.6g}", filled, D, whole));
 }
 
+}  // namespace detail
+
 template <int D>
-start_box box_of(const state<D>& box) {
-  start_box b{D, {}, {}, box.w.dx, box.fluid_total};
-  std::copy_n(box.w.d.region.length.begin(), D, b.length.begin());
-  std::copy_n(box.w.d.region.periodic.begin(), D, b.periodic.begin());
+start_box start_box_of(const pairs::workspace<D>& w) {
+  start_box b;
+  b.dimension = D;
+  b.dx = w.dx;
+  std::copy_n(w.d.region.length.begin(), D, b.length.begin());
+  std::copy_n(w.d.region.periodic.begin(), D, b.periodic.begin());
+  std::copy_n(w.d.region.open.begin(), D, b.open.begin());
   return b;
 }
 
-}  // namespace detail
-
-// Gives the fluid of this rank, laid out on the start lattice, what the snapshot says of the particles of the same
-// numbers. Where they lie, and so which rank is theirs, is another matter: that is for the first lists. A lattice,
-// pressures and whatever else is of the exact start stays with the problem. Returns whether the file is of this
-// program: IDs are then those of the lattice, or else just numbers.
+// The numbers of those particles that lie in this rank's cell, of all places (m) by number.
 template <int D>
-bool start_from_file(const start_options& o, const taken_from_file& taken, state<D>& box) {
+std::vector<std::int64_t> own_numbers(const domain::decomposition<D>& d, const std::vector<double>& places) {
+  const auto cell = d.cell();
+  std::vector<std::int64_t> own;
+  for (std::size_t n = 0; n < places.size() / D; ++n) {
+    std::array<double, D> x;
+    std::copy_n(places.begin() + static_cast<std::ptrdiff_t>(D * n), D, x.begin());
+    if (d.within(cell, x)) own.push_back(static_cast<std::int64_t>(n));
+  }
+  return own;
+}
+
+// Room for this rank's particles of a file in the place of those of a lattice, with their numbers as IDs.
+template <int D>
+void lay_out_file(state<D>& box, const std::vector<double>& places) {
+  auto& s = box.w.s;
+  const auto own = own_numbers<D>(box.w.d, places);
+  make_room(s, own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    s.id[i] = own[i];
+    s.material[i] = 0;
+  }
+  box.fluid_total = static_cast<std::int64_t>(places.size() / D);
+}
+
+// How the file's particles are those of the start lattice.
+struct start_read {
+  bool is_lattice;  // as many, by this program: IDs are those of the lattice, or else just numbers
+  bool laid_anew;   // another number of particles: fields that the problem gave those of the lattice are 0
+};
+
+// Gives the fluid of this rank what the snapshot says of its particles: those of the start lattice that have the same
+// numbers, or, where there are others, new ones. Where they lie, and so which rank is theirs, is another matter: that
+// is for the first lists. A lattice, pressures and whatever else is of the exact start stays with the problem.
+template <int D>
+start_read start_from_file(const start_options& o, const taken_from_file& taken, state<D>& box) {
   auto& s = box.w.s;
   std::vector<std::string> fields{"Coordinates", "Temperature"};
   if (taken.motion) fields.insert(fields.end(), {"Velocities", "Density", "Masses"});
   if (taken.materials > 1) fields.emplace_back("Material");
-  const start_file file(o, detail::box_of(box), fields);
+  const start_file file(o, start_box_of(box.w), fields);
   const auto x = file.places();
+  const std::size_t all = file.particles();
+  const bool laid_anew = static_cast<std::int64_t>(all) != box.fluid_total;
+  if (laid_anew) lay_out_file(box, x);
   const auto number = [&](std::size_t i) { return static_cast<std::size_t>(s.id[i]); };
   const auto give = [&](auto& to, const auto& values, std::size_t components, std::size_t a) {
     for (std::size_t i = 0; i < s.fluid; ++i) to[i] = values[components * number(i) + a];
@@ -113,20 +150,30 @@ bool start_from_file(const start_options& o, const taken_from_file& taken, state
   detail::matter of{file.temperatures(taken.motion), {}, {}, file.materials(taken.materials)};
   give(s.T, of.T, 1, 0);
   give(s.material, of.material, 1, 0);
+  const start_read read{!laid_anew && file.is_of_this_program(), laid_anew};
+  const std::vector<double> reach(all, box.w.support());
   if (!taken.motion) {
-    file.check_packing(x, std::vector<double>(x.size() / D, std::pow(box.w.dx, D)));
-    return file.is_of_this_program();
+    double share = 1.0;  // m^D, of a particle
+    for (std::size_t a = 0; a < D; ++a) share *= box.w.d.region.length[a];
+    const std::vector<double> volumes(all, share / static_cast<double>(all));
+    file.check_packing(x, volumes);
+    file.check_neighbours(x, volumes, reach, true);
+    return read;
   }
   {
     const auto v = file.velocities();
+    if (o.settles()) file.expect_at_rest(v);
     for (std::size_t a = 0; a < D; ++a) give(s.v[a], v, D, a);
   }
   of.rho = file.densities();
   of.m = file.masses();
   detail::check_matter(file, box, taken, of, x);
+  std::vector<double> volumes(all);
+  for (std::size_t n = 0; n < all; ++n) volumes[n] = of.m[n] / of.rho[n];
+  file.check_neighbours(x, volumes, reach, true);
   give(s.rho, of.rho, 1, 0);
   give(s.m, of.m, 1, 0);
-  return file.is_of_this_program();
+  return read;
 }
 
 // For particles that start where they now are.

@@ -7,6 +7,7 @@
 #include <kernels/kernel.hpp>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <output/progress.hpp>
 #include <run/amounts.hpp>
@@ -333,9 +334,48 @@ struct loop {
     make_integrator();
   }
 
+  // A damped motion before the run: symplectic Euler steps, v by its rate and then what moves with it by its own, so
+  // that sound neither grows nor, but for the damping, decays. The damping 2 ω of the box's slowest wave, ω = π c/L,
+  // lets that one come to rest in its shortest time, and those that are faster in e-foldings of 1/ω.
+  std::string settle() {
+    if (!o.start.settles()) return {};
+    const auto limit = p.limits(true);
+    const double crossing = p.crossing_time(), radius = limit.radius;
+    double step_of = 0.5 * limit.stable.dt;
+    if (radius > 0.0) step_of = std::min(step_of, 1.0 / radius);
+    const double steps_needed = std::ceil(o.start.settle * crossing / step_of);
+    constexpr double most = 1e6;
+    if (!(steps_needed >= 1.0 && steps_needed <= most))
+      foundation::fail_input(
+          fmt::format("&initial settle: {:.3g} crossings of {:.4g} s are {:.3g} steps of {:.3g} s: "
+                      "expected at most {:.0e}",
+                      o.start.settle, crossing, steps_needed, step_of, most));
+    const double kept = std::exp(-2.0 * std::numbers::pi / crossing * step_of);
+    using part = simulation::damped;
+    const auto move = [&](part of) {
+      integrator->lend([&](std::span<double* const> rates) {
+        p.evaluate({.of = purpose::step, .counts = false}, rates);
+        p.settle(of, rates, step_of, kept);
+      });
+    };
+    for (double n = 0.0; n < steps_needed; ++n) {
+      move(part::kick);
+      move(part::drift);
+      p.commit();
+      step_flags = {};
+      prepare_step();
+    }
+    p.settle(part::rest, {}, 0.0, 0.0);
+    integrator->state_changed();
+    return fmt::format("settled: {:.0f} steps of {:.3g} s of a damped motion, {:.3g} crossings of the box by sound",
+                       steps_needed, step_of, o.start.settle);
+  }
+
   void start_anew() {
     make_ready();
+    const std::string settled = settle();
     files.begin();
+    if (!settled.empty()) files.tell(settled);
     files.start_history(columns());
     evaluate_for(purpose::snapshot);
     append_history();

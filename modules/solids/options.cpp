@@ -63,11 +63,13 @@ void expect_known_places(const std::string& name, double extent, double reach) {
 struct reader {
   const namelist::schema& schema;
   const options& o;
+  const words& called;
 
   std::string body(std::size_t n) const { return of(o.body, n, "solid"); }
 
   [[noreturn]] void fail(const std::string& key, std::size_t n, const std::string& message) const {
-    schema.fail("solids", key, fmt::format("piece {} ('{}' of body '{}'): {}", n + 1, o.shape[n], body(n), message));
+    schema.fail(called.group, key,
+                fmt::format("piece {} ('{}' of {} '{}'): {}", n + 1, o.shape[n], called.whole, body(n), message));
   }
 
   // A length that the shape has, or has not.
@@ -91,7 +93,7 @@ struct reader {
   faces<3> from_file(std::size_t n, const rotation<3>& R, const point<3>& shift) const {
     if (o.file.size() <= n || o.file[n].empty()) fail("file", n, "expected the name of an STL file");
     const double scale = of(o.scale, n) == 0.0 ? 1.0 : of(o.scale, n);
-    return schema.placed("solids", "file", [&] {
+    return schema.placed(called.group, "file", [&] {
       auto all = read_stl(foundation::read_plain_file(o.file[n]), o.file[n]);
       expect_closed(all, o.file[n]);
       double extent = 0.0, reach = 0.0;  // m
@@ -136,11 +138,11 @@ struct reader {
   void expect_no_more_than_shapes() const {
     const auto expect = [&](const std::string& key, std::size_t size) {
       if (size > o.shape.size())
-        schema.fail("solids", key,
+        schema.fail(called.group, key,
                     fmt::format("has {} elements, and shape {}: every piece takes a shape", size, o.shape.size()));
     };
     for (const auto& [key, texts] :
-         {std::pair{"body", &o.body}, {"operation", &o.operation}, {"solid", &o.solid}, {"file", &o.file}})
+         {std::pair{called.whole, &o.body}, {"operation", &o.operation}, {called.side, &o.solid}, {"file", &o.file}})
       expect(key, texts->size());
     for (const auto& [key, values] :
          {std::pair{"radius", &o.radius}, {"height", &o.height}, {"thickness", &o.thickness}, {"scale", &o.scale}})
@@ -249,37 +251,6 @@ struct motion_reader {
   }
 };
 
-void declare_pieces(namelist::schema& schema, options& o) {
-  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
-    return list(most_pieces, unit, meaning, minimum);
-  };
-  schema.group("solids", "bodies in the box, made of pieces: an element of each list for each piece");
-  schema.add("solids", "body", o.body,
-             names(most_pieces, {}, "name of the body that the piece belongs to; none: 'solid'"));
-  schema.add("solids", "shape", o.shape,
-             names(most_pieces, {"plane", "box", "sphere", "cylinder", "cone", "bowl", "file"},
-                   "of the piece, upright before it is turned; plane: all below its centre; cone: centre of its base;"
-                   " bowl: lower half of a hollow sphere; in 2-D sections through the axis"));
-  schema.add("solids", "operation", o.operation,
-             names(most_pieces, {"union", "difference", "intersection"},
-                   "with the pieces of its body before it; difference: what it covers is taken away"));
-  schema.add("solids", "solid", o.solid, names(most_pieces, {"inside", "outside"}, "where the piece is solid"));
-  declare_axes(schema, "solids", "centre", o.centre,
-               numbers("m", "where the piece stands; of a file: where its origin is"));
-  declare_axes(schema, "solids", "angle", o.angle,
-               numbers("degrees", "turned by, about its centre: x first, then y, then z"));
-  declare_axes(schema, "solids", "length", o.length, numbers("m", "of a box", 0.0));
-  schema.add("solids", "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
-  schema.add("solids", "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
-  schema.add("solids", "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
-  schema.add(
-      "solids", "file", o.file,
-      files(most_pieces,
-            "an STL file, ASCII or binary: a closed surface, normals outwards (3-D only); corners nearer to each "
-            "other than 1e-6 of its size are one"));
-  schema.add("solids", "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
-}
-
 void declare_motions(namelist::schema& schema, motion_options& m) {
   const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
     return list(most_motions, unit, meaning, minimum);
@@ -311,15 +282,53 @@ void declare_motions(namelist::schema& schema, motion_options& m) {
 
 }  // namespace
 
-void declare(namelist::schema& schema, options& o) { declare_pieces(schema, o); }
+void declare_pieces(namelist::schema& schema, const words& called, const std::vector<std::string>& shapes_of_pieces,
+                    options& o) {
+  const auto numbers = [](const char* unit, const char* meaning, double minimum = -1e300) {
+    return list(most_pieces, unit, meaning, minimum);
+  };
+  const char* group = called.group;
+  schema.add(group, called.whole, o.body,
+             names(most_pieces, {},
+                   group == std::string("solids") ? "name of the body that the piece belongs to; none: 'solid'"
+                                                  : "of the region that the piece belongs to; none: one by itself"));
+  schema.add(group, "shape", o.shape,
+             names(most_pieces, shapes_of_pieces,
+                   "of the piece, upright before it is turned; plane: all below its centre; cone: centre of its base;"
+                   " bowl: lower half of a hollow sphere; in 2-D sections through the axis"));
+  schema.add(group, "operation", o.operation,
+             names(most_pieces, {"union", "difference", "intersection"},
+                   "with the pieces of its body before it; difference: what it covers is taken away"));
+  schema.add(group, called.side, o.solid,
+             names(most_pieces, {"inside", "outside"}, "of its surface, where the piece is"));
+  declare_axes(schema, group, "centre", o.centre,
+               numbers("m", "where the piece stands; of a file: where its origin is"));
+  declare_axes(schema, group, "angle", o.angle,
+               numbers("degrees", "turned by, about its centre: x first, then y, then z"));
+  declare_axes(schema, group, "length", o.length, numbers("m", "of a box", 0.0));
+  schema.add(group, "radius", o.radius, numbers("m", "of a sphere, cylinder, cone; of a bowl's hollow", 0.0));
+  schema.add(group, "height", o.height, numbers("m", "of a cylinder or cone", 0.0));
+  schema.add(group, "thickness", o.thickness, numbers("m", "of a bowl's wall", 0.0));
+  schema.add(
+      group, "file", o.file,
+      files(most_pieces,
+            "an STL file, ASCII or binary: a closed surface, normals outwards (3-D only); corners nearer to each "
+            "other than 1e-6 of its size are one"));
+  schema.add(group, "scale", o.scale, numbers("", "metres of a file's unit of length; none: 1", 0.0));
+}
+
+void declare(namelist::schema& schema, options& o) {
+  schema.group("solids", "bodies in the box, made of pieces: an element of each list for each piece");
+  declare_pieces(schema, of_solids, {shapes.begin(), shapes.end()}, o);
+}
 void declare(namelist::schema& schema, options& o, motion_options& m) {
   declare(schema, o);
   declare_motions(schema, m);
 }
 
 template <int D>
-std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o) {
-  const reader in{schema, o};
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o, const words& called) {
+  const reader in{schema, o, called};
   in.expect_no_more_than_shapes();
   std::vector<std::string> names;
   std::vector<std::vector<piece<D>>> pieces;
@@ -387,8 +396,8 @@ std::vector<prescribed<D>> make_motions(const namelist::schema& schema, const mo
   return all;
 }
 
-template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&);
-template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&);
+template std::vector<body<2>> make_bodies<2>(const namelist::schema&, const options&, const words&);
+template std::vector<body<3>> make_bodies<3>(const namelist::schema&, const options&, const words&);
 template void expect_sound<2>(const namelist::schema&, const std::vector<body<2>>&, const lattice<2>&, double);
 template void expect_sound<3>(const namelist::schema&, const std::vector<body<3>>&, const lattice<3>&, double);
 template std::vector<prescribed<2>> make_motions<2>(const namelist::schema&, const motion_options&,

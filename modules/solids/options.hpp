@@ -15,6 +15,13 @@
 namespace tetsuame::solids {
 
 inline constexpr std::size_t most_pieces = 64, most_motions = 16;
+inline constexpr std::array<const char*, 7> shapes{"plane", "box", "sphere", "cylinder", "cone", "bowl", "file"};
+
+// What a group of pieces is called, and its keys for what a piece belongs to and for the side of its surface.
+struct words {
+  const char *group, *whole, *side;
+};
+inline constexpr words of_solids{"solids", "body", "solid"};
 
 struct options {
   std::vector<std::string> body, shape, operation, solid, file;
@@ -36,6 +43,8 @@ struct free_options {
   std::array<double, 3> gyration{};  // m, about principal axes; 0: as of one density
 };
 
+// The keys of pieces, `shapes` among them, in a group that is declared.
+void declare_pieces(namelist::schema& schema, const words& of, const std::vector<std::string>& shapes, options& o);
 // Declares group &solids.
 void declare(namelist::schema& schema, options& o);
 // And group &motions.
@@ -44,7 +53,7 @@ void declare(namelist::schema& schema, options& o, motion_options& m);
 // What cannot be is an error of status bad_input, at its key and with the number of
 // the piece. One body for each name, in the order in which names appear.
 template <int D>
-std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o);
+std::vector<body<D>> make_bodies(const namelist::schema& schema, const options& o, const words& of = of_solids);
 // expect_in_box and expect_thick (wall_particles.hpp), placed at &solids.
 template <int D>
 void expect_sound(const namelist::schema& schema, const std::vector<body<D>>& bodies, const lattice<D>& box,

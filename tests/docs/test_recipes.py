@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 # Packages of Spack by what find_package calls them; OpenMP and threads come with the compiler.
 NAMES = {"MPI": "mpi", "HDF5": "hdf5", "SUNDIALS": "sundials", "Boost": "boost", "fmt": "fmt", "nlohmann_json": "nlohmann-json",
-         "CLI11": "cli11", "Eigen3": "eigen", "CGAL": "cgal"}
+         "CLI11": "cli11", "Eigen3": "eigen", "CGAL": "cgal", "muparser": "muparser"}
 
 
 class Spack(unittest.TestCase):

@@ -82,10 +82,10 @@ class Snapshot(Case):
             work(file)
 
     def test_what_cannot_be_a_start(self):
-        self.refuse(BAD_INPUT, "&initial file", "holds 256 particles, and the box 400", **{"domain.particles_x": 20, "domain.particles_y": 20})
+        self.refuse(BAD_INPUT, "&initial file", "holds 256 particles", "beside 75000 m of &domain", "particles_x = 16", **{"domain.particles_x": 20, "domain.particles_y": 20})
         self.refuse(BAD_INPUT, "&initial file", "has 2 dimensions, and the box 3", **{"domain.dimension": 3, "domain.particles_z": 16})
         self.refuse(BAD_INPUT, "&initial file", "another box", "1000000 x 1000000 m", **{"domain.length_x": 1e6, "domain.length_y": 1e6, "rti.wavelength": 1e6})
-        self.refuse(BAD_INPUT, "&initial file", "temperature_law", **{"rti.temperature_law": "enthalpy", "rti.start": "coloured", "rti.conductivity": 1})
+        self.refuse(BAD_INPUT, "&initial file", "&element", **{"element.name": "constant"})
         material = fluid(self.file)["Material"][5]
         self.change(lambda file: file["PartType0/Material"].__setitem__(5, 2))
         self.refuse(BAD_INPUT, "&initial file", "particle 5", "Material is 2: expected 0 or 1")

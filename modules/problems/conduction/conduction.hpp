@@ -12,6 +12,7 @@
 #include <operators/consistent.hpp>
 #include <particles/named_fields.hpp>
 #include <passes/evaluation.hpp>
+#include <regions/apply.hpp>
 #include <run/particle_simulation.hpp>
 #include <run/start.hpp>
 #include <run/start_from_file.hpp>
@@ -33,16 +34,18 @@ class problem : public run::particle_simulation<D> {
       world_.treatment = walls::make(o.walls.treatment);
       world_.walls.how = o.walls;
     }
-    volume_ = std::pow(world_.w.dx, D);
+    on_lattice_ = world_.fluid_total;
+    if (o.common.start.is_read()) run::start_from_file(o.common.start, {.motion = false}, world_);
+    share_volume();
     place_walls();
     for (std::size_t i = 0; i < s.fluid; ++i) {
-      s.T[i] = o.start;
+      if (!o.common.start.is_read()) s.T[i] = o.start;
       s.rho[i] = 1.0;
       s.m[i] = volume_;
       for (std::size_t a = 0, k = 0; a < D; ++a)
         for (std::size_t b = a; b < D; ++b) B_[k++][i] = a == b ? 1.0 : 0.0;
     }
-    if (o.common.start.is_read()) run::start_from_file(o.common.start, {.motion = false}, world_);
+    if (o.regions.any()) warm_regions();
     this->about = o.lines;
     beta_ = o.scheme == "corrected" ? operators::lattice_beta<D>(world_.w.kernel, world_.w.dx) : 0.0;
     declare_evaluation();
@@ -93,10 +96,15 @@ class problem : public run::particle_simulation<D> {
 
   void report_results(double t, run::summary& r) override {
     const auto e = errors(t);
-    r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
+    if (!o_.regions.any()) r.errors = {{"temperature_l2", e.l2}, {"temperature_max", e.maximum}};
     r.metrics["reference"] = o_.reference;
     r.metrics["operator"] = o_.scheme;
     r.metrics["heat"] = e.heat;
+  }
+
+  void restore_globals(const output::checkpoint_globals& g) override {
+    base::restore_globals(g);
+    share_volume();
   }
 
  protected:
@@ -116,6 +124,22 @@ class problem : public run::particle_simulation<D> {
 
  private:
   static constexpr std::size_t S = operators::symmetric_terms(D);
+
+  // A cell of the lattice; particles of a file that are more or fewer share the box.
+  void share_volume() {
+    volume_ = std::pow(world_.w.dx, D) * (static_cast<double>(on_lattice_) / static_cast<double>(world_.fluid_total));
+  }
+  void warm_regions() {
+    auto& s = world_.w.s;
+    const auto at = [&](std::size_t i) {
+      regions::place x{};
+      for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
+      return x;
+    };
+    regions::apply(
+        ranks, o_.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
+        [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
+  }
 
   struct error_measures {
     double l2, maximum;  // of the difference in temperature at the start
@@ -191,6 +215,7 @@ class problem : public run::particle_simulation<D> {
   const options& o_;
   run::state<D> world_;
   double volume_ = 0.0, beta_ = 0.0;
+  std::int64_t on_lattice_ = 0;  // particles
   // The plain Laplacian that the correction lags behind, and the tensor B (operators/consistent.hpp), of the last step.
   particles::array& plain_ = particles::declare(world_.w.s, "LaplacianOfT", "K/m^2", particles::role::memory);
   particles::vector_field<S> B_ =

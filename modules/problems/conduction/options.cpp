@@ -39,7 +39,10 @@ void declare(namelist::schema& schema, options& o) {
                 .meaning = "Laplacian: the slides' sum; with right second moments; that with the deferred correction"});
     walls::declare(schema, {.slips = false, .moving = false}, o.walls);
   }
-  run::declare(schema, o.common, {.single_pairs = true, .lists_change = false, .starts_from_file = true});
+  regions::declare(schema, of_regions, o.of_regions);
+  run::declare(
+      schema, o.common,
+      {.single_pairs = true, .lists_change = false, .starts_from_file = true, .reads = "places and temperatures"});
 }
 
 void resolve(const namelist::schema& schema, options& o) {
@@ -49,6 +52,10 @@ void resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o.common);
   domain::resolve(schema, demands, o.domain);
   run::check_output(schema, o.common, o.domain, {});
+  o.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  if (o.regions.any() && !o.common.start.file.empty())
+    schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
   const double dx = o.domain.dx(), support = run::support_over_dx(o.common.kernel) * dx;
   domain::check_widths(schema, o.domain, std::max(support, o.halo()) + o.common.kernel.skin * dx, support);
   const auto& sides = o.walls.sides;

@@ -1,10 +1,14 @@
 // The input of a plate or half space that cools from its top.
 #pragma once
 
+#include <regions/region.hpp>
 #include <run/options.hpp>
 #include <run/start.hpp>
 
 namespace tetsuame::conduction {
+
+// The body has a temperature but for a constant.
+inline const regions::abilities of_regions{.temperature = true, .above_0 = false};
 
 // Defaults: [S2]'s 2500 particles and diffusivity. With 0.2 m, Euler's limit dx²/(4 kappa) is its 4 s.
 struct options {
@@ -16,6 +20,8 @@ struct options {
   walls::options walls;
   bool by_program = false;         // a program's kernel, walls and sum
   std::vector<std::string> lines;  // for the log and the terminal
+  regions::options of_regions;     // as the input has them
+  regions::all regions;
   run::common_options common;
 
   double halo() const {  // m, what a particle, or a marker, reaches

@@ -160,6 +160,7 @@ class problem : public run::particle_simulation<D> {
     for (const auto& [name, value] : measured_.scalars()) *value = g.reals.at(name);
     measured_.samples.restore(g.blobs.at("samples"));
     base::restore_globals(g);
+    if (state_.at_start.level == 0) share_volume(state_);
   }
 
  protected:

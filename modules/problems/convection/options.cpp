@@ -135,7 +135,10 @@ void declare(namelist::schema& schema, options& o) {
   sides[3].temperature = 0.0;
   walls::declare(schema, {.flux = true}, o.walls);
   o.common.kernel.skin = 0.6;  // a particle moves by a sixth of its spacing and more in one step of slowed sound
-  run::declare(schema, o.common, {.single_pairs = true, .keeps_rate = true});
+  regions::declare(schema, of_regions, o.of_regions);
+  run::declare(
+      schema, o.common,
+      {.single_pairs = true, .keeps_rate = true, .starts_from_file = true, .reads = "places and temperatures"});
 }
 
 }  // namespace tetsuame::convection

@@ -1,6 +1,7 @@
 // The input of thermal convection between a hot bottom and a cold top: &domain, that of module relaxation, and
 //   &convection  numbers that override the dimensional values, slowing, density, scheme
-//   &initial     perturbation, half_waves
+//   &initial     perturbation, half_waves, file
+//   &region, &constants   temperatures of the start (regions/options.hpp)
 //   &walls       walls/options.hpp
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
@@ -8,6 +9,7 @@
 #include <convection/gravity_density.hpp>
 #include <convection/viscosity.hpp>
 #include <memory>
+#include <regions/region.hpp>
 #include <relaxation/options.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
@@ -53,11 +55,14 @@ struct initial_options {
   std::int64_t half_waves = 1;  // along x
 };
 
+inline const regions::abilities of_regions{.temperature = true, .above_0 = false};
+
 struct options {
   domain::options domain{.length = {1e6, 1e6, 1e6}, .particles = {100, 100, 100}};  // y is up: length[1] is the height
   relaxation::options physics;
   convection_options convection;
   initial_options initial;
+  regions::options of_regions;
   walls::options walls;
   run::common_options common;
 
@@ -67,6 +72,7 @@ struct options {
 
 // What the run computes with, all SI; the slowing is that of the present lattice and viscosity.
 struct parameters {
+  regions::all regions;
   relaxation::fluid_layer fluid;
   double T_bottom;       // K
   double conductivity;   // W/(m K)

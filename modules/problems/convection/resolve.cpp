@@ -236,6 +236,11 @@ parameters resolve(const namelist::schema& schema, options& o) {
   if (!o.common.time.t_end)
     o.common.time.t_end = static_cast<double>(1 + c.levels) * p.fluid.L * p.fluid.L / p.fluid.kappa;
   run::check_output(schema, o.common, o.domain, {"Viscosity", "Volume"});
+  p.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  if (o.common.start.file.empty()) return p;
+  if (p.regions.any()) schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
+  if (c.levels > 0) schema.fail("convection", "levels", "a snapshot has particles of one spacing: expected 0");
   return p;
 }
 

@@ -8,7 +8,8 @@
 #include <foundation/threads.hpp>
 #include <operators/consistent.hpp>
 #include <particles/named_fields.hpp>
-#include <run/start.hpp>
+#include <regions/apply.hpp>
+#include <run/start_from_file.hpp>
 
 namespace tetsuame::convection {
 
@@ -210,6 +211,33 @@ convection_state<D>::convection_state(const options& o, const parameters& p_of_i
              o.initial.perturbation * layer.fluid.dT *
                  std::cos(static_cast<double>(o.initial.half_waves) * std::numbers::pi * s.x[0][i] / length[0]) *
                  std::sin(std::numbers::pi * s.x[1][i] / length[1]);
+  if (layer.regions.any()) warm_regions(*this);
+  if (!o.common.start.is_read()) return;
+  run::start_from_file(o.common.start, {.motion = false}, world);
+  forget(*this);
+  share_volume(*this);
+}
+
+// Collective. Temperatures of &region.
+template <int D>
+void warm_regions(convection_state<D>& state) {
+  auto& s = state.fluid();
+  const auto at = [&](std::size_t i) {
+    regions::place x{};
+    for (std::size_t a = 0; a < D; ++a) x[a] = s.x[a][i];
+    return x;
+  };
+  regions::apply(
+      state.ranks(), state.layer.regions, s.fluid, at, [&](std::size_t i) { return s.T[i]; },
+      [&](std::size_t i, const regions::values& v) { s.T[i] = v.temperature.value_or(s.T[i]); });
+}
+
+// Of a file with another number of particles than the lattice: they share the box.
+template <int D>
+void share_volume(convection_state<D>& state) {
+  std::int64_t on_lattice = 1;
+  for (std::size_t a = 0; a < D; ++a) on_lattice *= state.at_start.particles[a];
+  state.at_start.V *= static_cast<double>(on_lattice) / static_cast<double>(state.world.fluid_total);
 }
 
 // The unknowns, fluid, ghosts and images, in the order of the operators.

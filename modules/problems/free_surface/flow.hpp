@@ -110,6 +110,7 @@ class flow : public run::particle_simulation<D> {
     set_bodies_at(f_, t);
   }
   void sum_rates(std::span<double* const> rate) override { f_.rates.run(rate); }
+  double sound_of_start() override { return f_.p.water.sound; }
   run::apart moved() override { return with_bodies(base::moved(), bodies_moved(f_)); }
   std::string farthest_moved() override {
     if (f_.moving.empty() || bodies_moved(f_) < run::on_all(ranks, base::moved()).length())

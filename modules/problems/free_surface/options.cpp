@@ -13,6 +13,9 @@ namespace {
 
 using namelist::between, namelist::for_expert;
 
+const regions::abilities of_regions{
+    .materials = {"water", "none"}, .velocity = true, .density = true, .pressure = true};
+
 const domain::demands demands{.walls_below_and_above = "water has a floor: along y the box is not periodic"};
 
 void declare_water(namelist::schema& schema, flow_options& o) {
@@ -216,6 +219,22 @@ void check_tension(const namelist::schema& schema, const options& o, const param
                             most, f.scheme, p.water.sound));
 }
 
+// Where the start is not that of the blocks alone.
+void resolve_start(const namelist::schema& schema, const options& o, parameters& p) {
+  p.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  using regions::what;
+  if (p.regions.any() && !o.common.start.file.empty())
+    schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
+  if (p.regions.give(what::density) && p.regions.give(what::pressure))
+    schema.fail("region", "density", "one of density and pressure says the other");
+  if (!o.common.start.settles()) return;
+  for (const what w : {what::velocity_x, what::velocity_y, what::velocity_z})
+    if (p.regions.give(w)) schema.fail("initial", "settle", "the start moves: &region gives velocities");
+  if (!o.common.start.file.empty()) return;
+  if (o.flow.start != "rest") schema.fail("initial", "settle", "the start moves: start = '" + o.flow.start + "'");
+}
+
 void check_top(const namelist::schema& schema, const options& o) {
   if (o.open_top() && !(o.flow.gravity > 0.0))
     schema.fail("walls", "slip_top", "an open top needs gravity: without it no water comes back");
@@ -241,8 +260,14 @@ void declare(namelist::schema& schema, options& o) {
   declare_gauges(schema, o.gauges);
   walls::declare(schema, {.moving = false, .heat = false, .free_surface = true, .bodies = true}, o.walls);
   solids::declare(schema, o.solids, o.motions);
+  regions::declare(schema, of_regions, o.of_regions);
   run::declare(schema, o.common,
-               {.single_pairs = true, .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"}, .diffuses = false});
+               {.single_pairs = true,
+                .kernels = {"wendland_c2", "wendland_c4", "wendland_c6"},
+                .diffuses = false,
+                .starts_from_file = true,
+                .settles = true,
+                .reads = "places and velocities, and densities and masses where it has them,"});
 }
 
 parameters resolve(const namelist::schema& schema, options& o) {
@@ -270,6 +295,7 @@ parameters resolve(const namelist::schema& schema, options& o) {
   else
     resolve_bodies<2>(schema, o, p);
   check_tension(schema, o, p);
+  resolve_start(schema, o, p);
   return p;
 }
 

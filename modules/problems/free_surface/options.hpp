@@ -4,6 +4,7 @@
 //   &gauges   what is measured on the way, and the files that it is held against
 //   &walls    slip and no slip; an open top
 //   &solids   bodies of any shape; &motions: how they move (solids/options.hpp)
+//   &region, &constants   where blocks have no water, and what the start is somewhere (regions/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
@@ -12,6 +13,7 @@
 #include <free_surface/liquid.hpp>
 #include <gauges/series.hpp>
 #include <optional>
+#include <regions/region.hpp>
 #include <rigid/motion.hpp>
 #include <run/options.hpp>
 #include <solids/options.hpp>
@@ -70,6 +72,7 @@ struct options {
   walls::options walls;
   solids::options solids;
   solids::motion_options motions;
+  regions::options of_regions;
   run::common_options common;
 
   bool open_top() const { return walls.sides[3].slip == "free_surface"; }
@@ -112,6 +115,7 @@ struct parameters {
   std::tuple<std::vector<motion_of_body<2>>, std::vector<motion_of_body<3>>> motions;  // one a body
   std::vector<force_gauge> force;
   std::vector<std::size_t> motion;  // bodies whose motion is read
+  regions::all regions;
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <algorithm>
+#include <foundation/agree.hpp>
 #include <free_surface/exact.hpp>
 #include <free_surface/water.hpp>
 #include <numbers>
 #include <rigid/start.hpp>
+#include <run/start_from_file.hpp>
 
 namespace tetsuame::free_surface {
 
@@ -93,29 +95,114 @@ void place_blocks(water<D>& f, const IsWater& is_water) {
   });
 }
 
+// What &region says of the places of the blocks; what fails on one rank fails on all.
+template <int D>
+class cut_by_regions {
+ public:
+  explicit cut_by_regions(const water<D>& f) : f_(f) {}
+
+  regions::values at(const point& x) {
+    try {
+      return f_.p.regions.at(x, 0.0, counts_);
+    } catch (const foundation::error& e) {
+      fault_ = e.what();
+      return {};
+    }
+  }
+  bool leaves(const point& x) { return !f_.p.regions.any() || at(x).material.value_or(0) == 0; }
+  // Collective, when all places have been asked for.
+  void expect_sound() {
+    foundation::agree(f_.ranks().comm, fault_, foundation::exit_status::bad_input);
+    if (!f_.p.regions.any()) return;
+    counts_.resize(f_.p.regions.size(), 0);
+    for (auto& count : counts_) count = f_.ranks().sum(count);
+    f_.p.regions.expect_used(counts_);
+  }
+
+ private:
+  const water<D>& f_;
+  std::vector<std::int64_t> counts_;
+  std::string fault_;
+};
+
+// Collective. A snapshot's particles in the place of those of the blocks.
+template <int D>
+void take_from_file(water<D>& f) {
+  auto& s = f.world.w.s;
+  const run::start_file file(f.o.common.start, run::start_box_of(f.world.w), {"Coordinates", "Velocities"});
+  const auto x = file.places(), v = file.velocities();
+  if (f.o.common.start.settles()) file.expect_at_rest(v);
+  const double V = std::pow(f.dx(), D), rest = f.p.water.density, far = run::start_file::far_off;
+  const std::size_t all = file.particles();
+  const auto rho = file.has("Density") ? file.densities() : std::vector<double>(all, rest);
+  const bool has_masses = file.has("Masses") || file.has_mass_of_all();
+  const auto m = has_masses ? file.masses() : std::vector<double>(all, rest * V);
+  std::vector<double> volumes(all);
+  for (std::size_t n = 0; n < all; ++n) {
+    volumes[n] = m[n] / rho[n];
+    if (rho[n] < rest / far || rho[n] > rest * far)
+      file.fail_at(n, fmt::format("its Density is {:.6g} kg/m^3, where water has {:.6g}", rho[n], rest));
+    if (volumes[n] < V / far || volumes[n] > V * far)
+      file.fail_at(n, fmt::format("its mass over its Density is a volume of {:.6g} m^{}, where a particle has {:.6g}",
+                                  volumes[n], D, V));
+    point at{};
+    std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(D * n), D, at.begin());
+    if (f.has_bodies && f.solid.solid(of_solids<D>(at))) file.fail_at(n, "it lies in a body of &solids");
+  }
+  file.check_packing(x, volumes);
+  // Spray is alone for a while.
+  if (!file.is_of_this_program())
+    file.check_neighbours(x, volumes, std::vector<double>(all, f.world.w.support()), true);
+  run::lay_out_file<D>(f.world, x);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto n = static_cast<std::size_t>(s.id[i]);
+    s.rho[i] = rho[n];
+    s.m[i] = m[n];
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] = x[D * n + a];
+      s.v[a][i] = v[D * n + a];
+    }
+  }
+}
+
+// The blocks' particles: their density, mass and velocity.
+template <int D>
+void start_blocks(water<D>& f, cut_by_regions<D>& cut) {
+  auto& s = f.world.w.s;
+  const double V = std::pow(f.dx(), D);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const point x = f.place(i);
+    s.rho[i] = start_density(f.o, f.p, x);
+    auto v = start_velocity(f.o, f.p, x);
+    if (f.p.regions.any()) {
+      const auto given = cut.at(x);
+      if (given.density) s.rho[i] = *given.density;
+      if (given.pressure) s.rho[i] = f.p.water.density_at(*given.pressure);
+      for (std::size_t a = 0; a < D; ++a) v[a] = given.velocity[a].value_or(v[a]);
+    }
+    s.m[i] = s.rho[i] * V;
+    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
+  }
+}
+
 template <int D>
 void set_up(water<D>& f) {
   run::set_up_empty(f.world, domain::communicator::world(), f.o.domain, f.o.walls, f.o.common.kernel, 0.0);
   rigid::set_up_bodies(f, walls::slip_of_bodies(f.o.walls) == "no_slip");
   std::optional<ball> drop;
   if (f.o.flow.start == "drop") drop = drop_of(f.p);
+  cut_by_regions<D> cut(f);
   place_blocks(f, [&](const point& x) {
     return !(drop && drop->distance2(x) >= drop->radius * drop->radius) &&
-           !(f.has_bodies && f.solid.solid(of_solids<D>(x)));
+           !(f.has_bodies && f.solid.solid(of_solids<D>(x))) && cut.leaves(x);
   });
   f.world.w.g[1] = -f.gravity();
   f.two_velocities = f.world.walls.bodies.no_slip || (f.has_bodies && f.p.by != scheme::riemann) ||
                      std::ranges::any_of(f.world.walls.sides, [](const auto& side) { return side.no_slip; });
   f.viscous_velocity = f.template vector<D>(f.two_velocities, "ViscousVelocity", "m/s");
-  auto& s = f.world.w.s;
-  const double V = std::pow(f.dx(), D);
-  for (std::size_t i = 0; i < s.fluid; ++i) {
-    const point x = f.place(i);
-    s.rho[i] = start_density(f.o, f.p, x);
-    s.m[i] = s.rho[i] * V;
-    const auto v = start_velocity(f.o, f.p, x);
-    for (std::size_t a = 0; a < D; ++a) s.v[a][i] = v[a];
-  }
+  start_blocks(f, cut);
+  cut.expect_sound();
+  if (f.o.common.start.is_read()) take_from_file(f);
 }
 
 }  // namespace tetsuame::free_surface

@@ -162,6 +162,7 @@ class flow : public run::particle_simulation<D> {
     });
     return {*g_.o.common.time.cfl * ranks.minimum(least), "sound"};
   }
+  double sound_of_start() override { return g_.speed_scale; }
   run::apart moved() override { return gas::moved(g_); }
   double allowance() const override { return gas::allowance(g_); }
   bool widens_lists() const override { return true; }  // the signal velocity limits steps too

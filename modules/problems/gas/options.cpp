@@ -12,6 +12,13 @@ namespace {
 
 using namelist::between, namelist::for_expert, namelist::positive, namelist::up_to;
 
+const regions::abilities of_regions{.materials = {"left", "right"},
+                                    .temperature = true,
+                                    .velocity = true,
+                                    .density = true,
+                                    .pressure = true,
+                                    .energy = true};
+
 const domain::demands demands{.least_dimension = 1, .least_particles = 8, .follows_x = true, .jitters = false};
 
 void declare_case(namelist::schema& schema, shock_options& s) {
@@ -157,9 +164,14 @@ void declare(namelist::schema& schema, options& o) {
   declare_states(schema, o.shock);
   declare_test(schema, o.shock);
   declare_dissipation(schema, o.shock);
-  run::declare(
-      schema, o.common,
-      {.single_pairs = true, .kernels = {"quintic", "wendland_c4"}, .diffuses = false, .limits_diffusion = false});
+  regions::declare(schema, of_regions, o.of_regions);
+  run::declare(schema, o.common,
+               {.single_pairs = true,
+                .kernels = {"quintic", "wendland_c4"},
+                .diffuses = false,
+                .limits_diffusion = false,
+                .starts_from_file = true,
+                .reads = "places, velocities, densities, masses, and internal energies or pressures"});
 }
 
 eos::any eos_of(const side_options& side) {
@@ -303,6 +315,27 @@ void choose_precision(const namelist::schema& schema, options& o) {
   if (exact) schema.fail("kernel", "precision", "solver = 'exact' iterates in double precision: 'single' needs 'hllc'");
 }
 
+void resolve_regions(const namelist::schema& schema, options& o) {
+  o.regions = regions::all(schema, of_regions, o.of_regions, static_cast<int>(o.domain.dimension), o.domain.length,
+                           o.domain.dx());
+  using regions::what;
+  const auto& r = o.regions;
+  if (r.any() && !o.common.start.file.empty())
+    schema.fail("initial", "file", "a snapshot says what is where, and so does &region");
+  if (!o.common.start.file.empty() && o.shock.coarser > 0)
+    schema.fail("shock", "coarser", "a snapshot has particles of one resolution");
+  if (r.any() && o.shock.coarser > 0)
+    schema.fail("shock", "coarser", "the start is that of &region: there is no exact solution");
+  if (r.give(what::energy) && r.give(what::pressure))
+    schema.fail("region", "energy", "one of energy and pressure says the other");
+  if (!o.any_eos() && r.give(what::temperature))
+    schema.fail("region", "temperature", "needs equations of state, eos_l and eos_r: a gas has its pressure or energy");
+  if (o.any_eos() && r.give(what::density) && r.give(what::pressure))
+    schema.fail("region", "density",
+                "with equations of state the density follows from pressure and temperature, or is "
+                "given without a pressure");
+}
+
 void check_coarser(const namelist::schema& schema, const options& o) {
   const std::int64_t k = o.shock.coarser;
   if (k == 0) return;
@@ -351,6 +384,7 @@ void resolve(const namelist::schema& schema, options& o) {
   resolve_box(schema, o);
   check_test(schema, o);
   choose_precision(schema, o);
+  resolve_regions(schema, o);
   check_coarser(schema, o);
   if (!o.common.time.has_end()) schema.fail("time", "t_end", "must be given, or else steps and dt");
   const auto test = schema.placed("shock", "test", [&] { return make_setup(o); });

@@ -1,12 +1,14 @@
 // The input of gas with contacts and shocks:
 //   &domain   dimension, length_*, particles_*, periodic_*, ranks_x
 //   &shock    test, scheme, state and material on either side, viscosity, Riemann solver, reconstruction
+//   &region, &constants   what the start is somewhere (regions/options.hpp)
 //   &time, &kernel, &output, &run   run/options.hpp
 #pragma once
 
 #include <array>
 #include <eos/eos.hpp>
 #include <optional>
+#include <regions/region.hpp>
 #include <run/lists.hpp>
 #include <run/options.hpp>
 
@@ -46,6 +48,8 @@ struct shock_options {
 struct options {
   domain::options domain{.dimension = 1, .length = {1.0, 0.0, 0.0}, .particles = {400, 0, 0}};
   shock_options shock;
+  regions::options of_regions;  // as the input has them
+  regions::all regions;
   run::common_options common;
 
   bool density_independent() const { return shock.scheme == "disph" || shock.scheme == "gdisph"; }

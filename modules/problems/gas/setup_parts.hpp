@@ -29,4 +29,8 @@ double wave_number(const options& o);
 setup overturn(const options& o);
 setup impact(const options& o);
 
+// setup_of_regions.cpp: a start that &region changes, and what such a start has no more.
+setup with_regions(const options& o, setup test);
+void forget_solution(setup& test);
+
 }  // namespace tetsuame::gas

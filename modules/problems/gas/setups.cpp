@@ -433,7 +433,9 @@ setup rayleigh_taylor(const options& o) {
 
 }  // namespace
 
-setup make_setup(const options& o) {
+namespace {
+
+setup test_of(const options& o) {
   const auto& test = o.shock.test;
   if (test == "square") return square(o);
   if (test == "sedov") return sedov(o);
@@ -444,6 +446,14 @@ setup make_setup(const options& o) {
   if (test == "rayleigh_taylor") return o.any_eos() ? overturn(o) : rayleigh_taylor(o);
   if (test == "impact") return impact(o);
   return o.any_eos() ? tube_of_materials(o) : tube_of_gases(o);
+}
+
+}  // namespace
+
+setup make_setup(const options& o) {
+  auto test = test_of(o);
+  if (o.regions.any() || !o.common.start.file.empty()) forget_solution(test);
+  return o.regions.any() ? with_regions(o, std::move(test)) : test;
 }
 
 }  // namespace tetsuame::gas

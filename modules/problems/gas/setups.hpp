@@ -14,6 +14,7 @@ struct state {
   double rho, p;  // kg/m3, Pa
   point v{};      // m/s
   std::int32_t material = 0;
+  std::optional<double> temperature = {};  // K, with an equation of state; none: that of its side
 };
 
 // An even lattice of n particles along each axis between two corners, cell-centred.
@@ -61,6 +62,8 @@ struct setup {
   numbers known = {};                                         // of the exact solution, for summary.json
   std::vector<trace> traces = {};
   std::function<numbers(const view&, const samples&)> measures = {};  // for summary.json; collective
+  std::function<void()> expect_used =
+      {};  // fails where a region of &region has had no place of the start; none: there are none
 };
 
 setup make_setup(const options& o);

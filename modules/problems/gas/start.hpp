@@ -4,6 +4,7 @@
 
 #include <gas/evaluation.hpp>
 #include <gas/lists.hpp>
+#include <run/start_from_file.hpp>
 
 namespace tetsuame::gas {
 
@@ -16,7 +17,8 @@ start_state start_of(const world<D>& g, const state& now) {
   if (g.any_eos) {
     const bool left = now.material == g.test.material_l;
     const eos::caloric& m = g.materials[left ? 0 : 1];
-    const double u = m.internal_energy(now.rho, *(left ? g.o.shock.l : g.o.shock.r).temperature);
+    const double u = m.internal_energy(
+        now.rho, now.temperature ? *now.temperature : *(left ? g.o.shock.l : g.o.shock.r).temperature);
     return {u, m.at(now.rho, u).c};
   }
   const auto [gamma, stiffness] = gas_of(g, now.material);
@@ -136,6 +138,69 @@ void place_particles(world<D>& g) {
     fastest = std::max(fastest, v2);
   }
   g.speed_scale = std::sqrt(g.ranks().maximum(fastest));
+  if (g.test.expect_used) g.test.expect_used();
+}
+
+// J/kg: as the file has it, or by its pressures, or temperatures with an equation of state.
+template <int D>
+std::vector<double> energies_of(const world<D>& g, const run::start_file& file, const std::vector<double>& rho,
+                                const std::vector<std::int32_t>& material) {
+  const bool by_energy = file.has("InternalEnergy");
+  if (by_energy && (!g.any_eos || file.is_of_this_program())) return file.energies();
+  if (by_energy)
+    file.fail(
+        ": InternalEnergy is not of this program, and energies of equations of state begin at another zero "
+        "elsewhere: leave it out, and give Temperature");
+  if (!file.has(g.any_eos ? "Temperature" : "Pressure"))
+    file.fail(g.any_eos ? " has neither InternalEnergy nor Temperature" : " has neither InternalEnergy nor Pressure");
+  auto values = g.any_eos ? file.temperatures(true) : file.pressures();
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    state now{rho[n], values[n], {}, material[n]};
+    if (g.any_eos) now.temperature = values[n];
+    values[n] = start_of(g, now).u;
+  }
+  return values;
+}
+
+// Collective. A snapshot's particles in the place of those of the test, whose scales of speed and density stay.
+template <int D>
+void take_from_file(world<D>& g) {
+  auto& s = g.w.s;
+  const run::start_file file(g.o.common.start, run::start_box_of(g.w),
+                             {"Coordinates", "Velocities", "Density", "Masses"});
+  const auto x = file.places(), v = file.velocities(), rho = file.densities(), m = file.masses();
+  const auto [gamma_l, stiffness_l] = gas_of(g, g.test.material_l);
+  const auto [gamma_r, stiffness_r] = gas_of(g, 1 - g.test.material_l);
+  const bool two = g.any_eos || gamma_l != gamma_r || stiffness_l != stiffness_r;
+  if (two && !file.has("Material")) file.fail(" has no field Material");
+  const auto material = file.has("Material") ? file.materials(2) : std::vector<std::int32_t>(rho.size(), 0);
+  const auto u = energies_of(g, file, rho, material);
+  std::vector<double> volume(rho.size()), reach(rho.size());
+  for (std::size_t n = 0; n < rho.size(); ++n) {
+    volume[n] = m[n] / rho[n];
+    reach[n] = g.support_over_dx * std::pow(volume[n], 1.0 / D);
+    const auto stiffness = gas_of(g, material[n]).second;
+    if (!g.any_eos && !(u[n] * rho[n] > stiffness))
+      file.fail_at(n, fmt::format("its InternalEnergy is {:.6g} J/kg, and its gas has no pressure then", u[n]));
+  }
+  file.check_packing(x, volume);
+  file.check_neighbours(x, volume, reach, false);
+  run::lay_out_file<D>(g, x);
+  for (std::size_t i = 0; i < s.fluid; ++i) {
+    const auto n = static_cast<std::size_t>(s.id[i]);
+    s.material[i] = material[n];
+    s.m[i] = m[n];
+    s.u[i] = u[n];
+    s.rho[i] = g.evolved[i] = rho[n];
+    g.start_volume[i] = volume[n];
+    g.start_sum[i] = 1.0;
+    for (std::size_t a = 0; a < D; ++a) {
+      s.x[a][i] = x[D * n + a];
+      s.v[a][i] = v[D * n + a];
+    }
+    g.support[i] = reach[n];
+    g.alpha[i] = g.o.shock.switch_of_alpha ? g.o.shock.alpha_min : g.o.shock.alpha;
+  }
 }
 
 template <int D>
@@ -144,6 +209,7 @@ void set_up(world<D>& g) {
   choose_kernel(g);
   make_box(g);
   place_particles(g);
+  if (g.o.common.start.is_read()) take_from_file(g);
 }
 
 // After the first lists. The start lattice's supports are those of an endless lattice: next to a jump they are not yet

@@ -63,6 +63,8 @@ class problem : public liquid::problem<D> {
   void sum_rates(std::span<double* const> rate) override { evaluation_.run(rate); }
   integrators::step_limit largest_step() override { return measure_limits(world, o_.time).least(); }
 
+  double sound_of_start() override { return fastest_sound(o_, world); }
+
   // ---- what is told -----------------------------------------------------------------------
 
   void begin_tables(run::run_directory& files) override {

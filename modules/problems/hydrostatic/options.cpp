@@ -74,7 +74,7 @@ void declare(namelist::schema& schema, options& o) {
   declare(schema, o.material);
   walls::declare(schema, {.treatments = walls::names}, o.walls);
   volume::declare(schema, o.scheme);
-  run::declare(schema, o, {.single_pairs = true, .diffuses = false, .starts_from_file = true});
+  run::declare(schema, o, {.single_pairs = true, .diffuses = false, .starts_from_file = true, .settles = true});
 }
 
 void resolve(const namelist::schema& schema, options& o) {

@@ -78,8 +78,11 @@ void fill_fluid(const options& o, scene<D>& scene) {
   run::start_from_file(o.start, {.pressures = {*low, *high}, .volume = [&](std::size_t) { return std::pow(w.dx, D); }},
                        scene);
   run::start_here(s);
-  for (std::size_t i = 0; i < s.fluid; ++i)
+  for (std::size_t i = 0; i < s.fluid; ++i) {
     s.Y[i] = eos::pressure(w.materials[0], s.rho[i], s.T[i]) * s.m[i] / s.rho[i];
+    s.eta[i] = o.material.viscosity;
+    s.k[i] = o.material.conductivity;
+  }
 }
 
 // Wall particles continue the profile where a treatment keeps it.
@@ -129,7 +132,7 @@ double fastest_sound(const options& o, const scene<D>& scene) {
 template <int D>
 void set_up(const options& o, const domain::communicator& ranks, scene<D>& scene) {
   auto& w = scene.w;
-  w.s.keeps_start = !o.start.file.empty();
+  w.s.keeps_start = !o.start.file.empty() || o.start.settles();
   run::set_up<D>(scene, ranks, o.domain, o.walls, o.kernel, o.halo());
   w.materials = {eos::make(o.material.eos)};
   w.g[1] = -o.g;

@@ -62,6 +62,11 @@ void find_waves(const namelist::schema& schema, options& o, parameters& p);
 // bodies.cpp
 void resolve_bodies(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p);
 
+// regions.cpp
+regions::abilities regions_of(problem_kind kind);
+void resolve_regions(const namelist::schema& schema, problem_kind kind, const options& o, parameters& p);
+void check_settling(const namelist::schema& schema, problem_kind kind, const options& o, const parameters& p);
+
 // drops.cpp
 void declare_drops(namelist::schema& schema, const char* group, options& o);
 void warn_of_tension(const options& o, parameters& p, double y);

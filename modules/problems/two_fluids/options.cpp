@@ -131,11 +131,12 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   schema.also_known("walls", "lid", "slip_top");
   schema.also_known("walls", "sides", "slip");
   solids::declare(schema, o.solids);
+  regions::declare(schema, regions_of(kind), o.regions);
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
     volume::declare(schema, o.liquid);
   }
-  run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true});
+  run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true, .settles = true});
 }
 
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o) {
@@ -157,9 +158,8 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   check_slowing(schema, kind, o);
   check_element(schema, o.element);
   find_elasticity(o, p);
-  if (!o.common.start.file.empty() && (o.temperature_law == "enthalpy" || o.element.name != "none"))
-    schema.fail("initial", "file",
-                "a snapshot has neither the heat contents of temperature_law 'enthalpy' nor &element");
+  if (!o.common.start.file.empty() && o.element.name != "none")
+    schema.fail("initial", "file", "the concentrations of &element are not read from a snapshot");
   if (o.conducts() && o.temperature_law == "isothermal")
     schema.fail(group,
                 o.conductivity > 0.0
@@ -179,6 +179,8 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
     find_fall(schema, o, p);
   }
   resolve_bodies(schema, kind, o, p);
+  resolve_regions(schema, kind, o, p);
+  check_settling(schema, kind, o, p);
   return p;
 }
 

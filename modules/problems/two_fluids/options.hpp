@@ -3,6 +3,7 @@
 //   &rti or &drop   shape, materials, start, formulation
 //   &walls    walls/options.hpp; pressure
 //   &solids   bodies of any shape that stand still (solids/options.hpp)
+//   &region, &constants   what the start is somewhere (regions/options.hpp)
 //   &melting  solidus and liquidus of the lower (outer) material, viscosity by melt fraction
 //   &element  what is dissolved in both
 //   &time, &kernel, &output, &run   run/options.hpp
@@ -11,6 +12,7 @@
 #include <eos/eos.hpp>
 #include <melting/melting.hpp>
 #include <memory>
+#include <regions/region.hpp>
 #include <rigid/box.hpp>
 #include <run/options.hpp>
 #include <tuple>
@@ -74,6 +76,7 @@ struct options {
   domain::options domain{.length = {1.5e6, 1.5e6, 1.5e6}, .particles = {48, 48, 48}};
   walls::options walls;
   solids::options solids;
+  regions::options regions;
   std::array<material_options, 2> material;  // lower, upper; of a drop: outside, drop
   double bulk_modulus = 5e11;                // Pa
   double gravity = 10.0;                     // m/s2
@@ -153,6 +156,7 @@ struct parameters {
   std::vector<std::string> lines;
   // Of the box's dimension, with their images across periodic sides.
   std::tuple<std::vector<solids::body<2>>, std::vector<solids::body<3>>> bodies;
+  regions::all regions;
 
   template <int D>
   const std::vector<solids::body<D>>& bodies_in() const {

@@ -10,6 +10,7 @@
 #include <two_fluids/cloud.hpp>
 #include <two_fluids/fluids.hpp>
 #include <two_fluids/rows.hpp>
+#include <two_fluids/start_regions.hpp>
 
 namespace tetsuame::two_fluids {
 
@@ -178,9 +179,7 @@ void heat_up(fluids<D>& f, std::size_t i) {
   auto& s = f.world.w.s;
   const auto n = static_cast<std::size_t>(s.material[i]);
   s.T[i] = f.T_start[i] = n == 0 && s.x[1][i] > f.p.pond_top ? f.p.cover_temperature : f.p.temperature[n];
-  s.c_V[i] = eos::evaluate((*f.p.material)[n], s.rho[i], s.T[i]).c_V;
-  f.content[i] = f.content_start[i] =
-      contents(f, i, eos::pressure((*f.p.material)[n], s.rho[i], s.T[i])).enthalpy(s.T[i]);
+  take_up_heat(f, i);
 }
 
 // To where the mode takes particle i, with the mode's velocity if it starts as an eigenmode.
@@ -227,8 +226,7 @@ void start_at(fluids<D>& f, std::size_t i, const place& state, double V) {
   s.T[i] = f.T_start[i] = state.temperature;
   s.u[i] = f.dissipated[i] = 0.0;
   if (f.follows) f.support[i] = f.S_0;
-  const auto& e = f.o.element;
-  if (f.dissolved) f.element[i] = f.is_metal(i) ? e.concentration_metal : e.concentration_silicate;
+  if (f.dissolved) start_element(f, i);
   if (f.o.shear != 0.0) s.v[0][i] = (f.is_metal(i) ? 0.5 : -0.5) * f.o.shear;
 }
 
@@ -243,14 +241,19 @@ void take_from_file(fluids<D>& f) {
   const auto volume = [&](std::size_t n) {
     return f.o.masses == "equal_mass" ? f.p.layers[n].volume : std::pow(w.dx, D);
   };
-  const bool ours = run::start_from_file(
+  const auto read = run::start_from_file(
       f.o.common.start, {.materials = 2, .pressures = {std::min(top, floor), std::max(top, floor)}, .volume = volume},
       f.world);
+  expect_both_materials(f, f.o.common.start.place + f.o.common.start.file);
+  if (read.laid_anew) f.placed = f.world.fluid_total;
   for (std::size_t i = 0; i < s.fluid; ++i) {
     f.rho_start[i] = s.rho[i];
     f.T_start[i] = s.T[i];
+    if (read.laid_anew && f.follows) f.support[i] = f.S_0;
+    if (f.dissolved) start_element(f, i);
+    if (f.enthalpy) take_up_heat(f, i);
     for (std::size_t a = 0; a < D; ++a) {
-      if (!ours) s.x_start[a][i] = s.x[a][i];
+      if (!read.is_lattice) s.x_start[a][i] = s.x[a][i];
       if (region.periodic[a])
         s.x_start[a][i] += region.length[a] * std::round((s.x[a][i] - s.x_start[a][i]) / region.length[a]);
     }
@@ -278,6 +281,7 @@ void place_fluid(fluids<D>& f) {
       if (f.enthalpy) heat_up(f, i);
       if (f.p.mode && f.o.start != "coloured") displace(f, i);
     }
+    if (f.p.regions.any()) shape_by_regions(f);
   }
   if (f.o.common.start.is_read()) take_from_file(f);
 }

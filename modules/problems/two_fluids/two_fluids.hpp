@@ -56,6 +56,8 @@ class problem : public liquid::problem<D> {
     const double n = narrowest(f_);
     return {bounds_.step.dt * n * n, bounds_.step.name};
   }
+  double sound_of_start() override { return bounds_.fastest_sound; }
+  bool starts_anew() const override { return !f_.p.mode; }
   double diffusion_radius() override {
     const double n = narrowest(f_);
     return bounds_.radius / (n * n);
@@ -126,6 +128,7 @@ class problem : public liquid::problem<D> {
   }
   void restore_globals(const output::checkpoint_globals& g) override {
     base::restore_globals(g);
+    if (!f_.has_bodies) f_.placed = f_.world.fluid_total;
     m_ = restored(f_, g);
     bounds_ = find_limit(f_);
   }

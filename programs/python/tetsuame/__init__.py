@@ -6,6 +6,7 @@
     balance         the page of a run of `balance`                       scaling         speed over ranks and threads
     reading         files that the programs write                        style, pages    one look for all figures and pages
     gauges          of flow, beside measurements                         scene           water in three dimensions
+    starts          particles from arrays as a snapshot to start from
 """
 import os
 from pathlib import Path
@@ -27,3 +28,10 @@ def load(directory):
     from . import runs
 
     return runs.Run(directory)
+
+
+def write_snapshot(path, **particles):
+    """Particles from arrays as a file that `&initial file` takes (tetsuame.starts)."""
+    from . import starts
+
+    return starts.write_snapshot(path, **particles)

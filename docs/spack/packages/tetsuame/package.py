@@ -17,6 +17,7 @@ class Tetsuame(CMakePackage):
     variant("tests", default=False, description="Build what the tests need")
     variant("avx512", default=True, description="Programs for processors with AVX-512 beside those for AVX2", when="target=x86_64_v3:")
     variant("stl", default=False, description="Walls from surfaces of triangles (CGAL, under the GPL)")
+    variant("expressions", default=True, description="Expressions of the place in &region (muParser)")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
@@ -32,6 +33,7 @@ class Tetsuame(CMakePackage):
     depends_on("cli11")
     depends_on("eigen")
     depends_on("cgal@5.5:5", when="+stl")
+    depends_on("muparser", when="+expressions")
     depends_on("python@3.9:", type="run")
     depends_on("py-numpy", type="run")
     depends_on("py-h5py", type="run")
