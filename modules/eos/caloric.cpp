@@ -8,20 +8,33 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+// Of equations of state with an energy of their own; Tillotson's begins from it, and has its own sound.
+template <class Material>
+concept has_energy = requires(const Material& m, double x) {
+  m.internal_energy(x, x);
+  m.temperature(x, x);
+};
+
+bool knows_energy(const any& material) {
+  return std::visit([]<class Material>(const Material&) { return has_energy<Material>; }, material);
+}
+
 }  // namespace
 
-caloric::caloric(any material) : material_(std::move(material)) {
+caloric::caloric(any material) : material_(std::move(material)), has_own_energy_(knows_energy(material_)) {
+  if (has_own_energy_) return;
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { m.thermal; })
           rho0_ = m.rho0, T0_ = m.thermal.T0;
-        else if constexpr (requires { m.rho0; })
+        else if constexpr (requires {
+                             m.rho0;
+                             m.T0;
+                           })
           rho0_ = m.rho0, T0_ = m.T0;
-        else if constexpr (requires { m.material; })
-          rho0_ = m.material.rho0, T0_ = m.T0;
       },
       material_);
-  if (T0_ == 0.0 || std::holds_alternative<tillotson>(material_)) return;
+  if (T0_ == 0.0) return;
   // Cubic pieces with the slope of the integrand, whose integral Simpson's rule takes from node to node: with 1024
   // steps both errors are below 1e-9 of K/rho.
   constexpr int half = 512;
@@ -66,8 +79,10 @@ caloric::part caloric::isotherm(double rho) const {
 
 caloric::heat caloric::capacity(double rho) const {
   return std::visit(
-      [&](const auto& m) -> heat {
-        if constexpr (requires { m.thermal; }) {
+      [&]<class Material>(const Material& m) -> heat {
+        if constexpr (has_energy<Material>) {
+          return {nan, nan, nan};  // asks for none
+        } else if constexpr (requires { m.thermal; }) {
           const thermal_part& t = m.thermal;
           const double e = t.e0 == 0.0 ? 0.0 : t.e0 * std::pow(rho / m.rho0, -t.g);
           return {t.c, 2.0 * t.c * e, -t.g};
@@ -79,9 +94,16 @@ caloric::heat caloric::capacity(double rho) const {
 }
 
 double caloric::internal_energy(double rho, double T) const {
-  if (const auto* own = std::get_if<tillotson>(&material_)) return own->internal_energy(rho, T);
-  const heat c = capacity(rho);
-  return isotherm(rho).u + (T - T0_) * (c.a + 0.5 * c.b * (T + T0_));
+  return std::visit(
+      [&]<class Material>(const Material& m) {
+        if constexpr (has_energy<Material>) {
+          return m.internal_energy(rho, T);
+        } else {
+          const heat c = capacity(rho);
+          return isotherm(rho).u + (T - T0_) * (c.a + 0.5 * c.b * (T + T0_));
+        }
+      },
+      material_);
 }
 
 double caloric::temperature(double rho, double u) const { return at(rho, u).T; }
@@ -92,6 +114,16 @@ caloric_state caloric::at(double rho, double u) const {
     const tillotson_state s = tillotson_pressure(own->material, rho, u);
     // Beyond its table T is not a number, and no sound is then known either.
     return {s.p, T, std::isnan(T) ? nan : std::sqrt(s.p_rho + s.p * s.p_u / (rho * rho))};
+  }
+  if (has_own_energy_) {
+    const double T = std::visit(
+        [&]<class Material>(const Material& m) {
+          if constexpr (has_energy<Material>) return m.temperature(rho, u);
+          return nan;
+        },
+        material_);
+    const properties s = evaluate(material_, rho, T);
+    return {s.p, T, s.sound_speed};
   }
   const part cold = isotherm(rho);
   const heat c = capacity(rho);

@@ -3,8 +3,9 @@
 //   u(rho, T) = u_0(rho) + E(rho, T) - E(rho, T0),   dE/dT = c_V,
 //   du_0/drho = [p - T (dp/dT)_rho]/rho^2 on the isotherm T0
 //   c^2 = (dp/drho)_T + (dp/dT)_rho/c_V [p/rho^2 - (du/drho)_T]
-// c_V is linear in T in every equation of state here, so T follows from u in closed form. Tillotson has u, T and c of
-// its own. Zero of u: c_V T of the gases, E(rho0, T0) of the others at (rho0, T0), 0 of Tillotson at (rho0, T0).
+// c_V is linear in T in the gases and in the liquids on a curve, so T follows from u in closed form. Tillotson,
+// crystals, the melt of MgSiO3 and tables have u and T of their own. Zero of u: c_V T of the gases, E(rho0, T0) of the
+// liquids at (rho0, T0), 0 of Tillotson and the melt and T0 times its entropy of a crystal there; a table's own.
 #pragma once
 
 #include <eos/eos.hpp>
@@ -20,7 +21,7 @@ class caloric {
  public:
   explicit caloric(any material);
 
-  // rho kg/m^3, u J/kg. Not a number beyond 0.1 to 10 rho0 (linear, liquids) or Tillotson's table.
+  // rho kg/m^3, u J/kg. Not a number beyond 0.1 to 10 rho0 (linear, liquids) or what the material reaches.
   caloric_state at(double rho, double u) const;
   double internal_energy(double rho, double T) const;  // J/kg
   double temperature(double rho, double u) const;      // K
@@ -39,6 +40,7 @@ class caloric {
   heat capacity(double rho) const;
 
   any material_;
+  bool has_own_energy_;
   double rho0_ = 1.0, T0_ = 0.0;
   double low_ = 0.0, step_ = 0.0;  // of the table, in ln(rho/rho0)
   std::vector<part> table_;        // of the isotherm; empty: in closed form

@@ -1,9 +1,11 @@
 // Pressure as a function of density alone: the isotherm or isentrope to which a thermal
-// part is added. Each gives p - p(rho0) and K = d p/d ln rho, of L = ln(rho/rho0).
+// part is added. Each gives p - p(rho0) and K = d p/d ln rho, of L = ln(rho/rho0), and the work from rho0,
+// rho0 int p/rho^2 drho.
 #pragma once
 
 #include <cmath>
 #include <foundation/lanes_math.hpp>
+#include <variant>
 
 namespace tetsuame::eos {
 
@@ -25,6 +27,12 @@ struct vinet {
     const double c = 1.5 * (K0_prime - 1.0);
     const R scale = K0 * foundation::exp(R(c * (1.0 - x))) / (x * x);
     return {3.0 * scale * (1.0 - x), scale * (2.0 - x + c * x * (1.0 - x))};
+  }
+
+  // Pa
+  double energy(double L) const {
+    const double c = 1.5 * (K0_prime - 1.0), y = c * (1.0 - std::exp(L / -3.0));
+    return 9.0 * K0 / (c * c) * (1.0 + (y - 1.0) * std::exp(y));
   }
 };
 
@@ -50,6 +58,14 @@ struct birch_murnaghan {
     const R series = 1.0 + f * (a + b * f);
     return {3.0 * scale * f * series, scale * (5.0 * f * series + s * (1.0 + f * (2.0 * a + 3.0 * b * f)))};
   }
+
+  // Pa
+  double energy(double L) const {
+    const double f = 0.5 * (std::exp(2.0 / 3.0 * L) - 1.0);
+    return 9.0 * K0 * f * f * (0.5 + f * (a / 3.0 + 0.25 * b * f));
+  }
 };
+
+using reference_curve = std::variant<vinet, birch_murnaghan>;
 
 }  // namespace tetsuame::eos

@@ -18,8 +18,10 @@ struct place {
   double rho, T;
 };
 constexpr place places[] = {
-    {"linear", 7300.0, 3100.0},          {"liquid_iron", 9000.0, 1811.0}, {"liquid_iron_isentrope", 9000.0, 4000.0},
-    {"liquid_silicate", 3800.0, 3500.0}, {"ideal_gas", 1.2, 400.0},       {"stiffened_gas", 1050.0, 350.0}};
+    {"linear", 7300.0, 3100.0},          {"liquid_iron", 9000.0, 1811.0},  {"liquid_iron_isentrope", 9000.0, 4000.0},
+    {"liquid_silicate", 3800.0, 3500.0}, {"ideal_gas", 1.2, 400.0},        {"stiffened_gas", 1050.0, 350.0},
+    {"iron_hcp", 12000.0, 5000.0},       {"bridgmanite", 5000.0, 150.0},   {"post_perovskite", 6000.0, 4000.0},
+    {"liquid_mgsio3", 4500.0, 4000.0},   {"liquid_mgsio3", 2600.0, 2200.0}};
 
 }  // namespace
 

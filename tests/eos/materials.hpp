@@ -43,6 +43,10 @@ inline std::vector<sample> samples() {
           {"tillotson iron", tillotson("iron"), 7500.0, 20000.0, 300.0, 5000.0},
           {"tillotson granite", tillotson("granite"), 2550.0, 7000.0, 300.0, 4000.0},
           {"tillotson basalt", tillotson("basalt"), 2600.0, 7000.0, 300.0, 5000.0},
+          {"iron_hcp", material("iron_hcp"), 8000.0, 30000.0, 200.0, 12000.0},
+          {"bridgmanite", material("bridgmanite"), 3800.0, 12000.0, 200.0, 8000.0},
+          {"post_perovskite", material("post_perovskite"), 4200.0, 15000.0, 200.0, 10000.0},
+          {"liquid_mgsio3", material("liquid_mgsio3"), 3000.0, 12000.0, 1800.0, 12000.0},
           {"ideal_gas", material("ideal_gas"), 1e-3, 1e3, 10.0, 1e5},
           {"stiffened_gas", material("stiffened_gas"), 500.0, 2000.0, 100.0, 5000.0}};
 }

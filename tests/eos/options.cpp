@@ -1,5 +1,6 @@
 // Materials from options: defaults, overrides and refusals.
 #include <boost/test/unit_test.hpp>
+#include <cmath>
 #include <foundation/error.hpp>
 #include <limits>
 #include <string>
@@ -35,21 +36,28 @@ BOOST_AUTO_TEST_CASE(unknown_names_list_the_choices) {
 // refused by name.
 BOOST_AUTO_TEST_CASE(every_parameter_is_used_or_refused) {
   for (const std::string_view name : eos::names()) {
+    if (name == "table") continue;  // of a file: tables.cpp
     eos::material_options plain;
     plain.name = name;
     const eos::material_options own = eos::resolve(plain);
     for (const eos::parameter& key : eos::parameters) {
       eos::material_options given = plain;
-      given.*key.member = 1.2345;
+      given.*key.member =
+          1.2345 * (own.*key.member).value_or(1.0) + ((own.*key.member).value_or(1.0) == 0.0 ? 1.0 : 0.0);
       if (!(own.*key.member)) {
         BOOST_CHECK_EXCEPTION(eos::make(given), foundation::error, bad_input_naming(std::string(key.key)));
         continue;
       }
       const eos::any m = eos::make(given);
       BOOST_TEST(eos::about(m).source.find(key.key) != std::string::npos);
-      // At a state off all reference values something must come out differently.
-      const eos::properties a = eos::evaluate(eos::make(plain), 8123.0, 2345.0), b = eos::evaluate(m, 8123.0, 2345.0);
-      BOOST_TEST((a.p != b.p || a.c_V != b.c_V), name << " does not use " << key.key);
+      // At a state off all reference values something must come out differently; of Tillotson, at one between liquid
+      // and vapour too.
+      const auto differs = [&](double rho, double T) {
+        const eos::properties a = eos::evaluate(eos::make(plain), rho, T), b = eos::evaluate(m, rho, T);
+        return std::isfinite(a.p) && (a.p != b.p || a.c_V != b.c_V);
+      };
+      BOOST_TEST((differs(8123.0, 2345.0) || (name == "tillotson" && differs(7000.0, 11500.0))),
+                 name << " does not use " << key.key);
     }
   }
 }
@@ -88,8 +96,27 @@ BOOST_AUTO_TEST_CASE(values_out_of_range_are_refused) {
                         bad_input_naming("electronic_coefficient"));
 }
 
+// Granite out of iron, parameter by parameter; vapour cannot end before it begins.
+BOOST_AUTO_TEST_CASE(tillotson_of_any_material) {
+  const eos::tillotson_parameters& g = eos::find_tillotson("granite");
+  eos::material_options o;
+  o.name = "tillotson";
+  o.reference_density = g.rho0, o.bulk_modulus = g.A, o.nonlinear_modulus = g.B;
+  o.tillotson_a = g.a, o.tillotson_b = g.b, o.tillotson_energy = g.E0;
+  o.incipient_energy = g.E_iv, o.complete_energy = g.E_cv, o.heat_capacity = g.c_V;
+  const eos::any own = eos::make(o), granite = tillotson("granite");
+  for (const double rho : {2000.0, 2680.0, 5000.0})
+    for (const double T : {300.0, 9000.0}) {
+      BOOST_TEST(eos::evaluate(own, rho, T).p == eos::evaluate(granite, rho, T).p);
+      BOOST_TEST(eos::evaluate(own, rho, T).sound_speed == eos::evaluate(granite, rho, T).sound_speed);
+    }
+  o.complete_energy = *o.incipient_energy;
+  BOOST_CHECK_EXCEPTION(eos::make(o), foundation::error, bad_input_naming("complete_energy"));
+}
+
 BOOST_AUTO_TEST_CASE(resolving_twice_changes_nothing) {
   for (const std::string_view name : eos::names()) {
+    if (name == "table") continue;
     eos::material_options o;
     o.name = name;
     const eos::material_options once = eos::resolve(o), twice = eos::resolve(once);

@@ -137,6 +137,7 @@ BOOST_AUTO_TEST_CASE(gases) {
 
 BOOST_AUTO_TEST_CASE(illustrative_parameters_are_labelled) {
   for (const std::string_view name : eos::names()) {
+    if (name == "table") continue;
     const eos::any m = material(std::string(name));
     BOOST_TEST(eos::about(m).name == name);
     BOOST_TEST(!eos::about(m).source.empty());
