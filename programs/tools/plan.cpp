@@ -1,5 +1,6 @@
 // Plans a run before it is started: `plan INPUT.nml` by a few steps of the program that it is for, `plan relaxation`
-// and `plan timestep` by formulas (modules/relaxation). Here is the command line.
+// and `plan timestep` by formulas (modules/relaxation); `plan eos` shows an equation of state. Here is the command
+// line.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -147,15 +148,41 @@ void add_timestep(CLI::App& app, plan::timestep_question& q) {
   };
 }
 
+void add_eos(CLI::App& app, plan::eos_question& q) {
+  app.add_option("NAME", q.name, "of an equation of state, as in an input")->required();
+  app.add_option("--tillotson", q.tillotson, "of 'tillotson': iron, granite or basalt")->type_name("NAME");
+  app.add_option("--curve", q.curve, "of 'liquid_silicate': vinet or birch_murnaghan")->type_name("NAME");
+  app.add_option("--file", q.file, "of 'table'")->type_name("FILE");
+  tools::add_many(app, "--set", q.set, "a parameter of &material, over its own value; may be repeated", "key=value");
+  app.add_option("--temperature", q.temperatures, "K, of states and curves")
+      ->check(finite(0.0, largest, true))
+      ->type_name("T…");
+  app.add_option("--pressure", q.pressures, "Pa, of states; curves go from the lowest to the highest")
+      ->check(finite(-largest, largest, false))
+      ->type_name("P…");
+  app.add_option("--output", q.output, "folder for isotherm.csv, isentrope.csv and hugoniot.csv")->type_name("DIR");
+  app.add_option("--table", q.table, "write a table in the form of SWIFT and WoMa")->type_name("FILE");
+  app.add_option("--rho", q.rho, "kg/m3, of the table")->expected(2)->type_name("LOW HIGH");
+  app.add_option("--T", q.T, "K, of the table")->expected(2)->type_name("LOW HIGH");
+  app.add_option("--nodes", q.nodes, "of the table: densities, temperatures")
+      ->expected(2)
+      ->check(CLI::Range(2, 10000))
+      ->type_name("N M")
+      ->capture_default_str();
+  app.add_option("--json", q.json, "write the states to this file as well")->type_name("FILE");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   // What is none of the questions is an input.
   const std::string first = argc > 1 ? argv[1] : "";
-  const bool of_input = !first.empty() && first[0] != '-' && first != "relaxation" && first != "timestep";
+  const bool of_input =
+      !first.empty() && first[0] != '-' && first != "relaxation" && first != "timestep" && first != "eos";
   trial_question trial;
   plan::relaxation_question relaxation;
   plan::timestep_question timestep;
+  plan::eos_question equation;
   CLI::App app{"Time steps, their number, and the time and memory they take, before a run is started.", "plan"};
   if (of_input) {
     add_trial(app, trial);
@@ -166,6 +193,7 @@ int main(int argc, char** argv) {
                    relaxation);
     add_timestep(*app.add_subcommand("timestep", "metal sinking through silicate with damped sound: eta, steps"),
                  timestep);
+    add_eos(*app.add_subcommand("eos", "an equation of state: states, curves, and a table of it"), equation);
   }
   if (const int status = tools::parse(app, argc, argv); status >= 0) return status;
   return tools::carry_out("plan", foundation::exit_status::calculation_failed, [&] {
@@ -173,6 +201,8 @@ int main(int argc, char** argv) {
       try_steps(trial);
     else if (app.got_subcommand("relaxation"))
       answer_relaxation(relaxation);
+    else if (app.got_subcommand("eos"))
+      answer_eos(equation);
     else
       answer_timestep(timestep);
     return 0;

@@ -27,7 +27,7 @@ class Commands(unittest.TestCase):
         said = call("--help")
         self.assertEqual(said.returncode, 0, said.stderr)
         for command, option in (("compare", "--programs"), ("bench", "folder"), ("balance", "folder"), ("scaling", "--ranks"), ("plot", "--fields"), ("movie", "--gif"), ("view", "--megabytes"),
-                                ("paraview", "--field"), ("sweep", "--set"), ("building", "--storeys")):
+                                ("paraview", "--field"), ("sweep", "--set"), ("building", "--storeys"), ("eos", "folder")):
             with self.subTest(command):
                 self.assertRegex(said.stdout, rf"(?m)^  {command} ")
                 own = inside.call(command, "--help")
@@ -37,7 +37,7 @@ class Commands(unittest.TestCase):
     def test_unknown_command_is_refused_in_a_sentence(self):
         said = call("contrast", "--programs", "A")
         self.assertEqual((said.returncode, said.stdout), (2, ""))
-        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling, plot, movie, view, paraview, sweep, building)\n")
+        self.assertEqual(said.stderr, "tetsuame: no command 'contrast' (there are compare, bench, balance, scaling, plot, movie, view, paraview, sweep, building, eos)\n")
 
     def test_no_command(self):
         said = call()

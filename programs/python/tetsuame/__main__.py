@@ -11,12 +11,13 @@ from .reading import Unreadable
 # The module of each command: its main takes the rest of the command line and returns the exit status.
 MODULES = {"compare": ".compare.study", "bench": ".bench", "balance": ".balance", "scaling": ".scaling.application",
            "plot": ".plots", "movie": ".movie", "view": ".view", "paraview": ".paraview", "sweep": ".sweep",
-           "building": ".building"}
+           "building": ".building", "eos": ".equation"}
 CALLED = {"scaling": "bench --scaling"}  # as people start it
 OF_SNAPSHOTS = ("plot", "movie", "view", "paraview", "compare")  # which read HDF5
 # These take a folder, and make something of it: what they do, and what the folder is.
 OF_A_FOLDER = {"bench": ("Write report.html from bench.json.", "where bench.json is; report.html goes there too"),
-               "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too")}
+               "balance": ("Write report.html, cuts.png and course.png.", "output directory of balance; they go there too"),
+               "eos": ("Draw an equation of state: eos.png.", "--output of plan eos; the picture goes there too")}
 
 
 def main(arguments: list[str]) -> int:
@@ -33,7 +34,8 @@ def main(arguments: list[str]) -> int:
                "  bench     write report.html from the bench.json of a folder\n"
                "  balance   write report.html of a run of balance: its cuts, and their course\n"
                "  scaling   measure program C over ranks and threads; write report.html\n"
-               "  building  write a building of columns and floors as an STL surface, for flow")
+               "  building  write a building of columns and floors as an STL surface, for flow\n"
+               "  eos       draw an equation of state from what plan eos wrote")
     parser.add_argument("command", metavar="COMMAND", help="one of those below")
     for stream in (sys.stdout, sys.stderr):  # where letters are not those of UTF-8, and for names of files in other letters
         if hasattr(stream, "reconfigure"):

@@ -102,7 +102,7 @@ void answer_overturn(const relaxation_question& q, const namelist::document& doc
   say_notes_rules(scales, q.error, a);
   say_recommended(o, r, q.error, a);
   if (q.map > 1) a.all["map"] = map_of(o, p, widest_slowing(o, p, q.error), q.map);
-  a.give(q.shared, "docs/theory/slowed_layers.md; S1: note of February 2023");
+  a.give(q.shared, "docs/theory/slowed_layers.md; S1: note of February 2023 (docs/theory/relaxation.md)");
 }
 
 }  // namespace tetsuame::plan

@@ -296,7 +296,7 @@ void answer_relaxation(const relaxation_question& q) {
     // With &convection the Rayleigh number and the program's own slowing are given, not L and the viscosity.
     if (!programs_own) answer_others(q.shared, f, w, s, a);
   }
-  a.give(q.shared, "S1: note of February 2023, S1b: of June 2023");
+  a.give(q.shared, "S1: note of February 2023, S1b: of June 2023 (docs/theory/relaxation.md)");
 }
 
 }  // namespace tetsuame::plan

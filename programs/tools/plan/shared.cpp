@@ -95,7 +95,7 @@ void answer::give(const shared_options& o, const char* sources) const {
   if (const auto lost = run::first_not_finite(all); !lost.empty())
     foundation::fail_calculation(lost + " is not a finite number: what is given lies too far apart");
   for (const auto& t : tables) print(t);
-  fmt::print("{} (docs/theory/relaxation.md)\n", sources);
+  fmt::print("{}\n", sources);
   if (!o.json.empty()) tools::write_json(o.json, all);
 }
 

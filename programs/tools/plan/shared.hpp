@@ -1,4 +1,4 @@
-// What plan is asked, and what both of its questions share: the machine's speed, the tables they print and the file for
+// What plan is asked, and what its questions share: the machine's speed, the tables they print and the file for
 // machines.
 #pragma once
 
@@ -56,6 +56,18 @@ struct timestep_question {
   std::function<void()> say_again;  // assigns anew what the command line says
 };
 void answer_timestep(timestep_question& q);
+
+struct eos_question {
+  std::string name, tillotson, file, curve;
+  std::vector<std::string> set;                 // key=value of &material
+  std::vector<double> temperatures, pressures;  // K, Pa; empty: chosen
+  std::string output;                           // folder for eos.csv; empty: none
+  std::string table;                            // file to write a table to; empty: none
+  std::vector<double> rho, T;                   // its range, kg/m^3, K: low, high
+  std::vector<std::size_t> nodes{200, 100};     // of densities, temperatures
+  std::string json;
+};
+void answer_eos(eos_question& q);
 
 struct machine {
   relaxation::cost cost;

@@ -233,7 +233,7 @@ void answer_timestep(timestep_question& q) {
   say_plan(q, p, m, a);
   if (ran) say_beside(p, *ran, a);
   if (q.shared.steps || q.shared.seconds) say_backwards(q, m, a);
-  a.give(q.shared, "S0: note of May 2022, section 2: estimates of orders of magnitude");
+  a.give(q.shared, "S0: note of May 2022, section 2: estimates of orders of magnitude (docs/theory/relaxation.md)");
 }
 
 }  // namespace tetsuame::plan
