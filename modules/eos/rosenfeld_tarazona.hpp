@@ -15,8 +15,9 @@
 namespace tetsuame::eos {
 
 struct rosenfeld_tarazona {
-  // Compressions to which b is followed; beyond, nothing is a number.
-  static constexpr double least_compression = 0.7, most_compression = 6.0;
+  // Compressions to which b is followed; beyond, nothing is a number. A hot melt below the first would become stiffer as
+  // it expands.
+  static constexpr double least_compression = 0.87, most_compression = 6.0;
 
   description about;
   double rho0, T0;          // kg/m^3, K: zero pressure on the isotherm

@@ -28,6 +28,7 @@ place_between find(double y, double L, int nodes) {
 eos::material_options material_of(const options& o, const relaxation::fluid_layer& f) {
   eos::material_options m;
   m.name = o.convection.eos;
+  m.table = o.convection.eos_table;
   if (m.name != "linear") return m;
   m.reference_pressure = o.convection.p_top;
   m.reference_density = f.rho;

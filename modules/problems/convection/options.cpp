@@ -1,4 +1,5 @@
 #include <convection/options.hpp>
+#include <eos/keys.hpp>
 
 namespace tetsuame::convection {
 
@@ -58,6 +59,7 @@ void declare_gravity(namelist::schema& schema, convection_options& o) {
   schema.add(g, "eos", o.eos,
              {.choices = materials,
               .meaning = "whose density gravity feels, temperatures are absolute then; linear: of &material"});
+  schema.add(g, "eos_table", o.eos_table, for_expert(eos::key_of_table()));
   schema.add(
       g, "p_top", o.p_top,
       {.unit = "Pa", .meaning = "pressure on top of the column at rest, for eos and viscosity by melt fraction"});

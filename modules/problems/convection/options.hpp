@@ -30,6 +30,7 @@ struct convection_options {
 
   std::string gravity_density = "boussinesq";
   std::string eos = "linear";  // of gravity_density = 'equation_of_state'
+  std::string eos_table;       // of eos = 'table': its file
   double p_top = 0.0;          // Pa
   bool eos_dynamic_pressure = true;
 

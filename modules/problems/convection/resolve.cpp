@@ -20,6 +20,7 @@ void refuse_unused(const namelist::schema& schema, const convection_options& c) 
   const bool table = c.viscosity_law == "table", melt = c.viscosity_law == "melt";
   const bool weighed = c.gravity_density == "equation_of_state";
   only_for(weighed, "gravity_density = 'equation_of_state'", "eos", c.eos != initially.eos);
+  only_for(c.eos == "table", "eos = 'table'", "eos_table", !c.eos_table.empty());
   only_for(weighed, "gravity_density = 'equation_of_state'", "eos_dynamic_pressure", !c.eos_dynamic_pressure);
   only_for(weighed || melt, "gravity_density = 'equation_of_state'", "p_top", c.p_top != 0.0);
   only_for(table, "viscosity_law = 'table'", "viscosity_file", !c.viscosity_file.empty());

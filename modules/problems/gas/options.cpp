@@ -2,7 +2,7 @@
 #include <gravity/options.hpp>
 
 #include <cmath>
-#include <eos/eos.hpp>
+#include <eos/keys.hpp>
 #include <gas/setups.hpp>
 #include <run/amounts.hpp>
 
@@ -88,6 +88,7 @@ void declare_states(namelist::schema& schema, shock_options& s) {
                {.choices = {"", "iron", "granite", "basalt"},
                 .expert = true,
                 .meaning = "of the equation of state 'tillotson'" + where + ": its material; '': iron"});
+    schema.add("shock", "table_" + name, of.table, eos::key_of_table(where));
     schema.add("shock", "temperature_" + name, of.temperature,
                positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
   }
@@ -165,6 +166,7 @@ eos::any eos_of(const side_options& side) {
   eos::material_options m;
   m.name = side.eos;
   m.tillotson = side.tillotson;
+  m.table = side.table;
   return eos::make(m);
 }
 
@@ -201,6 +203,7 @@ void resolve_material(const namelist::schema& schema, const std::string& test, c
                       side_options& side) {
   const auto fail = [&](const char* key, const std::string& why) { schema.fail("shock", key + end, why); };
   if (!side.tillotson.empty() && side.eos != "tillotson") fail("tillotson_", "needs eos_" + end + " = 'tillotson'");
+  if (!side.table.empty() && side.eos != "table") fail("table_", "needs eos_" + end + " = 'table'");
   if (side.temperature && side.eos.empty()) fail("temperature_", "a temperature needs an equation of state");
   if (side.eos.empty()) return;
   const std::array<std::string_view, 4> tests{"riemann", "square", "rayleigh_taylor", "impact"};

@@ -19,6 +19,7 @@ struct side_options {
   double p_infinity = 0.0;                 // Pa; stiffened gas
   std::string eos = "";                    // empty: the gas of gamma and p_infinity
   std::string tillotson = "";              // of 'tillotson', its material; empty: iron
+  std::string table = "";                  // of 'table', its file
   std::optional<double> temperature = {};  // K
 };
 

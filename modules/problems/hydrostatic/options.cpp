@@ -2,6 +2,7 @@
 #include <gravity/options.hpp>
 
 #include <algorithm>
+#include <eos/keys.hpp>
 #include <hydrostatic/profile.hpp>
 #include <walls/treatments.hpp>
 
@@ -30,14 +31,13 @@ void declare(namelist::schema& schema, material_options& o) {
              {.choices = choices, .meaning = "equation of state; its parameters default to the material's own"});
   schema.add("material", "curve", o.eos.curve, {.meaning = "of liquid_silicate: vinet or birch_murnaghan"});
   schema.add("material", "tillotson", o.eos.tillotson, {.meaning = "of tillotson: iron, granite or basalt"});
+  schema.add("material", "table", o.eos.table, eos::key_of_table());
   for (const auto& p : eos::parameters) {
-    const bool positive = p.allowed == eos::parameter::range::positive;
-    namelist::key_info info{.unit = std::string(p.unit), .meaning = std::string(p.meaning)};
-    if (positive || p.allowed == eos::parameter::range::not_negative) info.minimum = 0.0;
-    if (p.allowed == eos::parameter::range::above_one) info.minimum = 1.0;
-    info.exclusive_minimum = positive || p.allowed == eos::parameter::range::above_one;
+    namelist::key_info info = eos::key_of(p);
     for (const auto rare : {"bulk_modulus_second_derivative", "gruneisen", "gruneisen_exponent",
-                            "electronic_coefficient", "electronic_exponent", "gamma", "p_infinity"})
+                            "electronic_coefficient", "electronic_exponent", "gamma", "p_infinity", "debye_temperature",
+                            "nonlinear_modulus", "tillotson_a", "tillotson_b", "tillotson_energy", "incipient_energy",
+                            "complete_energy", "tillotson_alpha", "tillotson_beta"})
       info.expert = info.expert || p.key == rare;
     if (p.key == "reference_pressure") info.meaning += "; of linear: the initial pressure unless given";
     schema.add("material", std::string(p.key), o.eos.*p.member, info);
@@ -88,10 +88,9 @@ void resolve(const namelist::schema& schema, options& o) {
   if (o.material.eos.name == "linear" && !o.material.eos.reference_pressure)
     o.material.eos.reference_pressure = o.initial.pressure;
   o.material.eos = schema.placed("material", "eos", [&] { return eos::resolve(o.material.eos); });
-  schema.placed("material", "bulk_modulus", [&] {
-    const auto material = eos::make(o.material.eos);
-    profile(o, material).pressure(0.0);
-  });
+  const auto material = schema.placed("material", "eos", [&] { return eos::make(o.material.eos); });
+  schema.placed("material", o.material.eos.table.empty() ? "bulk_modulus" : "table",
+                [&] { profile(o, material).pressure(0.0); });
   run::check_output(schema, o, o.domain,
                     {"Weight", "InternalEnergyGain", "Viscosity", "PressureEOS", "SoundSpeed", "PressureReference",
                      "DensityReference", "Displacement"});

@@ -176,7 +176,7 @@ class list_of_passes {
     if (f_.carried)
       e.sum("continuity", {.reads = {s_.c}, .at_neighbours = {s_.v, s_.dV, s_.p_eos, s_.rho}, .writes = {f_.rho_rate}},
             [this](const pairs::row_range& rows) { sum_density_rate(f_, rows); });
-    if (f_.o.conductivity > 0.0)
+    if (f_.o.conducts())
       e.sum("conduction", {.at_neighbours = {s_.T, s_.k, s_.dV}, .writes = {f_.conducted}},
             [this](const pairs::row_range& rows) { conduct(f_, rows); });
     if (!f_.dissolved) return;
@@ -208,7 +208,7 @@ class list_of_passes {
     const auto& s = s_;
     const double per_m = 1.0 / s.m[i];
     const double compression = has_factor(f_) ? f_.compression[i] * f_.follow_factor[i] : f_.compression[i];
-    const double heat = f_.heat[i] + (f_.o.conductivity > 0.0 ? f_.conducted[i] : 0.0);
+    const double heat = f_.heat[i] + (f_.o.conducts() ? f_.conducted[i] : 0.0);
     for (std::size_t a = 0; a < D; ++a) {
       const double gravity = w_.gravity(a, i);
       rate(0, a)[i] = s.v[a][i];
@@ -283,14 +283,14 @@ class list_of_passes {
     }
     out.du = rate(u_);
     out.friction = rate(q_);
-    if (f_.o.conductivity > 0.0) out.conducted = f_.conducted.data();
+    if (f_.o.conducts()) out.conducted = f_.conducted.data();
     if (f_.carried || f_.weighed) out.volume = rate(density_);
     out.dT = f_.warms ? rate(T_) : f_.heat.data();
     return out;
   }
   // u is of compression alone; the heat of friction and conduction stands apart.
   void part_heat(std::size_t i) {
-    const double conducted = f_.o.conductivity > 0.0 ? f_.conducted[i] / s_.m[i] : 0.0;
+    const double conducted = f_.o.conducts() ? f_.conducted[i] / s_.m[i] : 0.0;
     const double heating = rate(q_)[i] + conducted;
     rate(u_)[i] -= heating;
     if (f_.enthalpy) rate(h_)[i] = heating;

@@ -74,7 +74,7 @@ class fluids {
   particles::array& compression = field(!by_program, "Compression", "");
   particles::array& heat = field(true, "Heating", "W");
   particles::array& rho_rate = field(!by_program && carried, "DensityRate", "kg/(m^D s)");
-  particles::array& conducted = field(o.conductivity > 0.0, "ConductedHeat", "W");
+  particles::array& conducted = field(o.conducts(), "ConductedHeat", "W");
   particles::array& lift = field(slows, "Lift", "N");  // of slowed sound
 
   particles::array& melt = field(enthalpy, "MeltFraction", "1");

@@ -35,6 +35,7 @@ struct slips {
 slips slips_of(const options& o);
 
 // scheme.cpp: materials and formulation
+std::string own_key(const eos::parameter& key, const std::string& which);  // of a parameter of one material
 void declare(namelist::schema& schema, const char* group, const std::string& which, material_options& o);
 void declare(namelist::schema& schema, const char* group, scheme_options& o);
 eos::any make(const options& o, std::size_t n);

@@ -106,12 +106,12 @@ void find_melt(const options& o, parameters& p) {
     foundation::fail_input(fmt::format(
         "the fits for the mantle are none at {:.4g} Pa, the interface's pressure: solidus {:.6g} K, liquidus {:.6g} K",
         pressure, T_s, T_l));
-  if (o.pond_top || !(o.conductivity > 0.0)) return;
+  if (o.pond_top || !(o.conductivity_of(0) > 0.0 && o.conductivity_of(1) > 0.0)) return;
   if (!(p.temperature[1] > p.temperature[0] && p.temperature[0] <= T_s)) return;
   const auto side = [&](std::size_t n) {
     const double y = p.interface * (n == 0 ? 1.0 - 1e-12 : 1.0);
     const auto e = eos::evaluate((*p.material)[n], p.base->at(y).density, o.temperature);
-    return theory::half_space{p.base->at(y).density, e.c_V, o.conductivity, p.temperature[n]};
+    return theory::half_space{p.base->at(y).density, e.c_V, o.conductivity_of(n), p.temperature[n]};
   };
   const auto s = theory::solve({side(1), side(0), T_s, T_l, o.melting.latent_heat});
   p.melt_conducted = s.melt_thickness(o.common.time.end()) / p.interface;

@@ -26,8 +26,13 @@ void make_materials(const namelist::schema& schema, problem_kind kind, const opt
     const auto& m = o.material[n];
     const std::string which = names_of(kind)[n];
     if (m.eos != "linear")
-      refuse(schema, group, {"density_" + which, "bulk_modulus_" + which},
-             "is of the linear equation of state; '" + m.eos + "' has its own");
+      refuse(schema, group, {"density_" + which}, "is of the linear equation of state; '" + m.eos + "' has its own");
+    else
+      for (const auto& key : eos::parameters)
+        if (m.parameters.*key.member)
+          schema.fail(group, own_key(key, which), "'linear' has density_" + which + " and bulk_modulus_" + which);
+    if (m.eos != "table") refuse(schema, group, {"table_" + which}, "is of eos_" + which + " = 'table'");
+    if (m.eos != "tillotson") refuse(schema, group, {"tillotson_" + which}, "is of eos_" + which + " = 'tillotson'");
     (*p.material)[n] = schema.placed(group, "eos_" + which, [&] { return make(o, n); });
   }
 }
@@ -94,7 +99,8 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
       {.choices = {"isothermal", "adiabatic", "enthalpy"},
        .meaning = "one temperature for ever; adiabats at the start and temperature by compression, friction, "
                   "conduction; or heat content by friction and conduction, and melting (linear equations of state)"});
-  schema.add(group, "conductivity", o.conductivity, not_negative("W/(m K)", "thermal, not of the isothermal law"));
+  schema.add(group, "conductivity", o.conductivity,
+             not_negative("W/(m K)", "thermal, of both, not of the isothermal law"));
   schema.add(group, "surface_tension", o.surface_tension,
              not_negative("N/m",
                           "between the two materials; walls are neutral (90 degrees). Pairs are in double precision "
@@ -154,8 +160,12 @@ parameters resolve(const namelist::schema& schema, problem_kind kind, options& o
   if (!o.common.start.file.empty() && (o.temperature_law == "enthalpy" || o.element.name != "none"))
     schema.fail("initial", "file",
                 "a snapshot has neither the heat contents of temperature_law 'enthalpy' nor &element");
-  if (o.conductivity > 0.0 && o.temperature_law == "isothermal")
-    schema.fail(group, "conductivity", "there is nothing to conduct at one temperature");
+  if (o.conducts() && o.temperature_law == "isothermal")
+    schema.fail(group,
+                o.conductivity > 0.0
+                    ? "conductivity"
+                    : std::string("conductivity_") + names_of(kind)[o.conductivity_of(0) > 0.0 ? 0 : 1],
+                "there is nothing to conduct at one temperature");
   make_materials(schema, kind, o, p);
   find_layers(schema, kind, o, p);
   if (kind == problem_kind::rayleigh_taylor) {

@@ -24,10 +24,13 @@ enum class problem_kind { rayleigh_taylor, drop };
 
 struct material_options {
   std::string eos = "linear";
+  std::string table = "";               // of eos = 'table': its file
   double density = 7000.0;              // kg/m3, linear: at zero pressure
   double viscosity = 6e11;              // Pa s
   std::optional<double> bulk_modulus;   // Pa, linear; not given: the common one
   std::optional<double> heat_capacity;  // J/(kg K); not given: the equation of state's own
+  std::optional<double> conductivity;   // W/(m K); not given: the common one
+  eos::material_options parameters;     // of the equation of state: those that have no key above
 };
 
 struct scheme_options {
@@ -77,7 +80,7 @@ struct options {
   double p_top = 1e5;                        // Pa
   double temperature = 3000.0;               // K, at the top
   std::string temperature_law = "isothermal";
-  double conductivity = 0.0;                          // W/(m K)
+  double conductivity = 0.0;                          // W/(m K), of both
   double surface_tension = 0.0;                       // N/m, between the materials
   std::array<std::optional<double>, 2> start_heat{};  // K, law 'enthalpy': lower, upper; outside, drop
   melting_options melting;
@@ -108,6 +111,8 @@ struct options {
   run::common_options common;
 
   options() { material[0].density = 3000.0; }
+  double conductivity_of(std::size_t n) const { return material[n].conductivity.value_or(conductivity); }
+  bool conducts() const { return conductivity_of(0) > 0.0 || conductivity_of(1) > 0.0; }
   bool has_bodies() const { return !solids.shape.empty(); }
   bool open_lid() const { return walls.sides[3].slip == "free_surface"; }
 };

@@ -1,21 +1,42 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <eos/keys.hpp>
 #include <kernels/lattice.hpp>
 #include <two_fluids/groups.hpp>
 
 namespace tetsuame::two_fluids {
+
+std::string own_key(const eos::parameter& key, const std::string& which) { return std::string(key.key) + "_" + which; }
+
+namespace {
+
+// Those of the equation of state that the material has no other key for.
+bool has_other_key(const eos::parameter& key) { return key.key == "bulk_modulus" || key.key == "heat_capacity"; }
+
+}  // namespace
 
 void declare(namelist::schema& schema, const char* group, const std::string& which, material_options& o) {
   std::vector<std::string> choices;
   for (const auto& name : eos::names()) choices.emplace_back(name);
   schema.add(group, "eos_" + which, o.eos,
              {.choices = choices, .meaning = "equation of state; others than linear have parameters of their own"});
+  schema.add(group, "table_" + which, o.table, for_expert(eos::key_of_table()));
+  schema.add(group, "tillotson_" + which, o.parameters.tillotson,
+             for_expert({.meaning = "of eos = 'tillotson': iron, granite or basalt, whose parameters others replace; "
+                                    "not given: iron"}));
+  for (const eos::parameter& key : eos::parameters)
+    if (!has_other_key(key))
+      schema.add(group, own_key(key, which), o.parameters.*key.member, for_expert(eos::key_of(key)));
   schema.add(group, "density_" + which, o.density, positive("kg/m^3", "linear equation of state: at zero pressure"));
   schema.add(group, "bulk_modulus_" + which, o.bulk_modulus,
-             for_expert(positive("Pa", "linear equation of state; not given: bulk_modulus")));
+             for_expert(positive("Pa",
+                                 "on the reference curve; not given: bulk_modulus of linear, else the equation of "
+                                 "state's")));
   schema.add(group, "heat_capacity_" + which, o.heat_capacity,
              for_expert(positive("J/(kg K)", "c_V; not given: the equation of state's")));
+  schema.add(group, "conductivity_" + which, o.conductivity,
+             for_expert(not_negative("W/(m K)", "thermal; not given: conductivity")));
   schema.add(group, "viscosity_" + which, o.viscosity, positive("Pa s", "dynamic"));
 }
 
@@ -49,8 +70,9 @@ void declare(namelist::schema& schema, const char* group, scheme_options& o) {
 
 eos::any make(const options& o, std::size_t n) {
   const auto& given = o.material[n];
-  eos::material_options m;
+  eos::material_options m = given.parameters;
   m.name = given.eos;
+  m.bulk_modulus = given.bulk_modulus;
   if (given.eos == "linear") {
     m.reference_pressure = 0.0;
     m.reference_density = given.density;
@@ -59,6 +81,7 @@ eos::any make(const options& o, std::size_t n) {
     m.thermal_expansivity = 0.0;
   }
   m.heat_capacity = given.heat_capacity;
+  m.table = given.table;
   return eos::make(m);
 }
 

@@ -294,7 +294,7 @@ void place_walls(fluids<D>& f) {
   for (std::size_t i = s.first_wall(); i < s.first_wall() + s.walls; ++i) {
     s.T[i] = f.o.temperature;
     s.eta[i] = f.o.material[0].viscosity;
-    s.k[i] = f.o.conductivity;
+    s.k[i] = f.o.conductivity_of(0);
     s.rho[i] = rho;
     s.dV[i] = std::pow(w.dx, D);
     s.m[i] = rho * s.dV[i];
@@ -324,8 +324,7 @@ void set_up(fluids<D>& f) {
   if (o.by_program) {
     f.world.treatment = walls::make(o.walls.treatment);
     f.world.walls.how = o.walls;
-    if (o.conductivity == 0.0 && o.melting.viscosity_law == "constant" &&
-        o.material[0].viscosity == o.material[1].viscosity)
+    if (!o.conducts() && o.melting.viscosity_law == "constant" && o.material[0].viscosity == o.material[1].viscosity)
       w.uniform_transport = o.material[0].viscosity;
   }
   f.h = o.common.kernel.h_over_dx * w.dx;

@@ -40,7 +40,8 @@ inline largest_coefficients largest_of_materials(const options& o, const paramet
           n == 0 && o.melting.inertia_viscosity > 0.0 ? std::min(stiffest, o.melting.inertia_viscosity) : stiffest;
       // Beside something far stiffer a pair's mean, 4 η η'/(η + η'), is twice that of equals.
       most.nu = std::max(most.nu, (law || contrast ? 2.0 : 1.0) * eta / (state.density * xi * xi));
-      most.kappa = std::max(most.kappa, o.conductivity / (state.density * e.c_V));
+      const bool unequal = o.conductivity_of(0) != o.conductivity_of(1);  // likewise
+      most.kappa = std::max(most.kappa, (unequal ? 2.0 : 1.0) * o.conductivity_of(n) / (state.density * e.c_V));
     }
   // Twice, as for viscosities: a partition coefficient makes a contrast.
   if (o.element.name != "none")

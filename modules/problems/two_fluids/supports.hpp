@@ -182,8 +182,9 @@ void make_lists(fluids<D>& f, bool as_they_were) {
   }
   for (std::size_t i = 0; i < s.total(); ++i) {
     const bool of_body = f.has_bodies && rigid::is_of_body(f.world, i);  // no heat goes there
-    s.eta[i] = of_body ? 0.0 : f.o.material[static_cast<std::size_t>(s.material[i])].viscosity;
-    s.k[i] = of_body ? 0.0 : f.o.conductivity;
+    const auto n = static_cast<std::size_t>(s.material[i]);
+    s.eta[i] = of_body ? 0.0 : f.o.material[n].viscosity;
+    s.k[i] = of_body ? 0.0 : f.o.conductivity_of(n);
   }
   if (f.has_bodies) rigid::find_beside_bodies(f.bodies);
   if (f.tense)
