@@ -128,13 +128,6 @@ class Tables(Equations):
         read = self.run_program(program, self.case("read.nml", text.format("table", f"{key} = 'iron.txt'")), {}, "read")
         return own, read
 
-    def assert_near(self, own, read, names, relative):
-        first, second = own.rows()[-1], read.rows()[-1]
-        for name in names:
-            column = next(c for c in first if c.split(" [")[0] == name)
-            a, b = float(first[column]), float(second[column])
-            self.assertAlmostEqual(a, b, delta=relative * max(abs(a), 1e-300), msg=name)
-
     def test_a_box_at_rest(self):
         own, read = self.both("disph_c", BOX, "table")
         self.assertEqual((self.here / "read" / "input_iron.txt").read_bytes(), (self.here / "iron.txt").read_bytes())
@@ -167,7 +160,14 @@ class Tables(Equations):
         self.assert_fields(own, read, {"Density": 1e-4, "Pressure": 1e-3})
 
     def test_convection(self):
-        own, read = self.both("convection", LAYER, "&expert eos_table")
+        own, read = self.both("convection", LAYER, "eos_table")
+        velocities = []
+        for run in (own, read):
+            with h5py.File(sorted(run.directory.glob("snapshot_*.h5"))[-1]) as file:
+                velocities.append(np.array(file["PartType0/Velocities"])[np.argsort(file["PartType0/ParticleIDs"])])
+        largest = np.abs(velocities[0]).max()
+        self.assertGreater(largest, 0.0)
+        self.assertLess(np.abs(velocities[1] - velocities[0]).max(), 1e-4 * largest)
 
     def test_refused_before_anything_is_written(self):
         good = self.table().read_text().splitlines()
@@ -203,10 +203,15 @@ class Tables(Equations):
         self.assert_says(self.call("disph_c", hot, "--output", self.here / "out"), BAD_INPUT, "hot.nml:", "outside its table")
         dense = self.case("dense.nml", BOX.format("table", "table = 'iron.txt'").replace("1e10", "9e10"))
         self.assert_says(self.call("disph_c", dense, "--output", self.here / "out"), BAD_INPUT, "dense.nml:", "no density")
+        # Sound in the box makes more of its temperature than the table has.
+        self.table(axes=["--rho", 7000, 9000, "--T", 2499.999, 2500.001, "--nodes", 30, 5])
+        box = self.case("box.nml", BOX.format("table", "table = 'iron.txt'"))
+        result = self.call("disph_c", box, "--output", self.here / "out")
+        self.assert_says(result, CALCULATION_FAILED, "particle", "step")
+        # A wave that would leave the table is refused where it is known beforehand.
         self.table(axes=["--rho", 7000, 9800, "--T", 2000, 5000, "--nodes", 30, 20])
         tube = TUBE.format("table", "table", "table_l = 'iron.txt' table_r = 'iron.txt' u_l = 4e3 u_r = -4e3")
-        result = self.call("shock", self.case("tube.nml", tube), "--output", self.here / "out")
-        self.assert_says(result, CALCULATION_FAILED, "table", "particle")
+        self.assert_says(self.call("shock", self.case("tube.nml", tube), "--output", self.here / "out2"), BAD_INPUT, "tube.nml:")
 
 
 class Tillotson(Equations):
