@@ -15,8 +15,8 @@
 namespace tetsuame::eos {
 
 struct rosenfeld_tarazona {
-  // Compressions to which b is followed; beyond, nothing is a number. A hot melt below the first would become stiffer as
-  // it expands.
+  // Compressions to which b is followed; beyond, nothing is a number. A hot melt below the first would become stiffer
+  // as it expands.
   static constexpr double least_compression = 0.87, most_compression = 6.0;
 
   description about;
