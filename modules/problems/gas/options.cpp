@@ -88,7 +88,7 @@ void declare_states(namelist::schema& schema, shock_options& s) {
                {.choices = {"", "iron", "granite", "basalt"},
                 .expert = true,
                 .meaning = "of the equation of state 'tillotson'" + where + ": its material; '': iron"});
-    schema.add("shock", "table_" + name, of.table, eos::key_of_table(where));
+    schema.add("shock", "table_" + name, of.table, for_expert(eos::key_of_table(where)));
     schema.add("shock", "temperature_" + name, of.temperature,
                positive("K", "with an equation of state:" + where + "; the density follows from it and p"));
   }
