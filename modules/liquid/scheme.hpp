@@ -90,6 +90,7 @@ struct program {
   const char* name;
   const char* wall;
   bool iterates;           // for Y, to a tolerance
+  bool integrates_volume;  // ρ or Y is integrated
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
   bool by_number;          // volumes are those of the number density, pressures those of the equation of state
   std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;

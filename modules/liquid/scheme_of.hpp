@@ -120,6 +120,7 @@ program describe() {
   return {.name = Program::name,
           .wall = Program::wall::name,
           .iterates = scheme::iterates,
+          .integrates_volume = scheme::volume_module::carried != volume::carries::nothing,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
           .by_number = std::is_same_v<typename Program::volume, volume::number_density> &&
                        !std::is_same_v<typename Program::pressure, volume::smoothed>,

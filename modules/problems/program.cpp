@@ -62,6 +62,7 @@ struct fluids_of_input : problem_of_input {
   fluids_of_input(problem_kind kind_, const liquid::program* scheme_) : kind(kind_), scheme(scheme_) {
     if (!scheme) return;
     o.by_program = true;
+    o.integrates_volume = scheme->integrates_volume;
     o.remembers_density = scheme->remembers_density;
     o.by_number = scheme->by_number;
     o.walls.treatment = scheme->wall;

@@ -32,4 +32,9 @@ void declare(namelist::schema& schema, options& all) {
              for_expert(between(0, 50, "earlier passes that anderson combines")));
 }
 
+void resolve(const namelist::schema& schema, const options& o) {
+  if (schema.given("volume", "rate") && !o.consistency.ties())
+    schema.fail("volume", "rate", "belongs to consistency = 'tied'");
+}
+
 }  // namespace tetsuame::volume

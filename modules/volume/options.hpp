@@ -25,7 +25,7 @@ struct hosono_options {
 // How a density, or Y, that is integrated is kept with the particles' places (docs/theory/consistency.md).
 struct consistency_options {
   std::string name = "none";  // none, tied
-  double rate = 0.02;         // of tied: 1/τ over c/Δx
+  double rate = 0.005;        // of tied: 1/τ over c/Δx
   bool ties() const { return name == "tied"; }
 };
 
@@ -36,6 +36,8 @@ struct options {
 };
 
 void declare(namelist::schema& schema, options& o);
+// Refuses a rate that nothing has.
+void resolve(const namelist::schema& schema, const options& o);
 
 struct residual_record {
   std::int64_t evaluation;  // of the right-hand side, from 1

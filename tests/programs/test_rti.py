@@ -181,7 +181,7 @@ class RayleighTaylor(Case):
 
     def test_notes_own_program_fails(self):
         """Program C as in the notes (Y^2/p, no diffusion in the density): the pressure at the top crosses zero, and the run says where."""
-        result = self.run_program("disph_c", NOTE, {**size(24), "kernel.h_over_dx": 0}, expect=CALCULATION_FAILED)
+        result = self.run_program("disph_c", NOTE, {**size(24), **AS_PUBLISHED}, expect=CALCULATION_FAILED)
         self.assert_says(result, CALCULATION_FAILED, "step", "particle", "is not positive")
 
     def test_bad_input(self):

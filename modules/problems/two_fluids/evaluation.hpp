@@ -176,6 +176,7 @@ class list_of_passes {
     if (f_.carried)
       e.sum("continuity", {.reads = {s_.c}, .at_neighbours = {s_.v, s_.dV, s_.p_eos, s_.rho}, .writes = {f_.rho_rate}},
             [this](const pairs::row_range& rows) { sum_density_rate(f_, rows); });
+    if (f_.carried && !f_.follows && f_.world.walls.any_no_slip()) add_slip_to_continuity();
     if (f_.o.conducts())
       e.sum("conduction", {.at_neighbours = {s_.T, s_.k, s_.dV}, .writes = {f_.conducted}},
             [this](const pairs::row_range& rows) { conduct(f_, rows); });
@@ -185,6 +186,22 @@ class list_of_passes {
       e.walls("element", {.at_neighbours = all, .gives = all}, [this] { dissolve_nothing_in_bodies(f_); });
     }
     add_element_exchange();
+  }
+  // Beside walls of no slip (walls/slip_continuity.hpp).
+  void add_slip_to_continuity() {
+    f_.world.walls.asks_near_no_slip = true;
+    slip_ = particles::declare_vector<D>(s_, "WallSlip", "m/s", particles::role::derived);
+    auto& dlnrho = particles::declare(s_, "LogDensityRateOfSlip", "1/s", particles::role::derived);
+    e.walls("continuity", {.reads = {s_.rho}, .at_neighbours = {s_.v, s_.dV}, .updates = {f_.rho_rate}},
+            [this, &dlnrho] {
+              const auto& near = f_.world.walls.near_no_slip;
+              walls::fill_slip(w_, f_.world.walls, slip_);
+              for (const std::size_t i : near.rows) dlnrho[i] = 0.0;
+              walls::continuity_of_slip<D, gradient::continuity<D>> slip;
+              slip.v = slip_.read(), slip.dV = s_.dV.data(), slip.dlnrho = dlnrho.data();
+              w_.sum(near, slip);
+              for (const std::size_t i : near.rows) f_.rho_rate[i] += s_.rho[i] * dlnrho[i];
+            });
   }
   void add_element_exchange() {
     e.sum("element", {.at_neighbours = {f_.element, f_.partition, f_.mobility, f_.metal, s_.dV}, .writes = {f_.gain}},
@@ -317,6 +334,7 @@ class list_of_passes {
   liquid::scheme<D>* scheme_;
   pairs::workspace<D>& w_ = f_.world.w;
   particles::particles<D>& s_ = w_.s;
+  particles::vector_field<D> slip_;
   std::size_t u_ = 0, q_ = 0, density_ = 0, T_ = 0, c_ = 0, h_ = 0;  // places of rates; of x from 0, of v from D on
 };
 

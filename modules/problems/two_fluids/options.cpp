@@ -135,6 +135,9 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   if (o.by_program) {
     schema.pass_over("walls", {"pressure"});
     volume::declare(schema, o.liquid);
+  } else {  // one input for all programs
+    schema.pass_over("walls", {"treatment"});
+    schema.pass_over("volume");
   }
   run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true, .settles = true});
 }

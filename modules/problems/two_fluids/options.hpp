@@ -109,7 +109,7 @@ struct options {
   scheme_options scheme;
   slowing_options slowing;
   // Where a program's own scheme takes its place: what it is told.
-  bool by_program = false, remembers_density = true, by_number = false;
+  bool by_program = false, integrates_volume = true, remembers_density = true, by_number = false;
   volume::options liquid;
   run::common_options common;
 

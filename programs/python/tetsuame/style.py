@@ -22,9 +22,10 @@ CYCLE = (BLUE, ORANGE, GREEN, PINK, VERMILION, SKY, INK)  # of runs that have no
 
 # The programs, in the order of table 1. C and E often coincide, so E's line is dashed and its marker open.
 COLOUR = {"A": ORANGE, "B": PINK, "C": BLUE, "D": VERMILION, "E": SKY, "F": GREEN,
-          "F2": "#33BBAA", "Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777"}
+          "F2": "#33BBAA", "Y": "#8C8200", "N": "#111111", "SSPH": "#882255", "rti": "#777777",
+          "C-tied": "#002266", "E-tied": "#3377AA", "F-tied": "#114422", "Y-tied": "#554400"}
 MARKER = {"A": "s", "B": "D", "C": "o", "D": "v", "E": "o", "F": "^"}
-DASHED = {"E", "F2"}
+DASHED = {"E", "F2", "C-tied", "E-tied", "F-tied", "Y-tied"}
 
 # The schemes for contacts and shocks: what weighs energy is cold, what weighs mass is warm.
 SCHEME = {"ssph": ("SSPH", ORANGE), "disph": ("DISPH", SKY), "gsph": ("GSPH", VERMILION), "gdisph": ("Godunov DISPH", BLUE),

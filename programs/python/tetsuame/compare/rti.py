@@ -25,16 +25,23 @@ SCHEMES = {
     "E": ("disph_e", "as C, pattern 2"),
     "F": ("disph_f", "our method, pressure from the equation of state, virtual markers, pattern 1"),
     "Y": ("disph_y", "Y by its own evolution equation, smoothed pressure, virtual markers, pattern 1"),
+    "C-tied": ("disph_c", "as C, density tied to the particles' places, mirrored walls"),
+    "E-tied": ("disph_e", "as E, density tied, mirrored walls"),
+    "F-tied": ("disph_f", "as F, density tied, mirrored walls"),
+    "Y-tied": ("disph_y", "as Y, Y tied, mirrored walls"),
     "N": ("disph_n", "volumes from the number density, pressure from the equation of state, mirrored walls, pattern 1"),
     "SSPH": ("ssph", "density by summation, pressure from the equation of state, mirrored walls, pattern 1"),
     "rti": ("rti", "as N, with a reference pressure, a kernel that resists no shear and a viscous sum of fourth order"),
 }
-PROGRAMS = tuple(program for program, _ in SCHEMES.values())
-QUICK = ("A", "C", "E", "F", "Y", "N", "SSPH", "rti")
+PROGRAMS = tuple(dict.fromkeys(program for program, _ in SCHEMES.values()))
+QUICK = ("A", "C", "E", "F", "Y", "C-tied", "F-tied", "N", "SSPH", "rti")
 GROWTH, OVERTURN = "growth", "overturn"
 VISCOSITY = ("rti.viscosity_upper=6e11", "rti.viscosity_lower=6e11")
-# The input's 3.5 spacings are for the Wendland kernel of rti: the quintic of the others would reach 10.5 particles far.
-OWN_SUPPORT = "kernel.h_over_dx=0"
+# As the notes have them: the quintic spline with its own support, walls with virtual markers, a density that nothing ties.
+AS_PUBLISHED = ("kernel.name=quintic", "kernel.h_over_dx=0", "volume.consistency=none")
+MARKERS, NOTHING, MIRROR = (f"walls.treatment={name}" for name in ("virtual_marker", "none", "mirror"))
+WALLS = dict.fromkeys("ACEFY", MARKERS) | dict.fromkeys("BD", NOTHING) | {"N": MIRROR, "SSPH": MIRROR}
+TIED = ("volume.consistency=tied", MIRROR)
 DEAR = {"A": 15.0, "B": 30.0}  # so many times the seconds of the others, which do not iterate
 TWO_AND_LEGEND = {"width_ratios": (1.0, 1.0, 0.28)}  # panels
 
@@ -62,8 +69,10 @@ def plan(given: argparse.Namespace, root: Path, parser: argparse.ArgumentParser)
 def run(root: Path, name: str, case: str, n: int, given: argparse.Namespace) -> Run:
     file = "rti_linear.nml" if case == GROWTH else "rti_note.nml"
     own = [f"rti.p_top={given.p_top:g}"] if case == GROWTH else ["time.t_end=5000", "output.interval=250", *VISCOSITY]
-    if case == OVERTURN and name != "rti":
-        own.append(OWN_SUPPORT)
+    if name.endswith("-tied"):
+        own += TIED
+    elif case == OVERTURN and name != "rti":
+        own += [*AS_PUBLISHED, WALLS[name]]
     settings = (f"domain.particles_x={n}", f"domain.particles_y={n}", *own, *given.settings)
     seconds = 3.0 * (n / 48)**3 * (1.0 if case == GROWTH else 3.0) * DEAR.get(name, 1.0)
     return of_size(SCHEMES[name][0], root / "inputs" / file, name, n, settings, case, seconds)
@@ -96,8 +105,9 @@ def row(outcome: Outcome, _outcomes: list[Outcome]) -> dict:
 def sections(outcomes: list[Outcome], measured: dict, folder: Path) -> list[str]:
     names = list(dict.fromkeys(one["variant"] for one in measured["runs"]))
     methods = [f"<b>{escape(name)}</b> ({SCHEMES[name][0]}): {escape(SCHEMES[name][1])}" for name in names]
-    return [pages.paragraph("The same input for all: metal over silicate in the note's box, each program with its own kernel, walls and viscous "
-                            "sum. A and B have Newton's iteration here: the plain one of the note diverges where p &lt; K/2."),
+    return [pages.paragraph("The same input for all: metal over silicate in the note's box, the notes' programs with their own kernel, walls and "
+                            "viscous sum, and those that integrate a density or Y once more with it tied to the particles' places "
+                            "(docs/theory/consistency.md). A and B have Newton's iteration here: the plain one of the note diverges where p &lt; K/2."),
             pages.listed(methods),
             pages.section("Who survives", outcome_table(measured, names)),
             pages.section(
