@@ -33,7 +33,7 @@ void declare(namelist::schema& schema, options& all) {
 }
 
 void resolve(const namelist::schema& schema, const options& o) {
-  if (schema.given("volume", "rate") && !o.consistency.ties())
+  if (o.consistency.rate != consistency_options{}.rate && !o.consistency.ties())
     schema.fail("volume", "rate", "belongs to consistency = 'tied'");
 }
 

@@ -36,11 +36,13 @@ class Tied(Case):
 
     def test_energy_closes(self):
         """Each gradient with the continuity whose work it does: pattern 1 with the particle's own volume, pattern 2 with the neighbour's.
-        Without relaxation nothing but time integration and the walls' weight is left; the notes' pairing makes a hundred times as much."""
+        Without relaxation what is left is what program N has, whose force is the slope of an energy: the walls' weight at n = 24, 1.8e-3."""
         settings = box(24, 6e11, **{"time.t_end": 1800, "volume.rate": 0})
+        of_n = self.metrics("disph_n", settings | {"volume.rate": 0.005})["energy_residual_max"]
+        self.assertLess(of_n, 2e-3)
         for program in ("disph_e", "disph_f", "disph_f2"):
             with self.subTest(program):
-                self.assertLess(self.metrics(program, settings)["energy_residual_max"], 1e-3)
+                self.assertLess(self.metrics(program, settings)["energy_residual_max"], 1.05 * of_n)
 
     def test_f_is_n(self):
         """Program F, tied, is the number density as a differential equation."""
@@ -50,20 +52,19 @@ class Tied(Case):
             self.assertLess(abs(f[fall] / n[fall] - 1), 2e-3, fall)
 
     def test_c_is_y(self):
-        """The same density, from Y = m p/rho: the same run to rounding."""
+        """The same density, from Y = m p/rho: the same run but for the error of time integration."""
         settings = box(20, 6e11, **{"time.t_end": 600, "output.interval": 0})
         c, y = self.metrics("disph_c", settings), self.metrics("disph_y", settings)
-        self.assertLess(abs(c["metal_centroid"] / y["metal_centroid"] - 1), 1e-9)
-        self.assertLess(abs(c["v_rms"] / y["v_rms"] - 1), 1e-7)
+        self.assertLess(abs(c["metal_centroid"] / y["metal_centroid"] - 1), 1e-6)
+        self.assertLess(abs(c["v_rms"] / y["v_rms"] - 1), 1e-4)
 
     def test_growth(self):
-        """As without (n = 24, [docs/studies/2026-11-22_schemes_on_the_same_layers.md])."""
-        settings = {"domain.particles_x": 24, "domain.particles_y": 24, "kernel.name": "wendland_c6", "rti.p_top": 1e10, "time.t_end": 1400}
+        """n = 48: 0.19 % fast, in proportion to the spacing squared; untied 0.07 (C) and 0.13 (F)."""
+        settings = {"domain.particles_x": 48, "domain.particles_y": 48, "kernel.name": "wendland_c6", "rti.p_top": 1e10, "time.t_end": 1400}
         for program in ("disph_c", "disph_f"):
             with self.subTest(program):
-                errors = [abs(m["growth_rate"] / m["growth_rate_theory"] - 1)
-                          for m in (self.metrics(program, {**settings, **change}, LINEAR) for change in (TIED, {"walls.treatment": "mirror"}))]
-                self.assertLess(errors[0], errors[1] + 0.002)
+                m = self.metrics(program, {**settings, **TIED}, LINEAR)
+                self.assertLess(abs(m["growth_rate"] / m["growth_rate_theory"] - 1), 0.003)
 
     def test_ranks_and_restart(self):
         for program, treatment in [("disph_y", "virtual_marker"), ("disph_c", "mirror"), ("disph_e", "virtual_marker")]:
@@ -79,7 +80,7 @@ class Tied(Case):
         self.assertIn("there is nothing to tie", (result.directory / "run.log").read_text())
         for program, name in [("disph_c", NOTE), ("disph_f", "hydrostatic_13")]:
             refused = self.call(program, *self.arguments(name, {"volume.consistency": "none", "volume.rate": 0.1}, self.here / "none"))
-            self.assert_says(refused, BAD_INPUT, "&volume rate", "consistency = 'tied'")
+            self.assert_says(refused, BAD_INPUT, "rate: belongs to consistency = 'tied'")
 
 
 if __name__ == "__main__":
