@@ -7,6 +7,8 @@ from running import BAD_INPUT, CALCULATION_FAILED, INPUTS, SLOW, Case, outcome
 LINEAR, NOTE, POSTER, CYLINDER, SPHERE = "rti_linear", "rti_note", "rti_poster", "drop_cylinder", "drop_sphere"
 POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_surface_tension", "drop_emulsion"
 
+# Of the notes, in an input that has what suits all programs.
+AS_PUBLISHED = {"kernel.name": "quintic", "kernel.h_over_dx": 0, "walls.treatment": "virtual_marker", "volume.consistency": "none"}
 DOUBLE = {"kernel.precision": "double"}  # where nothing but rounding may be left
 
 
