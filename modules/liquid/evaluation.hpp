@@ -27,7 +27,7 @@ class list_of_passes {
  public:
   using volume_module = typename Program::volume;
   static constexpr volume::carries carried = volume_module::carried;
-  using tied_continuity = typename Program::gradient::template energy_conserving_continuity<D>;
+  using tied_continuity = typename continuity_of<typename Program::gradient, D>::type;
 
   list_of_passes(run::state<D>& of, volume_module& how, const volume::options& o)
       : box_(of), how_(how), smoothing_(o.smoothing), consistency_(o.consistency) {}

@@ -51,6 +51,17 @@ void begin_forces(run::state<D>& box, const rates<D>& out) {
   std::visit([&](auto t) { t.template push<D>(w, box.walls, out.dv); }, box.treatment);
 }
 
+// The continuity whose work a gradient does, where it names one; else that of the notes.
+template <class Gradient, int D>
+struct continuity_of {
+  using type = gradient::continuity<D>;
+};
+template <class Gradient, int D>
+  requires requires { typename Gradient::template energy_conserving_continuity<D>; }
+struct continuity_of<Gradient, D> {
+  using type = typename Gradient::template energy_conserving_continuity<D>;
+};
+
 // The sums over the neighbours of these rows: pressure, continuity, viscosity, conduction.
 template <class Gradient, int D, class Continuity = gradient::continuity<D>>
 void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range& rows) {

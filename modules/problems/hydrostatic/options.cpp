@@ -31,7 +31,7 @@ void declare(namelist::schema& schema, material_options& o) {
              {.choices = choices, .meaning = "equation of state; its parameters default to the material's own"});
   schema.add("material", "curve", o.eos.curve, {.meaning = "of liquid_silicate: vinet or birch_murnaghan"});
   schema.add("material", "tillotson", o.eos.tillotson, {.meaning = "of tillotson: iron, granite or basalt"});
-  schema.add("material", "table", o.eos.table, eos::key_of_table());
+  schema.add("material", "table", o.eos.table, namelist::for_expert(eos::key_of_table()));
   for (const auto& p : eos::parameters) {
     namelist::key_info info = eos::key_of(p);
     for (const auto rare : {"bulk_modulus_second_derivative", "gruneisen", "gruneisen_exponent",
