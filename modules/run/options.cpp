@@ -158,9 +158,9 @@ void declare(namelist::schema& schema, start_options& o, const abilities& of_pro
                          " are those of its particles, as many as it has"});
   if (of_problem.settles)
     schema.add("initial", "settle", o.settle,
-               namelist::between(0.0, 1e3,
-                                 "a start at rest first moves, with its motion damped, for so many crossings of the "
-                                 "box by sound; 0: it does not"));
+               namelist::for_expert(namelist::between(0.0, 1e3,
+                                                      "a start at rest first moves, with its motion damped, for so "
+                                                      "many crossings of the box by sound; 0: it does not")));
 }
 
 // Largest dt c/dx and dt D/dx^2 (D: m2/s, the largest diffusivity) with a margin of a third or so: those of the

@@ -21,7 +21,7 @@ void declare(namelist::schema& schema, options& all) {
              {.choices = {"plain", "under_relaxed", "anderson", "newton"},
               .meaning = "plain as published; the others converge where it does not"});
   schema.add("hosono", "tolerance", o.tolerance,
-             up_to(1e-2, "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p"));
+             for_expert(up_to(1e-2, "converged when max |ln(Y_new/Y)| is below it, or below the rounding error of p")));
   schema.add("hosono", "max_iterations", o.max_iterations,
              for_expert(between(1, 1e7, "passes in one evaluation at most")));
   schema.add(

@@ -60,7 +60,7 @@ void declare_liquid(namelist::schema& schema, flow_options& o) {
   schema.add("flow", "exponent", o.exponent,
              for_expert(between(1, 15, "of the density in the pressure, B ((rho/density)^exponent - 1)")));
   schema.add("flow", "sound_factor", o.sound_factor,
-             between(1.0, 1000.0, "speed of sound over sqrt(gravity times the height of the water)"));
+             for_expert(between(1.0, 1000.0, "speed of sound over sqrt(gravity times the height of the water)")));
   schema.add("flow", "sound_speed", o.sound_speed,
              {.unit = "m/s",
               .minimum = 0.0,

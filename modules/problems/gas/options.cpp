@@ -112,7 +112,8 @@ void declare_test(namelist::schema& schema, shock_options& s) {
   schema.add("shock", "blast_radius", s.blast_radius,
              for_expert(between(1.0, 100.0, "sedov: within so many spacings the energy starts")));
   schema.add("shock", "corner", s.corner,
-             {.meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
+             {.expert = true,
+              .meaning = "sedov: the centre is in the corner at the origin, of which the box sees one quadrant or "
                          "octant; the energy is that of the whole explosion"});
   schema.add("shock", "layer", s.layer, positive("m", "kelvin_helmholtz, rayleigh_taylor: width of the layers"));
   schema.add("shock", "perturbation", s.perturbation,
