@@ -78,9 +78,6 @@ class list_of_passes {
     e.whole(stage, {.reads = {values}},
             [this, &values, what, unit] { volume::require_positive(box_.w, values, what, unit); });
   }
-  void check_pressure(passes::evaluation<D>& e, const char* stage, particles::array& values, const char* what) {
-    if (!tied_) check(e, stage, values, what);
-  }
 
   // ---- volumes ----------------------------------------------------------------------------
 
@@ -100,7 +97,7 @@ class list_of_passes {
   void declare_volume(passes::evaluation<D>& e, volume::our_method&) {
     if (tied_) volumes_by_number(e, counted_volume_, counted_density_);
     weigh_by_density(e);
-    check_pressure(e, "volume", s_.p_eos, "the equation of state's pressure p");
+    if (!tied_) check(e, "volume", s_.p_eos, "the equation of state's pressure p");
     walls_and_pressure(e);
   }
   void walls_and_pressure(passes::evaluation<D>& e) {
@@ -138,7 +135,6 @@ class list_of_passes {
     declare_walls(e);
     e.sum("pressure", {.at_neighbours = {s_.Y}, .writes = {s_.p}},
           [this](const pairs::row_range& rows) { volume::smooth_by_lattice(box_.w, smoothing_.normalise, rows); });
-    check(e, "pressure", s_.p, "the smoothed pressure p");
     volume_elements(e);
     e.each("volume", {.reads = {s_.m, s_.dV}, .writes = {s_.rho}},
            [this](std::size_t i) { s_.rho[i] = s_.m[i] / s_.dV[i]; });
@@ -184,13 +180,15 @@ class list_of_passes {
     if constexpr (smooths) {
       e.sum("pressure", {.at_neighbours = {s_.Y, V_}, .writes = {s_.p}},
             [this](const pairs::row_range& rows) { volume::smooth(box_.w, V_, smoothing_.normalise, rows); });
-      check_pressure(e, "pressure", s_.p, "the smoothed pressure p");
-      if (!tied_) volume_elements(e);
+      volume_elements(e);
     } else {
       e.each("pressure", {.reads = {s_.p_eos}, .writes = {s_.p}}, [this](std::size_t i) { s_.p[i] = s_.p_eos[i]; });
     }
   }
+  // ΔV = Y/p, for which the smoothed pressure has to be positive; tied, ΔV is there.
   void volume_elements(passes::evaluation<D>& e) {
+    if (tied_) return;
+    check(e, "pressure", s_.p, "the smoothed pressure p");
     e.each("pressure", {.reads = {s_.Y, s_.p}, .writes = {s_.dV}},
            [this](std::size_t i) { s_.dV[i] = s_.Y[i] / s_.p[i]; });
   }
@@ -229,8 +227,7 @@ class list_of_passes {
             else
               volume::smooth_over_walls<D, false>(box_.w, box_.walls);
           });
-    check_pressure(e, "pressure", s_.p, "the smoothed pressure p");
-    if (!tied_) volume_elements(e);
+    volume_elements(e);
   }
 
   // ---- walls ------------------------------------------------------------------------------
