@@ -150,8 +150,7 @@ class list_of_passes {
     check(e, "volume", s_.rho, "the density whose p dV is Y", "kg/m3");
     e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
            [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
-    e.each("volume", {.reads = {s_.m, s_.rho}, .writes = {V_}},
-           [this](std::size_t i) { V_[i] = s_.m[i] / s_.rho[i]; });
+    e.each("volume", {.reads = {s_.m, s_.rho}, .writes = {V_}}, [this](std::size_t i) { V_[i] = s_.m[i] / s_.rho[i]; });
     walls_and_pressure(e);
   }
   // The iteration brings what it finds to the ghosts itself.
@@ -272,7 +271,8 @@ class list_of_passes {
   void declare_forces(passes::evaluation<D>& e, const passes::fields& rates, const Out& out) {
     if (has_markers())
       e.walls("walls",
-              {.at_neighbours = {s_.p, s_.dV}, .gives = volumes_by_pressure() ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p}},
+              {.at_neighbours = {s_.p, s_.dV},
+               .gives = volumes_by_pressure() ? passes::fields{s_.p, s_.dV} : passes::fields{s_.p}},
               [this] { std::visit([this](auto t) { t.pressures(box_.w, box_.walls); }, box_.treatment); });
     e.whole("gradient", {.writes = {heat_}, .accumulates = {s_.v, s_.u}}, [this, out] { begin_forces(box_, out()); });
     e.sum("gradient",
@@ -308,9 +308,8 @@ class list_of_passes {
   }
 
   void tie(passes::evaluation<D>& e) {
-    e.each("gradient", {.reads = {counted_density_, s_.rho, material()}, .updates = {dlnrho_}}, [this](std::size_t i) {
-      dlnrho_[i] += volume::tie(box_.w, consistency_.rate, counted_density_[i], i);
-    });
+    e.each("gradient", {.reads = {counted_density_, s_.rho, material()}, .updates = {dlnrho_}},
+           [this](std::size_t i) { dlnrho_[i] += volume::tie(box_.w, consistency_.rate, counted_density_[i], i); });
   }
   // Forces of the smoothed pressure do work Σ_i p_i ΔV_i θ_i, θ the sum of continuity. With p_i = Σ_j Y_j W_ij that is
   // Σ_j Y_j (Σ_i ΔV_i θ_i W_ij): what compresses particle j is the smoothed θ, or energy is lost.
@@ -344,7 +343,8 @@ class list_of_passes {
   particles::array& counted_density_ = declare_if(carries_weight || tied_, "DensityByNumber", "kg/m^3");
   particles::array& counted_volume_ = declare_if(tied_, "VolumeByNumber", "m^D");
   const bool slip_counts_ = tied_ && box_.walls.any_no_slip();
-  particles::vector_field<D> slip_ = particles::declare_vector_if<D>(slip_counts_, s_, "WallSlip", "m/s", particles::role::derived);
+  particles::vector_field<D> slip_ =
+      particles::declare_vector_if<D>(slip_counts_, s_, "WallSlip", "m/s", particles::role::derived);
   particles::array& expansion_ = declare_if(tied_ && smooths, "ExpansionRate", "m^D/s");
   particles::array& fluid_mass_ = declare_if(std::is_same_v<volume_module, volume::density_sum>, "FluidMass", "kg");
 };

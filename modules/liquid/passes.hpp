@@ -45,8 +45,8 @@
   where template void tetsuame::liquid::begin_forces(run::state<D>&, const rates<D>&);                                 \
   TETSUAME_LIQUID_FORCES(where, D, pattern_1);                                                                         \
   TETSUAME_LIQUID_FORCES(where, D, pattern_2);                                                                         \
-  where template void tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D,                                   \
-                                                   tetsuame::gradient::own_continuity<D>>(                            \
+  where template void                                                                                                  \
+  tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D, tetsuame::gradient::own_continuity<D>>(               \
       run::state<D>&, const rates<D>&, const pairs::row_range&)
 
 TETSUAME_MARKER_PASSES(extern, 2);

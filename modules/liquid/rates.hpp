@@ -57,7 +57,7 @@ struct continuity_of {
   using type = gradient::continuity<D>;
 };
 template <class Gradient, int D>
-  requires requires { typename Gradient::template energy_conserving_continuity<D>; }
+requires requires { typename Gradient::template energy_conserving_continuity<D>; }
 struct continuity_of<Gradient, D> {
   using type = typename Gradient::template energy_conserving_continuity<D>;
 };
@@ -81,8 +81,7 @@ void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range&
 
 // The rates of particle i. tied: the volume is (volume/consistency.hpp), and Y has the rate that follows from ρ's.
 template <class Volume, int D>
-void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t i,
-                  bool tied = false) {
+void finish_rates(const pairs::workspace<D>& w, const rates<D>& out, std::size_t i, bool tied = false) {
   using volume::carries;
   const auto& s = w.s;
   const double per_mass = 1.0 / s.m[i], dlnrho = out.dlnrho[i], friction = out.heat[i] * per_mass;

@@ -1,9 +1,10 @@
-// Continuity beside walls of no slip. What stands behind such a wall has the velocity 2 u_wall - v, which friction needs;
-// its place, however, moves along the wall with the fluid's image: v_t, -v_n. The sum of continuity with the former
+// Continuity beside walls of no slip. What stands behind such a wall has the velocity 2 u_wall - v, which friction
+// needs; its place, however, moves along the wall with the fluid's image: v_t, -v_n. The sum of continuity with the
+// former
 //   D ln ρ_i/Dt = Σ_j ΔV_j v_ij·∇_i W_ij
 // is not the rate at which the number density changes: beneath a plume that spreads along a floor ρ grows without end.
-// Added here is what the other velocity makes of the sum. The same choice, walls' own velocity in the continuity equation
-// and an extrapolated one in friction: Adami et al., J. Comput. Phys. 231, 7057 (2012), section 2.
+// Added here is what the other velocity makes of the sum. The same choice, walls' own velocity in the continuity
+// equation and an extrapolated one in friction: Adami et al., J. Comput. Phys. 231, 7057 (2012), section 2.
 #pragma once
 
 #include <gradient/continuity.hpp>
@@ -17,9 +18,8 @@ void choose_near_no_slip(const pairs::workspace<D>& w, wall_set<D>& set, double 
   const auto& s = w.s;
   const double reach = w.support() + moved;
   auto near = foundation::indices_where<std::size_t>(s.fluid, [&](std::size_t i) {
-    return std::ranges::any_of(set.sides, [&](const side<D>& wall) {
-      return wall.no_slip && wall.distance(s.x[wall.axis][i]) < reach;
-    });
+    return std::ranges::any_of(
+        set.sides, [&](const side<D>& wall) { return wall.no_slip && wall.distance(s.x[wall.axis][i]) < reach; });
   });
   set.near_no_slip = pairs::choose(w.list, std::move(near), s.total());
 }

@@ -118,8 +118,9 @@ void choose_by_program(const namelist::schema& schema, const char* group, option
   p.symmetric_stress = false;
   volume::resolve(schema, o.liquid);
   if (o.liquid.consistency.ties() && !o.integrates_volume)
-    p.lines.emplace_back("note: &volume consistency: this program finds its volumes anew in every evaluation; there is "
-                         "nothing to tie");
+    p.lines.emplace_back(
+        "note: &volume consistency: this program finds its volumes anew in every evaluation; there is "
+        "nothing to tie");
   if (schema.passed().empty()) return;
   p.lines.push_back(
       fmt::format("note: passed over, as this program has a scheme of its own: {}", fmt::join(schema.passed(), ", ")));
