@@ -145,7 +145,7 @@ class Regions(Case):
                 ("&region density = 5 pressure = 1e10 /\n", {}, ["&region density", "pressure"]),
                 (STAR, {"rti.start": "eigenmode"}, ["&rti start", "'coloured'"]),
                 (STAR, {"rti.masses": "equal_mass"}, ["&rti masses"]),
-                (STAR + "&region velocity_x = 1 /\n", {"initial.settle": 1}, ["&initial settle", "the start moves"])]:
+                (STAR + "&region velocity_x = 1 /\n", {"initial.settle": 1}, ["&expert settle", "the start moves"])]:
             with self.subTest(more=more, **settings):
                 result = self.call("rti", *self.arguments(self.given(RTI + more), settings, self.here / "none"))
                 self.assert_says(result, BAD_INPUT, *parts)
