@@ -29,8 +29,8 @@ class list_of_passes {
   static constexpr volume::carries carried = volume_module::carried;
   using tied_continuity = typename continuity_of<typename Program::gradient, D>::type;
 
-  list_of_passes(run::state<D>& of, volume_module& how, const volume::options& o)
-      : box_(of), how_(how), smoothing_(o.smoothing), consistency_(o.consistency) {}
+  list_of_passes(run::state<D>& of, volume_module& how, const volume::options& o, const volume::pressure_rule& rule)
+      : box_(of), how_(how), smoothing_(o.smoothing), consistency_(o.consistency), rule_(rule) {}
 
   // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
   // integrated fields that the last pass serves.
@@ -72,7 +72,12 @@ class list_of_passes {
   // Y = p ΔV has a sense only where p > 0; tied, ΔV = m/ρ and nothing is divided by p.
   bool volumes_by_pressure() const { return smooths && !tied_; }
   passes::fields material() { return {s_.p_eos, s_.K_T, s_.alpha, s_.c_V, s_.c}; }
-  volume::wall_context<D> around() { return {box_.treatment, box_.walls, smoothing_, V_}; }
+  // A rule for pressures may ask where a particle is.
+  passes::fields with_places(passes::fields reads) {
+    if (rule_) reads.add({s_.x});
+    return reads;
+  }
+  volume::wall_context<D> around() { return {box_.treatment, box_.walls, smoothing_, V_, rule_}; }
   void check(passes::evaluation<D>& e, const char* stage, particles::array& values, const char* what,
              const char* unit = "Pa") {
     e.whole(stage, {.reads = {values}},
@@ -83,8 +88,8 @@ class list_of_passes {
 
   // V = m/ρ, Y = p^ V.
   void weigh_by_density(passes::evaluation<D>& e) {
-    e.each("volume", {.reads = {s_.rho, s_.T, s_.m}, .writes = {V_, s_.Y, material()}},
-           [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last); });
+    e.each("volume", {.reads = with_places({s_.rho, s_.T, s_.m}), .writes = {V_, s_.Y, material()}},
+           [this](std::size_t first, std::size_t last) { volume::weights_by_density(box_.w, V_, first, last, rule_); });
   }
   void volumes_by_number(passes::evaluation<D>& e, particles::array& V, particles::array& density) {
     e.sum("volume", {.writes = {V}}, [this, &V](const pairs::row_range& rows) {
@@ -107,8 +112,8 @@ class list_of_passes {
   }
   void declare_volume(passes::evaluation<D>& e, volume::number_density&) {
     volumes_by_number(e, V_, s_.rho);
-    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
-           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+    e.each("volume", {.reads = with_places({s_.rho, s_.T}), .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last, rule_); });
     e.each("volume", {.reads = {s_.p_eos, V_}, .writes = {s_.Y}},
            [this](std::size_t i) { s_.Y[i] = s_.p_eos[i] * V_[i]; });
     declare_walls(e);
@@ -138,8 +143,8 @@ class list_of_passes {
     volume_elements(e);
     e.each("volume", {.reads = {s_.m, s_.dV}, .writes = {s_.rho}},
            [this](std::size_t i) { s_.rho[i] = s_.m[i] / s_.dV[i]; });
-    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
-           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+    e.each("volume", {.reads = with_places({s_.rho, s_.T}), .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last, rule_); });
   }
   void volumes_by_weight(passes::evaluation<D>& e) {
     volumes_by_number(e, counted_volume_, counted_density_);
@@ -148,8 +153,8 @@ class list_of_passes {
              volume::density_by_weight(box_.w, counted_density_, first, last);
            });
     check(e, "volume", s_.rho, "the density whose p dV is Y", "kg/m3");
-    e.each("volume", {.reads = {s_.rho, s_.T}, .writes = {material()}},
-           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last); });
+    e.each("volume", {.reads = with_places({s_.rho, s_.T}), .writes = {material()}},
+           [this](std::size_t first, std::size_t last) { volume::equation_of_state(box_.w, first, last, rule_); });
     e.each("volume", {.reads = {s_.m, s_.rho}, .writes = {V_}}, [this](std::size_t i) { V_[i] = s_.m[i] / s_.rho[i]; });
     walls_and_pressure(e);
   }
@@ -298,13 +303,8 @@ class list_of_passes {
 
   // What the walls' own places make of continuity, where these are of no slip.
   void declare_slip(passes::evaluation<D>& e) {
-    e.walls("gradient", {.at_neighbours = {s_.v, s_.dV}, .updates = {dlnrho_}}, [this] {
-      walls::fill_slip(box_.w, box_.walls, slip_);
-      if (passes::behind<D>(box_) == passes::behind_walls::particles) box_.w.exchange_walls(slip_, {});
-      walls::continuity_of_slip<D, tied_continuity> slip;
-      slip.v = slip_.read(), slip.dV = s_.dV.data(), slip.dlnrho = dlnrho_.data();
-      box_.w.sum(box_.walls.near_no_slip, slip);
-    });
+    e.walls("gradient", {.at_neighbours = {s_.v, s_.dV}, .updates = {dlnrho_}},
+            [this] { walls::add_continuity_of_slip<D, tied_continuity>(box_.w, box_.walls, slip_, s_.dV, dlnrho_); });
   }
 
   void tie(passes::evaluation<D>& e) {
@@ -333,6 +333,7 @@ class list_of_passes {
   volume_module& how_;
   const volume::smoothing_options smoothing_;
   const volume::consistency_options consistency_;
+  const volume::pressure_rule& rule_;
   const bool tied_ = carried != volume::carries::nothing && consistency_.ties();
   particles::particles<D>& s_ = box_.w.s;
   passes::fields transport_;

@@ -16,6 +16,9 @@ class scheme {
  public:
   virtual ~scheme() = default;
 
+  // The problem's, of what the equation of state says; set before begin().
+  volume::pressure_rule rule;
+
   // ρ, Y or nothing is integrated beside x, v, T and u.
   virtual volume::carries carried() const = 0;
   // When the particles of the start are in their places, with ρ, T and m.
@@ -91,6 +94,7 @@ struct program {
   const char* wall;
   bool iterates;           // for Y, to a tolerance
   bool integrates_volume;  // ρ or Y is integrated
+  bool integrates_weight;  // Y is
   bool remembers_density;  // ρ is known before an evaluation, from what is carried or remembered
   bool by_number;          // volumes are those of the number density, pressures those of the equation of state
   std::function<std::unique_ptr<scheme<2>>(const volume::options&)> in_2d;

@@ -29,7 +29,7 @@ class scheme_of : public scheme<D> {
 
   void begin(run::state<D>& box) override {
     auto& w = box.w;
-    volume::equation_of_state(w, w.s.fluid);
+    volume::equation_of_state(w, 0, w.s.fluid, this->rule);
     if constexpr (iterates) {
       volume::add_density_guess(w.s);
       start_kappa_ = volume::detail::largest_kappa(w);
@@ -41,7 +41,7 @@ class scheme_of : public scheme<D> {
   }
   void declare(run::state<D>& box, passes::evaluation<D>& e, const passes::fields& rates, bool viscosity_changes,
                std::function<liquid::rates<D>()> out) override {
-    list_.emplace(box, how_, options_);
+    list_.emplace(box, how_, options_, this->rule);
     list_->declare(e, rates, viscosity_changes, std::move(out));
   }
 
@@ -121,6 +121,7 @@ program describe() {
           .wall = Program::wall::name,
           .iterates = scheme::iterates,
           .integrates_volume = scheme::volume_module::carried != volume::carries::nothing,
+          .integrates_weight = scheme::volume_module::carried == volume::carries::weight,
           .remembers_density = scheme::iterates || scheme::volume_module::carried == volume::carries::density,
           .by_number = std::is_same_v<typename Program::volume, volume::number_density> &&
                        !std::is_same_v<typename Program::pressure, volume::smoothed>,

@@ -63,6 +63,7 @@ struct fluids_of_input : problem_of_input {
     if (!scheme) return;
     o.by_program = true;
     o.integrates_volume = scheme->integrates_volume;
+    o.integrates_weight = scheme->integrates_weight;
     o.remembers_density = scheme->remembers_density;
     o.by_number = scheme->by_number;
     o.walls.treatment = scheme->wall;

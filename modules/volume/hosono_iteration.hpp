@@ -63,7 +63,7 @@ struct pass {
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
     foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = s.m[i] * s.p[i] / s.Y[i]; });
-    equation_of_state(w, s.fluid);
+    equation_of_state(w, 0, s.fluid, around.rule);
   }
   // max |ln(p^/p)| over all particles; infinite where p^ or p is not positive.
   double residual() const {
@@ -125,6 +125,7 @@ std::string worst_particle(const pairs::workspace<D>& w) {
 // Proof that no state with p > 0 exists (docs/theory/lattice_sum.md), as a sentence; empty if a state may exist.
 template <int D>
 std::string no_state_exists(pairs::workspace<D>& w, const wall_context<D>& around) {
+  if (around.rule) return "";  // the bound is that of the equation of state
   auto& s = w.s;
   particles::array dV(s.total() + 1);
   const double scale = around.smoothing.normalise ? w.lattice_sum : 1.0;
@@ -287,7 +288,7 @@ integrators::nonlinear_result newton_from_here(pass<D>& one, double tolerance) {
   });
   const auto residual = [&](std::span<const double> at, std::span<double> f) {
     foundation::for_all(s.fluid, [&](std::size_t i) { s.rho[i] = std::exp(at[i]); });
-    weights_by_density(w, around.V, 0, s.fluid);
+    weights_by_density(w, around.V, 0, s.fluid, around.rule);
     w.exchange_fluid({s.Y.data()});
     around.weights(w);
     smooth_by_lattice(w, around.smoothing.normalise, w.fluid());
@@ -370,7 +371,7 @@ void hosono_iteration::determine(pairs::workspace<D>& w, const wall_context<D>& 
   // Y, p and ρ of the last pass are consistent: bring them to the ghosts. For newton ρ is the unknown itself, and
   // m p/Y in its place would enlarge the residual by the factor κ - 1.
   w.exchange_fluid({s.p.data(), s.rho.data(), s.Y.data()});
-  equation_of_state(w, s.first_wall());
+  equation_of_state(w, 0, s.first_wall(), around.rule);
   foundation::for_all(s.first_wall(), [&](std::size_t i) { s.dV[i] = s.Y[i] / s.p[i]; });
 }
 

@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <foundation/threads.hpp>
+#include <functional>
 #include <pairs/workspace.hpp>
 #include <utility>
 #include <volume/options.hpp>
@@ -20,6 +21,10 @@ namespace tetsuame::volume {
 // Which field beside position, velocity, temperature and energy is part of the state.
 enum class carries { density, weight, nothing };
 
+// What a problem makes of the equation of state's values of the particles [first, last), such as slowed sound. None:
+// they stay.
+using pressure_rule = std::function<void(std::size_t first, std::size_t last)>;
+
 // Everything `determine` may use beside the workspace.
 template <int D>
 struct wall_context {
@@ -27,6 +32,7 @@ struct wall_context {
   walls::wall_set<D>& walls;
   smoothing_options smoothing;
   particles::array& V;
+  const pressure_rule& rule;
 
   // Y of the walls from the fluid's.
   void weights(pairs::workspace<D>& w) const {
@@ -121,15 +127,17 @@ void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t la
         w.materials[k]);
 }
 template <int D>
-void equation_of_state(pairs::workspace<D>& w, std::size_t n) {
-  equation_of_state(w, 0, n);
+void equation_of_state(pairs::workspace<D>& w, std::size_t first, std::size_t last, const pressure_rule& rule) {
+  equation_of_state(w, first, last);
+  if (rule) rule(first, last);
 }
 
 // V = m/ρ and Y = p^ V of the particles [first, last), with the equation of state.
 template <int D>
-void weights_by_density(pairs::workspace<D>& w, particles::array& V, std::size_t first, std::size_t last) {
+void weights_by_density(pairs::workspace<D>& w, particles::array& V, std::size_t first, std::size_t last,
+                        const pressure_rule& rule) {
   auto& s = w.s;
-  equation_of_state(w, first, last);
+  equation_of_state(w, first, last, rule);
   foundation::for_all(last - first, [&](std::size_t k) {
     const std::size_t i = first + k;
     V[i] = s.m[i] / s.rho[i];

@@ -52,4 +52,15 @@ struct continuity_of_slip : Continuity {
   }
 };
 
+// The same for all of them. slip: m/s, zero of the fluid and its ghosts; dV: m^D; dlnrho: 1/s, added to. Collective.
+template <int D, class Continuity>
+void add_continuity_of_slip(const pairs::workspace<D>& w, const wall_set<D>& set, particles::vector_field<D>& slip,
+                            const particles::array& dV, particles::array& dlnrho) {
+  fill_slip(w, set, slip);
+  w.exchange_walls(slip, {});
+  continuity_of_slip<D, Continuity> sum;
+  sum.v = slip.read(), sum.dV = dV.data(), sum.dlnrho = dlnrho.data();
+  w.sum(set.near_no_slip, sum);
+}
+
 }  // namespace tetsuame::walls

@@ -172,17 +172,34 @@ void add_eos(CLI::App& app, plan::eos_question& q) {
   app.add_option("--json", q.json, "write the states to this file as well")->type_name("FILE");
 }
 
+void add_ocean(CLI::App& app, plan::ocean_question& q) {
+  add_positive(app, "--nickel", q.nickel, "core over mantle, by weight")->capture_default_str();
+  add_positive(app, "--cobalt", q.cobalt, "core over mantle, by weight")->capture_default_str();
+  add_positive(app, "--iron-ratio", q.iron_ratio, "mole fraction of Fe in the metal over that of FeO in the silicate")
+      ->capture_default_str();
+  app.add_option("--melt-fraction", q.melt_fraction, "where metal and silicate meet: 1 the liquidus, 0 the solidus")
+      ->check(finite(0.0, 1.0, false))
+      ->capture_default_str();
+  app.add_option("--composition", q.composition, "of the liquidus")
+      ->check(CLI::IsMember({"peridotitic", "chondritic"}))
+      ->capture_default_str();
+  app.add_option("--rock", q.rock, "equation of state of the column above")->capture_default_str();
+  add_positive(app, "--g", q.g, "gravity (m/s2)")->capture_default_str();
+  app.add_option("--json", q.json, "write everything to this file as well")->type_name("FILE");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   // What is none of the questions is an input.
   const std::string first = argc > 1 ? argv[1] : "";
-  const bool of_input =
-      !first.empty() && first[0] != '-' && first != "relaxation" && first != "timestep" && first != "eos";
+  const bool of_input = !first.empty() && first[0] != '-' && first != "relaxation" && first != "timestep" &&
+                        first != "eos" && first != "ocean";
   trial_question trial;
   plan::relaxation_question relaxation;
   plan::timestep_question timestep;
   plan::eos_question equation;
+  plan::ocean_question ocean;
   CLI::App app{"Time steps, their number, and the time and memory they take, before a run is started.", "plan"};
   if (of_input) {
     add_trial(app, trial);
@@ -194,6 +211,7 @@ int main(int argc, char** argv) {
     add_timestep(*app.add_subcommand("timestep", "metal sinking through silicate with damped sound: eta, steps"),
                  timestep);
     add_eos(*app.add_subcommand("eos", "an equation of state: states, curves, and a table of it"), equation);
+    add_ocean(*app.add_subcommand("ocean", "depth of a magma ocean by nickel and cobalt left in the mantle"), ocean);
   }
   if (const int status = tools::parse(app, argc, argv); status >= 0) return status;
   return tools::carry_out("plan", foundation::exit_status::calculation_failed, [&] {
@@ -203,6 +221,8 @@ int main(int argc, char** argv) {
       answer_relaxation(relaxation);
     else if (app.got_subcommand("eos"))
       answer_eos(equation);
+    else if (app.got_subcommand("ocean"))
+      answer_ocean(ocean);
     else
       answer_timestep(timestep);
     return 0;

@@ -9,6 +9,7 @@ POND, PARTITIONING, TENSION, EMULSION = "pond_on_mantle", "partitioning", "drop_
 
 # Of the notes, in an input that has what suits all programs.
 AS_PUBLISHED = {"kernel.name": "quintic", "kernel.h_over_dx": 0, "walls.treatment": "virtual_marker", "volume.consistency": "none"}
+MIRRORED = {"kernel.name": "wendland_c6", "kernel.h_over_dx": 3.5, "walls.treatment": "mirror", "volume.consistency": "tied"}
 DOUBLE = {"kernel.precision": "double"}  # where nothing but rounding may be left
 
 
@@ -225,7 +226,26 @@ class Slowed(Case):
                 _, slowed = self.growth(LINEAR, {**self.STIFF, "rti.zeta": 3.7, "rti.xi": 29, **change})
                 self.assertLess(abs(slowed), 0.01)
 
+    def test_programs(self):
+        """The notes' schemes: what inertia takes from growth is what theory says, beside the viscous sum's error on the lattice (a tenth here),
+        which either run has."""
+        for program in ("disph_c", "disph_f2", "disph_n") if SLOW else ("disph_c",):
+            ratios = []
+            for xi in (29, 90):
+                m = self.run_program(program, LINEAR, {**self.STIFF, **MIRRORED, "rti.zeta": 3.7, "rti.xi": xi}).summary["metrics"]
+                self.assertLess(abs(m["energy_residual_max"]), 1e-2)
+                ratios.append(m["growth_rate"] / m["growth_rate_slowed"])
+            self.assertAlmostEqual(ratios[1] / ratios[0], 1, delta=0.01)
+
+    def test_plain_iteration(self):
+        """K_T/p < 2 everywhere is what Hosono's iteration needs: stiffness over zeta^2 can have it."""
+        settings = {**size(16), "time.steps": 3, "output.interval": 0, "hosono.solver": "plain", "walls.treatment": "mirror"}
+        self.run_program("disph_a", NOTE, settings, expect=CALCULATION_FAILED)
+        m = self.run_program("disph_a", NOTE, {**settings, "rti.zeta": 12, "time.cfl": 0.1}).summary["metrics"]
+        self.assertLess(m["hosono_kappa"], 2)
+
     def test_ranks_threads_restart(self):
+        self.assert_exact("disph_c", NOTE, {**size(20), "time.steps": 20, "output.interval": 0, "rti.zeta": 1.5, "rti.xi": 3}, 10, [(3, 1)])
         for name, more in [(NOTE, {}), (POSTER, {"rti.rows": "lattice"})]:
             with self.subTest(name):
                 settings = {**size(20), "time.steps": 60, "rti.amplitude": 4e4, "output.interval": 0, "rti.zeta": 1.5, "rti.xi": 3, **more}
@@ -233,7 +253,7 @@ class Slowed(Case):
 
     def test_refused(self):
         for program, name, change, words in [("rti", POSTER, {"rti.zeta": 2}, "balanced"), ("drop", EMULSION, {"drop.zeta": 2}, "one drop"),
-                                             ("rti", NOTE, {"rti.zeta": 0.5}, "zeta")]:
+                                             ("rti", NOTE, {"rti.zeta": 0.5}, "zeta"), ("disph_y", NOTE, {"rti.zeta": 2}, "equation of Y")]:
             with self.subTest(name, **change):
                 result = self.call(program, *self.arguments(name, change, self.here / "none"))
                 self.assertEqual(result.status, BAD_INPUT, result)

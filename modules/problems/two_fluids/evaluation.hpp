@@ -116,7 +116,10 @@ class list_of_passes {
     e.each("equation of state", uses, [this](std::size_t first, std::size_t last) {
       volume::equation_of_state(w_, first, last);
       if (!f_.slows) return;
-      for (std::size_t i = first; i < last; ++i) slow_sound(f_, i);
+      for (std::size_t i = first; i < last; ++i) {
+        f_.lift[i] = find_lift(f_, i, s_.dV[i]);
+        slow_pressure(f_, i);
+      }
     });
     if (f_.enthalpy) find_phases();
     if (f_.dissolved) find_partitions();
@@ -176,7 +179,7 @@ class list_of_passes {
     if (f_.carried)
       e.sum("continuity", {.reads = {s_.c}, .at_neighbours = {s_.v, s_.dV, s_.p_eos, s_.rho}, .writes = {f_.rho_rate}},
             [this](const pairs::row_range& rows) { sum_density_rate(f_, rows); });
-    if (f_.carried && !f_.follows && f_.world.walls.any_no_slip()) add_slip_to_continuity();
+    if ((f_.carried || f_.warms) && !f_.follows && f_.world.walls.any_no_slip()) add_slip_to_continuity();
     if (f_.o.conducts())
       e.sum("conduction", {.at_neighbours = {s_.T, s_.k, s_.dV}, .writes = {f_.conducted}},
             [this](const pairs::row_range& rows) { conduct(f_, rows); });
@@ -192,16 +195,23 @@ class list_of_passes {
     f_.world.walls.asks_near_no_slip = true;
     slip_ = particles::declare_vector<D>(s_, "WallSlip", "m/s", particles::role::derived);
     auto& dlnrho = particles::declare(s_, "LogDensityRateOfSlip", "1/s", particles::role::derived);
-    e.walls("continuity", {.reads = {s_.rho}, .at_neighbours = {s_.v, s_.dV}, .updates = {f_.rho_rate}},
-            [this, &dlnrho] {
-              const auto& near = f_.world.walls.near_no_slip;
-              walls::fill_slip(w_, f_.world.walls, slip_);
-              for (const std::size_t i : near.rows) dlnrho[i] = 0.0;
-              walls::continuity_of_slip<D, gradient::continuity<D>> slip;
-              slip.v = slip_.read(), slip.dV = s_.dV.data(), slip.dlnrho = dlnrho.data();
-              w_.sum(near, slip);
-              for (const std::size_t i : near.rows) f_.rho_rate[i] += s_.rho[i] * dlnrho[i];
-            });
+    const auto& near = f_.world.walls.near_no_slip;
+    if (f_.carried)
+      e.walls("continuity", {.reads = {s_.rho}, .at_neighbours = {s_.v, s_.dV}, .updates = {f_.rho_rate}},
+              [this, &dlnrho, &near] {
+                sum_slip<gradient::continuity<D>>(dlnrho);
+                for (const std::size_t i : near.rows) f_.rho_rate[i] += s_.rho[i] * dlnrho[i];
+              });
+    if (f_.warms)
+      e.walls("continuity", {.at_neighbours = {s_.v, s_.dV}, .updates = {f_.compression}}, [this, &dlnrho, &near] {
+        sum_slip<gradient::own_continuity<D>>(dlnrho);
+        for (const std::size_t i : near.rows) f_.compression[i] += dlnrho[i] / s_.dV[i];
+      });
+  }
+  template <class Continuity>
+  void sum_slip(particles::array& dlnrho) {
+    for (const std::size_t i : f_.world.walls.near_no_slip.rows) dlnrho[i] = 0.0;
+    walls::add_continuity_of_slip<D, Continuity>(w_, f_.world.walls, slip_, s_.dV, dlnrho);
   }
   void add_element_exchange() {
     e.sum("element", {.at_neighbours = {f_.element, f_.partition, f_.mobility, f_.metal, s_.dV}, .writes = {f_.gain}},
@@ -272,7 +282,7 @@ class list_of_passes {
     if (f_.warms) rates.add({s_.T});
     scheme_->declare(f_.world, e, rates, viscosity_changes(), [this] { return rates_of_scheme(); });
     f_.tension.declare(e);
-    passes::access uses{.reads = {s_.m, f_.inertia, f_.tension.force}, .rates = {s_.u, s_.v}};
+    passes::access uses{.reads = {s_.x, s_.v, s_.m, s_.T, s_.rho, f_.inertia, f_.tension.force}, .rates = {s_.u, s_.v}};
     if (f_.enthalpy) uses.rates.add({f_.content});
     e.each("rates", uses, [this](std::size_t i) { part_heat(i); });
     if (f_.dissolved) exchange_element_beside_scheme();
@@ -280,14 +290,14 @@ class list_of_passes {
   }
   // By the density that is carried or remembered; the pressure is the scheme's to find afterwards.
   void find_phases_before_scheme() {
-    passes::access uses{.reads = {f_.content}, .writes = {f_.melt, f_.inertia}, .updates = {s_.T}};
+    passes::access uses{.reads = {s_.x, f_.content}, .writes = {f_.melt, f_.inertia}, .updates = {s_.T}};
     if (viscosity_changes()) {
       e.remembered({s_.eta});
       uses.updates.add({s_.eta});
     }
     e.whole("phases", uses, [this] {
       scheme_->recall_density(f_.world);
-      volume::equation_of_state(w_, s_.fluid);
+      volume::equation_of_state(w_, 0, s_.fluid, scheme_->rule);
       foundation::for_all(s_.fluid, [&](std::size_t i) { find_phase(f_, i); });
     });
   }
@@ -312,8 +322,14 @@ class list_of_passes {
     rate(u_)[i] -= heating;
     if (f_.enthalpy) rate(h_)[i] = heating;
     for (std::size_t a = 0; a < D && f_.tense; ++a) rate(D, a)[i] += f_.tension.force[a][i] / s_.m[i];
-    if (!f_.enthalpy || f_.inertia[i] == 1.0) return;
-    for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] /= f_.inertia[i];
+    if (f_.slows) {
+      const double lift = find_lift(f_, i, s_.m[i] / s_.rho[i]) / s_.m[i];
+      rate(D, 1)[i] += lift;
+      rate(u_)[i] -= lift * s_.v[1][i];
+    }
+    const double inertia = f_.inertia_of(i);
+    if (inertia == 1.0) return;
+    for (std::size_t a = 0; a < D; ++a) rate(D, a)[i] /= inertia;
   }
   // Nothing dissolved in what stands behind walls takes part.
   void exchange_element_beside_scheme() {

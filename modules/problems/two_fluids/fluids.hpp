@@ -75,7 +75,7 @@ class fluids {
   particles::array& heat = field(true, "Heating", "W");
   particles::array& rho_rate = field(!by_program && carried, "DensityRate", "kg/(m^D s)");
   particles::array& conducted = field(o.conducts(), "ConductedHeat", "W");
-  particles::array& lift = field(slows, "Lift", "N");  // of slowed sound
+  particles::array& lift = field(!by_program && slows, "Lift", "N");  // of slowed sound
 
   particles::array& melt = field(enthalpy, "MeltFraction", "1");
   particles::array& inertia = field(enthalpy, "Inertia", "1");  // what ξ² has of the viscosity

@@ -114,11 +114,10 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
     declare_waves(schema, group, o);
   if (o.by_program)
     schema.pass_over(group, {"volume", "pressure", "gradient", "volume_element", "reference_pressure", "supports",
-                             "normalise", "delta", "viscous_order", "stress", "rows", "zeta", "xi",
-                             std::string("xi_") + names[0], std::string("xi_") + names[1]});
+                             "normalise", "delta", "viscous_order", "stress", "rows"});
   else
     declare(schema, group, o.scheme);
-  if (!o.by_program) declare(schema, kind, o.slowing);
+  declare(schema, kind, o.slowing);
   declare(schema, o.melting);
   declare(schema, o.element);
   o.walls.slip = "free_slip";

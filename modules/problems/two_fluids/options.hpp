@@ -50,6 +50,7 @@ struct slowing_options {
   std::array<std::optional<double>, 2> xi_of{};  // lower, upper; outside, drop
   double xi_n(std::size_t n) const { return xi_of[n].value_or(xi); }
   bool any() const { return zeta > 1.0 || xi_n(0) > 1.0 || xi_n(1) > 1.0; }
+  double of_sound() const { return zeta * std::max(xi_n(0), xi_n(1)); }  // what it takes longer by
 };
 
 // Of the lower (outer) material, where temperature_law is 'enthalpy'.
@@ -109,7 +110,8 @@ struct options {
   scheme_options scheme;
   slowing_options slowing;
   // Where a program's own scheme takes its place: what it is told.
-  bool by_program = false, integrates_volume = true, remembers_density = true, by_number = false;
+  bool by_program = false, integrates_volume = true, integrates_weight = false, remembers_density = true,
+       by_number = false;
   volume::options liquid;
   run::common_options common;
 
@@ -174,6 +176,9 @@ double viscosity_by_melt(const melting_options& o, double T, double melt_fractio
 void declare(namelist::schema& schema, problem_kind kind, options& o);
 // Linear theory of the layers over each other, at rest as the input has them; nothing slowed.
 theory::two_layers layers(const options& o, const parameters& p, bool compressible);
+// Those of a program's scheme: density is tied by crossings of sound as it is slowed.
+volume::options liquid_options(const options& o);
+
 theory::two_layers slowed_layers(const options& o, const parameters& p, const slowing_options& slowed);
 parameters resolve(const namelist::schema& schema, problem_kind kind, options& o);
 double particles_at_start(const options& o, const parameters& p);

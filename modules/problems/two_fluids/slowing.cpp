@@ -20,10 +20,18 @@ void declare(namelist::schema& schema, problem_kind kind, slowing_options& o) {
 void check_slowing(const namelist::schema& schema, problem_kind kind, const options& o) {
   if (!(o.slowing.zeta > 1.0)) return;
   const char* group = group_of(kind);
+  if (o.integrates_weight)
+    schema.fail(group, "zeta", "the equation of Y holds for pressures of the equation of state: run another program");
   if (kind == problem_kind::drop && o.drops > 1)
     schema.fail(group, "zeta", "the column at rest has one material: slowed sound is for one drop");
   if (kind == problem_kind::rayleigh_taylor && o.scheme.rows == "balanced")
     schema.fail(group, "zeta", "rows = 'balanced' is derived for sound as it is: choose 'lattice'");
+}
+
+volume::options liquid_options(const options& o) {
+  volume::options all = o.liquid;
+  all.consistency.rate /= o.slowing.of_sound();
+  return all;
 }
 
 // What linear theory says of the growth of such a run, where there is a wave: beside the physical one.

@@ -31,14 +31,34 @@ double density_at_rest(const fluids<D>& f, std::size_t i, double p_h) {
   return density_at(f.world.w.materials[static_cast<std::size_t>(s.material[i])], s.rho[i], s.T[i], p_h, f.warms);
 }
 
-// The pressure of particle i, and what lifts it (N), from the pressure of the equation of state.
+// N, what lifts particle i, of volume V.
 template <int D>
-void slow_sound(fluids<D>& f, std::size_t i) {
-  auto& s = f.world.w.s;
+double find_lift(const fluids<D>& f, std::size_t i, double V) {
+  const auto& s = f.world.w.s;
   const auto rest = f.p.base->pressure(s.x[1][i]);
   const double V_h = s.m[i] / density_at_rest(f, i, rest.value);
-  s.p_eos[i] = rest.value + f.stiffness * (s.p_eos[i] - rest.value);
-  f.lift[i] = (1.0 - f.stiffness) * rest.slope * (s.dV[i] - V_h);
+  return (1.0 - f.stiffness) * rest.slope * (V - V_h);
+}
+
+// The pressure of particle i from that of the equation of state.
+template <int D>
+void slow_pressure(fluids<D>& f, std::size_t i) {
+  auto& s = f.world.w.s;
+  const double rest = f.p.base->pressure(s.x[1][i]).value;
+  s.p_eos[i] = rest + f.stiffness * (s.p_eos[i] - rest);
+}
+
+// What a program's scheme has of it: pressure and its stiffness, ∂p/∂ln ρ = K_T/ζ²; α K_T, which heats what is
+// compressed, stays.
+template <int D>
+void slow_equation_of_state(fluids<D>& f, std::size_t first, std::size_t last) {
+  auto& s = f.world.w.s;
+  foundation::for_all(last - first, [&](std::size_t k) {
+    const std::size_t i = first + k;
+    slow_pressure(f, i);
+    s.K_T[i] *= f.stiffness;
+    s.alpha[i] /= f.stiffness;
+  });
 }
 
 }  // namespace tetsuame::two_fluids

@@ -146,6 +146,8 @@ class problem : public liquid::problem<D> {
   void begin_scheme() {
     auto& s = f_.world.w.s;
     two_fluids::place_walls(f_);
+    if (f_.slows)
+      scheme_->rule = [this](std::size_t first, std::size_t last) { slow_equation_of_state(f_, first, last); };
     scheme_->begin(f_.world);
     for (std::size_t i = 0; i < s.fluid; ++i) s.Y[i] = s.p_eos[i] * s.m[i] / s.rho[i];
   }

@@ -69,6 +69,17 @@ struct eos_question {
 };
 void answer_eos(eos_question& q);
 
+// Defaults: core over mantle, and iron in both, by the compositions of docs/theory/magma_ocean.md.
+struct ocean_question {
+  double nickel = 26.5, cobalt = 23.8;  // metal over silicate, by weight
+  double iron_ratio = 13.8;             // mole fraction of Fe in the metal over that of FeO in the silicate
+  double melt_fraction = 1.0;           // where metal and silicate meet: 1 the liquidus, 0 the solidus
+  double g = 9.9;                       // m/s2, of the column above
+  std::string composition = "peridotitic", rock = "liquid_mgsio3";
+  std::string json;
+};
+void answer_ocean(ocean_question& q);
+
 struct machine {
   relaxation::cost cost;
   std::string note;  // where the rate comes from
