@@ -105,6 +105,47 @@ struct viscous_sum {
   }
 };
 
+// The divergence of η [∇v + (∇v)ᵀ + (∇·v) 1], for viscosities that differ: with ∇·(η∇v) in its place a force across a
+// contact is missing, and angular momentum is not conserved [J. J. Monaghan, Rep. Prog. Phys. 68, 1703 (2005),
+// sect. 3.2]:
+//   m_i Dv_i/Dt ⊃ Σ_j [4 η_i η_j/(η_i + η_j)] ΔV_i ΔV_j F_ij (d + 2) (v_ij·x_ij) x_ij/|x_ij|²
+//   Φ_i         = -½ Σ_j [the same factor] (d + 2) (v_ij·x_ij)²/|x_ij|²
+template <int D>
+struct symmetric_viscosity {
+  std::array<const double*, D> v;  // m/s
+  const double *eta, *dV;          // Pa s, m^D
+  std::array<double*, D> force;    // N, added to
+  double* heat;                    // W, added to
+
+  template <class R>
+  struct me {
+    pairs::vec<R, D> force;
+    R dissipation;
+  };
+  auto reads() const {
+    using namespace pairs;
+    return std::tuple{read(of_velocity, v), read(of_volume, dV, D), read(of_viscosity, eta, 1)};
+  }
+  template <class R>
+  me<R> begin(const pairs::cluster<R>&) const {
+    return {foundation::zero<R, D>(), R(0.0)};
+  }
+  void add(auto& a, const auto& ij) const {
+    using namespace pairs;
+    const auto along = ij.along(of_velocity);
+    const auto parallel =
+        (D + 2.0) *
+        of_both_ends(harmonic(ij.own(of_viscosity), ij(of_viscosity)), ij.own(of_volume), ij(of_volume), ij.F) * along /
+        ij.r2;
+    a.force += parallel * ij.x_ij;
+    a.dissipation -= parallel * along;
+  }
+  void end(const auto& i, const auto& a) const {
+    for (std::size_t k = 0; k < D; ++k) i.add(force[k], a.force[k], D - 1);
+    i.add(heat, 0.5 * a.dissipation, D - 1);
+  }
+};
+
 template <int D>
 using viscosity = viscous_sum<D, const double*>;
 template <int D>

@@ -30,7 +30,12 @@ class list_of_passes {
   using tied_continuity = typename continuity_of<typename Program::gradient, D>::type;
 
   list_of_passes(run::state<D>& of, volume_module& how, const volume::options& o, const volume::pressure_rule& rule)
-      : box_(of), how_(how), smoothing_(o.smoothing), consistency_(o.consistency), rule_(rule) {}
+      : box_(of),
+        how_(how),
+        smoothing_(o.smoothing),
+        consistency_(o.consistency),
+        symmetric_(o.stress == "symmetric"),
+        rule_(rule) {}
 
   // The list is not complete yet: others may follow. viscosity_changes: it is written by an earlier pass. rates: the
   // integrated fields that the last pass serves.
@@ -287,9 +292,9 @@ class list_of_passes {
            .accumulates = {s_.v, s_.u}},
           [this, out](const pairs::row_range& rows) {
             if (tied_)
-              sum_forces<typename Program::gradient, D, tied_continuity>(box_, out(), rows);
+              sum_forces<typename Program::gradient, D, tied_continuity>(box_, out(), rows, symmetric_);
             else
-              sum_forces<typename Program::gradient>(box_, out(), rows);
+              sum_forces<typename Program::gradient>(box_, out(), rows, symmetric_);
           });
     if (slip_counts_) declare_slip(e);
     if (tied_) tie(e);
@@ -333,6 +338,7 @@ class list_of_passes {
   volume_module& how_;
   const volume::smoothing_options smoothing_;
   const volume::consistency_options consistency_;
+  const bool symmetric_;  // viscous stress
   const volume::pressure_rule& rule_;
   const bool tied_ = carried != volume::carries::nothing && consistency_.ties();
   particles::particles<D>& s_ = box_.w.s;

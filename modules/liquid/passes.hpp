@@ -11,7 +11,7 @@
 
 #define TETSUAME_LIQUID_FORCES(where, D, form)                                                                   \
   where template void tetsuame::liquid::sum_forces<tetsuame::gradient::form, D>(run::state<D>&, const rates<D>&, \
-                                                                                const pairs::row_range&)
+                                                                                const pairs::row_range&, bool)
 
 // What walls with markers do with the fluid about these, in D dimensions: fields at the markers, and the fluid's
 // acceleration. where: extern, it is elsewhere; nothing: here.
@@ -47,7 +47,7 @@
   TETSUAME_LIQUID_FORCES(where, D, pattern_2);                                                                         \
   where template void                                                                                                  \
   tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D, tetsuame::gradient::own_continuity<D>>(               \
-      run::state<D>&, const rates<D>&, const pairs::row_range&)
+      run::state<D>&, const rates<D>&, const pairs::row_range&, bool)
 
 TETSUAME_MARKER_PASSES(extern, 2);
 TETSUAME_MARKER_PASSES(extern, 3);

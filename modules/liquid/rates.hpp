@@ -62,21 +62,27 @@ struct continuity_of<Gradient, D> {
   using type = typename Gradient::template energy_conserving_continuity<D>;
 };
 
-// The sums over the neighbours of these rows: pressure, continuity, viscosity, conduction.
+// The sums over the neighbours of these rows: pressure, continuity, viscosity, conduction. symmetric: the viscous
+// stress with the transpose of the gradient.
 template <class Gradient, int D, class Continuity = gradient::continuity<D>>
-void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range& rows) {
+void sum_forces(run::state<D>& box, const rates<D>& out, const pairs::row_range& rows, bool symmetric) {
   auto& w = box.w;
   auto& s = w.s;
   const auto v = pairs::pointers<D>(s.v);
   const typename Gradient::template term<D> pressure{v, s.p.data(), s.dV.data(), {out.dv, out.du}};
   Continuity continuity;
   continuity.v = v, continuity.dV = s.dV.data(), continuity.dlnrho = out.dlnrho;
-  if (w.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
+  const diffusion::conduction<D> conduction{s.T.data(), s.k.data(), s.dV.data(),
+                                            out.conducted ? out.conducted : out.heat};
+  if (symmetric)
+    w.sum(rows, pressure, continuity, diffusion::symmetric_viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat},
+          conduction);
+  else if (w.uniform_transport)  // one viscosity, no conduction: a third less to do a pair
     w.sum(rows, pressure, continuity,
           diffusion::uniform_viscosity<D>{v, *w.uniform_transport, s.dV.data(), out.dv, out.heat});
   else
     w.sum(rows, pressure, continuity, diffusion::viscosity<D>{v, s.eta.data(), s.dV.data(), out.dv, out.heat},
-          diffusion::conduction<D>{s.T.data(), s.k.data(), s.dV.data(), out.conducted ? out.conducted : out.heat});
+          conduction);
 }
 
 // The rates of particle i. tied: the volume is (volume/consistency.hpp), and Y has the rate that follows from ρ's.

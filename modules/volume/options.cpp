@@ -12,6 +12,11 @@ void declare(namelist::schema& schema, options& all) {
                          "relaxed to the number density, with dV = m/rho, and p <= 0 allowed"});
   schema.add("volume", "rate", all.consistency.rate,
              for_expert(between(0.0, 1.0, "of 'tied': relaxations in the time in which sound crosses a spacing")));
+  schema.group("viscosity", "of liquids");
+  schema.add("viscosity", "stress", all.stress,
+             {.choices = {"auto", "laplacian", "symmetric"},
+              .meaning = "laplacian: the notes' sum, div(eta grad v); symmetric: with the transpose of the gradient, "
+                         "which viscosities that differ need; auto: symmetric where they do"});
   schema.group("smoothing", "of the pressure, p_i = sum_j Y_j W_ij");
   schema.add("smoothing", "normalise", all.smoothing.normalise,
              {.meaning = "divide by the kernel sum, which on a lattice is not quite 1"});
@@ -32,7 +37,8 @@ void declare(namelist::schema& schema, options& all) {
              for_expert(between(0, 50, "earlier passes that anderson combines")));
 }
 
-void resolve(const namelist::schema& schema, const options& o) {
+void resolve(const namelist::schema& schema, options& o, bool contrast) {
+  if (o.stress == "auto") o.stress = contrast ? "symmetric" : "laplacian";
   if (o.consistency.rate != consistency_options{}.rate && !o.consistency.ties())
     schema.fail("volume", "rate", "belongs to consistency = 'tied'");
 }

@@ -30,14 +30,15 @@ struct consistency_options {
 };
 
 struct options {
+  std::string stress = "auto";  // viscous: laplacian, symmetric; of a run one of these
   consistency_options consistency;
   smoothing_options smoothing;
   hosono_options hosono;
 };
 
 void declare(namelist::schema& schema, options& o);
-// Refuses a rate that nothing has.
-void resolve(const namelist::schema& schema, const options& o);
+// Refuses a rate that nothing has. contrast: viscosities differ.
+void resolve(const namelist::schema& schema, options& o, bool contrast);
 
 struct residual_record {
   std::int64_t evaluation;  // of the right-hand side, from 1

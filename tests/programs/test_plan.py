@@ -250,6 +250,37 @@ class Relaxation(Plan):
         self.assertEqual(self.plan("relaxation", "all.nml")[0], self.plan("relaxation", "empty.nml")[0])
 
 
+class Ocean(Case):
+    def ocean(self, *words):
+        path = self.here / "ocean.json"
+        result = self.call("plan", "ocean", *words, "--json", path)
+        self.assertEqual(result.status, 0, result)
+        return json.loads(path.read_text()), result.stdout
+
+    def test_depth(self):
+        """Where the coefficients of Rubie et al. (2015) on the liquidus are those asked for, written out here; the depth is PREM's within a tenth."""
+        found, said = self.ocean("--nickel", 30, "--cobalt", 20, "--iron-ratio", 12)
+        for name, observed, (a, b, c) in [("nickel", 30, (1.06, 1553, -98)), ("cobalt", 20, (0.13, 2057, -57))]:
+            p, T = found[name]["pressure_Pa"], found[name]["temperature_K"]
+            self.assertAlmostEqual(T / (78.74 * (p / 4.054e6 + 1) ** (1 / 2.44)), 1, delta=1e-6)
+            self.assertAlmostEqual(12 * 10 ** (a + (b + c * p * 1e-9) / T) / observed, 1, delta=1e-6)
+        p, T = found["both"]["pressure_Pa"] * 1e-9, found["both"]["temperature_K"]
+        self.assertAlmostEqual(12 * 10 ** (1.06 + (1553 - 98 * p) / T), 30, delta=1e-6)
+        self.assertAlmostEqual(12 * 10 ** (0.13 + (2057 - 57 * p) / T), 20, delta=1e-6)
+        found, said = self.ocean()
+        for name, depth in [("nickel", 1117e3), ("cobalt", 816e3)]:  # of 44.0 and 30.4 GPa
+            self.assertAlmostEqual(found[name]["depth_m"] / depth, 1, delta=0.1)
+        self.assertIn("no melt", said)
+
+    def test_none_and_refused(self):
+        found, said = self.ocean("--nickel", 1e6)
+        self.assertIsNone(found["nickel"]["pressure_Pa"])
+        self.assertIn("none to 140", said)
+        for words in (["--nickel", -1], ["--melt-fraction", 2], ["--composition", "basaltic"], ["--rock", "granite"]):
+            with self.subTest(words=words):
+                self.assertEqual(self.call("plan", "ocean", *words).status, BAD_INPUT)
+
+
 class TwoLayers(Plan):
     """Slowed sound and inertia of an input of rti, by the growth rate of linear theory."""
 

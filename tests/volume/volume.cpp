@@ -31,7 +31,7 @@ using namespace tetsuame::test;
   extern template void tetsuame::volume::smooth_by_lattice(pairs::workspace<D>&, bool, const pairs::row_range&);     \
   extern template void tetsuame::liquid::begin_forces(run::state<D>&, const liquid::rates<D>&);                      \
   extern template void tetsuame::liquid::sum_forces<tetsuame::gradient::pattern_1, D>(                               \
-      run::state<D>&, const liquid::rates<D>&, const pairs::row_range&)
+      run::state<D>&, const liquid::rates<D>&, const pairs::row_range&, bool)
 
 TETSUAME_VOLUME_PASSES(2);
 TETSUAME_VOLUME_PASSES(3);

@@ -81,7 +81,7 @@ void resolve(const namelist::schema& schema, options& o) {
   run::resolve(schema, o);
   domain::resolve(schema, demands, o.domain);
   check_box(schema, o);
-  volume::resolve(schema, o.scheme);
+  volume::resolve(schema, o.scheme, false);
   if (o.g == 0.0) o.initial.profile = "uniform";
   if (o.initial.profile == "hydrostatic" && o.domain.periodic[1])
     schema.fail("domain", "periodic_y",

@@ -137,6 +137,7 @@ void declare(namelist::schema& schema, problem_kind kind, options& o) {
   } else {  // one input for all programs
     schema.pass_over("walls", {"treatment"});
     schema.pass_over("volume");
+    schema.pass_over("viscosity");
   }
   run::declare(schema, o.common, {.single_pairs = true, .starts_from_file = true, .settles = true});
 }

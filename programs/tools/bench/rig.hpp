@@ -217,7 +217,7 @@ class rig {
       const double engine = time_of([&] {
         volume::smooth_by_lattice(w, false, w.fluid());
         liquid::begin_forces(world_, out);
-        liquid::sum_forces<programs::disph_c::gradient>(world_, out, w.fluid());
+        liquid::sum_forces<programs::disph_c::gradient>(world_, out, w.fluid(), false);
         foundation::for_all(s.fluid, [&](std::size_t i) {  // as in liquid::finish_rates
           for (std::size_t a = 0; a < D; ++a) out.dv[a][i] = out.dv[a][i] / s.m[i] + w.g[a];
           out.du[i] /= s.m[i];
