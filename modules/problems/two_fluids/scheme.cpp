@@ -159,8 +159,7 @@ void choose_scheme(const namelist::schema& schema, const char* group, options& o
                 "4 has far neighbours of the other sign: between two stiff ones with something soft around they make "
                 "motion instead of friction; choose 2");
   // Where viscosities differ, or nothing holds the surface, only the symmetric stress is right.
-  p.symmetric_stress =
-      open || o.melting.viscosity_law != "constant" || o.material[0].viscosity != o.material[1].viscosity;
+  p.symmetric_stress = open || o.melting.viscosity_law != "constant" || !o.equally_viscous();
   if (s.viscous_order == 0) s.viscous_order = p.symmetric_stress ? 2 : 4;
 }
 

@@ -62,7 +62,7 @@ def draw_map(ax, picture, name: str, unit: str, limits: tuple[float, float] | No
     for axis, place in zip("xy", picture.axes):
         getattr(ax, f"set_{axis}label")(f"{'xyz'[place]}{fields.bracketed(length)}")
     if bar:
-        style.colour_bar(ax.figure, image, ax, fields.label(name, unit), shrink=0.85)
+        style.colour_bar(ax.figure, image, ax, fields.label(name, unit), picture.names, shrink=0.85)
     return image
 
 
