@@ -1,12 +1,18 @@
 """Materials beside the two of &rti and &drop: a material counts by what it is and not by its number; layers of three rest, and turn over into
 the order of their densities; the same on any ranks and over restarts; what is no material is refused."""
 
+import pathlib
+import shutil
+import sys
 import unittest
 
 import h5py
 import numpy as np
 
 from running import BAD_INPUT, COMPLETED, Case
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "programs" / "python"))
+import tetsuame  # noqa: E402
 
 L, N, G = 1.5e6, 24, 10.0
 DX = L / N
@@ -140,8 +146,20 @@ class Materials(Case):
         file = first.directory / "snapshot_0000.h5"
         with h5py.File(file) as snapshot:
             self.assertEqual(snapshot["PartType0/Material"].attrs["names"], b"lower, upper, sulfide")
+        picture = tetsuame.load(first.directory).snapshot(time=0.0).map("Material")
+        self.assertEqual(picture.names, ("lower", "upper", "sulfide"))
+        for y, material in ((2.5e5, 2), (7.5e5, 0), (1.25e6, 1)):  # pixels of one material each, with no other between two
+            self.assertTrue((picture.values[abs(picture.y - y) < 2e5] == material).all())
         again = self.run_program("rti", self.given(text), {"initial.file": file, "time.steps": 1})
         np.testing.assert_array_equal(particles(again)["Material"], particles(first)["Material"])
+        # Other numbers of the same names: the same start.
+        permuted = shutil.copy(file, self.here / "permuted.h5")
+        with h5py.File(permuted, "r+") as snapshot:
+            material = snapshot["PartType0/Material"]
+            material[...] = (material[...] + 1) % 3
+            material.attrs["names"] = "sulfide, lower, upper"
+        same = self.run_program("rti", self.given(text), {"initial.file": permuted, "time.steps": 1})
+        self.assertEqual(same.summary["state_hash"], again.summary["state_hash"])
         other = "&material  name = 'crust'  density = 2700  viscosity = 1e11 /\n"
         renumbered = self.run_program("rti", self.given(RTI + other + SULFIDE), {"initial.file": file, "time.steps": 1}, expect=BAD_INPUT)
         self.assert_says(renumbered, BAD_INPUT, "none of the 576 particles", "material 2 ('crust')")
@@ -187,6 +205,7 @@ class Materials(Case):
             (material.format("melts = 'yes'") + crust, [":6: &material melts", "&melting curve is 'none'"]),
             (material.format("solidus = 1400") + crust, [":6: &material solidus", "melts = 'yes'"]),
             (material.format("temperature = 1400") + crust, [":6: &material temperature", "'enthalpy'"]),
+            (SULFIDE + layers('lower', 'sulfide', 'upper') + "&expert zeta = 2 /\n", ["&expert zeta", "&material"]),
             (material.format("conductivity = 4") + crust, [":6: &material conductivity", "one temperature"]),
             (material.format("conductivity = -4") + crust, ["&material conductivity", ">= 0"])]
         for more, parts in cases:

@@ -85,8 +85,19 @@ class Snapshot:
 
     def map(self, name: str, pixels: int = 300, axis: int = 2, at: float | None = None) -> rendering.Map:
         """The field over the box, `pixels` along its longer side. In 3-D a slice normal to `axis` through `at` (the middle)."""
-        picture = rendering.slice_of(self, self[name], pixels, axis, at, self.mirrors if name == "Temperature" else ())
-        return dataclasses.replace(picture, names=tuple(self.materials)) if name == "Material" else picture
+        def rendered(values):
+            return rendering.slice_of(self, values, pixels, axis, at, self.mirrors if name == "Temperature" else ())
+
+        if name != "Material":
+            return rendered(self[name])
+        names = tuple(self.materials)
+        if len(names) < 3:
+            return dataclasses.replace(rendered(self[name]), names=names)
+        # Between the first and the third there is no second: that which has the largest share.
+        shares = [rendered((self[name] == n).astype(float)) for n in range(len(names))]
+        values = np.stack([share.values for share in shares])
+        largest = np.where(np.isnan(values[0]), np.nan, np.argmax(values, axis=0))
+        return dataclasses.replace(shares[0], values=largest, names=names)
 
     @functools.cached_property
     def mirrors(self) -> tuple[rendering.Mirror, ...]:
